@@ -95,12 +95,12 @@ impl Camera {
 
     /// The ray through a pixel in the camera's frame, a millimetre ahead for each of depth, and its derivative by the pixel; `None` where
     /// the lens's model ends.
+    #[inline]
     pub(crate) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
         let (f, c) = (self.focal_px, self.center_px);
         if self.lens == Lens::IDEAL {
-            let per_focal = f.map(|f| 1.0 / f);
-            let [x, y] = [0, 1].map(|k| (pixel[k] - c[k]) * per_focal[k]);
-            let [by_x, by_y] = per_focal;
+            let [by_x, by_y] = [1.0 / f[0], 1.0 / f[1]];
+            let [x, y] = [(pixel[0] - c[0]) * by_x, (pixel[1] - c[1]) * by_y];
             return Some(([x, y, 1.0], [[by_x, 0.0], [0.0, by_y]]));
         }
         let ideal = self.undistort(pixel)?;

@@ -110,7 +110,8 @@ impl Pose {
 
     /// A direction, or a velocity, in the other frame.
     pub fn way(&self, way: [f64; 3]) -> [f64; 3] {
-        self.rotation.map(|row| dot(row, way))
+        let [x, y, z] = self.rotation;
+        [dot(x, way), dot(y, way), dot(z, way)]
     }
 
     /// Its shift, mm.

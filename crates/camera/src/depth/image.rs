@@ -33,6 +33,9 @@ pub struct DepthImageError {
     stride: usize,
 }
 
+/// Added to a whole number of less than 4 million in size it leaves a float whose lowest bits are that number.
+const WHOLE: f32 = 12_582_912.0;
+
 /// A depth image, borrowed.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthImage<'a> {
@@ -131,14 +134,32 @@ impl<'a> DepthImage<'a> {
         to: &mut [f32; N],
         depth: impl Fn([u8; BYTES]) -> f32,
     ) {
-        for ((to, &column), &row) in to.iter_mut().zip(columns).zip(rows) {
+        // Where each begins, all at once; what is outside begins past the end. Bytes past the fourth billion are no image of today.
+        let stride = u32::try_from(self.stride).unwrap_or(u32::MAX);
+        let [width, height] = [self.width, self.height.min((u32::MAX / stride) as usize)];
+        let [width, height] = [width, height].map(|side| side as u32);
+        let mut starts = [0; N];
+        for k in 0..N {
             // What is below 0 is beyond any side.
-            let [column, row] = [column, row].map(|place| place as i32 as u32 as usize);
-            let pixel = match column < self.width && row < self.height {
-                true => self.bytes[row * self.stride + column * BYTES..].first_chunk(),
-                false => None,
+            let [column, row] = [columns[k], rows[k]].map(|place| (place + WHOLE).to_bits());
+            let [column, row] = [column, row].map(|bits| bits.wrapping_sub(WHOLE.to_bits()));
+            let start = row
+                .wrapping_mul(stride)
+                .wrapping_add(column.wrapping_mul(BYTES as u32));
+            starts[k] = match (column < width) & (row < height) {
+                true => start,
+                false => u32::MAX,
             };
-            *to = pixel.map_or(0.0, |&pixel| depth(pixel));
+        }
+        let mut pixels = [[0; BYTES]; N];
+        for (pixel, &start) in pixels.iter_mut().zip(&starts) {
+            let start = start as usize;
+            if let Some(bytes) = self.bytes.get(start..start + BYTES) {
+                pixel.copy_from_slice(bytes);
+            }
+        }
+        for (to, pixel) in to.iter_mut().zip(pixels) {
+            *to = depth(pixel);
         }
     }
 

@@ -80,18 +80,31 @@ impl DepthCamera {
 
     /// A point of the depth camera's frame in its image; `None` behind it, or where the lens's model ends.
     pub(super) fn pixel(&self, point: [f64; 3]) -> Option<[f64; 2]> {
-        (point[2] >= 1.0).then(|| self.pixel_along(point))?
-    }
-
-    /// Where in its image what lies along a way ahead is; `None` where the lens's model ends.
-    #[inline]
-    pub(super) fn pixel_along(&self, way: [f64; 3]) -> Option<[f64; 2]> {
-        let (f, c) = (self.depth.focal_px(), self.depth.center_px());
-        let per_depth = 1.0 / way[2];
-        let ideal = [0, 1].map(|k| f[k] * way[k] * per_depth + c[k]);
+        if point[2] < 1.0 {
+            return None;
+        }
+        let (focal, center) = (self.depth.focal_px(), self.depth.center_px());
+        let [x, y, ahead] = point;
+        let per_depth = 1.0 / ahead;
+        let ideal = [
+            focal[0] * x * per_depth + center[0],
+            focal[1] * y * per_depth + center[1],
+        ];
         match self.is_straight {
             true => Some(ideal),
             false => Some(self.depth.distort(ideal)?.point),
+        }
+    }
+
+    /// Takes ideal pixels of the depth camera to those of its image; where the lens's model ends, far outside of it.
+    #[inline]
+    pub(super) fn distort(&self, columns: &mut [f32], rows: &mut [f32]) {
+        if self.is_straight {
+            return;
+        }
+        for (column, row) in columns.iter_mut().zip(rows) {
+            let place = self.depth.distort([*column, *row].map(f64::from));
+            [*column, *row] = place.map_or([-1e6; 2], |place| place.point.map(|c| c as f32));
         }
     }
 

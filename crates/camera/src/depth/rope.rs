@@ -1,14 +1,19 @@
 //! A rope's points in space.
 
 mod anchors;
+mod floats;
+mod glance;
 mod look;
 mod reading;
+mod sections;
 mod unsure;
 
 use super::image::DepthImage;
 use super::pair::DepthCamera;
-use crate::space::{SeenRope, Sight, SpacePoint, between, cross, cut_ends, dot, length, sight};
+use crate::space::{SeenRope, Sight, SpacePoint, cut_ends, length, sight};
+use floats::LANES;
 use lariat_portable::Arch;
+use look::Pixels;
 use reading::{Reading, SECTION_STEP};
 use thiserror::Error;
 
@@ -56,9 +61,7 @@ pub enum NoDepth {
 /// What is known of a point on the way.
 #[derive(Debug, Clone, Copy, Default)]
 struct Axis {
-    /// The ray in the colour camera's frame, its derivative by the pixel, and the ray in the depth camera's frame.
-    ray: [f64; 3],
-    by_pixel: [[f64; 2]; 2],
+    /// The ray in the depth camera's frame.
     turned: [f64; 3],
     /// The colour camera's depth of the axis.
     depth: f64,
@@ -85,6 +88,7 @@ pub struct RopeDepth {
     row: Vec<f64>,
     /// The points around which the depth image is read.
     sections: Vec<usize>,
+    pixels: Box<[Pixels; LANES]>,
     arch: Arch,
     /// The depth camera's focal length, px: of its two the mean.
     focal_px: f64,
@@ -106,6 +110,7 @@ impl RopeDepth {
             chain: Vec::new(),
             row: Vec::new(),
             sections: Vec::new(),
+            pixels: Box::new([Pixels::NONE; LANES]),
             arch: Arch::new(),
             places: Vec::new(),
             before: Vec::new(),
@@ -170,21 +175,19 @@ impl RopeDepth {
         let aimed = sight::aim(&self.camera.color, rope, &mut self.row, &mut self.sights);
         aimed.ok_or(NoDepth::Lens)?;
         self.axes.clear();
-        for sight in &self.sights {
-            self.axes.push(Axis {
-                ray: sight.ray,
-                by_pixel: sight.by_pixel,
-                turned: self.camera.turned(sight.ray),
-                slim: sight.slim,
-                ..Axis::default()
-            });
-        }
+        let camera = &self.camera;
+        self.axes.extend(self.sights.iter().map(|sight| Axis {
+            turned: camera.turned(sight.ray),
+            slim: sight.slim,
+            ..Axis::default()
+        }));
         Ok(())
     }
 
     /// What is at such a depth of the colour camera along a point's ray, in the depth camera's frame.
     fn place(&self, axis: &Axis, depth: f64) -> [f64; 3] {
-        [0, 1, 2].map(|k| depth * axis.turned[k] + self.camera.translation[k])
+        let ([x, y, z], [right, down, ahead]) = (axis.turned, self.camera.translation);
+        [depth * x + right, depth * y + down, depth * z + ahead]
     }
 
     /// The colour camera's depth of what is so far ahead of the depth camera along a point's ray.
@@ -194,14 +197,17 @@ impl RopeDepth {
 
     /// Depths between the anchors.
     fn join(&mut self) {
-        let mut k = 0;
-        for i in 0..self.axes.len() {
-            while k + 2 < self.anchors.len() && self.anchors[k + 1].0 < i {
-                k += 1;
+        let mut begin = 0;
+        let last = self.axes.len();
+        let ends = (self.anchors[1..self.anchors.len() - 1].iter()).map(|&(to, _)| to + 1);
+        for (pair, end) in self.anchors.windows(2).zip(ends.chain([last])) {
+            let [(from, a), (to, b)] = [pair[0], pair[1]];
+            let step = (b - a) / (to - from) as f64;
+            for (i, axis) in self.axes[begin..end].iter_mut().enumerate() {
+                let steps = (begin + i).clamp(from, to) - from;
+                axis.depth = a + steps as f64 * step;
             }
-            let [(from, a), (to, b)] = [self.anchors[k], self.anchors[k + 1]];
-            let share = (i as f64 - from as f64) / (to - from) as f64;
-            self.axes[i].depth = a + share.clamp(0.0, 1.0) * (b - a);
+            begin = end;
         }
     }
 
@@ -211,9 +217,10 @@ impl RopeDepth {
         let depths = self.sections.iter().map(|&i| self.axes[i].depth);
         self.row.extend(depths);
         for (five, &i) in self.row.windows(5).zip(&self.sections[2..]) {
-            let mut five = [five[0], five[1], five[2], five[3], five[4]];
-            five.sort_unstable_by(f64::total_cmp);
-            self.axes[i].depth = five[2];
+            // Of the other four two are no more than the third of five, or two no less.
+            let [a, b, c, d] = [five[0], five[1], five[3], five[4]];
+            let (low, high) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
+            self.axes[i].depth = five[2].max(low.min(high)).min(low.max(high));
         }
     }
 
@@ -261,34 +268,30 @@ impl RopeDepth {
     fn write(&mut self, rope: &SeenRope) {
         self.places.clear();
         let (widths, hidden) = (rope.widths_px.iter(), rope.hidden.iter());
-        let points = self.axes.iter().zip(widths).zip(hidden);
-        self.places.extend(points.map(|((axis, &width), &hidden)| {
-            let [x, y] = axis.by_pixel;
+        let points = self.axes.iter().zip(&self.sights).zip(widths).zip(hidden);
+        let places = points.map(|(((axis, sight), &width), &hidden)| {
+            let depth = axis.depth;
+            let ([x, y, ahead], [by_x, by_y]) = (sight.ray, sight.by_pixel);
             let beside = match (axis.is_measured, hidden) {
                 (true, _) => ASIDE * (axis.beside.abs() - NOT_ASIDE).max(0.0),
                 (false, true) => 0.0,
                 (false, false) => 1.0,
             };
             SpacePoint {
-                point: axis.ray.map(|c| axis.depth * c),
+                point: [depth * x, depth * y, depth * ahead],
                 by_pixel: [
-                    x.map(|d| axis.depth * d),
-                    y.map(|d| axis.depth * d),
+                    [depth * by_x[0], depth * by_x[1]],
+                    [depth * by_y[0], depth * by_y[1]],
                     [0.0; 2],
                 ],
-                ray: axis.ray,
+                ray: sight.ray,
                 variance: axis.variance,
                 in_common: if axis.is_measured { 0.0 } else { 1.0 },
                 is_measured: axis.is_measured,
                 doubt_px: 0.5 * f64::from(width) * beside,
-                width_mm: 2.0 * axis.slim * axis.depth,
+                width_mm: 2.0 * axis.slim * depth,
             }
-        }));
+        });
+        self.places.extend(places);
     }
-}
-
-/// The pixel nearest to a place; far to the left or above, none of the image. Without the call that `round` is.
-#[inline]
-fn pixel(place: f64) -> isize {
-    (place + 4096.5) as isize - 4096
 }

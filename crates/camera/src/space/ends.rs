@@ -15,37 +15,44 @@ const OVER: f64 = 3.0;
 
 /// Moves the ends that are seen to where the axis ends. `before` is room.
 pub(crate) fn cut_ends(places: &mut [SpacePoint], seen: [bool; 2], before: &mut Vec<SpacePoint>) {
-    let [first, last] = seen;
-    if first {
-        cut(places, before);
+    let last = places.len() - 1;
+    if seen[0] {
+        cut(places, |i| i, before);
     }
-    if last {
-        places.reverse();
-        cut(places, before);
-        places.reverse();
+    if seen[1] {
+        cut(places, |i| last - i, before);
     }
 }
 
-/// Cuts off what is too much at the beginning.
-fn cut(places: &mut [SpacePoint], before: &mut Vec<SpacePoint>) {
-    let radius = 0.5 * places[0].width_mm;
-    let end = places[0].point;
-    let Some(back) = places
-        .iter()
-        .position(|place| far(place.point, end) > BACK_RADII * radius)
-    else {
+/// Cuts off what is too much at an end: `at` is the number of the `i`-th point from there.
+fn cut(places: &mut [SpacePoint], at: impl Fn(usize) -> usize, before: &mut Vec<SpacePoint>) {
+    let radius = 0.5 * places[at(0)].width_mm;
+    let end = places[at(0)].point;
+    let count = places.len();
+    let back = (0..count).find(|&i| far(places[at(i)].point, end) > BACK_RADII * radius);
+    let Some(back) = back else {
         return;
     };
-    let way = between(end, places[back].point);
+    let way = between(end, places[at(back)].point);
     let along = dot(way, end) / (dot(way, way) * dot(end, end)).sqrt();
     let sine = (1.0 - along * along).max(0.01).sqrt();
     let length = (radius * along.abs() / sine).min(MOST_RADII * radius);
     let reach = OVER * length;
+    // What is moved, and what it is moved along.
     before.clear();
-    before.extend_from_slice(places);
     let mut arc = 0.0;
-    let (mut from, mut from_arc) = (0, 0.0);
-    for i in 0..places.len() {
+    for i in 0..count {
+        let place = places[at(i)];
+        arc += before
+            .last()
+            .map_or(0.0, |last| far(place.point, last.point));
+        before.push(place);
+        if arc >= reach && before.len() > 1 {
+            break;
+        }
+    }
+    let (mut from, mut from_arc, mut arc) = (0, 0.0, 0.0);
+    for i in 0..before.len() {
         if i > 0 {
             arc += far(before[i].point, before[i - 1].point);
         }
@@ -66,7 +73,7 @@ fn cut(places: &mut [SpacePoint], before: &mut Vec<SpacePoint>) {
             true => ((wanted - from_arc) / step).clamp(0.0, 1.0),
             false => 0.0,
         };
-        places[i] = mixed(&before[from], &before[from + 1], share);
+        places[at(i)] = mixed(&before[from], &before[from + 1], share);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rays along which a rope's points lie.
 
-use super::{SeenRope, dot, length};
+use super::{SeenRope, dot};
 use crate::camera::Camera;
 
 /// A width is the mean over so many neighbors to each side.
@@ -26,42 +26,41 @@ pub(crate) fn aim(
 ) -> Option<()> {
     sights.clear();
     for &pixel in rope.points {
-        let (ray, by_pixel) = camera.ray(pixel.map(f64::from))?;
+        let [x, y] = pixel;
+        let (ray, by_pixel) = camera.ray([f64::from(x), f64::from(y)])?;
         sights.push(Sight {
             ray,
             by_pixel,
             slim: 0.0,
         });
     }
-    let last = sights.len().checked_sub(1)?;
-    for (i, width) in rope.widths_px.iter().enumerate() {
-        let [from, to] = [i.saturating_sub(1), (i + 1).min(last)];
-        let [a, b] = [from, to].map(|k| rope.points[k].map(f64::from));
-        let way = [b[0] - a[0], b[1] - a[1]];
-        let far = length(way[0], way[1]);
-        let sight = &sights[i];
-        // Half of the width in the picture, as a way in the plane a millimetre ahead; of it that counts which leaves the plane
-        // of the ray and the rope.
-        let half = match far > 0.0 {
-            true => 0.5 * f64::from(*width) / far,
-            false => 0.0,
-        };
-        let aside = sight
-            .by_pixel
-            .map(|by| half * (by[1] * way[0] - by[0] * way[1]));
-        let [x, y] = [0, 1].map(|k| sights[to].ray[k] - sights[from].ray[k]);
-        let ray = sight.ray;
-        let square = [-y, x, ray[0] * y - ray[1] * x];
-        let size = dot(square, square).sqrt();
-        sights[i].slim = match size > 0.0 {
-            true => (aside[0] * square[0] + aside[1] * square[1]).abs() / size,
-            false => 0.0,
-        };
-    }
-    // Widths err by themselves; a rope's does not change from one point to the next.
     let count = sights.len();
+    let last = count.checked_sub(1)?;
+    let (points, widths) = (&rope.points[..count], &rope.widths_px[..count]);
     row.clear();
-    row.extend(sights.iter().map(|sight| sight.slim));
+    row.extend((0..count).map(|i| {
+        let [from, to] = [i.saturating_sub(1), (i + 1).min(last)];
+        let (a, b, sight) = (points[from], points[to], &sights[i]);
+        let way = [
+            f64::from(b[0]) - f64::from(a[0]),
+            f64::from(b[1]) - f64::from(a[1]),
+        ];
+        // Half of the width in the picture, as a way in the plane a millimetre ahead; of it that counts which leaves the plane
+        // of the ray and the rope. By the lengths of the two ways it is divided once.
+        let half = 0.5 * f64::from(widths[i]);
+        let [by_x, by_y] = sight.by_pixel;
+        let aside_x = half * (by_x[1] * way[0] - by_x[0] * way[1]);
+        let aside_y = half * (by_y[1] * way[0] - by_y[0] * way[1]);
+        let (start, end, ray) = (sights[from].ray, sights[to].ray, sight.ray);
+        let (x, y) = (end[0] - start[0], end[1] - start[1]);
+        let square = [-y, x, ray[0] * y - ray[1] * x];
+        let size = ((way[0] * way[0] + way[1] * way[1]) * dot(square, square)).sqrt();
+        match size > 0.0 {
+            true => (aside_x * square[0] + aside_y * square[1]).abs() / size,
+            false => 0.0,
+        }
+    }));
+    // Widths err by themselves; a rope's does not change from one point to the next.
     let (mut sum, mut from, mut to) = (0.0, 0, 0);
     for (i, sight) in sights.iter_mut().enumerate() {
         let [first, last] = [i.saturating_sub(WIDTHS), (i + WIDTHS + 1).min(count)];

@@ -20,6 +20,14 @@ use crate::vec2::{self, Vec2};
 /// How many times as wide as most a strand is that is called wider.
 const WIDER: f32 = 1.25;
 
+/// How much wider than along its edge a strand is where it is part of a crossing, as a factor, and px for whole pixels.
+const SWOLLEN: f32 = 1.12;
+const SWOLLEN_PX: f32 = 0.3;
+/// A strand that rises to the camera becomes wider by and by, a crossing's width falls: so many half-widths ahead, from and to, a strand is
+/// still as wide as here. It is no wider than this many times its edge, as two strands beside each other are.
+const AHEAD_HALVES: [f32; 2] = [4.0, 8.0];
+const RISEN: f32 = 1.6;
+
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Zones {
@@ -263,8 +271,20 @@ impl Zones {
         let most = (pixels.len().saturating_sub(3)) / 2;
         let mut trim = 0;
         if crossing {
+            let swollen = |half_px: f32| SWOLLEN * half_px + SWOLLEN_PX;
+            let [from, to] = AHEAD_HALVES.map(|halves| (halves * half_px) as usize + 1);
+            let is_risen = |trim: usize| {
+                let window = trim + from..trim + to;
+                // At the far end of the edge may be a crossing, too.
+                if window.end + to > pixels.len() {
+                    return false;
+                }
+                let sum: f32 = window.map(|i| pixel(i).half_px).sum();
+                let ahead_px = (sum / (to - from) as f32).min(RISEN * half_px);
+                ahead_px > swollen(half_px) && pixel(trim).half_px <= swollen(ahead_px)
+            };
             while trim < most
-                && (pixel(trim).half_px > 1.12 * half_px + 0.3
+                && (pixel(trim).half_px > swollen(half_px) && !is_risen(trim)
                     || vec2::distance(pixel(trim).at(), pixel(0).at()) < 0.7 * half_px)
             {
                 trim += 1;

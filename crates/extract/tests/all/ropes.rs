@@ -81,6 +81,33 @@ fn a_rope_that_rises_to_the_camera_is_measured_where_it_is_wide() {
     }
 }
 
+/// Lifted high, two ropes that cross themselves where they are much wider than elsewhere: what is wide is no part of the crossing.
+#[test]
+fn a_rope_is_measured_up_to_a_crossing_beside_which_it_rises_to_the_camera() {
+    use lariat_drawn::space::{Eye, LiftOptions, LiftedRope, picture};
+    let [width, height] = [848, 480];
+    let lifted = LiftOptions {
+        length_mm: 600.0,
+        radius_mm: 4.0,
+        lift_mm: 160.0,
+        crossings: 1,
+    };
+    for seed in [18, 20] {
+        let eye = Eye::above(610.0, [width, height], 500.0, 15.0, 40.0 * seed as f64);
+        let rope = LiftedRope::new(&lifted, &eye, seed).expect("a rope that fits");
+        let rgb = picture(&rope, &eye, seed);
+        let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8);
+        let mut extractor = extractor();
+        let scene = extractor.extract(&image.expect("an image"));
+        assert_eq!(scene.curves.len(), 1, "seed {seed}");
+        let pixel = |&p: &[f64; 3]| eye.pixel(eye.see(p)).map(|c| c as f32);
+        let axis: Vec<Vec2> = rope.points.iter().map(pixel).collect();
+        let far = |&p: &Vec2| distance_to(p, &axis);
+        let worst = scene.curves[0].points.iter().map(far).fold(0.0, f32::max);
+        assert!(worst < 4.0, "seed {seed}: {worst} px beside it");
+    }
+}
+
 #[test]
 fn ropes_of_every_width_and_color_come_out_where_they_are() {
     let mut random = SplitMix64::new(7);

@@ -1,8 +1,10 @@
 //! Where a rope is first found, along the rays of some of its points; and what of all that was found is not the rope.
 
-use super::SeenRope;
-use super::{Axis, RopeDepth, STEEPEST, length, pixel};
+use super::floats::{Floats, LANES, Lanes};
+use super::{Axis, RopeDepth, STEEPEST, SeenRope, length};
 use crate::depth::image::DepthImage;
+use crate::depth::pair::DepthCamera;
+use lariat_portable::{Simd, WithSimd};
 
 /// Points between those at which a rope is looked for along the whole ray.
 const ANCHOR_STEP: usize = 6;
@@ -19,6 +21,12 @@ const BEHIND: f64 = 1.0;
 /// So few sections at an end are the rope only where it rises no more steeply to them, on average, than this.
 const TIP: usize = 3;
 const TIP_STEEPEST: f64 = 1.0;
+
+/// The numbers of steps of a walk along a ray, and more than all of them.
+const STEPS: Lanes = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
+const NONE: f32 = 1e3;
 
 impl RopeDepth {
     /// Walks some of the rays, and keeps the best chain of what is found that a rope can be.
@@ -51,7 +59,7 @@ impl RopeDepth {
 
     /// How far a point's ray is aside of another's, for each millimetre ahead.
     fn apart(&self, i: usize, j: usize) -> f64 {
-        let [a, b] = [i, j].map(|k| self.axes[k].ray);
+        let [a, b] = [self.sights[i].ray, self.sights[j].ray];
         length(a[0] - b[0], a[1] - b[1])
     }
 
@@ -99,6 +107,10 @@ impl RopeDepth {
     /// Keeps the best chain of anchors in which the rope can rise from each to the next, give or take so many millimetres: the longest,
     /// where each place at which it points at the camera costs so many anchors.
     fn keep_chain(&mut self, slack_mm: f64, end_on_cost: usize) {
+        let mut pairs = self.anchors.windows(2);
+        if pairs.all(|pair| self.can_follow(pair[0], pair[1], STEEPEST, slack_mm)) {
+            return;
+        }
         self.chain.clear();
         for k in 0..self.anchors.len() {
             let mut best = (1, usize::MAX);
@@ -144,38 +156,92 @@ impl RopeDepth {
     /// The first place along a ray where what is measured is where the ray is: the colour camera's depth of the rope's axis.
     fn walk(&self, image: &DepthImage, axis: &Axis) -> Option<f64> {
         let [near, far] = self.camera.range_mm;
-        let ends = [near, far].map(|depth| self.camera.pixel(self.place(axis, depth)));
-        let [Some(first), Some(last)] = ends else {
-            return None;
-        };
+        let first = self.camera.pixel(self.place(axis, near))?;
+        let last = self.camera.pixel(self.place(axis, far))?;
         let steps = length(first[0] - last[0], first[1] - last[1])
             .ceil()
             .max(1.0);
-        let nearest = 1.0 / near;
-        let step = (nearest - 1.0 / far) / steps;
-        for k in 0..=steps as usize {
-            // The place and what is measured there, times the inverse depth.
-            let inverse = nearest - k as f64 * step;
-            let place = [0, 1, 2].map(|k| axis.turned[k] + inverse * self.camera.translation[k]);
-            if place[2] < inverse {
-                continue;
-            }
-            let Some([x, y]) = self.camera.pixel_along(place) else {
-                continue;
-            };
-            let Some(measured) = image.at(pixel(x), pixel(y)) else {
-                continue;
-            };
+        let walk = Walk {
+            image,
+            camera: &self.camera,
+            turned: axis.turned,
+            nearest: 1.0 / near,
+            step: (1.0 / near - 1.0 / far) / steps,
+            last: steps as usize,
+        };
+        let measured = self.arch.dispatch(walk)?;
+        Some(self.depth(axis, f64::from(measured)) * (1.0 + axis.slim))
+    }
+}
+
+/// A way along a ray, from near to far.
+struct Walk<'a> {
+    image: &'a DepthImage<'a>,
+    camera: &'a DepthCamera,
+    /// The ray in the depth camera's frame.
+    turned: [f64; 3],
+    /// The inverse depth that it begins at, and how much less that is from one place to the next, 1/mm; and how many of these steps it takes.
+    nearest: f64,
+    step: f64,
+    last: usize,
+}
+
+impl WithSimd for Walk<'_> {
+    type Output = Option<f32>;
+
+    /// What is measured at the first place where that is where the ray is.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Option<f32> {
+        let camera = self.camera;
+        let (focal, center) = (camera.depth.focal_px(), camera.depth.center_px());
+        let ([x, y, z], [right, down, ahead]) = (self.turned, camera.translation);
+        let (x, right) = (
+            Floats::splat(simd, x as f32),
+            Floats::splat(simd, right as f32),
+        );
+        let (y, down) = (
+            Floats::splat(simd, y as f32),
+            Floats::splat(simd, down as f32),
+        );
+        let (z, ahead) = (
+            Floats::splat(simd, z as f32),
+            Floats::splat(simd, ahead as f32),
+        );
+        let (zero, step) = (
+            Floats::splat(simd, 0.0),
+            Floats::splat(simd, self.step as f32),
+        );
+        let noise = Floats::splat(simd, 3.0 * camera.noise as f32);
+        let far = Floats::splat(simd, camera.range_mm[1] as f32);
+        let lanes = Floats::of(simd, &STEPS);
+        let none = Floats::splat(simd, NONE);
+        for from in (0..=self.last).step_by(LANES) {
+            // The places and what is measured there, times the inverse depth.
+            let begin = self.nearest - from as f64 * self.step;
+            let inverse = Floats::splat(simd, begin as f32) - lanes * step;
+            let z = z + inverse * ahead;
+            let per_z = Floats::splat(simd, 1.0) / z;
+            let column = Floats::splat(simd, focal[0] as f32) * (x + inverse * right) * per_z;
+            let row = Floats::splat(simd, focal[1] as f32) * (y + inverse * down) * per_z;
+            let mut columns = (column + Floats::splat(simd, center[0] as f32)).lanes();
+            let mut rows = (row + Floats::splat(simd, center[1] as f32)).lanes();
+            camera.distort(&mut columns, &mut rows);
+            let columns = Floats::of(simd, &columns).rounded().lanes();
+            let rows = Floats::of(simd, &rows).rounded().lanes();
+            let mut measured = [0.0; LANES];
+            self.image.read(&columns, &rows, &mut measured);
+            let there = Floats::of(simd, &measured) * inverse;
             // Of one step a ray looks along all its depths where it is a point in the image.
-            let reach = match steps as usize {
+            let reach = match self.last {
                 1 => far * inverse * inverse,
-                _ => 0.75 * step,
+                _ => Floats::splat(simd, 0.75) * step,
             };
-            let there = measured * inverse;
-            let off = (there - place[2]).abs() * inverse;
-            if off < reach + 3.0 * self.camera.sigma_mm(there) {
-                let depth = self.depth(axis, measured);
-                return Some(depth * (1.0 + axis.slim));
+            let off = (there - z).abs() * inverse;
+            let hit = lanes.where_less(off, reach + noise * there * there, none);
+            let hit = hit.where_less(zero, there, none);
+            let hit = none.where_less(z, inverse, hit).least() as usize;
+            if hit <= (self.last - from).min(LANES - 1) {
+                return Some(measured[hit]);
             }
         }
         None

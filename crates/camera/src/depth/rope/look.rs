@@ -1,16 +1,15 @@
 //! All of a section's inside, read at places of a fixed pattern: what it says of the axis.
 
-use super::reading::Section;
+use super::floats::{Floats, LANES};
+use super::sections::Sections;
 use crate::depth::image::DepthImage;
 use lariat_portable::{Simd, WithSimd};
 
 /// Places in a section where its pixels are read.
 const SAMPLES: usize = 32;
-const VECTORS: usize = SAMPLES / 16;
+const VECTORS: usize = SAMPLES / LANES;
 /// The share of them that fall on a pixel of their own, at most.
-const READ_ONCE: f64 = 0.75;
-/// Added and taken away it leaves a whole number, of what is below 4 million in size.
-const ROUNDING: f32 = 12_582_912.0;
+const READ_ONCE: f32 = 0.75;
 /// Where they are, -1 to 1: a lattice of Fibonacci's, without rows that would fall into step with those of the image.
 const ALONG: [f32; SAMPLES] = {
     let mut places = [0.0; SAMPLES];
@@ -32,11 +31,12 @@ const ACROSS: [f32; SAMPLES] = {
     places
 };
 /// Of the radius: how much of it is taken for wrong, as widths are.
-const RADIUS_ERROR: f64 = 0.02;
+const RADIUS_ERROR: f32 = 0.02;
 /// What is this many standard deviations from the mean is another thing.
 const STRAY: f32 = 2.5;
 
 /// What is read of an axis.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     /// How far ahead of the depth camera it is, and the variance of that.
     pub(super) ahead: f64,
@@ -45,178 +45,197 @@ pub(super) struct Found {
     pub(super) beside: f64,
 }
 
-/// All of a section's inside.
+/// All of some sections' insides.
 pub(super) struct Look<'a> {
     pub(super) image: &'a DepthImage<'a>,
-    pub(super) section: Section,
+    pub(super) sections: &'a Sections,
+    /// Room.
+    pub(super) pixels: &'a mut [Pixels; LANES],
 }
 
 impl WithSimd for Look<'_> {
-    type Output = Option<Found>;
+    type Output = [Option<Found>; LANES];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let section = &self.section;
-        let samples = self.samples(simd);
-        let sigma = section.sigma as f32;
-        let reach = section.radius as f32 + 5.0 * sigma;
+    fn with_simd<S: Simd>(mut self, simd: S) -> Self::Output {
+        // First all are read, as what is read one by one can be taken up together only a while later.
+        for k in 0..LANES {
+            if self.sections.inner[k] > 0.0 {
+                self.read(simd, k);
+            }
+        }
+        let mut found = [None; LANES];
+        for (k, found) in found.iter_mut().enumerate() {
+            if self.sections.inner[k] > 0.0 {
+                *found = self.look(simd, k);
+            }
+        }
+        found
+    }
+}
+
+impl Look<'_> {
+    /// What the `k`-th section's pixels say of its axis.
+    #[inline(always)]
+    fn look<S: Simd>(&self, simd: S, k: usize) -> Option<Found> {
+        let of = self.sections;
+        let samples = self.samples(simd, k);
+        let sigma = of.sigma[k];
+        let reach = of.radius[k] + 5.0 * sigma;
         let all = samples.middle(simd, 0.0, reach)?;
         // What is behind an edge takes the first mean with it, and is left out then.
         let near = samples.middle(simd, all, STRAY * sigma).unwrap_or(all);
         let near = (samples.mean(simd, near, STRAY * sigma))
             .or_else(|| samples.mean(simd, all, STRAY * sigma))
             .or_else(|| samples.mean(simd, 0.0, reach))?;
-        let [first, last] = section.ends;
         // Of a narrow section the places fall on pixels beside it, too, which do not count.
-        let pixels = 2.0 * section.inner.max(0.5) * (last - first).max(1.0);
-        let count = f64::from(near.count);
-        let spread = f64::from(near.squares) / (count - 1.0).max(1.0);
-        let alone = (READ_ONCE.min(pixels / SAMPLES as f64) * count).max(1.0);
-        let variance = spread.max(section.sigma * section.sigma) / alone;
-        let wrong = RADIUS_ERROR * section.radius / section.sine;
+        let pixels = 2.0 * of.inner[k].max(0.5) * (of.ends[1][k] - of.ends[0][k]).max(1.0);
+        let spread = near.squares / (near.count - 1.0).max(1.0);
+        let alone = (READ_ONCE.min(pixels / SAMPLES as f32) * near.count).max(1.0);
+        let variance = spread.max(sigma * sigma) / alone;
+        let wrong = RADIUS_ERROR * of.radius[k] / of.sine[k];
         Some(Found {
-            ahead: section.ahead + f64::from(near.mean),
-            variance: variance + wrong * wrong,
-            beside: f64::from(near.beside) * section.mm_per_px / section.radius,
+            ahead: f64::from(of.ahead[k]) + f64::from(near.mean),
+            variance: f64::from(variance + wrong * wrong),
+            beside: f64::from(near.beside * of.mm_per_px[k] / of.radius[k]),
         })
     }
-}
 
-impl Look<'_> {
-    /// Reads the pixels of a section.
+    /// Reads the pixels of the `k`-th section.
     #[inline(always)]
-    fn samples<S: Simd>(&self, simd: S) -> Samples<S> {
-        let section = &self.section;
-        let [first, last] = section.ends;
-        let middle = splat(simd, 0.5 * (first + last));
-        let half = splat(simd, 0.5 * (last - first));
-        let (at_x, at_y) = (splat(simd, section.at[0]), splat(simd, section.at[1]));
-        let along_x = splat(simd, section.along[0]);
-        let along_y = splat(simd, section.along[1]);
-        let inner = splat(simd, section.inner);
-        let (mut columns, mut rows) = ([0.0; SAMPLES], [0.0; SAMPLES]);
-        let to = S::as_mut_simd_f32s(&mut columns).0.iter_mut();
-        let to = to.zip(S::as_mut_simd_f32s(&mut rows).0);
-        let from = S::as_simd_f32s(&ALONG)
-            .0
-            .iter()
-            .zip(S::as_simd_f32s(&ACROSS).0);
-        for ((column, row), (&along, &across)) in to.zip(from) {
-            let on = simd.mul_add_f32s(half, along, middle);
-            let off = simd.mul_f32s(inner, across);
-            let x = simd.sub_f32s(simd.mul_f32s(on, along_x), simd.mul_f32s(off, along_y));
-            let y = simd.mul_add_f32s(off, along_x, simd.mul_f32s(on, along_y));
-            *column = rounded(simd, simd.add_f32s(at_x, x));
-            *row = rounded(simd, simd.add_f32s(at_y, y));
+    fn read<S: Simd>(&mut self, simd: S, k: usize) {
+        let of = self.sections;
+        let [first, last] = [of.ends[0][k], of.ends[1][k]];
+        let middle = Floats::splat(simd, 0.5 * (first + last));
+        let half = Floats::splat(simd, 0.5 * (last - first));
+        let at_x = Floats::splat(simd, of.at[0][k]);
+        let at_y = Floats::splat(simd, of.at[1][k]);
+        let along_x = Floats::splat(simd, of.along[0][k]);
+        let along_y = Floats::splat(simd, of.along[1][k]);
+        let inner = Floats::splat(simd, of.inner[k]);
+        let Pixels {
+            columns,
+            rows,
+            measured,
+        } = &mut self.pixels[k];
+        for from in (0..SAMPLES).step_by(LANES) {
+            let on = half * Floats::of(simd, &ALONG[from..]) + middle;
+            let off = inner * Floats::of(simd, &ACROSS[from..]);
+            let column = (at_x + (on * along_x - off * along_y)).rounded();
+            let row = (at_y + (off * along_x + on * along_y)).rounded();
+            columns[from..from + LANES].copy_from_slice(&column.lanes());
+            rows[from..from + LANES].copy_from_slice(&row.lanes());
         }
-        let mut measured = [0.0; SAMPLES];
-        self.image.read(&columns, &rows, &mut measured);
-        let zero = simd.splat_f32s(0.0);
-        let (about, slope) = (splat(simd, section.ahead), splat(simd, section.slope));
-        let (tilt, per_px) = (
-            splat(simd, section.tilt),
-            splat(simd, section.beside_per_px),
-        );
-        let squared_radius = splat(simd, section.radius * section.radius);
-        let per_sine = splat(simd, 1.0 / section.sine);
+        self.image.read(columns, rows, measured);
+    }
+
+    /// What they say of its axis, one by one.
+    #[inline(always)]
+    fn samples<S: Simd>(&self, simd: S, k: usize) -> Samples<S> {
+        let (of, pixels) = (self.sections, &self.pixels[k]);
+        let at_x = Floats::splat(simd, of.at[0][k]);
+        let at_y = Floats::splat(simd, of.at[1][k]);
+        let along_x = Floats::splat(simd, of.along[0][k]);
+        let along_y = Floats::splat(simd, of.along[1][k]);
+        let inner = Floats::splat(simd, of.inner[k]);
+        let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
+        let about = Floats::splat(simd, of.ahead[k]);
+        let slope = Floats::splat(simd, of.slope[k]);
+        let tilt = Floats::splat(simd, of.tilt[k]);
+        let per_px = Floats::splat(simd, of.beside_per_px[k]);
+        let squared_radius = Floats::splat(simd, of.radius[k] * of.radius[k]);
+        let per_sine = Floats::splat(simd, 1.0 / of.sine[k]);
         let mut samples = Samples {
             off: [zero; VECTORS],
             beside: [zero; VECTORS],
             counts: [zero; VECTORS],
         };
-        let columns = S::as_simd_f32s(&columns).0;
-        let rows = S::as_simd_f32s(&rows).0;
-        let measured = S::as_simd_f32s(&measured).0;
         for k in 0..VECTORS {
-            let (x, y) = (
-                simd.sub_f32s(columns[k], at_x),
-                simd.sub_f32s(rows[k], at_y),
-            );
-            let beside = simd.sub_f32s(simd.mul_f32s(y, along_x), simd.mul_f32s(x, along_y));
-            let on = simd.mul_add_f32s(x, along_x, simd.mul_f32s(y, along_y));
+            let from = k * LANES;
+            let x = Floats::of(simd, &pixels.columns[from..]) - at_x;
+            let y = Floats::of(simd, &pixels.rows[from..]) - at_y;
+            let measured = Floats::of(simd, &pixels.measured[from..]);
+            let beside = y * along_x - x * along_y;
+            let on = x * along_x + y * along_y;
             samples.beside[k] = beside;
-            let from_axis = simd.mul_f32s(beside, per_px);
-            let inside = simd.sub_f32s(squared_radius, simd.mul_f32s(from_axis, from_axis));
-            let rise = simd.sqrt_f32s(simd.max_f32s(inside, zero));
-            let rise = simd.mul_f32s(rise, per_sine);
-            let surface = simd.sub_f32s(measured[k], about);
-            let leaning = simd.mul_add_f32s(slope, on, simd.mul_f32s(tilt, beside));
-            samples.off[k] = simd.sub_f32s(simd.add_f32s(surface, rise), leaning);
-            let is_inside = simd.less_than_or_equal_f32s(simd.abs_f32s(beside), inner);
-            let count = simd.select_f32s(is_inside, simd.splat_f32s(1.0), zero);
-            let is_measured = simd.less_than_f32s(zero, measured[k]);
-            samples.counts[k] = simd.select_f32s(is_measured, count, zero);
+            let from_axis = beside * per_px;
+            let rise = (squared_radius - from_axis * from_axis).max(zero).sqrt();
+            samples.off[k] = measured - about + rise * per_sine - (slope * on + tilt * beside);
+            let is_inside = zero.where_less(inner, beside.abs(), one);
+            samples.counts[k] = is_inside.where_less(zero, measured, zero);
         }
         samples
     }
 }
 
+/// A section's pixels: where they are in the image, and what is measured there, mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pixels {
+    columns: [f32; SAMPLES],
+    rows: [f32; SAMPLES],
+    measured: [f32; SAMPLES],
+}
+
+impl Pixels {
+    pub(super) const NONE: Self = Self {
+        columns: [0.0; SAMPLES],
+        rows: [0.0; SAMPLES],
+        measured: [0.0; SAMPLES],
+    };
+}
+
 /// What the pixels of a section say: how much farther ahead the axis is than it was taken for, mm, how far beside it they are, px, and
 /// whether they count, 0 or 1.
 struct Samples<S: Simd> {
-    off: [S::f32s; VECTORS],
-    beside: [S::f32s; VECTORS],
-    counts: [S::f32s; VECTORS],
+    off: [Floats<S>; VECTORS],
+    beside: [Floats<S>; VECTORS],
+    counts: [Floats<S>; VECTORS],
 }
 
 impl<S: Simd> Samples<S> {
     /// The mean of what counts and is nearer than `gate` to `about`; `None` of nothing.
     #[inline(always)]
     fn middle(&self, simd: S, about: f32, gate: f32) -> Option<f32> {
-        let (center, gate) = (simd.splat_f32s(about), simd.splat_f32s(gate));
-        let zero = simd.splat_f32s(0.0);
+        let (center, gate) = (Floats::splat(simd, about), Floats::splat(simd, gate));
+        let zero = Floats::splat(simd, 0.0);
         let (mut count, mut sum) = (zero, zero);
         for k in 0..VECTORS {
-            let from = simd.sub_f32s(self.off[k], center);
-            let is_near = simd.less_than_f32s(simd.abs_f32s(from), gate);
-            let near = simd.select_f32s(is_near, self.counts[k], zero);
-            count = simd.add_f32s(count, near);
-            sum = simd.add_f32s(sum, simd.mul_f32s(near, from));
+            let from = self.off[k] - center;
+            let near = self.counts[k].where_less(from.abs(), gate, zero);
+            count = count + near;
+            sum = sum + near * from;
         }
-        let count = simd.reduce_sum_f32s(count);
-        (count != 0.0).then(|| about + simd.reduce_sum_f32s(sum) / count)
+        let count = count.sum();
+        (count != 0.0).then(|| about + sum.sum() / count)
     }
 
     /// The same, and what else is known of it.
     #[inline(always)]
     fn mean(&self, simd: S, about: f32, gate: f32) -> Option<Mean> {
-        let (center, gate) = (simd.splat_f32s(about), simd.splat_f32s(gate));
-        let zero = simd.splat_f32s(0.0);
+        let (center, gate) = (Floats::splat(simd, about), Floats::splat(simd, gate));
+        let zero = Floats::splat(simd, 0.0);
         let (mut count, mut sum, mut squares, mut aside) = (zero, zero, zero, zero);
         for k in 0..VECTORS {
-            let from = simd.sub_f32s(self.off[k], center);
-            let is_near = simd.less_than_f32s(simd.abs_f32s(from), gate);
-            let near = simd.select_f32s(is_near, self.counts[k], zero);
-            aside = simd.mul_add_f32s(near, self.beside[k], aside);
-            let part = simd.mul_f32s(near, from);
-            count = simd.add_f32s(count, near);
-            sum = simd.add_f32s(sum, part);
-            squares = simd.mul_add_f32s(part, from, squares);
+            let from = self.off[k] - center;
+            let near = self.counts[k].where_less(from.abs(), gate, zero);
+            aside = near * self.beside[k] + aside;
+            let part = near * from;
+            count = count + near;
+            sum = sum + part;
+            squares = part * from + squares;
         }
-        let count = simd.reduce_sum_f32s(count);
+        let count = count.sum();
         if count == 0.0 {
             return None;
         }
-        let sum = simd.reduce_sum_f32s(sum);
+        let sum = sum.sum();
         Some(Mean {
             count,
             mean: about + sum / count,
-            beside: simd.reduce_sum_f32s(aside) / count,
-            squares: (simd.reduce_sum_f32s(squares) - sum * sum / count).max(0.0),
+            beside: aside.sum() / count,
+            squares: (squares.sum() - sum * sum / count).max(0.0),
         })
     }
-}
-
-#[inline(always)]
-fn splat<S: Simd>(simd: S, value: f64) -> S::f32s {
-    simd.splat_f32s(value as f32)
-}
-
-/// The whole numbers nearest to these.
-#[inline(always)]
-fn rounded<S: Simd>(simd: S, places: S::f32s) -> S::f32s {
-    let rounding = simd.splat_f32s(ROUNDING);
-    simd.sub_f32s(simd.add_f32s(places, rounding), rounding)
 }
 
 /// The mean of so many numbers, the sum of the squares of their distances from it, and the mean of how far beside the axis they are.

@@ -1,6 +1,6 @@
 //! How sure depths are, and those between that were not measured.
 
-use super::{Axis, RopeDepth, length};
+use super::{RopeDepth, length};
 
 /// So many third differences are needed to judge noise by; their median is this where they are normal, of variance 1; and noise is taken for
 /// at most so many times what the sensor's model says.
@@ -16,15 +16,12 @@ impl RopeDepth {
     pub(super) fn doubt(&mut self) {
         self.row.clear();
         for four in self.sections.windows(4) {
-            let four = [0, 1, 2, 3].map(|k| &self.axes[four[k]]);
-            if four.iter().all(|axis| axis.is_measured) {
-                let weights = [-1.0, 3.0, -3.0, 1.0];
-                let sum = |of: fn(&Axis, f64) -> f64| -> f64 {
-                    four.iter().zip(weights).map(|(axis, w)| of(axis, w)).sum()
-                };
-                let difference = sum(|axis, w| w * axis.depth);
-                let variance = sum(|axis, w| w * w * axis.variance);
-                self.row.push(difference.abs() / variance.sqrt());
+            let [a, b] = [&self.axes[four[0]], &self.axes[four[1]]];
+            let [c, d] = [&self.axes[four[2]], &self.axes[four[3]]];
+            if a.is_measured && b.is_measured && c.is_measured && d.is_measured {
+                let difference = 3.0 * (b.depth - c.depth) + (d.depth - a.depth);
+                let variance = 9.0 * (b.variance + c.variance) + (a.variance + d.variance);
+                self.row.push(difference * difference / variance);
             }
         }
         let count = self.row.len();
@@ -32,7 +29,7 @@ impl RopeDepth {
             return;
         }
         let (_, median, _) = self.row.select_nth_unstable_by(count / 2, f64::total_cmp);
-        let off = (*median / MEDIAN_OF_NORMAL).clamp(1.0, MOST_DOUBT);
+        let off = (median.sqrt() / MEDIAN_OF_NORMAL).clamp(1.0, MOST_DOUBT);
         for axis in &mut self.axes {
             axis.variance *= off * off;
         }
@@ -56,8 +53,8 @@ impl RopeDepth {
                 let (depth, variance) = match (before, after) {
                     (Some(a), Some(b)) => {
                         let share = (k - a) as f64 / (b - a) as f64;
-                        let [a, b] = [&self.axes[a], &self.axes[b]];
                         let way = self.aside(a, k).min(self.aside(b, k));
+                        let [a, b] = [&self.axes[a], &self.axes[b]];
                         (
                             a.depth + share * (b.depth - a.depth),
                             a.variance.max(b.variance) + ASTRAY * ASTRAY * way * way,
@@ -65,7 +62,7 @@ impl RopeDepth {
                     }
                     (Some(a), None) | (None, Some(a)) => {
                         let axis = &self.axes[a];
-                        let way = 2.0 * self.aside(axis, k);
+                        let way = 2.0 * self.aside(a, k);
                         (axis.depth, axis.variance + ASTRAY * ASTRAY * way * way)
                     }
                     (None, None) => return,
@@ -76,9 +73,9 @@ impl RopeDepth {
         }
     }
 
-    /// How far point `k` is aside of another, mm.
-    fn aside(&self, axis: &Axis, k: usize) -> f64 {
-        let other = self.axes[k].ray;
-        length(axis.ray[0] - other[0], axis.ray[1] - other[1]) * axis.depth
+    /// How far point `k` is aside of the `from`-th, mm.
+    fn aside(&self, from: usize, k: usize) -> f64 {
+        let [a, b] = [self.sights[from].ray, self.sights[k].ray];
+        length(a[0] - b[0], a[1] - b[1]) * self.axes[from].depth
     }
 }

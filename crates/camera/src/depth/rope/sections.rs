@@ -1,0 +1,193 @@
+//! Sections of a rope in the depth image, as many at a time as there are floats in a vector: how each is read.
+
+use super::floats::{Floats, LANES, Lanes};
+use lariat_portable::{Simd, WithSimd};
+use std::ops::{Mul, Sub};
+
+/// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
+const INNER: f32 = 0.8;
+const EDGE_PX: f32 = 0.8;
+/// Where no more than this is left to each side of the axis, px, pixels are told one by one whether they lie on the rope: by how far they
+/// reach to its side, as they lie to it, and by how far its axis may be off.
+const NARROW_PX: f32 = 0.5;
+const AXIS_OFF_PX: f32 = 0.1;
+/// Where less than this is left, next to no pixel lies on the rope as a whole: it is not read.
+const LEAST_PX: f32 = 0.1;
+/// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
+const LONGEST: f32 = 1.5;
+
+/// A number of each of the sections from the one before these to the one after them.
+pub(super) type Around = [f32; LANES + 2];
+
+/// Sections in a row, each around a point of the rope, as they are set out.
+pub(super) struct Outline {
+    /// Where their points are in the depth image, px, and in the depth camera's frame, mm.
+    pub(super) at: [Around; 2],
+    pub(super) place: [Around; 3],
+    /// The rope's radius there, mm; 0 where it is not read.
+    pub(super) radius: Lanes,
+    /// The share of the way to the point before, and to the one after, that is theirs.
+    pub(super) share: [Lanes; 2],
+    /// The depth camera's focal length, px, the standard deviation of a depth z by z², 1/mm, and that of its whole numbers, mm.
+    pub(super) focal_px: f32,
+    pub(super) noise: f32,
+    pub(super) rounding_mm: f32,
+}
+
+/// How sections are read.
+pub(super) struct Sections {
+    /// Where their points are, and how far ahead of the depth camera.
+    pub(super) at: [Lanes; 2],
+    pub(super) ahead: Lanes,
+    /// The way along the rope, of length 1; and how much farther ahead it is for each pixel along, and its side for each beside.
+    pub(super) along: [Lanes; 2],
+    pub(super) slope: Lanes,
+    pub(super) tilt: Lanes,
+    /// From where to where along it, and how far beside, they are read, px; of those that go nowhere in the depth image, or are too thin
+    /// there, nothing.
+    pub(super) ends: [Lanes; 2],
+    pub(super) inner: Lanes,
+    pub(super) mm_per_px: Lanes,
+    /// How far beside its axis a ray passes for each pixel beside.
+    pub(super) beside_per_px: Lanes,
+    /// The rope's, mm.
+    pub(super) radius: Lanes,
+    /// How far beside the axis a ray gets, for each millimetre ahead.
+    pub(super) sine: Lanes,
+    /// The standard deviation of a pixel, mm.
+    pub(super) sigma: Lanes,
+}
+
+impl WithSimd for &Outline {
+    type Output = Sections;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Sections {
+        let [x_before, x, x_after] = around(simd, &self.at[0]);
+        let [y_before, y, y_after] = around(simd, &self.at[1]);
+        let (way_x, way_y) = (x_after - x_before, y_after - y_before);
+        let far = (way_x * way_x + way_y * way_y).sqrt();
+        let one = Floats::splat(simd, 1.0);
+        let per_far = one / far;
+        let (along_x, along_y) = (way_x * per_far, way_y * per_far);
+
+        let place = Vector::of(simd, &self.place, 1);
+        let way = Vector::of(simd, &self.place, 2) - Vector::of(simd, &self.place, 0);
+        let ahead = place.z;
+        let per_ahead = one / ahead;
+        let focal = Floats::splat(simd, self.focal_px);
+        let mm_per_px = ahead * Floats::splat(simd, 1.0 / self.focal_px);
+        let half = Floats::of(simd, &self.radius) * focal * per_ahead;
+
+        let narrow_px = Floats::splat(simd, NARROW_PX);
+        let wide = (half * Floats::splat(simd, INNER)).min(half - Floats::splat(simd, EDGE_PX));
+        let reach = Floats::splat(simd, 0.5) * (along_x.abs() + along_y.abs());
+        let narrow = (half - reach - Floats::splat(simd, AXIS_OFF_PX)).min(narrow_px);
+        let inner = narrow.where_less(wide, narrow_px, wide);
+        let zero = Floats::splat(simd, 0.0);
+        let inner = zero.where_less(inner, Floats::splat(simd, LEAST_PX), inner);
+        let inner = inner.where_less(Floats::splat(simd, 1e-3), far, zero);
+        let inner = inner.where_less(far, Floats::splat(simd, 1e3), zero);
+
+        let most = Floats::splat(simd, LONGEST) * half;
+        let (back_x, back_y) = (x_before - x, y_before - y);
+        let back = (back_x * back_x + back_y * back_y).sqrt() * Floats::of(simd, &self.share[0]);
+        let (on_x, on_y) = (x_after - x, y_after - y);
+        let on = (on_x * on_x + on_y * on_y).sqrt() * Floats::of(simd, &self.share[1]);
+
+        // The ray, the rope, and what is square to both; then square to that and the rope.
+        let ray = place * per_ahead;
+        let rope = way * (one / way.length());
+        let normal = ray.cross(rope);
+        let sine = normal.length();
+        let per_sine = one / sine;
+        let normal = normal * per_sine;
+        let up = rope.cross(normal);
+        let sigma = Floats::splat(simd, self.noise) * ahead * ahead;
+        let rounding = Floats::splat(simd, self.rounding_mm);
+        Sections {
+            at: [x.lanes(), y.lanes()],
+            ahead: ahead.lanes(),
+            along: [along_x.lanes(), along_y.lanes()],
+            slope: (way.z * per_far).lanes(),
+            tilt: (mm_per_px * per_sine * (along_y * up.x - along_x * up.y)).lanes(),
+            ends: [(-back.min(most)).lanes(), on.min(most).lanes()],
+            inner: inner.lanes(),
+            mm_per_px: mm_per_px.lanes(),
+            beside_per_px: (mm_per_px * (along_x * normal.y - along_y * normal.x)).lanes(),
+            radius: self.radius,
+            sine: sine.lanes(),
+            sigma: (sigma * sigma + rounding * rounding).sqrt().lanes(),
+        }
+    }
+}
+
+/// Those before, these, and those after.
+#[inline(always)]
+fn around<S: Simd>(simd: S, numbers: &Around) -> [Floats<S>; 3] {
+    [
+        Floats::of(simd, numbers),
+        Floats::of(simd, &numbers[1..]),
+        Floats::of(simd, &numbers[2..]),
+    ]
+}
+
+/// A vector in space for each lane.
+#[derive(Clone, Copy)]
+struct Vector<S: Simd> {
+    x: Floats<S>,
+    y: Floats<S>,
+    z: Floats<S>,
+}
+
+impl<S: Simd> Vector<S> {
+    /// Those from the `first` one on.
+    #[inline(always)]
+    fn of(simd: S, [x, y, z]: &[Around; 3], first: usize) -> Self {
+        Self {
+            x: Floats::of(simd, &x[first..]),
+            y: Floats::of(simd, &y[first..]),
+            z: Floats::of(simd, &z[first..]),
+        }
+    }
+
+    #[inline(always)]
+    fn length(self) -> Floats<S> {
+        (self.x * self.x + self.y * self.y + self.z * self.z).sqrt()
+    }
+
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+}
+
+impl<S: Simd> Sub for Vector<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            x: self.x - other.x,
+            y: self.y - other.y,
+            z: self.z - other.z,
+        }
+    }
+}
+
+impl<S: Simd> Mul<Floats<S>> for Vector<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, by: Floats<S>) -> Self {
+        Self {
+            x: self.x * by,
+            y: self.y * by,
+            z: self.z * by,
+        }
+    }
+}
