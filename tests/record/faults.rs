@@ -200,6 +200,7 @@ fn a_killed_chain_leaves_a_recording_closed_well() {
     let mut chain = bench.start(&flags);
     let recorder = recorder(&chain);
     chain.wait_for_frames();
+    wait_for_bytes(&bench, "run.mcap", 1);
     chain.signal_chain(Signal::KILL);
     chain.end();
     crate::rig::wait_until_gone(recorder);
