@@ -1,11 +1,8 @@
 //! What people see on a terminal, and scripts in a pipe: widths, escape codes, exit codes, sources without a flag.
 
-#[allow(dead_code, reason = "written for the chain's own tests")]
-#[path = "chain/rig.rs"]
-mod rig;
-
-use rig::Bench;
 use std::process::Output;
+
+use crate::rig::Bench;
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
 const PICTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png");

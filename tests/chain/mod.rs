@@ -12,7 +12,6 @@ mod masks;
 mod outputs;
 mod piped;
 mod restarts;
-mod rig;
 mod simulated;
 mod sink;
 mod sources;
