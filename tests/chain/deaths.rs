@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -145,13 +144,9 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
 
 /// A reader of a lossless chain that stands still until the chain has been told to end, and reads on then, until there is no more
 /// after the chain's end: how many messages came, and which numbers the first and the last had.
-///
-/// `opened`: is told when the chain has the reader.
-fn read_late(domain: &str, opened: &Sender<()>, is_over: &AtomicBool) -> (u64, u64, u64) {
+fn read_late(domain: &str, until: Instant, is_over: &AtomicBool) -> (u64, u64, u64) {
     let domain = Domain::named(domain).expect("a domain");
     let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
-    let until = Instant::now() + Duration::from_millis(1500);
-    opened.send(()).expect("someone waits");
     while Instant::now() < until {
         // It takes up its end of the channel, and takes no message.
         reader.before_poll().expect("a channel");
@@ -189,13 +184,12 @@ fn a_lossless_chain_that_is_told_to_end_delivers_all_to_a_reader_that_was_slow()
         let mut chain = bench.start(&arguments);
         chain.wait_for_frames();
         let domain = bench.domain.clone();
+        let reads_from = Instant::now() + Duration::from_millis(1500);
         let is_over = Arc::new(AtomicBool::new(false));
-        let (opened, is_open) = mpsc::channel();
         let reader = thread::spawn({
             let is_over = is_over.clone();
-            move || read_late(&domain, &opened, &is_over)
+            move || read_late(&domain, reads_from, &is_over)
         });
-        is_open.recv().expect("the reader opens");
         // All buffers are full by now, and each stage waits for the next.
         thread::sleep(Duration::from_millis(800));
         chain.signal_chain(Signal::TERM);
