@@ -1,7 +1,14 @@
 //! Control loops beside the real chain.
 
+#[path = "chain/rig.rs"]
+#[allow(dead_code, reason = "these tests need less of it than the chain's")]
+mod rig;
+
 #[path = "../examples/control_loop.rs"]
 mod control_loop;
+
+#[path = "../examples/message_of_offsets.rs"]
+mod message_of_offsets;
 
 use std::io::{BufRead, BufReader, Read};
 use std::mem::offset_of;
@@ -12,10 +19,8 @@ use lariat_wire::{
     Absent, CenterlinePoints, DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, Rig,
     Seen, Trace, Track, Writer, now_ns,
 };
+use rig::{Bench, send, wait_until_gone};
 use rustix::process::Signal;
-
-use crate::message_of_offsets;
-use crate::rig::{Bench, send, wait_until_gone};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -148,7 +153,7 @@ struct Loop {
 impl Loop {
     fn start(bench: &Bench) -> Self {
         let mut process = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "readers::a_loop_of_its_own", "--nocapture"])
+            .args(["--exact", "a_loop_of_its_own", "--nocapture"])
             .env("LARIAT_TEST_LOOP", "1")
             .env("LARIAT_DOMAIN", &bench.domain)
             .stdout(Stdio::piped())

@@ -1,8 +1,11 @@
 //! `lariat servo`: ropes are driven to their target by what the camera sees, through the whole chain.
 
-use rustix::process::Signal;
+#[allow(dead_code, reason = "written for the chain's own tests")]
+#[path = "chain/rig.rs"]
+mod rig;
 
-use crate::rig::{Bench, send, wait_until_told_by_signals};
+use rig::Bench;
+use rustix::process::Signal;
 
 #[test]
 fn five_ropes_reach_their_target_at_60_frames_a_second_and_are_filmed() {
@@ -83,7 +86,7 @@ fn a_signal_ends_all_of_it() {
         .spawn()
         .expect("it runs");
     let id = servo.id();
-    wait_until_told_by_signals(id);
+    rig::wait_until_told_by_signals(id);
     // In the midst of the first rope.
     let domain = lariat_wire::Domain::named(&bench.domain).expect("a domain");
     let rig = "servo".parse().expect("a name");
@@ -96,7 +99,7 @@ fn a_signal_ends_all_of_it() {
             .is_some()
     );
     drop((reader, domain));
-    send(id as i32, Signal::INT);
+    rig::send(id as i32, Signal::INT);
     let ended = servo.wait_with_output().expect("it ends");
     assert_eq!(ended.status.code(), Some(1));
     bench.assert_nothing_is_left();

@@ -1,10 +1,13 @@
 //! What packages bring along: completions that their shells understand, a manual page for each command, and a version that says
 //! what was built.
 
+#[allow(dead_code, reason = "written for the chain's own tests")]
+#[path = "chain/rig.rs"]
+mod rig;
+
+use rig::Bench;
 use std::fs;
 use std::process::{Command, Output};
-
-use crate::rig::Bench;
 
 fn text(output: &Output) -> String {
     assert!(output.status.success(), "{output:?}");

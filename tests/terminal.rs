@@ -1,8 +1,11 @@
 //! What people see on a terminal, and scripts in a pipe: widths, escape codes, exit codes, sources without a flag.
 
-use std::process::Output;
+#[allow(dead_code, reason = "written for the chain's own tests")]
+#[path = "chain/rig.rs"]
+mod rig;
 
-use crate::rig::Bench;
+use rig::Bench;
+use std::process::Output;
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
 const PICTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png");

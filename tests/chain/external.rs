@@ -162,11 +162,7 @@ fn a_program_that_is_killed_leaves_its_place_to_the_next_and_what_readers_have_g
     let bench = Bench::new();
     let chain = bench.start(&["--source", "external", "--out", "out"]);
     let mut program = Command::new(std::env::current_exe().unwrap())
-        .args([
-            "--exact",
-            "chain::external::a_program_of_its_own",
-            "--nocapture",
-        ])
+        .args(["--exact", "external::a_program_of_its_own", "--nocapture"])
         .env("LARIAT_TEST_CAMERA", "1")
         .env("LARIAT_DOMAIN", &bench.domain)
         .stdout(Stdio::piped())

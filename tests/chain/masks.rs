@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use lariat_wire::{Delivery, Domain, FRAMES, FrameHeader, MASKS, Receiver, Rig, Writer};
 
-use super::frames::wait_for_next;
+use crate::frames::wait_for_next;
 use crate::rig::Bench;
 
 #[path = "../../examples/mask_network.rs"]

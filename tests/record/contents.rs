@@ -7,10 +7,10 @@ use lariat_record::{CompressedImageRecord, ImageRecord, Losses, Record};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader};
 use rustix::process::Signal;
 
-use super::annotations::assert_polygons_end_where_ropes_do;
-use super::recording::Recording;
-use super::rings::{Own, wait_until_announced};
+use crate::annotations::assert_polygons_end_where_ropes_do;
+use crate::recording::Recording;
 use crate::rig::{Bench, send};
+use crate::rings::{Own, wait_until_announced};
 
 const FRAMES: u64 = 150;
 

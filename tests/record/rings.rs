@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use lariat_wire::{Domain, Receiver, Rig};
 use rustix::process::Signal;
 
-use super::recording::Recording;
+use crate::recording::Recording;
 use crate::rig::{Bench, send};
 
 /// Waits until so many descriptors have been sent.

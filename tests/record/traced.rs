@@ -6,7 +6,7 @@ use lariat_record::Record;
 use lariat_wire::{Descriptor, Descriptors, FitQuality, Status};
 use serde_json::Value;
 
-use super::recording::Recording;
+use crate::recording::Recording;
 use crate::rig::Bench;
 
 const FRAMES: &str = "66";

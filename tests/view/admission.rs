@@ -9,9 +9,9 @@ use std::os::unix::process::CommandExt;
 use rustix::process::{Signal, geteuid};
 use tungstenite::Message;
 
-use super::page::{PROTOCOL, Page};
-use super::viewing::{Viewing, get, url_in};
+use crate::page::{PROTOCOL, Page};
 use crate::rig::Bench;
+use crate::viewing::{Viewing, get, url_in};
 
 #[test]
 fn the_page_is_whole_and_needs_nothing_from_elsewhere() {

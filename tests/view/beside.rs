@@ -4,9 +4,9 @@ use std::net::TcpStream;
 
 use rustix::process::Signal;
 
-use super::page::PATIENCE;
-use super::viewing::{Viewing, get, host, url_in};
+use crate::page::PATIENCE;
 use crate::rig::Bench;
+use crate::viewing::{Viewing, get, host, url_in};
 
 #[test]
 fn a_chain_with_a_page_beside_it_takes_it_along() {

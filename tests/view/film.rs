@@ -3,10 +3,10 @@
 use serde_json::Value;
 use tungstenite::Message;
 
-use super::page::{Page, assert_curves_lie_on_the_rope};
-use super::plane::make_plane;
-use super::viewing::Viewing;
+use crate::page::{Page, assert_curves_lie_on_the_rope};
+use crate::plane::make_plane;
 use crate::rig::Bench;
+use crate::viewing::Viewing;
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
 

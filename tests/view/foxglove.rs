@@ -10,11 +10,11 @@ use serde_json::{Value, json};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Bytes, Message, WebSocket};
 
-use super::page::Page;
-use super::plane::make_plane;
-use super::viewing::Viewing;
-use crate::record::annotations::assert_polygons_end_where_ropes_do;
+use crate::annotations::assert_polygons_end_where_ropes_do;
+use crate::page::Page;
+use crate::plane::make_plane;
 use crate::rig::Bench;
+use crate::viewing::Viewing;
 
 /// A client that has subscribed to channels.
 struct Client {

@@ -3,9 +3,9 @@
 use rustix::process::Signal;
 use serde_json::Value;
 
-use super::page::{PATIENCE, Page, assert_curves_lie_on_the_rope};
-use super::viewing::Viewing;
+use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope};
 use crate::rig::Bench;
+use crate::viewing::Viewing;
 
 /// How many readers the channels of a rig have: frames, centerlines, descriptors.
 fn readers(bench: &Bench, rig: &str) -> Vec<u64> {

@@ -5,9 +5,9 @@ use std::time::Instant;
 use lariat_chain::settings::Settings;
 use serde_json::{Value, json};
 
-use super::page::{PATIENCE, Page, assert_curves_lie_on_the_rope, end, shown};
-use super::viewing::Viewing;
+use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope, end, shown};
 use crate::rig::Bench;
+use crate::viewing::Viewing;
 
 /// Pixels of the rendered rope's pictures and where they would be on a table that is seen at a slant, in mm.
 const POINTS: [[f64; 4]; 5] = [

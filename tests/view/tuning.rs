@@ -3,7 +3,7 @@
 use serde_json::json;
 use tungstenite::Message;
 
-use super::page::{Page, asked, end, shown};
+use crate::page::{Page, asked, end, shown};
 use crate::rig::Bench;
 
 #[test]

@@ -12,6 +12,7 @@ mod masks;
 mod outputs;
 mod piped;
 mod restarts;
+mod rig;
 mod simulated;
 mod sink;
 mod sources;

@@ -2,6 +2,13 @@
 //! compiler alone, by pkg-config and by CMake, and run beside the real chain. Without a C compiler nothing of it is tested;
 //! `.ci/run` sees to it that there is one.
 
+#[path = "../chain/rig.rs"]
+#[allow(dead_code, reason = "these tests need less of it than the chain's")]
+mod rig;
+
+#[path = "../../examples/message_of_offsets.rs"]
+mod message_of_offsets;
+
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -12,9 +19,7 @@ use lariat_wire::{
     DESCRIPTORS, DESCRIPTORS3, Delivery, Descriptors, Descriptors3, Domain, Place, Rig, Writer,
     now_ns,
 };
-
-use crate::message_of_offsets;
-use crate::rig::Bench;
+use rig::Bench;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];

@@ -1,6 +1,0 @@
-//! All tests of the crate's public face in one program, which is built and linked once.
-
-mod accuracy;
-mod rendered;
-mod rivals;
-mod unread;
