@@ -25,7 +25,8 @@ const LANES: usize = 8;
 /// How far each of them is from the first.
 const OFFSETS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// An image of three bytes a pixel, without padding, at least [`LANES`] pixels wide.
+/// An image of three bytes a pixel, without padding, at least [`LANES`] pixels wide. Its values are such as [`to_byte`] makes: what is
+/// not drawn on is written back as it is.
 pub(crate) struct Canvas<'a> {
     pub(crate) pixels: &'a mut [u8],
     pub(crate) width: usize,
