@@ -45,12 +45,12 @@ pub struct Curve {
     /// Whether the first and the last point lie where the rope leaves the image.
     pub border: [bool; 2],
     /// N points at equal steps of arc length, [x, y] in pixels; an open rope's first and last are
-    /// its two tips.
+    /// its two tips. Only hidden ones may lie outside of the image.
     pub points: Vec<[f32; 2]>,
     /// The rope's width at each point, in pixels.
     pub widths_px: Vec<f32>,
-    /// Whether each point is covered by something, and so not seen but taken from where the rope
-    /// must run between the parts that are.
+    /// Whether each point is covered by something or lies outside of the image, and so is not seen but taken from where the
+    /// rope must run between the parts that are.
     pub hidden: Vec<bool>,
     /// The median of `widths_px`.
     pub width_px: f32,

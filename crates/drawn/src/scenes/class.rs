@@ -96,6 +96,8 @@ pub enum Class {
     Covered,
     /// The picture was kept as a JPEG of quality 30, its color at half the resolution.
     Jpeg,
+    /// A bend of the rope, by up to 90°, lies outside of the picture: by one to 3.5 widths, over up to 14.
+    Returning,
 }
 
 impl Class {
@@ -148,12 +150,13 @@ impl Class {
     ];
 
     /// The classes in which ropes are hard to tell apart, or not all there, however well their pixels are known.
-    pub const SHAPES: [Self; 5] = [
+    pub const SHAPES: [Self; 6] = [
         Self::Eights,
         Self::Coils,
         Self::Parallel,
         Self::OneColor,
         Self::Covered,
+        Self::Returning,
     ];
 
     /// Whether its ropes lie on a surface as they do in photographs.
@@ -209,6 +212,7 @@ impl Class {
             Self::OneColor => "one-color",
             Self::Covered => "covered",
             Self::Jpeg => "jpeg",
+            Self::Returning => "returning",
         }
     }
 }

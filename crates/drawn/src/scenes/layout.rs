@@ -3,7 +3,7 @@
 
 use super::Class;
 use super::covering::Covering;
-use super::leaving::{leaving, taut};
+use super::leaving::{leaving, returning, taut};
 use super::line::{Found, Line, Meeting, Vec2, meetings};
 use super::rules::{Rules, bends_enough, crossed, crossings_as_asked};
 use super::shape::{self, Beside, Room};
@@ -76,6 +76,7 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
             }),
             Class::EndsNear | Class::EndsTouching => ending(class, random, size_px, width_px),
             Class::Border => leaving(&rules, random, size_px, width_px),
+            Class::Returning => returning(&rules, random, size_px, width_px),
             Class::Taut => taut(&rules, random, size_px, width_px),
             // The thing lies in the rest.
             Class::Things => {
@@ -136,8 +137,8 @@ fn free(
     finish(lines, width_px, rules, random)
 }
 
-/// The layout of drawn lines that lie within the image.
-fn finish(
+/// The layout of drawn lines of which all is known.
+pub(super) fn finish(
     lines: Vec<Line>,
     width_px: f64,
     rules: &Rules,

@@ -1,7 +1,7 @@
 //! Ropes that leave the image.
 
-use super::layout::{Layout, refined, room, tops};
-use super::line::{Line, Vec2};
+use super::layout::{Layout, finish, refined, room, tops};
+use super::line::{Line, Vec2, dot, minus, norm};
 use super::rules::{Rules, bends_enough, crossings_as_asked};
 use super::shape::{self, Room};
 use lariat_portable::SplitMix64;
@@ -33,6 +33,55 @@ pub(super) fn taut(
     let line = shape::taut(random, size_px);
     let layout = cut_off(&line, rules, random, size_px, width_px)?;
     (layout.border == [[true; 2]]).then_some(layout)
+}
+
+/// A rope of which a bend lies outside of the image, by up to three widths and a half: what is seen of it points there.
+pub(super) fn returning(
+    rules: &Rules,
+    random: &mut SplitMix64,
+    size_px: Vec2,
+    width_px: f64,
+) -> Option<Layout> {
+    let swing = random.uniform(rules.swing[0], rules.swing[1]);
+    let room = room(size_px, width_px);
+    let mut line = shape::open(random, room, swing);
+    let axis = usize::from(random.sign() > 0.0);
+    let is_far = random.sign() > 0.0;
+    let over_px = width_px * random.uniform(1.0, 3.5);
+    let along = line.points.iter().map(|p| p[axis]);
+    let shift_px = match is_far {
+        true => size_px[axis] - 1.0 + over_px - along.fold(f64::MIN, f64::max),
+        false => -over_px - along.fold(f64::MAX, f64::min),
+    };
+    line.points.iter_mut().for_each(|p| p[axis] += shift_px);
+    let line = refined(&line);
+    let is_out = |p: &Vec2| p[axis] < 0.0 || p[axis] > size_px[axis] - 1.0;
+    let first = line.points.iter().position(is_out)?;
+    let last = line.points.iter().rposition(is_out)?;
+    let [from_px, to_px] = [first, last].map(|i| i as f64 * line.step_px);
+    let is_one = line.points[first..=last].iter().all(is_out);
+    let chord_px = norm(minus(line.points[last], line.points[first]));
+    let facing = dot(line.tangent(from_px), line.tangent(to_px));
+    if !is_one || chord_px > 14.0 * width_px || facing < 0.0 || !bends_enough(&line, width_px) {
+        return None;
+    }
+    // Elsewhere it keeps off, its tips and crossings too.
+    let clear_px = 6.0 * width_px;
+    let is_clear = |along_px: f64, at: Vec2| {
+        let near_exit = along_px > from_px - clear_px && along_px < to_px + clear_px;
+        near_exit || (0..2).all(|k| at[k].min(size_px[k] - 1.0 - at[k]) > room.margin_px)
+    };
+    let mut places = line.points.iter().enumerate();
+    if from_px < clear_px
+        || to_px > line.length_px() - clear_px
+        || !places.all(|(i, &at)| is_clear(i as f64 * line.step_px, at))
+    {
+        return None;
+    }
+    let layout = finish(vec![line], width_px, rules, random)?;
+    let is_off = |&along_px: &f64| along_px < from_px - clear_px || along_px > to_px + clear_px;
+    let mut tops = layout.tops.iter();
+    (tops.all(|top| top.along_px.iter().all(is_off))).then_some(layout)
 }
 
 /// What of a line lies within the image, and a little more.

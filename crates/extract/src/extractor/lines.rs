@@ -3,7 +3,7 @@
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::Extractor;
-use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::centerline::line::{Line, MOST_PIECES};
 use crate::centerline::source::Source;
 use crate::confidence::{self, Known};
 use crate::image::ray::LANES;
@@ -248,11 +248,6 @@ impl Extractor {
     fn fill_curve(&mut self, l: usize) {
         let line = &self.lines[l];
         line.resample(self.options.points, &mut self.spaced);
-        // Smoothing may carry a tip at the image's border a little over it.
-        let (right, bottom) = (self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0);
-        for Sample { at: [x, y], .. } in &mut self.spaced {
-            (*x, *y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
-        }
         if self.curves.len() <= self.count {
             self.curves.push(Curve::empty());
         }
@@ -266,8 +261,6 @@ impl Extractor {
         curve.width_px = median(&mut curve.widths_px);
         curve.widths_px.clear();
         curve.widths_px.extend(widths());
-        curve.points.clear();
-        curve.points.extend(self.spaced.iter().map(|s| s.at));
         let intervals = self.spaced.len() - usize::from(!curve.closed);
         let step_px = curve.length_px / intervals.max(1) as f32;
         let gaps = || self.bridger.gaps.iter().filter(|gap| gap.line == l);
@@ -275,6 +268,18 @@ impl Extractor {
         curve.hidden.extend((0..self.spaced.len()).map(|i| {
             let along_px = i as f32 * step_px;
             gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
+        }));
+        // Smoothing may carry a tip at the image's border a little over it.
+        let last = [self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0];
+        let places = self.spaced.iter().zip(&curve.hidden);
+        curve.points.clear();
+        curve.points.extend(places.map(|(sample, &is_hidden)| {
+            let within = |c: usize| sample.at[c].clamp(0.0, last[c]);
+            if is_hidden {
+                sample.at
+            } else {
+                [within(0), within(1)]
+            }
         }));
     }
 }

@@ -117,21 +117,23 @@ impl Bridger {
                 continue;
             }
             for last in [false, true] {
-                if line.border[usize::from(last)] {
-                    continue;
-                }
                 let n = line.samples.len();
                 let width_px = line.samples[n / 2].width_px.max(1.0);
-                // The direction over two widths: the tip itself may be frayed by what covers it.
                 let step_px = (line.length_px() / (n - 1) as f32).max(0.1);
-                let back = ((2.0 * width_px / step_px) as usize).clamp(1, n - 1);
-                let (tip, inner) = if last {
-                    (n - 1, n - 1 - back)
-                } else {
-                    (0, back)
+                let back = |widths: f32| ((widths * width_px / step_px) as usize).clamp(1, n - 1);
+                let at = |back: usize| line.samples[if last { n - 1 - back } else { back }].at;
+                let from = |widths| vec2::unit_or(vec2::sub(at(0), at(back(widths))), [1.0, 0.0]);
+                let leaves = line.border[usize::from(last)];
+                // The direction over two widths: the tip itself may be frayed by what covers it. Where the picture cuts the rope off,
+                // as it is there, at the end of an arc.
+                let out = match leaves {
+                    true => vec2::unit_or(
+                        vec2::sub(vec2::scale(from(1.0), 2.0), from(2.0)),
+                        [1.0, 0.0],
+                    ),
+                    false => from(2.0),
                 };
-                let (at, inner) = (line.samples[tip].at, line.samples[inner].at);
-                let out = vec2::unit_or(vec2::sub(at, inner), [1.0, 0.0]);
+                let at = at(0);
                 self.ends.push(End {
                     line: l,
                     last,
@@ -139,6 +141,7 @@ impl Bridger {
                     out,
                     width_px,
                     color,
+                    leaves,
                     past: scenery.past.recall(at, out),
                     used: false,
                 });
@@ -153,6 +156,7 @@ impl Bridger {
         for (i, a) in self.ends.iter().enumerate() {
             for b in &self.ends[i + 1..] {
                 if a.line != b.line
+                    && !(a.leaves || b.leaves)
                     && vec2::dot(a.out, b.out) < OPPOSED
                     && color::distance(a.color, b.color, scenery.yuv) <= scenery.alike().0
                     && let Some(kept) = kept(a, b, lines)
@@ -179,7 +183,7 @@ impl Bridger {
         for (i, a) in self.ends.iter().enumerate() {
             for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
                 let same = a.line == b.line;
-                if !same && !is_like(a, b, scenery) {
+                if a.leaves != b.leaves || !same && !is_like(a, b, scenery) {
                     continue;
                 }
                 let ends = [i, j];
@@ -226,7 +230,7 @@ impl Bridger {
     /// Whether two free ends run into the same thing.
     fn is_pair(&self, i: usize, j: usize, scenery: &Scenery) -> bool {
         let (a, b) = (&self.ends[i], &self.ends[j]);
-        i != j && !a.used && !b.used && runs_into(a, b, scenery)
+        i != j && !a.used && !b.used && !a.leaves && !b.leaves && runs_into(a, b, scenery)
     }
 
     /// The ends between two pieces of a known rope that follow each other along it.
@@ -252,6 +256,9 @@ impl Bridger {
             else {
                 continue;
             };
+            if self.ends[i].leaves != self.ends[j].leaves {
+                continue;
+            }
             let place = |piece: &Piece, along_px, ahead| FormerPlace {
                 rope: piece.rope,
                 along_px,
@@ -264,7 +271,8 @@ impl Bridger {
             ];
             let chord_px = vec2::distance(self.ends[i].at, self.ends[j].at);
             if !is_stretched(rope, &way, way_px, chord_px) {
-                let is_covered = covered(rope, [from.to_px, piece.from_px], scenery) >= COVERED;
+                let is_covered = self.ends[i].leaves
+                    || covered(rope, [from.to_px, piece.from_px], scenery) >= COVERED;
                 self.candidates.push(Candidate {
                     cost: if is_covered { NEIGHBORS.1 } else { NEIGHBORS.0 },
                     ends: [i, j],

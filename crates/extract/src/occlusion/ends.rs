@@ -30,6 +30,10 @@ const TRACE: f32 = 6.0;
 /// How much nearer to the ropes' color than what lies on both sides of it the picture is where a rope shows, and how near
 /// in levels.
 const RIDGE: (f32, f32) = (0.6, 48.0);
+/// Where the rope leaves the picture and comes back: the widest gap, in widths, and the most bending (a turn by 99°).
+const OUTSIDE: (f32, f32) = (16.0, 0.75);
+/// Pixels by which the way between may come into the picture.
+const INTO_PX: f32 = 1.5;
 /// With a past: widths, and share of its way, that a gap may be shorter or longer than the rope was.
 const STRETCH: (f32, f32) = (4.0, 0.35);
 /// With a past: the way that counts as much as ends that lie a width off.
@@ -50,6 +54,8 @@ pub(crate) struct End {
     pub(crate) out: Vec2,
     pub(crate) width_px: f32,
     pub(crate) color: [f32; 3],
+    /// Whether the line leaves the picture there.
+    pub(crate) leaves: bool,
     pub(crate) past: FormerPlaces,
     pub(crate) used: bool,
 }
@@ -128,6 +134,7 @@ pub(crate) fn known_way(
     // Ends that point away from where they are to go did not come from there.
     let (out, back) = (vec2::dot(a.out, chord), vec2::dot(b.out, chord));
     let faces = chord_px < width_px
+        || a.leaves
         || out > libm::cosf(SHARPEST) * chord_px && -back > libm::cosf(SHARPEST) * chord_px;
     best.filter(|_| faces)
 }
@@ -150,6 +157,11 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
     let chord_px = vec2::distance(a.at, b.at);
     let width_px = 0.5 * (a.width_px + b.width_px);
     let gap_widths = chord_px / width_px;
+    if a.leaves {
+        let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
+        let is_one = gap_widths <= OUTSIDE.0 && bend <= OUTSIDE.1 && is_outside(a, b, scenery);
+        return is_one.then_some(100.0 + bend / OUTSIDE.1 + gap_widths / OUTSIDE.0);
+    }
     let over = if scenery.elsewhere.is_some() {
         SEEN
     } else {
@@ -181,6 +193,18 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
     // Later than all that the past knows, and the straighter and nearer the earlier.
     (gap_widths <= widest && bend <= most_bent)
         .then_some(100.0 + bend / most_bent + gap_widths / widest)
+}
+
+/// Whether the plain way from a to b lies outside of the picture.
+fn is_outside(a: &End, b: &End, scenery: &Scenery) -> bool {
+    const ASKED: usize = 16;
+    let plane = scenery.difference;
+    let (right, bottom) = (plane.width() as f32 - 1.0, plane.height() as f32 - 1.0);
+    let way = cubic([a.at, a.out], [b.at, b.out]);
+    (1..ASKED).all(|k| {
+        let [x, y] = way(k as f32 / ASKED as f32);
+        x.min(y).min(right - x).min(bottom - y) <= INTO_PX
+    })
 }
 
 /// The share of the straight way from a to b, less half a width at each end, that is not table.

@@ -108,6 +108,25 @@ fn what_lies_over_a_rope_is_bridged_in_a_still_and_said() {
 }
 
 #[test]
+fn a_rope_that_leaves_the_picture_and_comes_back_is_one_in_a_still() {
+    let is_out = |[x, y]: [f32; 2]| !(0.0..=639.0).contains(&x) || !(0.0..=479.0).contains(&y);
+    for seed in [5, 6, 7, 21, 23] {
+        look_masked(Class::Returning, seed, |scene, is_right| {
+            assert!(is_right, "picture {seed}");
+            let curve = &scene.curves[0];
+            assert_eq!(curve.status, Status::Partial, "picture {seed}");
+            assert_eq!(curve.border, [false; 2], "picture {seed}");
+            let places = || curve.points.iter().zip(&curve.hidden);
+            assert!(places().any(|(&at, _)| is_out(at)), "picture {seed}");
+            assert!(
+                places().all(|(&at, &is_hidden)| is_hidden || !is_out(at)),
+                "picture {seed}"
+            );
+        });
+    }
+}
+
+#[test]
 fn a_rope_wound_up_is_one_rope_through_all_of_its_mask() {
     for (class, seed) in [
         (Class::Eights, 56),

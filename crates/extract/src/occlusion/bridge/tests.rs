@@ -256,3 +256,48 @@ fn two_ropes_that_were_two_stay_two() {
     ];
     assert_eq!(join(&mut lines, &past, true).0, 2);
 }
+
+/// Two lines that leave the picture, whose last row is y = 199, at two places, coming from there.
+fn leaving(from: [Vec2; 2], at: [f32; 2]) -> [Line; 2] {
+    let line = |k: usize| Line {
+        border: [false, true],
+        ..straight(from[k], [at[k], 199.0])
+    };
+    [line(0), line(1)]
+}
+
+#[test]
+fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
+    let outside = |lines: &[Line]| {
+        let beyond = |s: &&Sample| s.at[1] > 199.5;
+        lines[0].samples.iter().filter(beyond).count()
+    };
+    // It turns by 74° outside.
+    let mut flat = leaving([[60.0, 154.0], [240.0, 154.0]], [120.0, 180.0]);
+    let (count, gaps) = join(&mut flat, &Past::default(), false);
+    assert_eq!((count, gaps.len()), (1, 1));
+    assert_eq!(flat[0].border, [false; 2]);
+    assert!(outside(&flat) > 30);
+    // So steep that each may go anywhere; away from each other; or far apart.
+    let steep = || leaving([[110.0, 100.0], [190.0, 100.0]], [120.0, 180.0]);
+    let apart = || leaving([[180.0, 154.0], [120.0, 154.0]], [120.0, 180.0]);
+    let far = || leaving([[20.0, 154.0], [300.0, 154.0]], [80.0, 240.0]);
+    for mut lines in [steep(), apart(), far()] {
+        assert_eq!(join(&mut lines, &Past::default(), false).0, 2);
+    }
+    // What was one rope is one.
+    let mut past = Past::default();
+    let corners = [
+        [110.0, 99.0],
+        [120.0, 190.0],
+        [150.0, 230.0],
+        [180.0, 190.0],
+        [190.0, 99.0],
+    ];
+    let rope = along(&corners);
+    let points: Vec<Vec2> = rope.samples.iter().map(|s| s.at).collect();
+    past.add(false, [rope.length_px(), 6.0], &points);
+    let mut lines = steep();
+    assert_eq!(join(&mut lines, &past, false).0, 1);
+    assert!(outside(&lines) > 30);
+}

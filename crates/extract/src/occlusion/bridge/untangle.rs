@@ -43,7 +43,8 @@ impl Bridger {
     fn is_bare(&self, of: &Candidate, scenery: &Scenery) -> bool {
         let [a, b] = of.ends.map(|end| &self.ends[end]);
         let way = of.way.map(|way| (way, scenery.past));
-        vec2::distance(a.at, b.at) > FLAW.0 * a.width_px
+        !a.leaves
+            && vec2::distance(a.at, b.at) > FLAW.0 * a.width_px
             && shown(a.at, b.at, scenery) < COVERED
             && way::covered(a, b, way, scenery) < COVERED
     }
@@ -68,7 +69,7 @@ impl Bridger {
         ends.find(|&e| e != end)
     }
 
-    /// Takes these ways for those that were chosen, if they lie under something and close no ring. Whether it does.
+    /// Takes these ways for those that were chosen, if they lie under something in the picture and close no ring. Whether it does.
     fn take<const N: usize>(
         &mut self,
         chosen: [usize; N],
@@ -77,7 +78,8 @@ impl Bridger {
     ) -> bool {
         let mut covered =
             (ways.iter()).map(|&[i, j]| way::covered(&self.ends[i], &self.ends[j], None, scenery));
-        if !covered.all(|share| share >= COVERED) {
+        let is_within = ways.iter().flatten().all(|&end| !self.ends[end].leaves);
+        if !is_within || !covered.all(|share| share >= COVERED) {
             return false;
         }
         let former = chosen.map(|at| self.candidates[at]);
