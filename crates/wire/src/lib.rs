@@ -125,6 +125,7 @@ mod shape;
 mod slices;
 mod survey;
 mod tidy;
+mod umask;
 mod writer;
 
 pub use centerline::Centerline;

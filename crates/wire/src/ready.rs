@@ -36,8 +36,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use crate::door::Held;
-use crate::making;
-use crate::{Domain, WireError};
+use crate::{Domain, WireError, making, umask};
 
 /// How long a bell must have been silent before it is trusted.
 ///
@@ -56,7 +55,7 @@ const CALL: usize = 1;
 /// A reader answers that it has.
 const ANSWER: usize = 2;
 
-fn open(
+pub(crate) fn open(
     domain: &Domain,
     channel: &str,
     readers: usize,
@@ -159,7 +158,7 @@ pub(crate) struct Heard {
 impl Ear {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
         let service = open(domain, channel, readers)?;
-        let listener = domain.door.hold(|| service.listener_builder().create())?;
+        let listener = domain.door.hold(|| umask::listener(&service))?;
         let listener = listener.map_err(|cause| match cause {
             ListenerCreateError::ExceedsMaxSupportedListeners => too_many(channel, readers),
             cause => WireError::transport(format!("listening to {channel}"), cause),

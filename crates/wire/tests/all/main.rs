@@ -10,3 +10,4 @@ mod prediction;
 mod reader;
 mod shape;
 mod survey;
+mod umask;
