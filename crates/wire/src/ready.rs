@@ -25,6 +25,7 @@
 
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use iceoryx2::port::listener::{Listener, ListenerCreateError};
@@ -157,7 +158,7 @@ pub(crate) struct Heard {
 
 impl Ear {
     pub(crate) fn new(domain: &Domain, channel: &str, readers: usize) -> Result<Self, WireError> {
-        let service = open(domain, channel, readers)?;
+        let service = Arc::new(open(domain, channel, readers)?);
         let listener = domain.door.hold(|| umask::listener(&service))?;
         let listener = listener.map_err(|cause| match cause {
             ListenerCreateError::ExceedsMaxSupportedListeners => too_many(channel, readers),

@@ -9,7 +9,7 @@
 //! uses iceoryx2 itself beside lariat, which knows none of this.
 
 use std::panic;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use iceoryx2::port::listener::{Listener, ListenerCreateError};
@@ -17,25 +17,29 @@ use iceoryx2::prelude::ipc;
 use iceoryx2::service::port_factory::event::PortFactory;
 use rustix::thread::{UnshareFlags, unshare_unsafe};
 
+use crate::door::Held;
+
 type Made = Result<Listener<ipc::Service>, ListenerCreateError>;
 
 /// Makes a listener.
-pub(crate) fn listener(service: &PortFactory<ipc::Service>) -> Made {
-    thread::scope(|scope| {
-        let apart = move || {
+pub(crate) fn listener(service: &Arc<Held<PortFactory<ipc::Service>>>) -> Made {
+    let apart = {
+        let service = service.clone();
+        move || {
             // SAFETY: the thread goes on sharing its descriptors. What it no longer shares are umask and folders.
             let _ = unsafe { unshare_unsafe(UnshareFlags::FS) };
-            Sent(one_at_a_time(service))
-        };
-        match thread::Builder::new().spawn_scoped(scope, apart) {
-            Ok(thread) => match thread.join() {
-                Ok(made) => made.0,
-                Err(cause) => panic::resume_unwind(cause),
-            },
-            // No more threads may be had.
-            Err(_) => one_at_a_time(service),
+            Sent(one_at_a_time(&service))
         }
-    })
+    };
+    // No `thread::scope`: it would leave this thread's handle behind, which valgrind finds in programs in C.
+    match thread::Builder::new().spawn(apart) {
+        Ok(thread) => match thread.join() {
+            Ok(made) => made.0,
+            Err(cause) => panic::resume_unwind(cause),
+        },
+        // No more threads may be had.
+        Err(_) => one_at_a_time(service),
+    }
 }
 
 fn one_at_a_time(service: &PortFactory<ipc::Service>) -> Made {
@@ -79,6 +83,7 @@ mod tests {
         let name = format!("m{}-umask", std::process::id());
         let domain = Domain::named(&name).unwrap();
         let service = ready::open(&domain, "lariat/left/descriptors", 24).unwrap();
+        let service = Arc::new(service);
         thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| (0..100).for_each(|_| drop(listener(&service).unwrap())));
