@@ -1,5 +1,6 @@
 //! The four stages as processes that are joined by Unix sockets: pixels are copied into the kernel and out of it.
 
+use std::io::{Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::process::Stdio;
@@ -84,6 +85,8 @@ fn capture(args: &StageArgs, mut to: UnixStream) -> Result<()> {
     let stop = Stop::on_signals()?;
     let mut capture = CaptureStep::new(&args.task.settings())?;
     let mut pixels = vec![0; capture.frame_bytes()];
+    // Its time begins when the others are there.
+    await_next(&mut to)?;
     while let Some(header) = capture.next(&mut pixels, &stop)? {
         encoding::write_frame(&mut to, &header, &pixels)?;
         std::thread::yield_now();
@@ -97,6 +100,8 @@ fn look(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()
     let mut pixels = vec![0; CaptureStep::new(&settings)?.frame_bytes()];
     let mut message = Box::new(Centerlines::EMPTY);
     let mut bytes = Vec::new();
+    await_next(&mut to)?;
+    tell_ready(&mut from)?;
     while let Some(header) = encoding::read_frame(&mut from, &mut pixels)? {
         extract.look(&header, &pixels, &mut message);
         encoding::write(&mut to, &mut bytes, |bytes| {
@@ -111,6 +116,8 @@ fn fit(args: &StageArgs, mut from: UnixStream, mut to: UnixStream) -> Result<()>
     let mut seen = Box::new(Centerlines::EMPTY);
     let mut message = Box::new(Descriptors::EMPTY);
     let mut bytes = Vec::new();
+    await_next(&mut to)?;
+    tell_ready(&mut from)?;
     while encoding::read(&mut from, &mut bytes)? {
         encoding::take_centerlines(&bytes, &mut seen);
         fit.fit(&seen, &mut message);
@@ -126,9 +133,19 @@ fn count(args: &StageArgs, mut from: UnixStream) -> Result<()> {
     let mut sink = SinkStep::new(&settings);
     let mut message = Box::new(Descriptors::EMPTY);
     let mut bytes = Vec::new();
+    tell_ready(&mut from)?;
     while encoding::read(&mut from, &mut bytes)? {
         encoding::take_descriptors(&bytes, &mut message);
         sink.count(&message);
     }
     sink.report(&settings, FinalCounts::default())
+}
+
+/// Waits until the stage after it, and all after that, are ready.
+fn await_next(next: &mut UnixStream) -> Result<()> {
+    next.read_exact(&mut [0]).context("the next stage ended")
+}
+
+fn tell_ready(before: &mut UnixStream) -> Result<()> {
+    before.write_all(&[0]).context("the stage before ended")
 }
