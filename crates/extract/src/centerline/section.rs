@@ -5,6 +5,8 @@
 //! bright the rope is. The own difference is the median of the sections around, so that one speck of
 //! shine does not move an edge, times what [`Shading`] says is left of it at the rim.
 
+mod own;
+
 use std::ops::Range;
 
 use lariat_portable::{Arch, Simd, WithSimd};
@@ -27,16 +29,6 @@ const TIP: f32 = 1.5;
 /// How much a section's width may differ from the median one that moves a line, as a factor.
 const ALIKE: f32 = 1.25;
 
-/// A rope that rises to the camera becomes wider by and by: a section whose width differs from the mean over so many widths before it by
-/// this share at most is the rope's too. Of 14 px, at 50° and a focal length of 600 px, its width changes by 3 % in its own; that of two
-/// strands that run together at 5°, by 9 %.
-const BEFORE: f32 = 1.5;
-const GRADUAL: f32 = 0.08;
-/// After a gap a section counts for no more in that mean than this.
-const COUNTS: f32 = 0.25;
-/// So much wider or narrower than mostly it becomes, as a factor, at most.
-const MOST: f32 = 2.0;
-
 /// Half-widths from a tip within which a crossing parts it from the rope.
 const TIP_HALVES: f32 = 2.0;
 
@@ -45,8 +37,7 @@ const TIP_HALVES: f32 = 2.0;
 pub(crate) struct Sections {
     contrast: Contrast,
     widths: Vec<f32>,
-    /// What was found at which sample.
-    found: Vec<(usize, Option<Found>)>,
+    found: Vec<Section>,
     /// What is seen there.
     looks: Vec<Look>,
     /// Edges that are sought step by step.
@@ -69,6 +60,9 @@ struct Asked {
     from_px: f32,
     reach_px: f32,
 }
+
+/// What was found at which sample.
+type Section = (usize, Option<Found>);
 
 /// The middle and the width of one section.
 #[derive(Clone, Copy, Debug)]
@@ -182,15 +176,14 @@ impl Sections {
             return;
         }
         let [first, last] = [part.range.start, part.range.end - 1];
-        let tolerance = how.tolerance.max(MOST);
+        let tolerance = how.tolerance.max(own::MOST);
         self.find(line, difference, Measure { tolerance, ..how }, part);
         // At a tip the rope is as wide as mostly, for all that is known.
         let [from, to] = [first, last].map(|i| match i == 0 || i + 1 == line.samples.len() {
             true => 2.0 * how.half_px,
             false => line.samples[i].width_px,
         });
-        judge((first, from), how, self.found.iter_mut());
-        judge((last, to), how, self.found.iter_mut().rev());
+        own::judge(&line.samples, how, [from, to], &mut self.found);
         for &(i, found) in &self.found {
             let sample = &mut line.samples[i];
             match found.filter(|found| found.is_own) {
@@ -433,25 +426,6 @@ impl Look {
             width_px: if overlap && far { 0.0 } else { width_px },
             is_own: false,
         })
-    }
-}
-
-/// Notes which of the sections in turn are as wide as the rope, or as it has become by and by since `from`: a sample, and the width there.
-fn judge<'a>(
-    (mut before, mut wide_px): (usize, f32),
-    how: Measure,
-    sections: impl Iterator<Item = &'a mut (usize, Option<Found>)>,
-) {
-    for (i, found) in sections {
-        let Some(found) = found else { continue };
-        let gap = i.abs_diff(before) as f32 * how.step_px / wide_px;
-        let off = (found.width_px - wide_px).abs() / wide_px;
-        let is_own = how.is_plausible(found.width_px) || off < GRADUAL;
-        if is_own {
-            found.is_own = true;
-            wide_px += (gap / BEFORE).min(COUNTS) * (found.width_px - wide_px);
-            before = *i;
-        }
     }
 }
 

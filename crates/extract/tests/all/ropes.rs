@@ -81,6 +81,52 @@ fn a_rope_that_rises_to_the_camera_is_measured_where_it_is_wide() {
     }
 }
 
+/// A rope from the left to a bend, and from there up; it is as wide there as `leg_px` says, at once.
+fn bent(width_px: f32, leg_px: f32) -> [Rope; 2] {
+    let along = |t: f32| [280.0 - 190.0 * t, 150.0 + 40.0 * (5.0 * t + 0.6).sin()];
+    let bend = along(1.0);
+    let up = move |t: f32| {
+        [
+            bend[0] - 35.0 * t,
+            bend[1] - 70.0 * t + 8.0 * (3.0 * t).sin(),
+        ]
+    };
+    [
+        Rope::along(width_px, RED, along),
+        Rope::along(leg_px, RED, up),
+    ]
+}
+
+#[test]
+fn a_rope_that_points_at_the_camera_behind_a_bend_is_measured_where_it_is_wide() {
+    for (width_px, leg_px) in [(3.0, 5.0), (6.0, 10.0), (9.0, 15.0)] {
+        let what = format!("{width_px} px, then {leg_px}");
+        let table = Table::new(320, 240, BLACK);
+        let ropes = bent(width_px, leg_px);
+        let rgb = table.draw(&ropes);
+        let mut extractor = extractor();
+        let scene = see(&mut extractor, &rgb, &table);
+        let [curve] = scene.curves else {
+            panic!("{what}: {} ropes", scene.curves.len());
+        };
+        let axis: Vec<Vec2> = ropes.iter().flat_map(|rope| rope.points.clone()).collect();
+        let far = |&p: &Vec2| distance_to(p, &axis);
+        let worst = curve.points.iter().map(far).fold(0.0, f32::max);
+        // In the bend the two are drawn over each other.
+        assert!(worst < 0.25 * leg_px, "{what}: {worst} px beside it");
+        let [last] = ropes[1].points[ropes[1].points.len() - 1..] else {
+            panic!("{what}: the leg has no end");
+        };
+        let on_leg = curve.points.iter().zip(&curve.widths_px);
+        // Its tip is as round as the rope mostly is wide, for all that is known there.
+        let is_between = |&p: &Vec2| (0.6 * leg_px..50.0).contains(&distance(p, last));
+        let on_leg = on_leg.filter(|(p, _)| is_between(p));
+        let off = |(&p, width_px): (&Vec2, &f32)| far(&p).max((width_px - leg_px).abs());
+        let worst = on_leg.map(off).fold(0.0, f32::max);
+        assert!(worst < 0.5, "{what}: {worst} px off on the leg");
+    }
+}
+
 /// Lifted high, two ropes that cross themselves where they are much wider than elsewhere: what is wide is no part of the crossing.
 #[test]
 fn a_rope_is_measured_up_to_a_crossing_beside_which_it_rises_to_the_camera() {
