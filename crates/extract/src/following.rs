@@ -20,11 +20,9 @@ use known::Known;
 /// How long ropes are followed before they are extracted again, at first and at most, in nanoseconds: twice as long each time
 /// that a whole look shows nothing that was not known.
 const LOOK_NS: (u64, u64) = (1_000_000_000, 4_000_000_000);
-/// How long ropes are followed that cannot be followed for long, or on from where they have come to touch: they are not far from where
-/// they were. Of a fast camera's images one in some is then extracted whole, instead of each, for which there is no time.
-const BRIEF_NS: u64 = 10_000_000;
-/// Images that come in less time each are a fast camera's.
-const FAST_NS: u64 = 7_000_000;
+/// How long ropes are followed that cannot be followed for long: they are not far from where they were. Of a fast camera's images
+/// one in some is then extracted whole, instead of each, for which there is no time.
+const BRIEF_NS: u64 = 7_000_000;
 /// Frames after which ropes that are plain to see are followed.
 const SETTLED: u32 = 3;
 /// And those of a mask that was given.
@@ -46,8 +44,8 @@ pub(crate) struct Follower {
     /// When the ropes were last extracted, and for how long they are followed from there, in nanoseconds.
     anchored_ns: u64,
     wait_ns: u64,
-    /// From when on they are followed for a moment only, if they are.
-    brief_ns: Option<u64>,
+    /// Whether they are followed from there for a moment only.
+    is_brief: bool,
     /// When the last image was taken.
     last_ns: u64,
     /// Whether there was ever an image to follow ropes into: who gives a mask for each needs nothing learnt.
@@ -66,12 +64,12 @@ impl Follower {
     /// Notes that ropes are to be followed; says whether there are some that can be, into an image of this moment.
     pub(crate) fn is_ready(&mut self, now_ns: u64) -> bool {
         self.is_wanted = true;
-        let is_over =
-            |from_ns: u64, wait_ns| !(from_ns..from_ns.saturating_add(wait_ns)).contains(&now_ns);
-        let is_due = is_over(self.anchored_ns, self.wait_ns)
-            || self
-                .brief_ns
-                .is_some_and(|from_ns| is_over(from_ns, BRIEF_NS));
+        let wait_ns = match self.is_brief {
+            true => self.wait_ns.min(BRIEF_NS),
+            false => self.wait_ns,
+        };
+        let is_due =
+            !(self.anchored_ns..self.anchored_ns.saturating_add(wait_ns)).contains(&now_ns);
         !is_due && (self.chords.is_ready() || self.contours.is_ready())
     }
 
@@ -105,23 +103,15 @@ impl Follower {
     ) -> bool {
         let found = match self.chords.is_ready() {
             true => (self.chords).follow(image, &masker.background, curves, crossings),
-            false => (self.contours).follow(image, curves, crossings, self.is_fast(now_ns)),
+            false => self.contours.follow(image, curves, crossings),
         };
         if found {
-            if self.contours.is_brief() {
-                self.brief_ns.get_or_insert(now_ns);
-            }
             self.last_ns = now_ns;
-            if self.brief_ns.is_none() {
+            if !self.is_brief {
                 self.known.note(curves, now_ns);
             }
         }
         found
-    }
-
-    /// Whether so little time has passed since the last image that for a moment ropes may be followed as they come.
-    fn is_fast(&self, now_ns: u64) -> bool {
-        now_ns.saturating_sub(self.last_ns) < FAST_NS
     }
 
     /// Lets ropes just extracted be followed from here on. `is_seen`: there are some, and none is out of sight; `is_plain`:
@@ -140,8 +130,8 @@ impl Follower {
         // What the network finds may be other things, too.
         self.know(curves, crossings, is_plain && !masker.is_sought, now_ns);
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
-        let is_fast = self.is_fast(now_ns);
-        (self.brief_ns, self.last_ns) = (None, now_ns);
+        let is_fast = now_ns.saturating_sub(self.last_ns) < BRIEF_NS;
+        (self.is_brief, self.last_ns) = (false, now_ns);
         let is_table = masker.notice.is_none() && !masker.is_smoothed;
         let is_within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
         if let Some(cut) = masker.cut.filter(|_| is_table)
@@ -177,10 +167,12 @@ impl Follower {
         } else if is_fast {
             let is_brief = true;
             (self.contours).anchor(image, curves, crossings, Trust { is_brief, ..how });
-            self.brief_ns = Some(now_ns);
+            self.is_brief = true;
         }
     }
+}
 
+impl Follower {
     /// Notes what an image shows: in how many images in a row these ropes and no others were seen whole, and how long they are
     /// followed from here.
     fn know(&mut self, curves: &[Curve], crossings: &[Crossing], is_plain: bool, now_ns: u64) {

@@ -68,11 +68,6 @@ impl ContourFollower {
         self.count > 0
     }
 
-    /// Whether ropes are followed for a moment only.
-    pub(super) fn is_brief(&self) -> bool {
-        self.ropes[..self.count].iter().any(|rope| rope.is_brief)
-    }
-
     /// Forgets the ropes: the next image is extracted whole.
     pub(super) fn drop(&mut self) {
         self.count = 0;
@@ -113,14 +108,13 @@ impl ContourFollower {
         }
     }
 
-    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them; where strands come together
-    /// only if it comes fast, and from there for a moment. False when the image has to be extracted whole; then they mean nothing.
+    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
+    /// has to be extracted whole; then they mean nothing.
     pub(super) fn follow(
         &mut self,
         image: &Image,
         curves: &mut [Curve],
         crossings: &mut [Crossing],
-        is_fast: bool,
     ) -> bool {
         let same = self.size == [image.width(), image.height()];
         let ready = self.is_ready() && self.count == curves.len();
@@ -136,15 +130,11 @@ impl ContourFollower {
         let found = !self.novelty.is_in(image, ropes)
             && ropes
                 .iter_mut()
-                .all(|rope| (is_brief || !rope.may_slide()) && rope.follow(image));
-        // Where strands come together edges are no longer their own for long.
-        let has_met = found && station::come_together(ropes) && !is_brief;
-        if !found || has_met && !is_fast {
+                .all(|rope| (is_brief || !rope.may_slide()) && rope.follow(image))
+            && (!station::come_together(ropes) || is_brief);
+        if !found {
             self.count = 0;
             return false;
-        }
-        if has_met {
-            ropes.iter_mut().for_each(|rope| rope.is_brief = true);
         }
         for (rope, curve) in ropes.iter_mut().zip(&mut *curves) {
             rope.take(curve);
