@@ -178,9 +178,12 @@ pub(crate) fn check(scene: &Scene, [width, height]: [usize; 2]) {
     assert!(scene.curves.len() <= 24 && scene.crossings.len() <= 32);
     for curve in scene.curves {
         assert_eq!((curve.points.len(), curve.widths_px.len()), (120, 120));
-        for [x, y] in &curve.points {
-            assert!((0.0..=width as f32 - 1.0).contains(x), "{x}");
-            assert!((0.0..=height as f32 - 1.0).contains(y), "{y}");
+        for (at, &is_hidden) in curve.points.iter().zip(&curve.hidden) {
+            for (v, side) in at.iter().zip([width, height]) {
+                // What is not seen may lie outside, and not far.
+                let beyond = if is_hidden { side as f32 } else { 0.0 };
+                assert!((-beyond..=side as f32 - 1.0 + beyond).contains(v), "{v}");
+            }
         }
         assert!(curve.widths_px.iter().all(|width| width.is_finite()));
         assert!(curve.length_px.is_finite() && curve.width_px.is_finite());
