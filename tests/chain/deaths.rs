@@ -1,5 +1,8 @@
 //! What happens when a process dies, by a signal it can catch and by one it cannot.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -140,30 +143,34 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
     bench.assert_nothing_is_left();
 }
 
-/// A reader of a lossless chain that stands still until the chain has been told to end, and reads on then: how many messages
-/// came, and which numbers the first and the last had.
-fn read_late(domain: &str, until: Instant) -> (u64, u64, u64) {
+/// A reader of a lossless chain that stands still until the chain has been told to end, and reads on then, until there is no more
+/// after the chain's end: how many messages came, and which numbers the first and the last had.
+///
+/// `opened`: is told when the chain has the reader.
+fn read_late(domain: &str, opened: &Sender<()>, is_over: &AtomicBool) -> (u64, u64, u64) {
     let domain = Domain::named(domain).expect("a domain");
     let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
+    let until = Instant::now() + Duration::from_millis(1500);
+    opened.send(()).expect("someone waits");
     while Instant::now() < until {
         // It takes up its end of the channel, and takes no message.
         reader.before_poll().expect("a channel");
         thread::sleep(Duration::from_millis(10));
     }
     let (mut came, mut first, mut last) = (0, 0, 0);
-    let mut patient_until = Instant::now() + Duration::from_secs(3);
-    while Instant::now() < patient_until {
+    loop {
+        // In this order: what was sent before the end is there after it.
+        let was_over = is_over.load(Ordering::Acquire);
         match reader.next().expect("a channel") {
             Some(message) => {
                 last = message.trace.fitted;
                 first = if came == 0 { last } else { first };
                 came += 1;
-                patient_until = Instant::now() + Duration::from_secs(3);
             }
+            None if was_over => return (came, first, last),
             None => thread::sleep(Duration::from_millis(2)),
         }
     }
-    (came, first, last)
 }
 
 #[test]
@@ -182,12 +189,18 @@ fn a_lossless_chain_that_is_told_to_end_delivers_all_to_a_reader_that_was_slow()
         let mut chain = bench.start(&arguments);
         chain.wait_for_frames();
         let domain = bench.domain.clone();
-        let reads_from = Instant::now() + Duration::from_millis(1500);
-        let reader = thread::spawn(move || read_late(&domain, reads_from));
+        let is_over = Arc::new(AtomicBool::new(false));
+        let (opened, is_open) = mpsc::channel();
+        let reader = thread::spawn({
+            let is_over = is_over.clone();
+            move || read_late(&domain, &opened, &is_over)
+        });
+        is_open.recv().expect("the reader opens");
         // All buffers are full by now, and each stage waits for the next.
         thread::sleep(Duration::from_millis(800));
         chain.signal_chain(Signal::TERM);
         let ended = chain.end();
+        is_over.store(true, Ordering::Release);
         assert_eq!(
             ended.status.code(),
             Some(0),
