@@ -21,9 +21,10 @@ pub(super) fn covered(
 
 /// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
 /// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
-/// cubic.
+/// cubic; where it is shorter as it slides out of the picture, the way outside bends the farther from the chord.
 fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
     let plain = cubic([from.at, from.out], [to.at, to.out]);
+    let chord = vec2::sub(to.at, from.at);
     let known = move |t: f32| {
         let Some(([a, b], past)) = way else {
             return from.at;
@@ -38,12 +39,49 @@ fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl
         let shift = vec2::along(moved[0], vec2::sub(moved[1], moved[0]), t);
         vec2::add(rope.at(along(t)), shift)
     };
-    let share = way.map_or(1.0, |([a, _], past)| {
+    let stretched = move |times: f32| {
+        move |t: f32| {
+            let straight = vec2::along(from.at, chord, t);
+            vec2::along(straight, vec2::sub(known(t), straight), times)
+        }
+    };
+    let spare_px = way.map_or(0.0, |([a, _], past)| {
         let rope = &past.ropes()[a.rope as usize];
-        let spare_px = rope.length_px - rope.usual_px;
-        drawn_in(spare_px, length_px(known), length_px(&plain))
+        rope.length_px - rope.usual_px
     });
-    move |t| vec2::along(known(t), vec2::sub(plain(t), known(t)), share)
+    let times = match from.leaves && spare_px < 0.0 {
+        true => stretching(length_px(known) - spare_px, |times| {
+            length_px(stretched(times))
+        }),
+        false => 1.0,
+    };
+    let share = match way {
+        Some(_) => drawn_in(spare_px, length_px(known), length_px(&plain)),
+        None => 1.0,
+    };
+    move |t| {
+        let known = if times > 1.0 {
+            stretched(times)(t)
+        } else {
+            known(t)
+        };
+        vec2::along(known, vec2::sub(plain(t), known), share)
+    }
+}
+
+/// How many times as far from its chord a way of so many pixels bends, by its length at so many times, from 1 to the most.
+fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 {
+    const MOST: f32 = 2.0;
+    const HALVINGS: usize = 6;
+    let (mut least, mut most) = (1.0, MOST);
+    for _ in 0..HALVINGS {
+        let times = 0.5 * (least + most);
+        match length_px(times) < wanted_px {
+            true => least = times,
+            false => most = times,
+        }
+    }
+    least
 }
 
 /// Lays the samples between two ends behind the first one's.

@@ -285,8 +285,7 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
     for mut lines in [steep(), apart(), far()] {
         assert_eq!(join(&mut lines, &Past::default(), false).0, 2);
     }
-    // What was one rope is one.
-    let mut past = Past::default();
+    // What was one rope is one, and as long as it has been for long.
     let corners = [
         [110.0, 99.0],
         [120.0, 190.0],
@@ -296,8 +295,16 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
     ];
     let rope = along(&corners);
     let points: Vec<Vec2> = rope.samples.iter().map(|s| s.at).collect();
-    past.add(false, [rope.length_px(), 6.0], &points);
-    let mut lines = steep();
-    assert_eq!(join(&mut lines, &past, false).0, 1);
-    assert!(outside(&lines) > 30);
+    let joined_px = |longer_px: f32| {
+        let mut past = Past::default();
+        let length_px = rope.length_px();
+        let sizes_px = [length_px, 6.0, length_px + longer_px];
+        past.add_covered(false, sizes_px, &points, [None; 2], (true, true));
+        let mut lines = steep();
+        assert_eq!(join(&mut lines, &past, false).0, 1);
+        assert!(outside(&lines) > 30);
+        lines[0].length_px()
+    };
+    let longer_px = joined_px(20.0) - joined_px(0.0);
+    assert!((longer_px - 20.0).abs() < 2.0, "{longer_px}");
 }
