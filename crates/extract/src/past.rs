@@ -111,6 +111,26 @@ pub(crate) struct Past {
     widest_half_px: f32,
 }
 
+/// What is known of a rope beside its shape.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct State {
+    /// Whether it was seen in the last image, and for more than a moment.
+    pub(crate) live: bool,
+    /// Whether both of its ends were in the image.
+    pub(crate) whole: bool,
+    /// Whether both of its ends ever lay freely: else it may be a piece of a rope.
+    pub(crate) was_free: bool,
+}
+
+#[cfg(test)]
+impl State {
+    pub(crate) const SEEN: Self = Self {
+        live: true,
+        whole: true,
+        was_free: true,
+    };
+}
+
 /// One rope.
 #[derive(Debug, Default)]
 pub(crate) struct Rope {
@@ -119,10 +139,7 @@ pub(crate) struct Rope {
     pub(crate) closed: bool,
     /// Where along it each end of what was seen of it lay under something.
     covered_px: [Option<f32>; 2],
-    /// Whether it was seen in the last image, and for more than a moment.
-    live: bool,
-    /// Whether both of its ends were in the image.
-    pub(crate) whole: bool,
+    pub(crate) state: State,
     pub(crate) length_px: f32,
     pub(crate) width_px: f32,
     /// The length that it has had for long.
@@ -194,7 +211,7 @@ impl Past {
     #[cfg(test)]
     pub(crate) fn add(&mut self, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
         let sizes_px = [sizes_px[0], sizes_px[1], sizes_px[0]];
-        self.add_covered(closed, sizes_px, points, [None; 2], (true, true));
+        self.add_covered(closed, sizes_px, points, [None; 2], State::SEEN);
     }
 
     /// Notes a rope of which a part may have been covered.
@@ -204,7 +221,7 @@ impl Past {
         sizes_px: [f32; 3],
         points: &[Vec2],
         covered_px: [Option<f32>; 2],
-        (live, whole): (bool, bool),
+        state: State,
     ) {
         if points.len() < 2 {
             return;
@@ -215,7 +232,7 @@ impl Past {
         let rope = &mut self.ropes[self.count];
         rope.index = self.count as u32;
         (rope.closed, rope.covered_px) = (closed, covered_px);
-        (rope.live, rope.whole) = (live, whole);
+        rope.state = state;
         [rope.length_px, rope.width_px, rope.usual_px] = sizes_px.map(|size| size.max(1.0));
         rope.points.clear();
         rope.points.extend_from_slice(points);
@@ -282,7 +299,9 @@ impl Past {
 
     /// The ropes that were seen in the last image; none when the past means nothing.
     pub(crate) fn live(&self) -> impl Iterator<Item = &Rope> {
-        self.ropes().iter().filter(|rope| self.trusted && rope.live)
+        self.ropes()
+            .iter()
+            .filter(|rope| self.trusted && rope.state.live)
     }
 
     /// How far the ropes have moved in the mean, in widths.
@@ -367,6 +386,11 @@ impl Past {
             let end_px = rope.covered_px[usize::from(t.ahead)];
             !rope.closed && end_px.is_some_and(|end_px| (end_px - t.along_px).abs() < reach)
         })
+    }
+
+    /// Whether an end of a line is of a rope whose ends were never both seen to lie freely, or that is not known.
+    pub(crate) fn is_piece(&self, end: &FormerPlaces) -> bool {
+        (end.likely(self)).all(|t| !self.ropes[t.rope as usize].state.was_free)
     }
 
     /// What the past has against an arm that ends in the crossing it runs into.

@@ -91,14 +91,17 @@ impl Extractor {
             self.frames_to_wait -= 1;
             return;
         }
-        let own = self.mean_confidence();
+        let (own, count) = (self.mean_confidence(), self.count);
+        let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
         if self.masker.seek_instead(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
             let is_sure = |curve: &Curve| curve.confidence >= SURE;
             let are_sure = self.curves[..self.count].iter().all(is_sure);
             let is_surer = self.mean_confidence() > own + SURER;
-            self.is_network_surer = are_sure && is_surer && !self.masker.is_blind;
+            // Of what ends at a thing that lies on it it sees the same, but not the thing.
+            let sees_more = !is_covered || self.count != count;
+            self.is_network_surer = are_sure && is_surer && sees_more && !self.masker.is_blind;
         }
         if !self.is_network_surer {
             self.frames_to_wait = FRAMES_TO_WAIT;

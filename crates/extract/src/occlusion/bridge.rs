@@ -13,6 +13,7 @@ use super::ends::{End, Scenery, is_stretched, known_way, plain_cost};
 use super::pieces::{self, Piece};
 use super::way;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
+use crate::graph::pairing::bending;
 use crate::image::color;
 use crate::past::{FormerPlace, Move, Rope};
 use crate::vec2::{self, Vec2};
@@ -41,6 +42,10 @@ const COVERED: f32 = 0.75;
 
 /// How far ahead of an end the thing that it runs into begins, in widths, and at how many places it is looked for.
 const INTO: (f32, usize) = (1.5, 6);
+
+/// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
+/// much any other has.
+const BENT: (f32, f32) = (0.75, 2.0);
 
 /// Two ends that may be joined.
 #[derive(Clone, Copy, Debug)]
@@ -201,30 +206,52 @@ impl Bridger {
         }
     }
 
-    /// Joins ends of which just two, of one rope as far as they show, run into the same thing: however the rope bends under it, it
-    /// goes in at the one and comes out at the other.
+    /// Joins ends that run into the same thing, of one rope as far as they show: it goes in at the one and comes out at the other.
     fn join_pairs(&mut self, lines: &mut [Line], scenery: &Scenery) {
+        self.candidates.clear();
         for i in 0..self.ends.len() {
-            let mut others = (0..self.ends.len()).filter(|&j| self.is_pair(i, j, scenery));
-            let (Some(j), None) = (others.next(), others.next()) else {
+            let Some(j) = self.partner(i, scenery).filter(|&j| j > i) else {
                 continue;
             };
-            let is_only = (0..self.ends.len()).all(|k| k == i || !self.is_pair(j, k, scenery));
             let (a, b) = (&self.ends[i], &self.ends[j]);
-            if j > i
-                && is_only
-                && a.line != b.line
+            if self.partner(j, scenery) == Some(i)
                 && is_like(a, b, scenery)
                 && are_open(a, b, scenery)
             {
-                let candidate = Candidate {
+                // Whoever was never seen to end there may have been a piece.
+                self.is_untangled |= [a, b].iter().all(|end| scenery.past.is_piece(&end.past));
+                self.candidates.push(Candidate {
                     cost: 0.0,
                     ends: [i, j],
                     way: None,
-                };
+                });
+            }
+        }
+        for i in 0..self.candidates.len() {
+            let candidate = self.candidates[i];
+            let [a, b] = candidate.ends.map(|end| self.ends[end].line);
+            if a != b {
                 self.bridge(&candidate, lines, scenery);
             }
         }
+    }
+
+    /// The only other end that runs into the same thing, however the rope bends under it; or, of several, one to which it bends
+    /// far less than to any other.
+    fn partner(&self, i: usize, scenery: &Scenery) -> Option<usize> {
+        let a = &self.ends[i];
+        let (mut first, mut second) = ((f32::INFINITY, None), f32::INFINITY);
+        for j in (0..self.ends.len()).filter(|&j| self.is_pair(i, j, scenery)) {
+            let b = &self.ends[j];
+            let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
+            if bend < first.0 {
+                (first, second) = ((bend, Some(j)), first.0);
+            } else {
+                second = second.min(bend);
+            }
+        }
+        let is_plain = first.0 <= BENT.0 && second >= BENT.1 * first.0;
+        first.1.filter(|_| second == f32::INFINITY || is_plain)
     }
 
     /// Whether two free ends run into the same thing.

@@ -9,7 +9,7 @@ use crate::past::{Move, Past, Rope};
 use crate::vec2;
 
 /// A piece is so many times as long as wide: of a shorter one it is not said where it lies.
-const LEAST_WIDTHS: f32 = 4.0;
+const LEAST_WIDTHS: f32 = 2.5;
 /// How far along the rope a piece is looked for from where its middle says that it lies, and in which steps, in widths.
 const ALONG_WIDTHS: f32 = 2.0;
 const STEP_WIDTHS: f32 = 0.25;

@@ -117,7 +117,7 @@ impl Refitter {
         let live = || scene.past.live();
         if live().next().is_none()
             || live().all(|rope| self.agrees(rope, lines, scene.past))
-            || live().any(|r| !r.whole)
+            || live().any(|r| !r.state.whole)
         {
             return false;
         }

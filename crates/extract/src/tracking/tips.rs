@@ -95,7 +95,7 @@ fn place<'a>(line: &Line, past: &'a Past) -> Option<Place<'a>> {
     }
     let length_px = line.length_px();
     let mut best: Option<(f32, Place)> = None;
-    for rope in past.live().filter(|rope| !rope.closed && rope.whole) {
+    for rope in past.live().filter(|rope| !rope.closed && rope.state.whole) {
         let room_px = rope.usual_px - length_px;
         let most_px = (MOST.0 * rope.width_px).min(MOST.1 * rope.usual_px);
         if room_px < LEAST_WIDTHS * rope.width_px || room_px > most_px {
@@ -237,7 +237,7 @@ pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane
         let apart = |reversed| apart_widths(line, length_px, rope, 0.0, reversed);
         let is_near =
             apart(false).min(apart(true)) <= APART_WIDTHS + MOST_OVER_WIDTHS + past.moved();
-        !rope.closed && rope.whole && range_px.contains(&excess_px) && is_near
+        !rope.closed && rope.state.whole && range_px.contains(&excess_px) && is_near
     });
     let Some(rope) = known else {
         return;
@@ -262,6 +262,7 @@ fn is_rope([x, y]: Vec2, mask: &BitPlane) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::past::State;
 
     const WIDTH_PX: f32 = 6.0;
 
@@ -274,7 +275,7 @@ mod tests {
             [120.0, WIDTH_PX, 120.0],
             &points,
             [None; 2],
-            (true, true),
+            State::SEEN,
         );
         past
     }

@@ -10,7 +10,7 @@ use super::matching::{self, Agreement, Shape, nearest_point};
 use super::turn::{align_ring, open_ring, reverse, rotate, signed_area};
 use crate::image::color;
 use crate::options::Options;
-use crate::past::Past;
+use crate::past::{Past, State};
 use crate::scene::{Curve, Status};
 use crate::vec2::{Vec2, distance};
 
@@ -194,9 +194,11 @@ impl Tracker {
                 past.know(track.width_px);
             }
             let sizes_px = [track.length_px, track.width_px, track.whole_px];
-            let live = track.age == 0 && track.frames >= SETTLED;
-            let whole = track.border == [false; 2];
-            let state = (live, whole);
+            let state = State {
+                live: track.age == 0 && track.frames >= SETTLED,
+                whole: track.border == [false; 2],
+                was_free: track.free_frames > 0,
+            };
             past.add_covered(
                 track.closed,
                 sizes_px,

@@ -3,7 +3,7 @@
 use super::*;
 use crate::bitmap::bits::BitPlane;
 use crate::image::gray::GrayPlane;
-use crate::past::Past;
+use crate::past::{Past, State};
 
 fn straight(from: Vec2, to: Vec2) -> Line {
     let count = vec2::distance(from, to) as usize;
@@ -145,6 +145,21 @@ fn a_rope_that_turns_back_under_a_thing_comes_out_of_it() {
     let mut lines = [a, b, straight([300.0, 70.0], [183.0, 70.0])];
     let count = join_under(&mut lines, &Past::default(), true, &thing()).0;
     assert!(count >= 2, "{count}");
+}
+
+/// A rope goes in at the left and comes out below, where two tips point at the thing, too.
+#[test]
+fn of_several_ends_at_a_thing_two_are_one_ropes_that_bend_far_less_than_any_others() {
+    let mut lines = [
+        straight([20.0, 110.0], [117.0, 110.0]),
+        straight([173.0, 195.0], [160.0, 143.0]),
+        straight([124.0, 195.0], [124.0, 143.0]),
+        straight([131.0, 195.0], [131.0, 143.0]),
+    ];
+    let (count, gaps) = join_under(&mut lines, &Past::default(), true, &thing());
+    assert_eq!((count, gaps.len()), (3, 1));
+    let ends = [0, lines[0].samples.len() - 1].map(|i| lines[0].samples[i].at[0]);
+    assert!(ends.contains(&20.0) && ends.contains(&173.0), "{ends:?}");
 }
 
 #[test]
@@ -299,7 +314,7 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
         let mut past = Past::default();
         let length_px = rope.length_px();
         let sizes_px = [length_px, 6.0, length_px + longer_px];
-        past.add_covered(false, sizes_px, &points, [None; 2], (true, true));
+        past.add_covered(false, sizes_px, &points, [None; 2], State::SEEN);
         let mut lines = steep();
         assert_eq!(join(&mut lines, &past, false).0, 1);
         assert!(outside(&lines) > 30);
