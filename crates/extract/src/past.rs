@@ -151,6 +151,14 @@ pub(crate) struct Rope {
 }
 
 impl Rope {
+    /// How far from it a place lies.
+    pub(crate) fn off_px(&self, at: Vec2) -> f32 {
+        let apart = |p: &Vec2| vec2::distance(*p, at);
+        let nearest_px = self.points.iter().map(apart).fold(f32::INFINITY, f32::min);
+        // A place between two points lies up to half a step from both.
+        (nearest_px - 0.35 * self.step_px()).max(0.0)
+    }
+
     /// Arc length between two points.
     fn step_px(&self) -> f32 {
         let intervals = self.points.len() - usize::from(!self.closed);
@@ -263,13 +271,7 @@ impl Past {
 
     /// How far from the nearest rope a place lies, in its widths.
     fn off(&self, at: Vec2) -> f32 {
-        let ropes = self.ropes().iter();
-        let offs = ropes.map(|rope| {
-            let apart = |p: &Vec2| vec2::distance(*p, at);
-            let nearest = rope.points.iter().map(apart).fold(f32::INFINITY, f32::min);
-            // A place between two points lies up to half a step from both.
-            (nearest - 0.35 * rope.step_px()).max(0.0) / rope.width_px
-        });
+        let offs = self.ropes().iter().map(|rope| rope.off_px(at) / rope.width_px);
         offs.fold(f32::INFINITY, f32::min)
     }
 

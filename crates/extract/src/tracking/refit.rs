@@ -118,6 +118,7 @@ impl Refitter {
         if live().next().is_none()
             || live().all(|rope| self.agrees(rope, lines, scene.past))
             || live().any(|r| !r.state.whole)
+            || restores(lines, scene.past)
         {
             return false;
         }
@@ -404,6 +405,24 @@ impl Refitter {
             found(start, line.length_px());
         }
     }
+}
+
+/// Whether the ropes have the lengths that they had for long in `lines`, and not as they were last read: strands were taken for each
+/// other, and are not any more.
+fn restores(lines: &[Line], past: &Past) -> bool {
+    let is_usual = |length_px: f32, rope: &Rope| {
+        (length_px / rope.usual_px - 1.0).abs() <= 0.5 * LENGTH
+    };
+    let is_rope = |line: &Line, rope: &Rope| {
+        let stride = (line.samples.len() / COMPARED).max(1);
+        let places = || line.samples.iter().step_by(stride);
+        let near = places().filter(|sample| rope.off_px(sample.at) <= rope.width_px);
+        is_usual(line.length_px(), rope) && 2 * near.count() > places().count()
+    };
+    let mut ropes = past.live();
+    lines.len() == past.live().count()
+        && past.live().any(|rope| !is_usual(rope.length_px, rope))
+        && ropes.all(|rope| lines.iter().any(|line| is_rope(line, rope)))
 }
 
 /// Draws the longest hidden stretch of a line in as far as the line is longer than its rope usually is: nothing else holds it to its
