@@ -50,7 +50,7 @@ impl Centerline {
         views::row(this, |line| line.points_sent().widths())
     }
 
-    /// Whether each is covered by something, and so not seen but bridged.
+    /// Whether each is covered by something or outside of the image, and so not seen but bridged.
     #[getter]
     fn hidden<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let points = self.points_sent();

@@ -190,7 +190,7 @@ impl Curve {
         views::row(this, |curve| &curve.seen().widths_px)
     }
 
-    /// Whether each point is covered by something, and so not seen but bridged.
+    /// Whether each point is covered by something or outside of the image, and so not seen but bridged.
     #[getter]
     fn hidden<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<bool, Ix1>> {
         views::row(this, |curve| &curve.seen().hidden)

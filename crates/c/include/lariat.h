@@ -244,7 +244,7 @@ typedef struct lariat_centerline {
   uint32_t count;
   // 1 if the rope is closed: the last point is followed by the first.
   uint32_t closed;
-  // Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+  // Which points are covered by something or outside of the image, and so not seen: bit i % 32 of word i / 32 is point i.
   uint32_t hidden[LARIAT_HIDDEN_WORDS];
   // The points, `[x, y]`.
   float points[LARIAT_MAX_POINTS][2];
@@ -284,7 +284,7 @@ typedef struct lariat_descriptor {
   double width;
   // How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
   uint64_t age_ns;
-  // How many of the points were covered by something, and so not seen.
+  // How many of the points were covered by something or outside of the image, and so not seen.
   uint32_t hidden;
   // 1 if the control points are filtered in time, and have velocities.
   uint32_t filtered;

@@ -146,7 +146,7 @@ pub struct lariat_descriptor {
     pub width: f64,
     /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
     pub age_ns: u64,
-    /// How many of the points were covered by something, and so not seen.
+    /// How many of the points were covered by something or outside of the image, and so not seen.
     pub hidden: u32,
     /// 1 if the control points are filtered in time, and have velocities.
     pub filtered: u32,
@@ -174,7 +174,7 @@ pub struct lariat_centerline {
     pub count: u32,
     /// 1 if the rope is closed: the last point is followed by the first.
     pub closed: u32,
-    /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+    /// Which points are covered by something or outside of the image, and so not seen: bit i % 32 of word i / 32 is point i.
     pub hidden: [u32; LARIAT_HIDDEN_WORDS],
     /// The points, `[x, y]`.
     pub points: [[f32; 2]; LARIAT_MAX_POINTS],

@@ -271,7 +271,10 @@ impl Past {
 
     /// How far from the nearest rope a place lies, in its widths.
     fn off(&self, at: Vec2) -> f32 {
-        let offs = self.ropes().iter().map(|rope| rope.off_px(at) / rope.width_px);
+        let offs = self
+            .ropes()
+            .iter()
+            .map(|rope| rope.off_px(at) / rope.width_px);
         offs.fold(f32::INFINITY, f32::min)
     }
 

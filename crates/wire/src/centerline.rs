@@ -54,7 +54,7 @@ impl<'a> Centerline<'a> {
         self.widths
     }
 
-    /// Whether point `i` is covered by something, and so not seen but bridged.
+    /// Whether point `i` is covered by something or outside of the image, and so not seen but bridged.
     pub fn is_hidden(&self, i: usize) -> bool {
         is_hidden(self.hidden, i)
     }

@@ -118,7 +118,7 @@ impl Refitter {
         if live().next().is_none()
             || live().all(|rope| self.agrees(rope, lines, scene.past))
             || live().any(|r| !r.state.whole)
-            || restores(lines, scene.past)
+            || are_restored(lines, scene.past)
         {
             return false;
         }
@@ -407,12 +407,11 @@ impl Refitter {
     }
 }
 
-/// Whether the ropes have the lengths that they had for long in `lines`, and not as they were last read: strands were taken for each
+/// Whether all ropes have the lengths that they had for long in `lines`, and not as they were last read: strands were taken for each
 /// other, and are not any more.
-fn restores(lines: &[Line], past: &Past) -> bool {
-    let is_usual = |length_px: f32, rope: &Rope| {
-        (length_px / rope.usual_px - 1.0).abs() <= 0.5 * LENGTH
-    };
+fn are_restored(lines: &[Line], past: &Past) -> bool {
+    let is_usual =
+        |length_px: f32, rope: &Rope| (length_px / rope.usual_px - 1.0).abs() <= 0.5 * LENGTH;
     let is_rope = |line: &Line, rope: &Rope| {
         let stride = (line.samples.len() / COMPARED).max(1);
         let places = || line.samples.iter().step_by(stride);
@@ -494,6 +493,38 @@ fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::past::State;
+
+    #[test]
+    fn ropes_are_restored_by_lines_of_their_usual_lengths_alone() {
+        let line = |from: i32, to: i32, y: f32| Line {
+            samples: (from..=to)
+                .map(|x| Sample {
+                    at: [x as f32, y],
+                    ..Sample::default()
+                })
+                .collect(),
+            ..Line::default()
+        };
+        // Two ropes of 100 px, of which the second was read 30 px too long the last time.
+        let mut past = Past::default();
+        for (y, last_px) in [(20.0, 100.0), (60.0, 130.0)] {
+            let points: Vec<Vec2> = (0..=20).map(|i| [last_px / 20.0 * i as f32, y]).collect();
+            let sizes_px = [last_px, 6.0, 100.0];
+            past.add_covered(false, sizes_px, &points, [None; 2], State::SEEN);
+        }
+        let lines = [line(0, 100, 21.0), line(0, 101, 60.0)];
+        assert!(are_restored(&lines, &past));
+        assert!(!are_restored(&lines[..1], &past));
+        assert!(!are_restored(
+            &[line(0, 100, 21.0), line(0, 120, 60.0)],
+            &past
+        ));
+        assert!(!are_restored(
+            &[line(0, 100, 21.0), line(0, 100, 90.0)],
+            &past
+        ));
+    }
 
     #[test]
     fn a_hidden_part_is_drawn_in_to_the_ropes_usual_length() {

@@ -28,7 +28,7 @@ message! {
         confidence: f32 = 0.0 => number,
         /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
         age_ns: u64 = 0 => number,
-        /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+        /// Which points are covered by something or outside of the image, and so not seen: bit i % 32 of word i / 32 is point i.
         hidden: [u32; MAX_POINTS / 32] = [0; MAX_POINTS / 32] => hidden(points),
         /// The points, `[x, y]`.
         points: [[f32; 2]; MAX_POINTS] = [[0.0; 2]; MAX_POINTS] => points(points),
@@ -48,7 +48,7 @@ impl Curve {
         &self.widths_px[..(self.count as usize).min(MAX_POINTS)]
     }
 
-    /// Whether point `i` is covered by something, and so not seen.
+    /// Whether point `i` is covered by something or outside of the image, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
         is_hidden(&self.hidden, i)
     }

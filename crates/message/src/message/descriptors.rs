@@ -42,7 +42,7 @@ message! {
         width: f64 = 0.0 => number,
         /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
         age_ns: u64 = 0 => number,
-        /// How many of the points were covered by something, and so not seen.
+        /// How many of the points were covered by something or outside of the image, and so not seen.
         hidden: u32 = 0 => number,
         /// 1 if the control points are filtered in time, and have velocities.
         filtered: u32 = 0 => flag,
@@ -133,7 +133,7 @@ message! {
         count: u32 = 0 => count(points),
         /// 1 if the rope is closed: the last point is followed by the first.
         closed: u32 = 0 => flag,
-        /// Which points are covered by something, and so not seen: bit i % 32 of word i / 32 is point i.
+        /// Which points are covered by something or outside of the image, and so not seen: bit i % 32 of word i / 32 is point i.
         hidden: [u32; MAX_POINTS / 32] = [0; MAX_POINTS / 32] => hidden(points),
         /// The points, `[x, y]`.
         points: [[f32; 2]; MAX_POINTS] = [[0.0; 2]; MAX_POINTS] => points(points),
@@ -162,7 +162,7 @@ impl CenterlinePoints {
         self.widths[..count].copy_from_slice(&from.widths[..count]);
     }
 
-    /// Whether point `i` is covered by something, and so not seen.
+    /// Whether point `i` is covered by something or outside of the image, and so not seen.
     pub const fn is_hidden(&self, i: usize) -> bool {
         is_hidden(&self.hidden, i)
     }
