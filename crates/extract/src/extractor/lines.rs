@@ -204,6 +204,7 @@ impl Extractor {
                 color: self.colors[l],
                 covered,
                 is_plain: !self.occluder.any(),
+                is_torn: self.bridger.is_torn,
                 free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.

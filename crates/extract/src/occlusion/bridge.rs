@@ -9,7 +9,7 @@
 mod tests;
 mod untangle;
 
-use super::ends::{End, Scenery, is_stretched, known_way, plain_cost};
+use super::ends::{End, Scenery, is_stretched, known_way, plain_cost, shown};
 use super::pieces::{self, Piece};
 use super::way;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
@@ -43,6 +43,10 @@ const COVERED: f32 = 0.75;
 /// How far ahead of an end the thing that it runs into begins, in widths, and at how many places it is looked for.
 const INTO: (f32, usize) = (1.5, 6);
 
+/// How many widths apart two ends are at least between which a known rope is found to be two; the most of its way there that shows
+/// anything but the bare table; and how many times as long as it was for long it is at least.
+const TORN: (f32, f32, f32) = (6.0, 0.25, 1.2);
+
 /// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
 /// much any other has.
 const BENT: (f32, f32) = (0.75, 2.0);
@@ -67,6 +71,8 @@ pub(crate) struct Bridger {
     pub(crate) gaps: Vec<Gap>,
     /// Whether what was known of hidden ways was found wrong.
     pub(crate) is_untangled: bool,
+    /// Whether what was known as one rope was found to be several.
+    pub(crate) is_torn: bool,
     spaced: Vec<Sample>,
 }
 
@@ -90,7 +96,7 @@ impl Bridger {
         scenery: &Scenery,
     ) -> usize {
         self.gaps.clear();
-        self.is_untangled = false;
+        (self.is_untangled, self.is_torn) = (false, false);
         self.list_ends(lines, colors, scenery);
         if scenery.elsewhere.is_some() && self.part(lines, scenery) {
             self.list_ends(lines, colors, scenery);
@@ -107,6 +113,7 @@ impl Bridger {
             is_free
         });
         self.untangle(scenery);
+        self.tear(scenery);
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
             self.bridge(&candidate, lines, scenery);
@@ -204,6 +211,36 @@ impl Bridger {
                 }
             }
         }
+    }
+
+    /// Leaves ways out along which a rope was known that is far longer than it was for long, and the bare table is seen.
+    fn tear(&mut self, scenery: &Scenery) {
+        // A mask that is of ropes alone says nothing of what lies on them.
+        if scenery.elsewhere.is_some() || scenery.picked.is_some() {
+            return;
+        }
+        let (ends, count) = (&mut self.ends, self.candidates.len());
+        self.candidates.retain(|candidate| {
+            let [a, b] = candidate.ends.map(|end| &ends[end]);
+            let is_torn = candidate.way.is_some_and(|way| {
+                let rope = &scenery.past.ropes()[way[0].rope as usize];
+                let way = Some((way, scenery.past));
+                !a.leaves
+                    && rope.length_px > TORN.2 * rope.usual_px
+                    && vec2::distance(a.at, b.at) > TORN.0 * a.width_px
+                    && shown(a.at, b.at, scenery) < TORN.1
+                    && way::shown(a, b, way, scenery) < TORN.1
+            });
+            if is_torn {
+                candidate
+                    .ends
+                    .iter()
+                    .for_each(|&end| ends[end].used = false);
+            }
+            !is_torn
+        });
+        self.is_torn = self.candidates.len() < count;
+        self.is_untangled |= self.is_torn;
     }
 
     /// Joins ends that run into the same thing, of one rope as far as they show: it goes in at the one and comes out at the other.

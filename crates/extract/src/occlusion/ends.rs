@@ -85,6 +85,12 @@ impl Scenery<'_> {
         }
     }
 
+    /// Whether anything but the table is seen at a place.
+    pub(super) fn is_shown(&self, at: Vec2) -> bool {
+        let covered = self.occluder.get(at[0] as i32, at[1] as i32);
+        covered || self.difference.sample(at) >= self.level
+    }
+
     /// Whether something that is no rope lies within so many pixels of a place.
     pub(crate) fn is_hidden(&self, [x, y]: Vec2, reach_px: f32) -> bool {
         let around = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
@@ -210,11 +216,8 @@ fn is_outside(a: &End, b: &End, scenery: &Scenery) -> bool {
 /// The share of the straight way from a to b, less half a width at each end, that is not table.
 pub(super) fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
-    let hits = (1..ASKED).filter(|&k| {
-        let at = vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32);
-        let covered = scenery.occluder.get(at[0] as i32, at[1] as i32);
-        covered || scenery.difference.sample(at) >= scenery.level
-    });
+    let hits = (1..ASKED)
+        .filter(|&k| scenery.is_shown(vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32)));
     hits.count() as f32 / (ASKED - 1) as f32
 }
 

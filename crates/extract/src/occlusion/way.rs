@@ -5,6 +5,17 @@ use crate::centerline::line::Sample;
 use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
 
+/// The share of the way between two ends on which anything but the bare table is seen.
+pub(super) fn shown(
+    from: &End,
+    to: &End,
+    way: Option<([FormerPlace; 2], &Past)>,
+    scenery: &Scenery,
+) -> f32 {
+    let at = between(from, to, way);
+    share(|t| scenery.is_shown(at(t)))
+}
+
 /// The share of the way between two ends that lies under something.
 pub(super) fn covered(
     from: &End,
@@ -12,10 +23,15 @@ pub(super) fn covered(
     way: Option<([FormerPlace; 2], &Past)>,
     scenery: &Scenery,
 ) -> f32 {
-    const ASKED: usize = 16;
     let at = between(from, to, way);
     let reach_px = 0.25 * (from.width_px + to.width_px);
-    let hits = (1..ASKED).filter(|&k| scenery.is_hidden(at(k as f32 / ASKED as f32), reach_px));
+    share(|t| scenery.is_hidden(at(t), reach_px))
+}
+
+/// The share of the places between 0 and 1 of which something is so.
+fn share(is_so: impl Fn(f32) -> bool) -> f32 {
+    const ASKED: usize = 16;
+    let hits = (1..ASKED).filter(|&k| is_so(k as f32 / ASKED as f32));
     hits.count() as f32 / (ASKED - 1) as f32
 }
 

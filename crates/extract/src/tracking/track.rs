@@ -102,6 +102,8 @@ pub(crate) struct Look {
     pub(crate) free: bool,
     /// Whether nothing lies in the image that is no rope.
     pub(crate) is_plain: bool,
+    /// Whether what was known as one rope is several.
+    pub(crate) is_torn: bool,
 }
 
 impl Tracker {
@@ -267,7 +269,7 @@ impl Tracker {
         let (mut seen, mut c) = (curves.len(), 0);
         while c < seen {
             let is_new = !self.tracks.iter().any(|track| is_current(track, c));
-            if is_new && self.is_piece(&curves[..seen], c) {
+            if is_new && !looks[c].is_torn && self.is_piece(&curves[..seen], c) {
                 curves[c..seen].rotate_left(1);
                 looks[c..seen].rotate_left(1);
                 for (current, _) in self.tracks.iter_mut().flat_map(|track| &mut track.current) {
@@ -548,7 +550,8 @@ fn see(
         Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
         None => look.color,
     });
-    let is_part = is_short && (jumped || tip_covered) && !track.closed && !curve.closed;
+    let is_open = !track.closed && !curve.closed;
+    let is_part = is_short && (jumped || tip_covered) && is_open && !look.is_torn;
     let is_plain = look.is_plain && !(cut || is_part || covered);
     let is_leap = is_plain && track.disbelieved < KEPT && track.has_leapt(curve);
     track.disbelieved = if is_leap { track.disbelieved + 1 } else { 0 };
