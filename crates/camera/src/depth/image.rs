@@ -35,6 +35,8 @@ pub struct DepthImageError {
 
 /// Added to a whole number of less than 4 million in size it leaves a float whose lowest bits are that number.
 const WHOLE: f32 = 12_582_912.0;
+/// Where nothing begins: past the end of all bytes.
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// A depth image, borrowed.
 #[derive(Debug, Clone, Copy)]
@@ -101,22 +103,34 @@ impl<'a> DepthImage<'a> {
         }
     }
 
-    /// Reads pixels at whole places, mm; 0 where that is not known, or outside of the image.
+    /// Where the pixels of some columns and rows begin, all of which are whole and at least 0. Outside of the image it is anywhere.
     #[inline(always)]
-    pub(super) fn read<const N: usize>(
+    pub(super) fn starts<const L: usize>(&self, columns: &[f32; L], rows: &[f32; L]) -> [u32; L] {
+        let [stride, size] = [self.stride, self.kind.bytes()].map(|bytes| bytes as u32);
+        let mut starts = [0; L];
+        for (start, (&column, &row)) in starts.iter_mut().zip(columns.iter().zip(rows)) {
+            let [column, row] = [column, row].map(|place| (place + WHOLE).to_bits());
+            let [column, row] = [column, row].map(|bits| bits.wrapping_sub(WHOLE.to_bits()));
+            *start = (row.wrapping_mul(stride)).wrapping_add(column.wrapping_mul(size));
+        }
+        starts
+    }
+
+    /// Reads pixels that begin at these places of its bytes, mm; 0 where that is not known, or past their end.
+    #[inline(always)]
+    pub(super) fn read<const L: usize, const N: usize>(
         &self,
-        columns: &[f32; N],
-        rows: &[f32; N],
-        to: &mut [f32; N],
+        starts: &[[u32; L]; N],
+        to: &mut [[f32; L]; N],
     ) {
         match self.kind {
             DepthKind::Whole { unit_mm } => {
                 let unit_mm = unit_mm as f32;
-                self.read_each(columns, rows, to, |pixel| {
+                self.read_each(starts, to, |pixel| {
                     f32::from(u16::from_le_bytes(pixel)) * unit_mm
                 });
             }
-            DepthKind::Metres => self.read_each(columns, rows, to, |pixel| {
+            DepthKind::Metres => self.read_each(starts, to, |pixel| {
                 let metres = f32::from_le_bytes(pixel);
                 match metres > 0.0 && metres.is_finite() {
                     true => 1000.0 * metres,
@@ -127,45 +141,38 @@ impl<'a> DepthImage<'a> {
     }
 
     #[inline(always)]
-    fn read_each<const N: usize, const BYTES: usize>(
+    fn read_each<const L: usize, const N: usize, const BYTES: usize>(
         &self,
-        columns: &[f32; N],
-        rows: &[f32; N],
-        to: &mut [f32; N],
+        starts: &[[u32; L]; N],
+        to: &mut [[f32; L]; N],
         depth: impl Fn([u8; BYTES]) -> f32,
     ) {
-        // Where each begins, all at once; what is outside begins past the end. Bytes past the fourth billion are no image of today.
-        let stride = u32::try_from(self.stride).unwrap_or(u32::MAX);
-        let [width, height] = [self.width, self.height.min((u32::MAX / stride) as usize)];
-        let [width, height] = [width, height].map(|side| side as u32);
-        let mut starts = [0; N];
-        for k in 0..N {
-            // What is below 0 is beyond any side.
-            let [column, row] = [columns[k], rows[k]].map(|place| (place + WHOLE).to_bits());
-            let [column, row] = [column, row].map(|bits| bits.wrapping_sub(WHOLE.to_bits()));
-            let start = row
-                .wrapping_mul(stride)
-                .wrapping_add(column.wrapping_mul(BYTES as u32));
-            starts[k] = match (column < width) & (row < height) {
-                true => start,
-                false => u32::MAX,
-            };
-        }
-        let mut pixels = [[0; BYTES]; N];
-        for (pixel, &start) in pixels.iter_mut().zip(&starts) {
+        let mut pixels = [[[0; BYTES]; L]; N];
+        let each = pixels.as_flattened_mut().iter_mut();
+        for (pixel, &start) in each.zip(starts.as_flattened()) {
             let start = start as usize;
             if let Some(bytes) = self.bytes.get(start..start + BYTES) {
                 pixel.copy_from_slice(bytes);
             }
         }
-        for (to, pixel) in to.iter_mut().zip(pixels) {
-            *to = depth(pixel);
+        // By itself, as this becomes vectors.
+        for (to, pixels) in to.iter_mut().zip(&pixels) {
+            for (to, &pixel) in to.iter_mut().zip(pixels) {
+                *to = depth(pixel);
+            }
         }
     }
 
     /// Width and height.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
+    }
+
+    /// Width and height, as far as its first 4 billion bytes go: more are no image of today.
+    #[inline]
+    pub(super) fn sides(&self) -> [f32; 2] {
+        let most = u32::MAX as usize / self.stride;
+        [self.width, self.height.min(most)].map(|side| side as f32)
     }
 
     /// The standard deviation that whole numbers alone make, mm.

@@ -4,6 +4,7 @@ mod anchors;
 mod floats;
 mod glance;
 mod look;
+mod places;
 mod reading;
 mod sections;
 mod unsure;
@@ -11,10 +12,10 @@ mod unsure;
 use super::image::DepthImage;
 use super::pair::DepthCamera;
 use crate::space::{SeenRope, Sight, SpacePoint, cut_ends, length, sight};
-use floats::LANES;
 use lariat_portable::Arch;
 use look::Pixels;
 use reading::{Reading, SECTION_STEP};
+use sections::Course;
 use thiserror::Error;
 
 /// A rope rises no more steeply than this against the ray's side, mm ahead for each aside.
@@ -67,9 +68,6 @@ struct Axis {
     depth: f64,
     /// Half of the rope's width by its depth: times that it is the radius.
     slim: f64,
-    /// Where the axis is in the depth camera's frame, and in its image.
-    place: [f64; 3],
-    at: [f64; 2],
     variance: f64,
     is_measured: bool,
     /// How far beside the middle of what the depth image shows of the rope it is, of the rope's half width.
@@ -88,7 +86,8 @@ pub struct RopeDepth {
     row: Vec<f64>,
     /// The points around which the depth image is read.
     sections: Vec<usize>,
-    pixels: Box<[Pixels; LANES]>,
+    course: Course,
+    pixels: Box<Pixels>,
     arch: Arch,
     /// The depth camera's focal length, px: of its two the mean.
     focal_px: f64,
@@ -110,7 +109,8 @@ impl RopeDepth {
             chain: Vec::new(),
             row: Vec::new(),
             sections: Vec::new(),
-            pixels: Box::new([Pixels::NONE; LANES]),
+            course: Course::default(),
+            pixels: Box::new(Pixels::NONE),
             arch: Arch::new(),
             places: Vec::new(),
             before: Vec::new(),
@@ -131,7 +131,7 @@ impl RopeDepth {
             return Err(NoDepth::Points);
         }
         self.aim(rope)?;
-        self.divide();
+        self.divide(rope);
         self.find(image, rope);
         if self.anchors.len() < 2 {
             return Err(self.unmeasured());
@@ -262,7 +262,8 @@ impl RopeDepth {
 
     /// Half of the rope's width in the depth image.
     fn half_width_px(&self, axis: &Axis) -> f64 {
-        axis.slim * self.focal_px * axis.depth / axis.place[2].max(1.0)
+        let ahead = self.place(axis, axis.depth)[2];
+        axis.slim * self.focal_px * axis.depth / ahead.max(1.0)
     }
 
     fn write(&mut self, rope: &SeenRope) {

@@ -61,12 +61,13 @@ pub(crate) fn aim(
         }
     }));
     // Widths err by themselves; a rope's does not change from one point to the next.
-    let (mut sum, mut from, mut to) = (0.0, 0, 0);
+    let mut sum = row[..WIDTHS.min(count)].iter().sum::<f64>();
     for (i, sight) in sights.iter_mut().enumerate() {
-        let [first, last] = [i.saturating_sub(WIDTHS), (i + WIDTHS + 1).min(count)];
-        sum += row[to..last].iter().sum::<f64>() - row[from..first].iter().sum::<f64>();
-        (from, to) = (first, last);
-        sight.slim = sum / (last - first) as f64;
+        let next = row.get(i + WIDTHS).copied();
+        let past = i.checked_sub(WIDTHS + 1).map(|k| row[k]);
+        sum += next.unwrap_or(0.0) - past.unwrap_or(0.0);
+        let among = (i + WIDTHS + 1).min(count) - i.saturating_sub(WIDTHS);
+        sight.slim = sum / among as f64;
     }
     Some(())
 }

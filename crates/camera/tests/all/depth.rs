@@ -6,6 +6,7 @@ use lariat_camera::{
     SpacePoint,
 };
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth};
+use lariat_portable::Arch;
 
 const SIZE: [usize; 2] = [848, 480];
 /// From the colour camera to the depth camera, mm.
@@ -164,6 +165,21 @@ fn lifted_ropes_that_cross_themselves_are_found_to_a_fraction_of_a_millimetre() 
     let worst = all[all.len() - 1];
     println!("mean {mean:.3} mm, 95 % {p95:.3}, worst {worst:.3}");
     assert!(mean < 0.35 && p95 < 0.9 && worst < 5.0);
+}
+
+#[test]
+fn points_are_the_same_to_the_bit_whatever_registers_the_machine_has() {
+    for radius_mm in [2.0, 4.0] {
+        let (seed, scene) = scenes(radius_mm).next().expect("a rope");
+        let units = depth(&scene.rope, &scene.depth, &DepthSensor::STEREO, seed);
+        let found = Arch::all().into_iter().map(|arch| {
+            arch.keep_to();
+            let mut finder = RopeDepth::new(pair(&scene));
+            locate_in(&mut finder, &scene, &units, DepthSensor::STEREO.unit_mm).expect("a rope")
+        });
+        let found: Vec<_> = found.collect();
+        assert!(found.iter().all(|places| *places == found[0]));
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Where a rope is first found, along the rays of some of its points; and what of all that was found is not the rope.
 
 use super::floats::{Floats, LANES, Lanes};
+use super::places::Places;
 use super::{Axis, RopeDepth, STEEPEST, SeenRope, length};
 use crate::depth::image::DepthImage;
 use crate::depth::pair::DepthCamera;
@@ -215,6 +216,7 @@ impl WithSimd for Walk<'_> {
         let far = Floats::splat(simd, camera.range_mm[1] as f32);
         let lanes = Floats::of(simd, &STEPS);
         let none = Floats::splat(simd, NONE);
+        let places = Places::new(simd, self.image);
         for from in (0..=self.last).step_by(LANES) {
             // The places and what is measured there, times the inverse depth.
             let begin = self.nearest - from as f64 * self.step;
@@ -226,11 +228,10 @@ impl WithSimd for Walk<'_> {
             let mut columns = (column + Floats::splat(simd, center[0] as f32)).lanes();
             let mut rows = (row + Floats::splat(simd, center[1] as f32)).lanes();
             camera.distort(&mut columns, &mut rows);
-            let columns = Floats::of(simd, &columns).rounded().lanes();
-            let rows = Floats::of(simd, &rows).rounded().lanes();
-            let mut measured = [0.0; LANES];
-            self.image.read(&columns, &rows, &mut measured);
-            let there = Floats::of(simd, &measured) * inverse;
+            let columns = Floats::of(simd, &columns).rounded();
+            let rows = Floats::of(simd, &rows).rounded();
+            let measured = places.read(places.starts(columns, rows));
+            let there = measured * inverse;
             // Of one step a ray looks along all its depths where it is a point in the image.
             let reach = match self.last {
                 1 => far * inverse * inverse,
@@ -241,7 +242,7 @@ impl WithSimd for Walk<'_> {
             let hit = hit.where_less(zero, there, none);
             let hit = none.where_less(z, inverse, hit).least() as usize;
             if hit <= (self.last - from).min(LANES - 1) {
-                return Some(measured[hit]);
+                return Some(measured.lanes()[hit]);
             }
         }
         None

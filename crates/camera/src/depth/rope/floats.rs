@@ -75,11 +75,6 @@ impl<S: Simd> Floats<S> {
     }
 
     #[inline(always)]
-    pub(super) fn sum(self) -> f32 {
-        self.simd.reduce_sum_f32s(self.lanes)
-    }
-
-    #[inline(always)]
     pub(super) fn least(self) -> f32 {
         self.simd.reduce_min_f32s(self.lanes)
     }

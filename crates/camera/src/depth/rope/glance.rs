@@ -3,6 +3,7 @@
 use super::STEEPEST;
 use super::floats::{Floats, LANES};
 use super::look::Found;
+use super::places::Places;
 use super::sections::Sections;
 use crate::depth::image::DepthImage;
 use lariat_portable::{Simd, WithSimd};
@@ -60,9 +61,8 @@ impl Glance<'_> {
         let off = Floats::splat(simd, across);
         let column = (at_x + on * along_x - off * along_y).rounded();
         let row = (at_y + on * along_y + off * along_x).rounded();
-        let mut read = [0.0; LANES];
-        (self.image).read(&column.lanes(), &row.lanes(), &mut read);
-        let read = Floats::of(simd, &read);
+        let places = Places::new(simd, self.image);
+        let read = places.read(places.starts(column, row));
         let (x, y) = (column - at_x, row - at_y);
         let off = y * along_x - x * along_y;
         let on = x * along_x + y * along_y;

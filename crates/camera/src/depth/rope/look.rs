@@ -1,13 +1,15 @@
 //! All of a section's inside, read at places of a fixed pattern: what it says of the axis.
+//!
+//! In a vector are as many sections as there are lanes, and the places come one after another: nothing is summed across lanes.
 
-use super::floats::{Floats, LANES};
+use super::floats::{Floats, LANES, Lanes};
+use super::places::Places;
 use super::sections::Sections;
 use crate::depth::image::DepthImage;
 use lariat_portable::{Simd, WithSimd};
 
 /// Places in a section where its pixels are read.
 const SAMPLES: usize = 32;
-const VECTORS: usize = SAMPLES / LANES;
 /// The share of them that fall on a pixel of their own, at most.
 const READ_ONCE: f32 = 0.75;
 /// Where they are, -1 to 1: a lattice of Fibonacci's, without rows that would fall into step with those of the image.
@@ -35,6 +37,9 @@ const RADIUS_ERROR: f32 = 0.02;
 /// What is this many standard deviations from the mean is another thing.
 const STRAY: f32 = 2.5;
 
+/// Farther off than anything: what a pixel says that does not count.
+const NOTHING: f32 = 1e9;
+
 /// What is read of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
@@ -50,7 +55,7 @@ pub(super) struct Look<'a> {
     pub(super) image: &'a DepthImage<'a>,
     pub(super) sections: &'a Sections,
     /// Room.
-    pub(super) pixels: &'a mut [Pixels; LANES],
+    pub(super) pixels: &'a mut Pixels,
 }
 
 impl WithSimd for Look<'_> {
@@ -58,191 +63,185 @@ impl WithSimd for Look<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Self::Output {
-        // First all are read, as what is read one by one can be taken up together only a while later.
-        for k in 0..LANES {
-            if self.sections.inner[k] > 0.0 {
-                self.read(simd, k);
-            }
+        self.read(simd);
+        self.look(simd)
+    }
+}
+
+impl Look<'_> {
+    /// Reads the pixels. First all of them, as what is read one by one can be taken up together only a while later.
+    #[inline(always)]
+    fn read<S: Simd>(&mut self, simd: S) {
+        let of = self.sections;
+        let [at_x, at_y] = of.at.map(|at| Floats::of(simd, &at));
+        let [along_x, along_y] = of.along.map(|along| Floats::of(simd, &along));
+        let [first, last] = of.ends.map(|end| Floats::of(simd, &end));
+        let inner = Floats::of(simd, &of.inner);
+        let (slope, tilt) = (Floats::of(simd, &of.slope), Floats::of(simd, &of.tilt));
+        let per_px = Floats::of(simd, &of.beside_per_px);
+        let radius = Floats::of(simd, &of.radius);
+        let (zero, half) = (Floats::splat(simd, 0.0), Floats::splat(simd, 0.5));
+        let per_sine = Floats::splat(simd, 1.0) / Floats::of(simd, &of.sine);
+        let squared_radius = radius * radius;
+        let (middle, half) = (half * (first + last), half * (last - first));
+        let (places, nowhere) = (Places::new(simd, self.image), Places::nowhere(simd));
+        let to = &mut *self.pixels;
+        for k in 0..SAMPLES {
+            let on = half * Floats::splat(simd, ALONG[k]) + middle;
+            let off = inner * Floats::splat(simd, ACROSS[k]);
+            let column = (at_x + (on * along_x - off * along_y)).rounded();
+            let row = (at_y + (off * along_x + on * along_y)).rounded();
+            let (x, y) = (column - at_x, row - at_y);
+            let beside = y * along_x - x * along_y;
+            let on = x * along_x + y * along_y;
+            let from_axis = beside * per_px;
+            let rise = (squared_radius - from_axis * from_axis).max(zero).sqrt();
+            // Of a narrow section the places fall on pixels beside it, too, which do not count.
+            let starts = places.starts(column, row);
+            let starts = starts.where_less(beside.abs(), inner, nowhere);
+            let farther = rise * per_sine - (slope * on + tilt * beside);
+            to.starts[k] = starts.lanes().map(f32::to_bits);
+            to.beside[k] = beside.lanes();
+            to.farther[k] = farther.lanes();
         }
+        self.image.read(&to.starts, &mut to.off);
+    }
+
+    /// What the pixels say of the axes.
+    #[inline(always)]
+    fn look<S: Simd>(&mut self, simd: S) -> [Option<Found>; LANES] {
+        let of = self.sections;
+        let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
+        let ahead = Floats::of(simd, &of.ahead);
+        let nothing = Floats::splat(simd, NOTHING);
+        let sigma = Floats::of(simd, &of.sigma);
+        let (radius, sine) = (Floats::of(simd, &of.radius), Floats::of(simd, &of.sine));
+        let reach = radius + Floats::splat(simd, 5.0) * sigma;
+        let stray = Floats::splat(simd, STRAY) * sigma;
+        let (mut in_reach, mut sum) = (zero, zero);
+        for (off, farther) in self.pixels.off.iter_mut().zip(&self.pixels.farther) {
+            let measured = Floats::of(simd, off);
+            let from = measured - ahead + Floats::of(simd, farther);
+            let from = from.where_less(zero, measured, nothing);
+            *off = from.lanes();
+            in_reach = in_reach + one.where_less(from.abs(), reach, zero);
+            sum = sum + from.where_less(from.abs(), reach, zero);
+        }
+        let pixels = &*self.pixels;
+        let all = sum / in_reach;
+        // What is behind an edge takes the first mean with it, and is left out then.
+        let [count, sum] = pixels.sum(simd, all, stray);
+        let near = all + (sum / count).where_less(zero, count, zero);
+        let mut near = pixels.mean(simd, near, stray);
+        for (about, gate) in [(all, stray), (zero, reach)] {
+            let known = near.count.where_less(zero, in_reach, one);
+            if known.least() > 0.0 {
+                break;
+            }
+            near = near.or(simd, pixels.mean(simd, about, gate));
+        }
+        let inner = Floats::of(simd, &of.inner);
+        let [first, last] = of.ends.map(|end| Floats::of(simd, &end));
+        let wide = Floats::splat(simd, 2.0) * inner.max(Floats::splat(simd, 0.5));
+        let pixels = wide * (last - first).max(one);
+        let spread = near.squares / (near.count - one).max(one);
+        let share =
+            Floats::splat(simd, READ_ONCE).min(pixels * Floats::splat(simd, 1.0 / SAMPLES as f32));
+        let alone = (share * near.count).max(one);
+        let wrong = Floats::splat(simd, RADIUS_ERROR) * radius / sine;
+        let ahead = (ahead + near.mean).lanes();
+        let variance = (spread.max(sigma * sigma) / alone + wrong * wrong).lanes();
+        let beside = (near.beside * Floats::of(simd, &of.mm_per_px) / radius).lanes();
+        let count = near.count.lanes();
         let mut found = [None; LANES];
         for (k, found) in found.iter_mut().enumerate() {
-            if self.sections.inner[k] > 0.0 {
-                *found = self.look(simd, k);
+            if count[k] > 0.0 {
+                *found = Some(Found {
+                    ahead: f64::from(ahead[k]),
+                    variance: f64::from(variance[k]),
+                    beside: f64::from(beside[k]),
+                });
             }
         }
         found
     }
 }
 
-impl Look<'_> {
-    /// What the `k`-th section's pixels say of its axis.
-    #[inline(always)]
-    fn look<S: Simd>(&self, simd: S, k: usize) -> Option<Found> {
-        let of = self.sections;
-        let samples = self.samples(simd, k);
-        let sigma = of.sigma[k];
-        let reach = of.radius[k] + 5.0 * sigma;
-        let all = samples.middle(simd, 0.0, reach)?;
-        // What is behind an edge takes the first mean with it, and is left out then.
-        let near = samples.middle(simd, all, STRAY * sigma).unwrap_or(all);
-        let near = (samples.mean(simd, near, STRAY * sigma))
-            .or_else(|| samples.mean(simd, all, STRAY * sigma))
-            .or_else(|| samples.mean(simd, 0.0, reach))?;
-        // Of a narrow section the places fall on pixels beside it, too, which do not count.
-        let pixels = 2.0 * of.inner[k].max(0.5) * (of.ends[1][k] - of.ends[0][k]).max(1.0);
-        let spread = near.squares / (near.count - 1.0).max(1.0);
-        let alone = (READ_ONCE.min(pixels / SAMPLES as f32) * near.count).max(1.0);
-        let variance = spread.max(sigma * sigma) / alone;
-        let wrong = RADIUS_ERROR * of.radius[k] / of.sine[k];
-        Some(Found {
-            ahead: f64::from(of.ahead[k]) + f64::from(near.mean),
-            variance: f64::from(variance + wrong * wrong),
-            beside: f64::from(near.beside * of.mm_per_px[k] / of.radius[k]),
-        })
-    }
-
-    /// Reads the pixels of the `k`-th section.
-    #[inline(always)]
-    fn read<S: Simd>(&mut self, simd: S, k: usize) {
-        let of = self.sections;
-        let [first, last] = [of.ends[0][k], of.ends[1][k]];
-        let middle = Floats::splat(simd, 0.5 * (first + last));
-        let half = Floats::splat(simd, 0.5 * (last - first));
-        let at_x = Floats::splat(simd, of.at[0][k]);
-        let at_y = Floats::splat(simd, of.at[1][k]);
-        let along_x = Floats::splat(simd, of.along[0][k]);
-        let along_y = Floats::splat(simd, of.along[1][k]);
-        let inner = Floats::splat(simd, of.inner[k]);
-        let Pixels {
-            columns,
-            rows,
-            measured,
-        } = &mut self.pixels[k];
-        for from in (0..SAMPLES).step_by(LANES) {
-            let on = half * Floats::of(simd, &ALONG[from..]) + middle;
-            let off = inner * Floats::of(simd, &ACROSS[from..]);
-            let column = (at_x + (on * along_x - off * along_y)).rounded();
-            let row = (at_y + (off * along_x + on * along_y)).rounded();
-            columns[from..from + LANES].copy_from_slice(&column.lanes());
-            rows[from..from + LANES].copy_from_slice(&row.lanes());
-        }
-        self.image.read(columns, rows, measured);
-    }
-
-    /// What they say of its axis, one by one.
-    #[inline(always)]
-    fn samples<S: Simd>(&self, simd: S, k: usize) -> Samples<S> {
-        let (of, pixels) = (self.sections, &self.pixels[k]);
-        let at_x = Floats::splat(simd, of.at[0][k]);
-        let at_y = Floats::splat(simd, of.at[1][k]);
-        let along_x = Floats::splat(simd, of.along[0][k]);
-        let along_y = Floats::splat(simd, of.along[1][k]);
-        let inner = Floats::splat(simd, of.inner[k]);
-        let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
-        let about = Floats::splat(simd, of.ahead[k]);
-        let slope = Floats::splat(simd, of.slope[k]);
-        let tilt = Floats::splat(simd, of.tilt[k]);
-        let per_px = Floats::splat(simd, of.beside_per_px[k]);
-        let squared_radius = Floats::splat(simd, of.radius[k] * of.radius[k]);
-        let per_sine = Floats::splat(simd, 1.0 / of.sine[k]);
-        let mut samples = Samples {
-            off: [zero; VECTORS],
-            beside: [zero; VECTORS],
-            counts: [zero; VECTORS],
-        };
-        for k in 0..VECTORS {
-            let from = k * LANES;
-            let x = Floats::of(simd, &pixels.columns[from..]) - at_x;
-            let y = Floats::of(simd, &pixels.rows[from..]) - at_y;
-            let measured = Floats::of(simd, &pixels.measured[from..]);
-            let beside = y * along_x - x * along_y;
-            let on = x * along_x + y * along_y;
-            samples.beside[k] = beside;
-            let from_axis = beside * per_px;
-            let rise = (squared_radius - from_axis * from_axis).max(zero).sqrt();
-            samples.off[k] = measured - about + rise * per_sine - (slope * on + tilt * beside);
-            let is_inside = zero.where_less(inner, beside.abs(), one);
-            samples.counts[k] = is_inside.where_less(zero, measured, zero);
-        }
-        samples
-    }
-}
-
-/// A section's pixels: where they are in the image, and what is measured there, mm.
+/// The pixels of some sections, a place of all of them after the other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pixels {
-    columns: [f32; SAMPLES],
-    rows: [f32; SAMPLES],
-    measured: [f32; SAMPLES],
+    /// Where they begin in the image.
+    starts: [[u32; LANES]; SAMPLES],
+    /// How far beside the axis they are, px.
+    beside: [Lanes; SAMPLES],
+    /// How much farther ahead than what is measured there the axis is at the section's point, mm.
+    farther: [Lanes; SAMPLES],
+    /// What is measured there, mm; then by that how much farther ahead than it was taken for the axis is, or `NOTHING`.
+    off: [Lanes; SAMPLES],
 }
 
 impl Pixels {
     pub(super) const NONE: Self = Self {
-        columns: [0.0; SAMPLES],
-        rows: [0.0; SAMPLES],
-        measured: [0.0; SAMPLES],
+        starts: [[0; LANES]; SAMPLES],
+        beside: [[0.0; LANES]; SAMPLES],
+        farther: [[0.0; LANES]; SAMPLES],
+        off: [[0.0; LANES]; SAMPLES],
     };
-}
 
-/// What the pixels of a section say: how much farther ahead the axis is than it was taken for, mm, how far beside it they are, px, and
-/// whether they count, 0 or 1.
-struct Samples<S: Simd> {
-    off: [Floats<S>; VECTORS],
-    beside: [Floats<S>; VECTORS],
-    counts: [Floats<S>; VECTORS],
-}
-
-impl<S: Simd> Samples<S> {
-    /// The mean of what counts and is nearer than `gate` to `about`; `None` of nothing.
+    /// How many are nearer than `gate` to `about`, and the sum of their distances from it.
     #[inline(always)]
-    fn middle(&self, simd: S, about: f32, gate: f32) -> Option<f32> {
-        let (center, gate) = (Floats::splat(simd, about), Floats::splat(simd, gate));
-        let zero = Floats::splat(simd, 0.0);
+    fn sum<S: Simd>(&self, simd: S, about: Floats<S>, gate: Floats<S>) -> [Floats<S>; 2] {
+        let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
         let (mut count, mut sum) = (zero, zero);
-        for k in 0..VECTORS {
-            let from = self.off[k] - center;
-            let near = self.counts[k].where_less(from.abs(), gate, zero);
-            count = count + near;
-            sum = sum + near * from;
+        for off in &self.off {
+            let from = Floats::of(simd, off) - about;
+            count = count + one.where_less(from.abs(), gate, zero);
+            sum = sum + from.where_less(from.abs(), gate, zero);
         }
-        let count = count.sum();
-        (count != 0.0).then(|| about + sum.sum() / count)
+        [count, sum]
     }
 
-    /// The same, and what else is known of it.
+    /// Their mean, and what else is known of it.
     #[inline(always)]
-    fn mean(&self, simd: S, about: f32, gate: f32) -> Option<Mean> {
-        let (center, gate) = (Floats::splat(simd, about), Floats::splat(simd, gate));
-        let zero = Floats::splat(simd, 0.0);
+    fn mean<S: Simd>(&self, simd: S, about: Floats<S>, gate: Floats<S>) -> Mean<S> {
+        let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
         let (mut count, mut sum, mut squares, mut aside) = (zero, zero, zero, zero);
-        for k in 0..VECTORS {
-            let from = self.off[k] - center;
-            let near = self.counts[k].where_less(from.abs(), gate, zero);
-            aside = near * self.beside[k] + aside;
-            let part = near * from;
-            count = count + near;
+        for (off, beside) in self.off.iter().zip(&self.beside) {
+            let from = Floats::of(simd, off) - about;
+            let part = from.where_less(from.abs(), gate, zero);
+            count = count + one.where_less(from.abs(), gate, zero);
             sum = sum + part;
-            squares = part * from + squares;
+            squares = squares + part * part;
+            aside = aside + Floats::of(simd, beside).where_less(from.abs(), gate, zero);
         }
-        let count = count.sum();
-        if count == 0.0 {
-            return None;
-        }
-        let sum = sum.sum();
-        Some(Mean {
+        Mean {
             count,
             mean: about + sum / count,
-            beside: aside.sum() / count,
-            squares: (squares.sum() - sum * sum / count).max(0.0),
-        })
+            beside: aside / count,
+            squares: (squares - sum * sum / count).max(zero),
+        }
     }
 }
 
 /// The mean of so many numbers, the sum of the squares of their distances from it, and the mean of how far beside the axis they are.
-#[derive(Debug, Clone, Copy)]
-struct Mean {
-    count: f32,
-    mean: f32,
-    beside: f32,
-    squares: f32,
+#[derive(Clone, Copy)]
+struct Mean<S: Simd> {
+    count: Floats<S>,
+    mean: Floats<S>,
+    beside: Floats<S>,
+    squares: Floats<S>,
+}
+
+impl<S: Simd> Mean<S> {
+    /// Another where this is of nothing.
+    #[inline(always)]
+    fn or(self, simd: S, other: Self) -> Self {
+        let zero = Floats::splat(simd, 0.0);
+        Self {
+            mean: self.mean.where_less(zero, self.count, other.mean),
+            beside: self.beside.where_less(zero, self.count, other.beside),
+            squares: self.squares.where_less(zero, self.count, other.squares),
+            count: self.count.where_less(zero, self.count, other.count),
+        }
+    }
 }

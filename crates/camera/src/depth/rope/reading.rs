@@ -22,19 +22,28 @@ pub(super) enum Reading {
 }
 
 impl RopeDepth {
-    /// Divides a rope of so many points into sections: around every second point, and the last.
-    pub(super) fn divide(&mut self) {
+    /// Divides a rope into sections: around every second point, and the last.
+    pub(super) fn divide(&mut self, rope: &SeenRope) {
         let last = self.axes.len() - 1;
         self.sections.clear();
         self.sections.extend((0..last).step_by(SECTION_STEP));
         self.sections.push(last);
+        self.course.begin(self.sections.len(), rope.closed);
+        // Where the next point is hidden, what covers it may reach on.
+        let share = |hidden: bool| if hidden { 0.25 } else { 0.5 };
+        for (k, &i) in self.sections.iter().enumerate() {
+            let before = if i == 0 { last } else { i - 1 };
+            let after = if i == last { 0 } else { i + 1 };
+            let shares = [before, after].map(|i| share(rope.hidden[i]));
+            self.course.share(k, shares);
+        }
     }
 
     /// Reads the depth image at each section, where it is known roughly.
     pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Reading) {
         let count = self.sections.len();
         for k in 0..count {
-            self.set_out(k);
+            self.set_out(rope, k);
         }
         for first in (0..count).step_by(LANES) {
             self.read_sections(image, rope, first..(first + LANES).min(count), reading);
@@ -67,22 +76,27 @@ impl RopeDepth {
         let depth = self.axes[second].depth;
         let step = depth - self.axes[first].depth;
         self.axes[third].depth = depth + step;
-        self.set_out(four[2]);
+        self.set_out(rope, four[2]);
         if fourth != third && !is_fourth {
             self.axes[fourth].depth = depth + 2.0 * step;
-            self.set_out(four[3]);
+            self.set_out(rope, four[3]);
         }
         self.read_sections(image, rope, four[2]..four[2] + 1, Reading::Whole);
     }
 
-    /// Where the `k`-th section's point is, as its depth is.
-    fn set_out(&mut self, k: usize) {
+    /// Sets the `k`-th section out as its depth is.
+    fn set_out(&mut self, rope: &SeenRope, k: usize) {
         let i = self.sections[k];
-        let place = self.place(&self.axes[i], self.axes[i].depth);
-        let axis = &mut self.axes[i];
-        axis.place = place;
+        let axis = &self.axes[i];
+        let place = self.place(axis, axis.depth);
         // Outside of its image nothing is read.
-        axis.at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
+        let at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
+        let radius = if rope.hidden[i] {
+            0.0
+        } else {
+            axis.slim * axis.depth
+        };
+        self.course.set_out(k, at, place, radius);
     }
 
     /// Reads up to `LANES` sections.
@@ -120,57 +134,21 @@ impl RopeDepth {
 
     /// How some sections are read.
     fn lay_out(&self, image: &DepthImage, rope: &SeenRope, which: Range<usize>) -> Sections {
-        let count = self.sections.len();
-        let mut outline = Outline {
-            at: [[0.0; LANES + 2]; 2],
-            place: [[0.0; LANES + 2]; 3],
-            radius: [0.0; LANES],
-            share: [[0.0; LANES]; 2],
+        let (first, last) = (which.start, which.end - 1);
+        let mut sections = self.arch.dispatch(Outline {
+            course: &self.course,
+            which,
             focal_px: self.focal_px as f32,
             noise: self.camera.noise as f32,
             rounding_mm: image.rounding_mm() as f32,
-        };
-        // Before the first and after the last of an open rope there is nothing: these stand there themselves.
-        let beyond = match rope.closed {
-            true => [count - 1, 0],
-            false => [0, count - 1],
-        };
-        for lane in 0..which.len() + 2 {
-            let k = match which.start + lane {
-                0 => beyond[0],
-                past if past > count => beyond[1],
-                next => next - 1,
-            };
-            let axis = &self.axes[self.sections[k]];
-            for c in 0..2 {
-                outline.at[c][lane] = axis.at[c] as f32;
-            }
-            for c in 0..3 {
-                outline.place[c][lane] = axis.place[c] as f32;
-            }
-        }
-        let points = rope.hidden.len();
-        let share = |point: usize| match rope.hidden[point % points] {
-            true => 0.25,
-            false => 0.5,
-        };
-        for (lane, &i) in self.sections[which.clone()].iter().enumerate() {
-            let axis = &self.axes[i];
-            outline.radius[lane] = match rope.hidden[i] {
-                true => 0.0,
-                false => (axis.slim * axis.depth) as f32,
-            };
-            (outline.share[0][lane], outline.share[1][lane]) =
-                (share(i + points - 1), share(i + 1));
-        }
-        let mut sections = self.arch.dispatch(&outline);
+        });
         // At a tip only the rope's side is read.
-        if !rope.closed && which.contains(&0) {
+        if !rope.closed && first == 0 {
             sections.ends[0][0] = 0.5;
             sections.ends[1][0] += 1.0;
         }
-        if !rope.closed && which.end == count {
-            let lane = which.len() - 1;
+        if !rope.closed && last + 1 == self.sections.len() {
+            let lane = last - first;
             sections.ends[0][lane] -= 1.0;
             sections.ends[1][lane] = -0.5;
         }

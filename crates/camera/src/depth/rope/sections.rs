@@ -2,7 +2,7 @@
 
 use super::floats::{Floats, LANES, Lanes};
 use lariat_portable::{Simd, WithSimd};
-use std::ops::{Mul, Sub};
+use std::ops::{Mul, Range, Sub};
 
 /// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
 const INNER: f32 = 0.8;
@@ -16,18 +16,69 @@ const LEAST_PX: f32 = 0.1;
 /// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
 const LONGEST: f32 = 1.5;
 
-/// A number of each of the sections from the one before these to the one after them.
-pub(super) type Around = [f32; LANES + 2];
-
-/// Sections in a row, each around a point of the rope, as they are set out.
-pub(super) struct Outline {
+/// The sections of a rope as they are set out, in order, each around a point of the rope. Of their points there is one more before the first and
+/// after the last: of a closed rope the last and the first, otherwise these themselves. Behind all there is room, so that a vector can be
+/// taken from any of them on.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Course {
     /// Where their points are in the depth image, px, and in the depth camera's frame, mm.
-    pub(super) at: [Around; 2],
-    pub(super) place: [Around; 3],
-    /// The rope's radius there, mm; 0 where it is not read.
-    pub(super) radius: Lanes,
+    at: [Vec<f32>; 2],
+    place: [Vec<f32>; 3],
+    /// The rope's radius there, mm; 0 where it is hidden.
+    radius: Vec<f32>,
     /// The share of the way to the point before, and to the one after, that is theirs.
-    pub(super) share: [Lanes; 2],
+    share: [Vec<f32>; 2],
+    count: usize,
+    closed: bool,
+}
+
+impl Course {
+    /// Begins with so many sections, none of which is set out.
+    pub(super) fn begin(&mut self, count: usize, closed: bool) {
+        (self.count, self.closed) = (count, closed);
+        let numbers = self
+            .at
+            .iter_mut()
+            .chain(&mut self.place)
+            .chain(&mut self.share);
+        for numbers in numbers.chain([&mut self.radius]) {
+            numbers.resize(count + 1 + LANES, 0.0);
+        }
+    }
+
+    /// The shares that are the `k`-th section's.
+    pub(super) fn share(&mut self, k: usize, share: [f32; 2]) {
+        (self.share[0][k], self.share[1][k]) = (share[0], share[1]);
+    }
+
+    /// Sets the `k`-th section out.
+    pub(super) fn set_out(&mut self, k: usize, at: [f64; 2], place: [f64; 3], radius: f64) {
+        let last = self.count - 1;
+        self.put(k + 1, at, place);
+        if k == 0 {
+            self.put(if self.closed { last + 2 } else { 0 }, at, place);
+        }
+        if k == last {
+            self.put(if self.closed { 0 } else { last + 2 }, at, place);
+        }
+        self.radius[k] = radius as f32;
+    }
+
+    fn put(&mut self, k: usize, at: [f64; 2], place: [f64; 3]) {
+        for (to, number) in self.at.iter_mut().zip(at) {
+            to[k] = number as f32;
+        }
+        for (to, number) in self.place.iter_mut().zip(place) {
+            to[k] = number as f32;
+        }
+    }
+}
+
+/// Some sections of a course: how they are to be read.
+pub(super) struct Outline<'a> {
+    pub(super) course: &'a Course,
+    /// Up to as many as there are lanes.
+    pub(super) which: Range<usize>,
     /// The depth camera's focal length, px, the standard deviation of a depth z by z², 1/mm, and that of its whole numbers, mm.
     pub(super) focal_px: f32,
     pub(super) noise: f32,
@@ -58,26 +109,32 @@ pub(super) struct Sections {
     pub(super) sigma: Lanes,
 }
 
-impl WithSimd for &Outline {
+impl WithSimd for Outline<'_> {
     type Output = Sections;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Sections {
-        let [x_before, x, x_after] = around(simd, &self.at[0]);
-        let [y_before, y, y_after] = around(simd, &self.at[1]);
+        let first = self.which.start;
+        let course = self.course;
+        let [x_before, x, x_after] = around(simd, &course.at[0][first..]);
+        let [y_before, y, y_after] = around(simd, &course.at[1][first..]);
+        // Those beyond are not read.
+        let mut radius = [0.0; LANES];
+        radius[..self.which.len()].copy_from_slice(&course.radius[self.which]);
         let (way_x, way_y) = (x_after - x_before, y_after - y_before);
         let far = (way_x * way_x + way_y * way_y).sqrt();
         let one = Floats::splat(simd, 1.0);
         let per_far = one / far;
         let (along_x, along_y) = (way_x * per_far, way_y * per_far);
 
-        let place = Vector::of(simd, &self.place, 1);
-        let way = Vector::of(simd, &self.place, 2) - Vector::of(simd, &self.place, 0);
+        let place = Vector::of(simd, &course.place, first + 1);
+        let way =
+            Vector::of(simd, &course.place, first + 2) - Vector::of(simd, &course.place, first);
         let ahead = place.z;
         let per_ahead = one / ahead;
         let focal = Floats::splat(simd, self.focal_px);
         let mm_per_px = ahead * Floats::splat(simd, 1.0 / self.focal_px);
-        let half = Floats::of(simd, &self.radius) * focal * per_ahead;
+        let half = Floats::of(simd, &radius) * focal * per_ahead;
 
         let narrow_px = Floats::splat(simd, NARROW_PX);
         let wide = (half * Floats::splat(simd, INNER)).min(half - Floats::splat(simd, EDGE_PX));
@@ -91,9 +148,10 @@ impl WithSimd for &Outline {
 
         let most = Floats::splat(simd, LONGEST) * half;
         let (back_x, back_y) = (x_before - x, y_before - y);
-        let back = (back_x * back_x + back_y * back_y).sqrt() * Floats::of(simd, &self.share[0]);
+        let back = (back_x * back_x + back_y * back_y).sqrt()
+            * Floats::of(simd, &course.share[0][first..]);
         let (on_x, on_y) = (x_after - x, y_after - y);
-        let on = (on_x * on_x + on_y * on_y).sqrt() * Floats::of(simd, &self.share[1]);
+        let on = (on_x * on_x + on_y * on_y).sqrt() * Floats::of(simd, &course.share[1][first..]);
 
         // The ray, the rope, and what is square to both; then square to that and the rope.
         let ray = place * per_ahead;
@@ -115,7 +173,7 @@ impl WithSimd for &Outline {
             inner: inner.lanes(),
             mm_per_px: mm_per_px.lanes(),
             beside_per_px: (mm_per_px * (along_x * normal.y - along_y * normal.x)).lanes(),
-            radius: self.radius,
+            radius,
             sine: sine.lanes(),
             sigma: (sigma * sigma + rounding * rounding).sqrt().lanes(),
         }
@@ -124,7 +182,7 @@ impl WithSimd for &Outline {
 
 /// Those before, these, and those after.
 #[inline(always)]
-fn around<S: Simd>(simd: S, numbers: &Around) -> [Floats<S>; 3] {
+fn around<S: Simd>(simd: S, numbers: &[f32]) -> [Floats<S>; 3] {
     [
         Floats::of(simd, numbers),
         Floats::of(simd, &numbers[1..]),
@@ -143,7 +201,7 @@ struct Vector<S: Simd> {
 impl<S: Simd> Vector<S> {
     /// Those from the `first` one on.
     #[inline(always)]
-    fn of(simd: S, [x, y, z]: &[Around; 3], first: usize) -> Self {
+    fn of(simd: S, [x, y, z]: &[Vec<f32>; 3], first: usize) -> Self {
         Self {
             x: Floats::of(simd, &x[first..]),
             y: Floats::of(simd, &y[first..]),
