@@ -127,6 +127,7 @@ fn a_message_of_many_datagrams_comes_whole_or_is_lost_once() {
     let deadline = Instant::now() + PATIENCE;
     while said_bound_us(&place.far).is_none() {
         assert!(Instant::now() < deadline, "nobody answers");
+        // The roster is asked again and again, as nothing wakes who waits for a first answer.
         thread::sleep(Duration::from_millis(10));
     }
     let chain = Chain::of(&place, rope::write_many);
