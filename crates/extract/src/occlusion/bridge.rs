@@ -229,7 +229,7 @@ impl Bridger {
                     && rope.length_px > TORN.2 * rope.usual_px
                     && vec2::distance(a.at, b.at) > TORN.0 * a.width_px
                     && shown(a.at, b.at, scenery) < TORN.1
-                    && way::shown(a, b, way, scenery) < TORN.1
+                    && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < TORN.1
             });
             if is_torn {
                 candidate

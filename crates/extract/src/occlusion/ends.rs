@@ -1,6 +1,6 @@
 //! Whether two ends of lines are of one rope, whose rest between them is hidden.
 
-use super::way::cubic;
+use super::way::{cubic, share};
 use crate::bitmap::bits::BitPlane;
 use crate::graph::pairing::bending;
 use crate::image::gray::GrayPlane;
@@ -215,10 +215,10 @@ fn is_outside(a: &End, b: &End, scenery: &Scenery) -> bool {
 
 /// The share of the straight way from a to b, less half a width at each end, that is not table.
 pub(super) fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
-    const ASKED: usize = 16;
-    let hits = (1..ASKED)
-        .filter(|&k| scenery.is_shown(vec2::along(a, vec2::sub(b, a), k as f32 / ASKED as f32)));
-    hits.count() as f32 / (ASKED - 1) as f32
+    share(
+        |t| vec2::along(a, vec2::sub(b, a), t),
+        |at| scenery.is_shown(at),
+    )
 }
 
 /// The share of the straight way from a to b, less half a width at each end, that is unlike the ground beside the ropes there.

@@ -5,17 +5,6 @@ use crate::centerline::line::Sample;
 use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
 
-/// The share of the way between two ends on which anything but the bare table is seen.
-pub(super) fn shown(
-    from: &End,
-    to: &End,
-    way: Option<([FormerPlace; 2], &Past)>,
-    scenery: &Scenery,
-) -> f32 {
-    let at = between(from, to, way);
-    share(|t| scenery.is_shown(at(t)))
-}
-
 /// The share of the way between two ends that lies under something.
 pub(super) fn covered(
     from: &End,
@@ -23,22 +12,25 @@ pub(super) fn covered(
     way: Option<([FormerPlace; 2], &Past)>,
     scenery: &Scenery,
 ) -> f32 {
-    let at = between(from, to, way);
     let reach_px = 0.25 * (from.width_px + to.width_px);
-    share(|t| scenery.is_hidden(at(t), reach_px))
+    share(between(from, to, way), |at| scenery.is_hidden(at, reach_px))
 }
 
-/// The share of the places between 0 and 1 of which something is so.
-fn share(is_so: impl Fn(f32) -> bool) -> f32 {
+/// The share of the places on a way, from 0 to 1 and without its ends, of which something is so.
+pub(super) fn share(way: impl Fn(f32) -> Vec2, is_so: impl Fn(Vec2) -> bool) -> f32 {
     const ASKED: usize = 16;
-    let hits = (1..ASKED).filter(|&k| is_so(k as f32 / ASKED as f32));
+    let hits = (1..ASKED).filter(|&k| is_so(way(k as f32 / ASKED as f32)));
     hits.count() as f32 / (ASKED - 1) as f32
 }
 
 /// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
 /// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
 /// cubic; where it is shorter as it slides out of the picture, the way outside bends the farther from the chord.
-fn between(from: &End, to: &End, way: Option<([FormerPlace; 2], &Past)>) -> impl Fn(f32) -> Vec2 {
+pub(super) fn between(
+    from: &End,
+    to: &End,
+    way: Option<([FormerPlace; 2], &Past)>,
+) -> impl Fn(f32) -> Vec2 {
     let plain = cubic([from.at, from.out], [to.at, to.out]);
     let chord = vec2::sub(to.at, from.at);
     let known = move |t: f32| {
