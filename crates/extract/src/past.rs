@@ -393,9 +393,11 @@ impl Past {
         })
     }
 
-    /// Whether an end of a line is of a rope whose ends were never both seen to lie freely, or that is not known.
-    pub(crate) fn is_piece(&self, end: &FormerPlaces) -> bool {
-        (end.likely(self)).all(|t| !self.ropes[t.rope as usize].state.was_free)
+    /// Whether a rope is known at one of these ends, and of none that is the ends were ever both seen to lie freely.
+    pub(crate) fn are_pieces(&self, ends: [&FormerPlaces; 2]) -> bool {
+        let places = ends.into_iter().flat_map(|end| end.likely(self));
+        let mut ropes = places.map(|t| &self.ropes[t.rope as usize]).peekable();
+        ropes.peek().is_some() && ropes.all(|rope| !rope.state.was_free)
     }
 
     /// What the past has against an arm that ends in the crossing it runs into.

@@ -255,8 +255,6 @@ impl Bridger {
                 && is_like(a, b, scenery)
                 && are_open(a, b, scenery)
             {
-                // Whoever was never seen to end there may have been a piece.
-                self.is_untangled |= [a, b].iter().all(|end| scenery.past.is_piece(&end.past));
                 self.candidates.push(Candidate {
                     cost: 0.0,
                     ends: [i, j],
@@ -266,8 +264,10 @@ impl Bridger {
         }
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
-            let [a, b] = candidate.ends.map(|end| self.ends[end].line);
-            if a != b {
+            let [a, b] = candidate.ends.map(|end| &self.ends[end]);
+            if a.line != b.line {
+                // What is known of pieces is no reason to take them apart again.
+                self.is_untangled |= scenery.past.are_pieces([&a.past, &b.past]);
                 self.bridge(&candidate, lines, scenery);
             }
         }
