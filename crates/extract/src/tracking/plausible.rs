@@ -144,17 +144,17 @@ impl Surroundings<'_> {
         pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
     }
 
-    /// Whether most of the curve is the table in less light.
+    /// Whether most of the curve, as far as it lies in the image, is the table in less light.
     fn is_dim(&self, curve: &Curve) -> bool {
+        let size = [self.image.width(), self.image.height()].map(|side| side as f32);
+        let is_within = |at: &&Vec2| (0..2).all(|k| (0.0..size[k]).contains(&at[k]));
         let is_dim = |at: &&Vec2| {
             let light = shadow::light_left(self.image, self.background, at.map(|c| c as usize));
             light.is_some_and(|light| light < 1.0)
         };
         let asked = || {
-            curve
-                .points
-                .iter()
-                .step_by((curve.points.len() / ASKED).max(1))
+            let stride = (curve.points.len() / ASKED).max(1);
+            curve.points.iter().step_by(stride).filter(is_within)
         };
         4 * asked().filter(is_dim).count() > 3 * asked().count()
     }
@@ -326,4 +326,41 @@ fn solve(m: [[f32; 3]; 3], right: [f32; 3]) -> Option<[f32; 3]> {
         det(&m) / all
     };
     (all.abs() > 1e-6).then(|| [with(0), with(1), with(2)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::PixelFormat;
+
+    const SIDE: usize = 64;
+
+    #[test]
+    fn what_lies_outside_of_the_image_does_not_say_whether_a_curve_is_shadow() {
+        let [light, dim] = [200, 120].map(|level| vec![level; 3 * SIDE * SIDE]);
+        let [light, dim] = [&light, &dim].map(|bytes| {
+            let image = Image::new(bytes, SIDE, SIDE, 3 * SIDE, PixelFormat::Rgb8);
+            image.expect("a whole image")
+        });
+        let mut background = Background::default();
+        background.estimate(&light);
+        let curve = |first: i32| Curve {
+            points: (first..first + 64)
+                .map(|x| [x as f32, 70.0 - x as f32])
+                .collect(),
+            ..Curve::empty()
+        };
+        let is_dim = |image: &Image, first| {
+            let surroundings = Surroundings {
+                image,
+                background: &background,
+                mask: &BitPlane::default(),
+                shadows: &Shadows::default(),
+            };
+            surroundings.is_dim(&curve(first))
+        };
+        for first in [-30, 30] {
+            assert!(is_dim(&dim, first) && !is_dim(&light, first), "{first}");
+        }
+    }
 }
