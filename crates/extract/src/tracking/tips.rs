@@ -12,7 +12,7 @@ use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
 /// Widths of a rope's length that make no difference: what tips are measured to.
-const LEAST_WIDTHS: f32 = 0.3;
+pub(super) const LEAST_WIDTHS: f32 = 0.3;
 /// Widths that a line may be too long by, because it goes on along the strand that its tip lies upon.
 const MOST_OVER_WIDTHS: f32 = 3.0;
 /// Widths that may be out of sight at most, and as a share of the rope.
@@ -161,7 +161,9 @@ fn extend(
     let kept = n - 1 - replaced;
     let (last, anchor) = (line.samples[n - 1], line.samples[kept].at);
     let out = vec2::sub(anchor, line.samples[kept - backed].at);
-    let tip_px = most_px + replaced as f32 * step_px;
+    // The samples of a tip that was run on lie closer than the others.
+    let replaced_px = arc_px(&line.samples[kept..]);
+    let tip_px = most_px + replaced_px;
     let known = |to_tip_px: f32| {
         rope.at(if at_last {
             rope.length_px - to_tip_px
@@ -189,7 +191,7 @@ fn extend(
         }
         line.samples.push(Sample { at, ..last });
     }
-    let more_px = (good as f32 - replaced as f32) * step_px;
+    let more_px = good as f32 / steps as f32 * tip_px - replaced_px;
     if more_px < LEAST_WIDTHS * rope.width_px {
         line.samples.truncate(n);
         return 0.0;
@@ -197,6 +199,12 @@ fn extend(
     line.samples.truncate(n + good);
     line.samples.drain(kept + 1..n);
     more_px
+}
+
+/// The length along some samples.
+fn arc_px(samples: &[Sample]) -> f32 {
+    let steps = samples.windows(2);
+    steps.map(|s| vec2::distance(s[0].at, s[1].at)).sum()
 }
 
 /// Whether the table shows beyond both ends of a curve.
@@ -323,6 +331,20 @@ mod tests {
             assert!((first[0] - 20.0).abs() < 1.5 && (last[0] - 140.0).abs() < 1.5);
             assert!((first[1] - 101.0).abs() < 0.5 && (last[1] - 101.0).abs() < 0.5);
         }
+    }
+
+    #[test]
+    fn a_rope_whose_tip_is_hidden_is_as_long_as_usual_however_close_its_samples_lie_there() {
+        let mut line = read(20, 116);
+        let last = line.samples[line.samples.len() - 1];
+        line.samples.extend((1..=8).map(|k| Sample {
+            at: [116.0 + 0.5 * k as f32, 101.0],
+            ..last
+        }));
+        let mask = mask([20, 141], [121, 160]);
+        lengthen(&mut line, &past(), [&mask, &BitPlane::default()]);
+        let length_px = line.length_px();
+        assert!((length_px - 120.0).abs() < 0.1, "{length_px}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use super::complete::Completer;
 use super::matching::{self, Agreement, Shape, nearest_point};
+use super::tips;
 use super::turn::{align_ring, open_ring, reverse, rotate, signed_area};
 use crate::image::color;
 use crate::options::Options;
@@ -65,6 +66,8 @@ struct Track {
     disbelieved: u32,
     /// Those of them in which both of its ends lay freely.
     free_frames: u32,
+    /// Whether they did when last all of an image was looked at.
+    is_free: bool,
     /// The curve of this image that it is, and whether that runs against it.
     current: Option<(usize, bool)>,
     closed: bool,
@@ -148,6 +151,7 @@ impl Tracker {
                 frames: LONG,
                 disbelieved: 0,
                 free_frames: 0,
+                is_free: false,
                 current: None,
                 closed: curve.closed,
                 border: curve.border,
@@ -349,7 +353,7 @@ impl Tracker {
                 if track.sure >= 0 {
                     track.sure = (track.sure + 1).min(LONG as i32);
                 }
-                track.note_length(curve, false, true);
+                track.note_length(curve, false, track.is_free);
                 track.points.clear();
                 track.points.extend_from_slice(&curve.points);
                 (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
@@ -542,6 +546,7 @@ fn see(
     } else {
         Status::Partial
     };
+    track.is_free = look.free;
     track.note_length(curve, cut, look.free);
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
@@ -599,6 +604,8 @@ impl Track {
         if cut {
             return;
         }
+        let off_px = curve.length_px - self.whole_px;
+        let is_alike = off_px.abs() <= tips::LEAST_WIDTHS * curve.width_px;
         let pace = match (free, curve.status) {
             (true, Status::Ok) => {
                 self.free_frames = self.free_frames.saturating_add(1);
@@ -608,6 +615,8 @@ impl Track {
             // How long the hidden part is, nobody sees.
             (true, _) if curve.hidden.contains(&true) => 0.0005,
             (true, _) => 0.005,
+            // A tip that lies upon something is read so much too short or too long: the rope is not.
+            (false, _) if is_alike => 0.0,
             (false, Status::Ok) => 0.0005,
             (false, _) => 0.002,
         };
@@ -650,6 +659,27 @@ mod tests {
             length_px: to - from,
             ..Curve::empty()
         }
+    }
+
+    #[test]
+    fn a_tip_that_is_read_too_short_upon_something_makes_the_rope_no_shorter() {
+        let look = |free| {
+            let mut tracker = Tracker::default();
+            for length_px in [300.0, 298.0, 298.0] {
+                let mut looks = [Look {
+                    free,
+                    ..Look::default()
+                }];
+                tracker.begin(tracker.now_ns + 33_000_000, false);
+                let mut curves = vec![seen(10.0, 10.0 + length_px)];
+                tracker.update(&mut curves, 1, &mut looks, &Options::default());
+                // Then it is followed.
+                tracker.go_on(&curves);
+            }
+            tracker.tracks[0].whole_px
+        };
+        assert_eq!(look(false), 300.0);
+        assert!(look(true) < 300.0);
     }
 
     #[test]
