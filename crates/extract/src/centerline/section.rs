@@ -284,12 +284,9 @@ impl Sections {
             if sample.weight <= 0.0 {
                 continue;
             }
-            let contrast = self.contrast.at(i);
             let l = group.count;
             group.rays.lay(l, sample.at, line.slope(i, reach));
-            for (levels, share) in group.levels.iter_mut().zip(how.shading.shares) {
-                levels[l] = share * contrast;
-            }
+            group.contrasts[l] = self.contrast.at(i);
             group.slots[l] = self.found.len() - 1;
             group.count += 1;
             if group.count == LANES {
@@ -320,7 +317,8 @@ impl Sections {
         let mut values = [[0.0; LANES]; edge::PLACES];
         group.rays.unify();
         group.rays.read(difference, &far, &mut values);
-        let edges = edge::near(&values, &group.levels, half_px);
+        let levels = how.shading.levels(&group.rays.along, &group.contrasts);
+        let edges = edge::near(&values, &levels, half_px);
         let inside = group.rays.are_inside(difference, edge::reach_px(half_px));
         let reaches_px = [BESIDE * half_px + 3.0, REACH * half_px + 3.0];
         let step_px = edge::step_px(half_px);
@@ -344,7 +342,7 @@ impl Sections {
             let seek = if is_tip { Seek::Inside } else { Seek::Near };
             let is_alone = line.samples[i].weight >= 1.0;
             let reach_px = reaches_px[usize::from(is_alone)];
-            let levels = [group.levels[0][l], group.levels[1][l]];
+            let levels = [levels[0][l], levels[1][l]];
             if if is_alone { alone[l] } else { beside[l] } {
                 for side in 0..2 {
                     if known[side].is_nan() {
@@ -396,8 +394,8 @@ impl Sections {
 #[derive(Debug, Default)]
 struct Group {
     rays: Rays,
-    /// Those of the edges.
-    levels: [Lanes; 2],
+    /// The rope's contrast there.
+    contrasts: Lanes,
     /// Where among all sections each stands.
     slots: [usize; LANES],
     count: usize,

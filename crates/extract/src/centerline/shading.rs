@@ -4,7 +4,9 @@
 //! (Lambert's law; d is light from the side). Fitted to the middle of the rope's mean cross-section, where no blur
 //! reaches, this tells the contrast at its rim; the lens shows half of what lies within its blur of the rim, and that
 //! level is the rope's true edge. Half of the contrast in the middle would draw a round rope too narrow by a third of
-//! a pixel, and beside a lamp aside as well.
+//! a pixel, and beside a lamp aside as well. Where a rope turns, the lamp is at its other side: d goes with the normal, as D·n, and
+//! it is D that is fitted to all sections. With one d for all of them a loop would lie up to a pixel beside its axis, on one side
+//! to the left and on the other to the right.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -12,6 +14,7 @@ use super::line::Line;
 use super::section::Measure;
 use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
+use crate::vec2::{self, Vec2};
 
 /// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
 const BLURS: std::ops::RangeInclusive<f32> = 0.5..=8.0;
@@ -30,18 +33,43 @@ const PLACES: usize = (INSIDE + OUTSIDE + 1).next_multiple_of(BATCH);
 const POSITIONS: usize = 6;
 /// Sections that are read along one rope: so many that a camera's noise of 4 levels adds less than one to their mean.
 const SECTIONS: usize = 4 * LANES;
+/// What of the light from the side is not known, as along a straight rope, is taken for little: by so much, as a share of all sections.
+const LITTLE: f32 = 1e-3;
+/// Of how the sides differ at least so much is as a lamp makes it, as a share: what is less so is shine, or a shadow beside the rope
+/// that is taken for a part of it.
+const LIKE_A_LAMP: f32 = 0.9;
 /// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
 const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 
-/// The share of the rope's contrast at which its edges lie, along the tangent's −normal and +normal side.
+/// The share of the rope's contrast at which its edges lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shading {
-    pub(crate) shares: [f32; 2],
+    /// On both sides together, the mean.
+    share: f32,
+    /// How much more it is on the side toward the light, by that side's normal.
+    lit: Vec2,
 }
 
 impl Shading {
     /// A ribbon: as bright at its edges as in its middle.
-    pub(crate) const FLAT: Self = Self { shares: [0.5; 2] };
+    pub(crate) const FLAT: Self = Self {
+        share: 0.5,
+        lit: [0.0; 2],
+    };
+
+    /// The levels of the edges of some sections of these normals and contrasts, along the −normal and the +normal side.
+    #[inline(always)]
+    pub(crate) fn levels(&self, normals: &[Lanes; 2], contrasts: &Lanes) -> [Lanes; 2] {
+        let mut levels = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            let lit = self.lit[0] * normals[0][l] + self.lit[1] * normals[1][l];
+            for (levels, lit) in levels.iter_mut().zip([-lit, lit]) {
+                let share = (self.share + lit).clamp(*SHARES.start(), *SHARES.end());
+                levels[l] = share * contrasts[l];
+            }
+        }
+        levels
+    }
 
     /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
     /// narrow to tell.
@@ -55,36 +83,42 @@ impl Shading {
         });
         let half_px = how.half_px;
         let blur_px = mean.blur();
-        let most = (1.0 - CLEAR * blur_px / half_px).min(0.8);
-        if most < LEAST_REACH {
+        let clear = (1.0 - CLEAR * blur_px / half_px).min(0.8);
+        if clear < 0.0 {
             return Self::FLAT;
         }
+        // What blur does is alike on both sides, so that how these differ is seen nearer to it, too.
+        let most = clear.max(LEAST_REACH);
         let position = |k: usize| most * (k as f32 - POSITIONS as f32) / POSITIONS as f32;
         let profile: [f32; 2 * POSITIONS + 1] = std::array::from_fn(|k| mean.at(position(k)));
-        fit(&profile, position).map_or(Self::FLAT, |model| {
-            Self::at_the_rim(model, half_px, blur_px)
+        let from_above = match clear < LEAST_REACH {
+            true => Some([profile[POSITIONS], 0.0]),
+            false => fit(&profile, position),
+        };
+        from_above.map_or(Self::FLAT, |[a, b]| {
+            let d = mean.lamp(position).unwrap_or_default();
+            Self::at_the_rim([a, b], d, half_px, blur_px)
         })
     }
 
-    /// The levels at the rims of a rope shaded by [a, b, d], over its contrast.
-    fn at_the_rim([a, b, d]: [f32; 3], half_px: f32, blur_px: f32) -> Self {
+    /// The levels at the rims of a rope shaded by [a, b] and D, over its contrast.
+    fn at_the_rim([a, b]: [f32; 2], d: Vec2, half_px: f32, blur_px: f32) -> Self {
         // The mean of √(1 − u²) over the middle, as the contrast is measured: u = 0, ±¼, ±½.
         let contrast = a + b * (1.0 + 2.0 * 0.968_246 + 2.0 * 0.866_025) / 5.0;
-        let (mut weight, mut within) = (0.0, [0.0; 2]);
+        let (mut weight, mut round, mut aside) = (0.0, 0.0, 0.0);
         // The half of the blur that lies within the rope, to three σ.
         for k in 0..12 {
             let sigmas = 0.25 * (k as f32 + 0.5);
             let u = (1.0 - sigmas * blur_px / half_px).max(0.0);
             let w = libm::expf(-0.5 * sigmas * sigmas);
-            let round = a + b * (1.0 - u * u).sqrt();
             weight += w;
-            within[0] += w * (round - d * u);
-            within[1] += w * (round + d * u);
+            round += w * (1.0 - u * u).sqrt();
+            aside += w * u;
         }
-        let share =
-            |sum: f32| (0.5 * sum / (weight * contrast)).clamp(*SHARES.start(), *SHARES.end());
+        let half = 0.5 / contrast;
         Self {
-            shares: within.map(share),
+            share: half * (a + b * round / weight),
+            lit: d.map(|d| half * d * aside / weight),
         }
     }
 }
@@ -93,6 +127,10 @@ impl Shading {
 struct Profile {
     /// From the middle outward, the edge at `INSIDE`, along the −normal and the +normal side.
     levels: [[f32; PLACES]; 2],
+    /// How much more the +normal side is than the other, times the normal, whose two components these are.
+    leans: [[f32; PLACES]; 2],
+    /// The normals' squares: xx, xy and yy.
+    normals: [f32; 3],
     /// From where on these are known.
     first: usize,
     half_px: f32,
@@ -128,6 +166,8 @@ impl Profile {
         let inside = ((how.half_px / HOP_PX) as usize + 1).min(INSIDE);
         Self {
             levels: [[0.0; PLACES]; 2],
+            leans: [[0.0; PLACES]; 2],
+            normals: [0.0; 3],
             // Whole batches are read.
             first: (INSIDE - inside) / BATCH * BATCH,
             half_px: 0.0,
@@ -164,6 +204,12 @@ impl Profile {
     fn add(&mut self, group: &mut Group, difference: &GrayPlane) {
         group.rays.unify();
         let count = std::mem::take(&mut group.count);
+        let [x, y] = &group.rays.along;
+        for (x, y) in x[..count].iter().zip(y) {
+            self.normals[0] += x * x;
+            self.normals[1] += x * y;
+            self.normals[2] += y * y;
+        }
         let widest_px = group.half_px[..count]
             .iter()
             .fold(0.0, |a, &b| f32::max(a, b));
@@ -189,12 +235,44 @@ impl Profile {
             for (k, row) in values.iter().enumerate() {
                 self.levels[k / BATCH][first + k % BATCH] += row[..count].iter().sum::<f32>();
             }
+            let (left, right) = values.split_at(BATCH);
+            for (k, (left, right)) in left.iter().zip(right).enumerate() {
+                for (leans, normal) in self.leans.iter_mut().zip(&group.rays.along) {
+                    for l in 0..count {
+                        leans[first + k] += normal[l] * (right[l] - left[l]);
+                    }
+                }
+            }
         }
     }
 
     /// The sum at a position across the rope, −1 to 1.
     fn at(&self, u: f32) -> f32 {
-        let levels = &self.levels[usize::from(u > 0.0)];
+        self.between(&self.levels[usize::from(u > 0.0)], u)
+    }
+
+    /// D, times the number of sections: least squares of what goes with the position and the normal, at the positions that `fit` has.
+    /// `None` where the sides do not differ as by a lamp.
+    fn lamp(&self, position: impl Fn(usize) -> f32) -> Option<Vec2> {
+        let [xx, xy, yy] = self.normals;
+        let count = xx + yy;
+        let (xx, yy) = (xx + LITTLE * count, yy + LITTLE * count);
+        let per = 1.0 / (xx * yy - xy * xy);
+        let solve = |[x, y]: Vec2| [per * (yy * x - xy * y), per * (xx * y - xy * x)];
+        let (mut squares, mut sums, mut all) = (0.0, [0.0; 2], 0.0);
+        for u in (POSITIONS + 1..=2 * POSITIONS).map(position) {
+            let leans = [0, 1].map(|c| self.between(&self.leans[c], u));
+            squares += u * u;
+            sums = vec2::along(sums, leans, u);
+            all += vec2::dot(leans, solve(leans));
+        }
+        let d = solve(sums);
+        let by_lamp = vec2::dot(sums, d) / squares;
+        (by_lamp > LIKE_A_LAMP * all).then(|| d.map(|d| 0.5 * count / squares * d))
+    }
+
+    /// What is at a position across the rope, of what is known of one side of it.
+    fn between(&self, levels: &[f32; PLACES], u: f32) -> f32 {
         let hops = (1.0 - u.abs()) * self.half_px / HOP_PX;
         let place = (INSIDE as f32 - hops).max(self.first as f32);
         let k = (place as usize).min(INSIDE);
@@ -221,18 +299,95 @@ impl Profile {
     }
 }
 
-/// Least squares of a + b·√(1 − u²) + d·u over symmetric positions, where the last term stands by itself.
-fn fit(profile: &[f32], position: impl Fn(usize) -> f32) -> Option<[f32; 3]> {
+/// Least squares of a + b·√(1 − u²) over symmetric positions, where d·u stands by itself.
+fn fit(profile: &[f32], position: impl Fn(usize) -> f32) -> Option<[f32; 2]> {
     let n = profile.len() as f32;
-    let (mut sum_c, mut sum_cc, mut sum_uu) = (0.0, 0.0, 0.0);
-    let (mut sum_y, mut sum_cy, mut sum_uy) = (0.0, 0.0, 0.0);
+    let (mut sum_c, mut sum_cc, mut sum_y, mut sum_cy) = (0.0, 0.0, 0.0, 0.0);
     for (k, &y) in profile.iter().enumerate() {
         let u = position(k);
         let c = (1.0 - u * u).sqrt();
-        (sum_c, sum_cc, sum_uu) = (sum_c + c, sum_cc + c * c, sum_uu + u * u);
-        (sum_y, sum_cy, sum_uy) = (sum_y + y, sum_cy + c * y, sum_uy + u * y);
+        (sum_c, sum_cc) = (sum_c + c, sum_cc + c * c);
+        (sum_y, sum_cy) = (sum_y + y, sum_cy + c * y);
     }
     let b = (n * sum_cy - sum_c * sum_y) / (n * sum_cc - sum_c * sum_c);
     let a = (sum_y - b * sum_c) / n;
-    (sum_y > 0.0 && b.is_finite()).then_some([a, b, sum_uy / sum_uu])
+    (sum_y > 0.0 && b.is_finite()).then_some([a, b])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centerline::line::Sample;
+
+    const MIDDLE: f32 = 100.0;
+    const RADIUS: f32 = 60.0;
+    const HALF: f32 = 9.0;
+    const FLAT: f32 = 70.0;
+    const ROUND: f32 = 60.0;
+    const LAMP: f32 = 40.0;
+
+    /// A ring that a lamp at its right shines on.
+    fn ring() -> (GrayPlane, Line) {
+        let mut plane = GrayPlane::default();
+        plane.resize(2 * MIDDLE as usize, 2 * MIDDLE as usize);
+        for y in 0..2 * MIDDLE as usize {
+            for (x, byte) in plane.row_mut(y).iter_mut().enumerate() {
+                // The mean of 16 places.
+                let light = (0..16).map(|k| {
+                    let [x, y] = [(x, k % 4), (y, k / 4)]
+                        .map(|(at, k)| at as f32 + (k as f32 + 0.5) / 4.0 - 0.5 - MIDDLE);
+                    let far = (x * x + y * y).sqrt();
+                    let u = (far - RADIUS) / HALF;
+                    let shade = FLAT + ROUND * (1.0 - u * u).max(0.0).sqrt() + LAMP * x / far * u;
+                    if u.abs() < 1.0 { shade } else { 0.0 }
+                });
+                *byte = (light.sum::<f32>() / 16.0 + 0.5) as u8;
+            }
+        }
+        let samples = (0..180).map(|k| {
+            let (sin, cos) = libm::sincosf(k as f32 * std::f32::consts::TAU / 180.0);
+            Sample {
+                at: [MIDDLE + RADIUS * cos, MIDDLE + RADIUS * sin],
+                weight: 1.0,
+                width_px: 2.0 * HALF,
+                side: 0.0,
+            }
+        });
+        let line = Line {
+            samples: samples.collect(),
+            closed: true,
+            ..Line::default()
+        };
+        (plane, line)
+    }
+
+    #[test]
+    fn the_lit_side_of_a_ring_is_its_right_one_on_either_side_of_it() {
+        let (plane, line) = ring();
+        let how = Measure {
+            half_px: HALF,
+            step_px: 2.0,
+            tolerance: 1.25,
+            shading: Shading::FLAT,
+        };
+        let shading = Shading::measure(&line, &plane, how);
+        // Normals to the right, down, to the left.
+        let mut normals = [[0.0; LANES]; 2];
+        (normals[0][0], normals[1][1], normals[0][2]) = (1.0, 1.0, -1.0);
+        let contrast = FLAT + ROUND * (1.0 + 2.0 * 0.968_246 + 2.0 * 0.866_025) / 5.0;
+        let levels = shading.levels(&normals, &[contrast; LANES]);
+        // Half of what is at the rim, or, as the blur reaches in, of what is up to a tenth of the half width beside it.
+        let at = |u: f32, lamp: f32| 0.5 * (FLAT + ROUND * (1.0 - u * u).sqrt() + u * lamp);
+        for (lane, lamp) in [(0, LAMP), (1, 0.0), (2, -LAMP)] {
+            for (level, lamp) in [(levels[0][lane], -lamp), (levels[1][lane], lamp)] {
+                let (rim, inner) = (at(1.0, lamp), at(0.9, lamp));
+                assert!(
+                    (rim - 3.0..inner + 3.0).contains(&level),
+                    "{level}: {rim} to {inner}"
+                );
+            }
+        }
+        let [left, right] = [levels[0][1], levels[1][1]];
+        assert!((left - right).abs() < 1.0, "{left} and {right}");
+    }
 }
