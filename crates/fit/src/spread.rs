@@ -3,11 +3,14 @@
 //!
 //! [`Fitter::propagate`] follows each pixel through the resampling, exactly and in time N m per point's neighbors. Here the points are
 //! taken at equal steps as they are: what an error along the curve does is left out of each point (it slides, and the curve stays), and
-//! comes in by the ends, between which everything is stretched. With `tₖ` the direction at point `k`, `Nₖ = I − tₖtₖᵀ`, `Sₖ` the ellipsoid,
+//! comes in by the ends, between which everything is stretched, and by how long the curve is between: where it turns by `Δtₖ`, an
+//! error makes it longer by `Δtₖ` times that, and all that comes after slides. With `tₖ` the direction at point `k`, `Nₖ = I − tₖtₖᵀ`, `Sₖ` the ellipsoid,
 //! `σ₀` and `σ₁` how sure the ends are along the curve, and `s = P c`,
 //!
 //! ```text
-//! Cov(sⱼ) = ν Σₖ Pⱼₖ² Nₖ Sₖ Nₖ + σ₀² aⱼ aⱼᵀ + σ₁² bⱼ bⱼᵀ,    aⱼ = Σₖ Pⱼₖ (1 − ρₖ) tₖ,    bⱼ = Σₖ Pⱼₖ ρₖ tₖ
+//! Cov(sⱼ) = ν Σₖ Pⱼₖ² Nₖ Sₖ Nₖ + σ₀² aⱼ aⱼᵀ + σ₁² bⱼ bⱼᵀ + cⱼ cⱼᵀ,
+//! aⱼ = Σₖ Pⱼₖ (1 − ρₖ) tₖ,    bⱼ = Σₖ Pⱼₖ ρₖ tₖ,    cⱼ = Σₖ Pⱼₖ τₖ tₖ,
+//! τₖ² = (1 − ρₖ)² Lₖ + ρₖ² (Lₙ − Lₖ),    Lₖ = ν Σᵢ₍ᵢ≤ₖ₎ Δtᵢᵀ Sᵢ Δtᵢ
 //! ```
 //!
 //! where `ν` says how many neighbors err alike.
@@ -42,6 +45,8 @@ pub(crate) struct Points<const D: usize> {
     /// The line's direction, times how far it is to the last point, and to the first.
     first: [Vec<f64>; D],
     second: [Vec<f64>; D],
+    /// The same, times how far it may slide.
+    slide: [Vec<f64>; D],
     /// A row of `P`.
     row: Vec<f64>,
 }
@@ -59,13 +64,14 @@ impl<const D: usize> Points<D> {
             across: std::array::from_fn(|_| room()),
             first: room(),
             second: room(),
+            slide: room(),
             row: vec![0.0; MAX_POINTS],
         }
     }
 }
 
 impl<const D: usize> WithSimd for Sums<'_, D> {
-    type Output = (Square<D>, [f64; D], [f64; D]);
+    type Output = (Square<D>, [[f64; D]; 3]);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
@@ -74,6 +80,7 @@ impl<const D: usize> WithSimd for Sums<'_, D> {
             across,
             first,
             second,
+            slide,
             row,
         } = self.points;
         let row = &S::as_simd_f64s(row).0[..self.vectors];
@@ -87,25 +94,25 @@ impl<const D: usize> WithSimd for Sums<'_, D> {
                 }
             }
         }
-        let mut ends = [[zero; D]; 2];
+        let mut along = [[zero; D]; 3];
         for (k, &p) in row.iter().enumerate() {
-            for a in 0..D {
-                let to_last = S::as_simd_f64s(&first[a]).0[k];
-                let to_first = S::as_simd_f64s(&second[a]).0[k];
-                ends[0][a] = simd.mul_add_f64s(p, to_last, ends[0][a]);
-                ends[1][a] = simd.mul_add_f64s(p, to_first, ends[1][a]);
+            for (sums, of) in along.iter_mut().zip([first, second, slide]) {
+                for a in 0..D {
+                    let number = S::as_simd_f64s(&of[a]).0[k];
+                    sums[a] = simd.mul_add_f64s(p, number, sums[a]);
+                }
             }
         }
-        let mut square = [[0.0; D]; D];
-        let [mut one, mut other] = [[0.0; D]; 2];
+        let (mut square, mut ways) = ([[0.0; D]; D], [[0.0; D]; 3]);
         for a in 0..D {
             for b in a..D {
                 square[a][b] = simd.reduce_sum_f64s(sums[a][b]);
             }
-            one[a] = simd.reduce_sum_f64s(ends[0][a]);
-            other[a] = simd.reduce_sum_f64s(ends[1][a]);
+            for (way, along) in ways.iter_mut().zip(&along) {
+                way[a] = simd.reduce_sum_f64s(along[a]);
+            }
         }
-        (square, one, other)
+        (square, ways)
     }
 }
 
@@ -127,6 +134,7 @@ impl<const D: usize> Fitter<D> {
         let closed = self.options.basis.is_closed();
         let of_points = &mut self.of_points;
         let (mut expected, last) = (0.0, (count - 1) as f64);
+        let (mut longer, mut before) = (0.0, None);
         for k in 0..count {
             let [from, to] = match closed {
                 true => [(k + count - ASIDE.min(count)) % count, (k + ASIDE) % count],
@@ -152,10 +160,25 @@ impl<const D: usize> Fitter<D> {
                 of_points.first[a][k] = (1.0 - rho) * tangent[a];
                 of_points.second[a][k] = rho * tangent[a];
             }
+            let turn: [f64; D] = match before.replace(tangent) {
+                Some(before) => std::array::from_fn(|a| tangent[a] - before[a]),
+                None => [0.0; D],
+            };
+            longer += within(&spread.squares[k], turn);
+            of_points.row[k] = longer;
         }
         let linear = &self.sizes[self.shown].linear;
         let residuals = self.fit.residual_variance * (D * count) as f64 / expected;
         let alike = spread.alike * residuals.max(1.0);
+        for k in 0..count {
+            let (rho, before) = (k as f64 / last, of_points.row[k]);
+            let [to_last, to_first] = [(1.0 - rho) * (1.0 - rho), rho * rho];
+            let slides = (alike * (to_last * before + to_first * (longer - before))).sqrt();
+            for a in 0..D {
+                let tangent = of_points.first[a][k] + of_points.second[a][k];
+                of_points.slide[a][k] = slides * tangent;
+            }
+        }
         let [one, other] = spread.ends.map(|sigma| sigma * sigma);
         let vectors = count.div_ceil(LANES);
         of_points.row[..vectors * LANES].fill(0.0);
@@ -163,16 +186,28 @@ impl<const D: usize> Fitter<D> {
         for (j, covariance) in covariances.iter_mut().enumerate().take(controls) {
             of_points.row[..count].copy_from_slice(linear.matrix.column(j));
             let points = &*of_points;
-            let (sum, first, second) = self.arch.dispatch(Sums { points, vectors });
+            let (sum, [first, second, slide]) = self.arch.dispatch(Sums { points, vectors });
             for a in 0..D {
                 for b in a..D {
                     let ends = one * first[a] * first[b] + other * second[a] * second[b];
-                    covariance[a][b] = alike * sum[a][b] + ends;
+                    covariance[a][b] = alike * sum[a][b] + ends + slide[a] * slide[b];
                     covariance[b][a] = covariance[a][b];
                 }
             }
         }
     }
+}
+
+/// `wᵀ S w`.
+#[inline(always)]
+fn within<const D: usize>(square: &Square<D>, way: [f64; D]) -> f64 {
+    let mut sum = 0.0;
+    for a in 0..D {
+        for b in 0..D {
+            sum += way[a] * square[a][b] * way[b];
+        }
+    }
+    sum
 }
 
 /// What of a covariance is across a direction.

@@ -33,7 +33,7 @@ const END_PX: f64 = 1.5;
 /// times that where it goes on from one side only.
 const ASTRAY: f64 = 0.12;
 /// A centerline is as a whole beside its rope's axis, as light falls on one side of it, by about this share of its width.
-const BESIDE: f64 = 0.02;
+const BESIDE: f64 = 0.0075;
 /// A point is measured if its epipolar line meets the other curve at no less than this sine.
 const FLATTEST: f64 = 0.2;
 

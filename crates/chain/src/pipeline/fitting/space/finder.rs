@@ -71,8 +71,8 @@ impl Finder {
     /// The standard deviation of a centerline's point in the picture, px, at least.
     pub(super) fn pixel_sigma(&self) -> f64 {
         match self.kind {
-            Kind::Depth { .. } => 0.3,
-            Kind::Second { .. } => 0.15,
+            Kind::Depth { .. } => 0.2,
+            Kind::Second { .. } => 0.1,
         }
     }
 
