@@ -174,6 +174,8 @@ fn another_machine_may_round_otherwise_and_no_more() {
 #[test]
 fn what_begins_in_the_middle_of_a_run_is_compared_by_distance_only() {
     let made = Making {
+        // How many are enough is asked of the first frame, which is another.
+        settings: "[fit]\norder = 7\n",
         change: &|shot| {
             if shot.number < 4 {
                 (shot.centerlines, shot.descriptors) = (None, None);
