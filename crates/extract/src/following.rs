@@ -39,6 +39,8 @@ pub(crate) struct Follower {
     tracks: Vec<u32>,
     crossings: usize,
     whole_frames: u32,
+    /// In how many in a row they were seen so but for parts between their tips that do not show.
+    held_frames: u32,
     /// Frames in a row in which all ropes were seen, and nothing else.
     plain_frames: u32,
     /// When the ropes were last extracted, and for how long they are followed from there, in nanoseconds.
@@ -85,7 +87,7 @@ impl Follower {
         self.drop();
         self.known.forget();
         self.tracks.clear();
-        self.whole_frames = 0;
+        (self.whole_frames, self.held_frames) = (0, 0);
         (self.crossings, self.anchored_ns, self.wait_ns) = (0, 0, 0);
         self.last_ns = 0;
         self.is_wanted = false;
@@ -149,6 +151,7 @@ impl Follower {
         let is_told = masker.is_given && !masker.is_sought;
         let least = if is_told { TOLD } else { SETTLED };
         let is_whole = self.whole_frames >= least;
+        let is_held = self.held_frames >= SETTLED;
         let is_known = self.whole_frames > 0 && self.known.are(curves, now_ns);
         if !is_seen || is_told && !self.is_wanted {
             return;
@@ -159,7 +162,7 @@ impl Follower {
             is_simple: masker.is_sought,
             is_brief: false,
         };
-        if is_whole || is_known {
+        if is_whole || is_held || is_known {
             self.contours.anchor(image, curves, crossings, how);
         }
         if self.contours.is_ready() {
@@ -173,8 +176,8 @@ impl Follower {
 }
 
 impl Follower {
-    /// Notes what an image shows: in how many images in a row these ropes and no others were seen whole, and how long they are
-    /// followed from here.
+    /// Notes what an image shows: in how many images in a row these ropes and no others were seen, and how long they are followed
+    /// from here.
     fn know(&mut self, curves: &[Curve], crossings: &[Crossing], is_plain: bool, now_ns: u64) {
         let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
         let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
@@ -183,11 +186,13 @@ impl Follower {
             true => !curve.hidden.contains(&true),
             false => is_whole(curve),
         };
-        self.whole_frames = match (same, curves.iter().all(is_open)) {
-            (true, true) => self.whole_frames + 1,
+        let in_a_row = |frames: u32, are_so: bool| match (same, are_so) {
+            (true, true) => frames + 1,
             (false, true) => 1,
             (_, false) => 0,
         };
+        self.whole_frames = in_a_row(self.whole_frames, curves.iter().all(is_open));
+        self.held_frames = in_a_row(self.held_frames, curves.iter().all(shows_ends));
         let was_due = now_ns >= self.anchored_ns.saturating_add(self.wait_ns);
         let is_open = !curves.iter().any(|curve| curve.hidden.contains(&true));
         self.wait_ns = match same && is_open && self.crossings == crossings.len() {
@@ -204,6 +209,14 @@ impl Follower {
 /// Whether all of a rope is seen.
 fn is_whole(curve: &Curve) -> bool {
     matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true)
+}
+
+/// Whether all of a rope is seen but for parts between its tips.
+fn shows_ends(curve: &Curve) -> bool {
+    let hides = |i: Option<&bool>| i.is_some_and(|&is_hidden| is_hidden);
+    let is_between =
+        curve.hidden.contains(&true) && !hides(curve.hidden.first()) && !hides(curve.hidden.last());
+    is_whole(curve) || curve.status == Status::Partial && is_between
 }
 
 /// Along which a rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.

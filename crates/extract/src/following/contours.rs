@@ -8,10 +8,12 @@
 //!
 //! The edges of a point are read each by itself (measurement lines as in Blake and Isard, "Active Contours", 1998). Where
 //! one has no contrast the other one and the width tell; a reading that is unlike those around is dropped; and points
-//! without any, under a hand or in a crossing, move as their neighbors do. Whatever else is not as expected is left to a
+//! without any, under a hand or in a crossing, move as their neighbors do. What lies over a rope between its tips may stay
+//! there and move along it ([`cover`]). Whatever else is not as expected is left to a
 //! whole extraction.
 
 mod beside;
+mod cover;
 mod edge;
 mod ends;
 mod learn;

@@ -78,7 +78,7 @@ pub(super) fn between(
 }
 
 /// How many times as far from its chord a way of so many pixels bends, by its length at so many times, from 1 to the most.
-fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 {
+pub(crate) fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 {
     const MOST: f32 = 2.0;
     const HALVINGS: usize = 6;
     let (mut least, mut most) = (1.0, MOST);

@@ -96,6 +96,11 @@ fn a_rope_that_leaves_the_picture_is_followed() {
     assert_followed(Story::Leaving, 1, blue(), 100);
 }
 
+#[test]
+fn a_rope_is_followed_under_a_gripper_that_rides_along() {
+    assert_followed(Story::Gripper, 600, Mask::Auto, 110);
+}
+
 /// A ring that sways.
 fn ring_at(frame: usize) -> Rope {
     let phase = frame as f32 / 12.0;

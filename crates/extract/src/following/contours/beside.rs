@@ -54,11 +54,12 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
 
 impl Rope {
     /// Whether nothing says how far along itself the rope lies: one end does not show, and the other does not either or is out of
-    /// the image.
+    /// the image, or how long the rope is under something nobody knows.
     pub(super) fn may_slide(&self) -> bool {
         let [a, b] = &self.ends;
         let is_one = |a: &End, b: &End| a.is_against && (b.is_against || b.is_border);
-        !self.closed && (is_one(a, b) || is_one(b, a))
+        let is_loose = self.was_hidden && (a.is_against || b.is_against);
+        !self.closed && (is_one(a, b) || is_one(b, a) || is_loose)
     }
 
     /// Whether another strand lies along the rope or at one of its ends.

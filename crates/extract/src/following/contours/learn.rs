@@ -11,8 +11,9 @@ use crate::vec2::{self, Vec2};
 /// Ropes of these widths, in pixels: thinner ones have no color of their own in the middle, and thicker ones are no ropes
 /// that a window of sixteen pixels tells from what they lie on.
 const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=80.0;
-/// The least confidence of a rope that is followed: an order that is doubted is looked at again in each image.
-const LEAST_CONFIDENCE: f32 = 0.5;
+/// The least confidence of a rope that is followed, and of one of which a part is covered: an order that is doubted is looked at
+/// again in each image.
+const LEAST_CONFIDENCE: [f32; 2] = [0.5, 0.3];
 /// Fewer points than this are no shape to follow.
 const LEAST_POINTS: usize = 16;
 /// The farthest that points may lie apart, in widths: what lies between them is not looked at.
@@ -49,13 +50,16 @@ impl Rope {
         let fits = n >= LEAST_POINTS
             && WIDTHS_PX.contains(&curve.width_px)
             && spacing_px <= APART_WIDTHS * curve.width_px;
-        let is_sure = is_known || self.is_brief || curve.confidence >= LEAST_CONFIDENCE;
+        self.was_hidden = curve.hidden.contains(&true);
+        self.given_px = 0.0;
+        let least = LEAST_CONFIDENCE[usize::from(self.was_hidden)];
+        let is_sure = is_known || self.is_brief || curve.confidence >= least;
         if curve.status == Status::Lost || !is_sure || !fits {
             return false;
         }
         (self.width_px, self.closed) = (curve.width_px, curve.closed);
         self.unseen_frames = 0;
-        self.is_part = curve.status == Status::Partial && !curve.hidden.contains(&true);
+        self.is_part = curve.status == Status::Partial && !self.was_hidden;
         self.ends = curve.border.map(|is_border| End {
             is_border,
             ..End::default()
@@ -291,6 +295,6 @@ fn is_seen(station: &Station) -> bool {
 }
 
 /// The places across a rope where its color is read.
-fn across(station: &Station) -> [Vec2; 3] {
+pub(super) fn across(station: &Station) -> [Vec2; 3] {
     ACROSS.map(|widths| vec2::along(station.at, station.normal, widths * station.width_px))
 }

@@ -30,7 +30,7 @@ const MOST_BLIND: f32 = 2.5;
 /// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
 /// a flat angle show theirs farther on.
 const CROSSED: f32 = 3.0;
-/// Frames that a rope is followed with something lying over it, or with a tip that nothing hides and that does not show.
+/// Frames that a rope is followed with something lying over it that did not when it was extracted, or with a tip that nothing hides and that does not show.
 const MOST_UNSEEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
 const AT_TIP: f32 = 0.35;
@@ -44,7 +44,7 @@ const RUN_ON_PACE: f32 = 0.25;
 /// Moved farther than this aside in the mean, in pixels, a rope is read once more where it then is.
 const FAR_PX: f32 = 1.0;
 /// How far the length of a rope between its tips may come to differ.
-const LENGTH: f32 = 0.025;
+pub(super) const LENGTH: f32 = 0.025;
 /// How fast the level of an edge follows what is read.
 const PACE: f32 = 0.3;
 
@@ -69,6 +69,9 @@ pub(super) struct Rope {
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) offs: Vec<[f32; 3]>,
     pub(super) unseen_frames: u32,
+    /// Whether a part of it was hidden when it was extracted, and how much longer such a part was made since.
+    pub(super) was_hidden: bool,
+    pub(super) given_px: f32,
     /// Whether it was seen in part without a part of it that is marked as hidden.
     pub(super) is_part: bool,
     /// Whether it lies on a plain table.
@@ -181,6 +184,7 @@ impl Rope {
     /// nothing when too little of it was seen.
     pub(super) fn measure(&mut self, image: &Image) -> Option<f32> {
         self.read(image);
+        self.find_cover(image);
         let shape = (self.closed, self.spacing_px(), self.width_px);
         self.motion.agree(&self.next, &self.readings, shape);
         let [mut asked, mut read] = [0usize; 2];
@@ -218,6 +222,7 @@ impl Rope {
                 }
             }
         }
+        self.spread_cover();
         self.keep_ends_covered();
         let n = self.next.len();
         let enough =
@@ -326,7 +331,7 @@ impl Rope {
         if aside_px > FAR_PX {
             return false;
         }
-        let is_unseen = self.next.iter().any(|station| station.is_hidden)
+        let is_unseen = !self.was_hidden && self.next.iter().any(|station| station.is_hidden)
             || !self.closed && self.ends.iter().any(End::is_unseen);
         self.unseen_frames = if is_unseen { self.unseen_frames + 1 } else { 0 };
         (self.is_brief || self.unseen_frames <= MOST_UNSEEN_FRAMES) && self.lay(image)
@@ -337,6 +342,9 @@ impl Rope {
         let Some(ends_px) = self.find_ends(image) else {
             return false;
         };
+        if !self.keep_length(ends_px) {
+            return false;
+        }
         let again = self.closed.then(|| self.next[0].at);
         let places = self.next.iter().map(|s| s.at).chain(again);
         let Some(length_px) = self.lay.lay(places, ends_px) else {
@@ -368,7 +376,8 @@ impl Rope {
                 }
             });
         }
-        same && self.next.iter().all(|station| inside(station.at))
+        let may_leave = |station: &Station| self.was_hidden && station.is_hidden;
+        same && (self.next.iter()).all(|station| inside(station.at) || may_leave(station))
     }
 
     /// Takes what [`follow`](Self::follow) found, into `curve` as well.

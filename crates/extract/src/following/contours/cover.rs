@@ -1,0 +1,152 @@
+//! What hid a part of a rope between its tips when it was extracted: how far it reaches now, and how the rope lies there.
+
+use super::ends::End;
+use super::learn::across;
+use super::motion::Move;
+use super::read::Reading;
+use super::rope::{LENGTH, Rope};
+use crate::image::{Image, color};
+use crate::occlusion::way;
+use crate::vec2::{self, Vec2};
+use std::ops::Range;
+
+/// From how many levels on what lies over a rope is told from it by its color.
+const TOLD: f32 = 12.0;
+/// Widths by which it may come to cover more of the rope from one frame to the next.
+const CREEP_WIDTHS: f32 = 1.5;
+/// Widths before a hidden part in which it is seen where the rope points.
+const POINTS_WIDTHS: f32 = 1.0;
+/// By which share of the rope a hidden part may be made longer or shorter: then it is rather the rope that slid along itself.
+const GIVEN: f32 = 0.5 * LENGTH;
+
+impl Rope {
+    /// Finds how far what hid the rope hides it in the next frame: edges that are read there are its own.
+    pub(super) fn find_cover(&mut self, image: &Image) {
+        if !self.was_hidden {
+            return;
+        }
+        let (n, mut from) = (self.next.len(), 0);
+        while let Some(first) = (from..n).find(|&i| self.stations[i].is_hidden) {
+            from = (first..n)
+                .find(|&i| !self.stations[i].is_hidden)
+                .unwrap_or(n);
+            for i in self.reach_of_cover(image, first..from) {
+                self.readings[i] = Reading {
+                    is_covered: true,
+                    ..Reading::default()
+                };
+            }
+        }
+    }
+
+    /// Outward from the middle of what was hidden: as far as there is more of what lies there than of the rope, or out of the image.
+    fn reach_of_cover(&self, image: &Image, was: Range<usize>) -> Range<usize> {
+        let yuv = color::is_yuv(image.format());
+        let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
+        let is_out = |i: usize| {
+            let at = self.next[i].at;
+            !(0..2).all(|c| (0.0..=limits[c]).contains(&at[c]))
+        };
+        let color = |i: usize| {
+            let colors = across(&self.next[i]).map(|at| color::between(image, at));
+            [0, 1, 2]
+                .map(|c| colors.iter().map(|color| color[c]).sum::<f32>() / colors.len() as f32)
+        };
+        let middle = was.start.midpoint(was.end);
+        let (cover, leaves) = (color(middle), is_out(middle));
+        if !leaves && color::distance(cover, self.colors[middle], yuv) < TOLD {
+            return 0..0;
+        }
+        let is_hidden = |i: usize| {
+            let here = color(i);
+            let [rope, cover] = [self.colors[i], cover].map(|of| color::distance(here, of, yuv));
+            is_out(i) || !leaves && cover < rope
+        };
+        let creep = (CREEP_WIDTHS * self.width_px / self.spacing_px()) as usize + 1;
+        let least = was.start.saturating_sub(creep);
+        let most = (was.end + creep).min(self.next.len());
+        let first = (least..middle).rev().find(|&i| !is_hidden(i));
+        let end = (middle..most).find(|&i| !is_hidden(i));
+        first.map_or(least, |i| i + 1)..end.unwrap_or(most)
+    }
+
+    /// Lets all of a part that is not read be hidden by what hides some of it. Beside it one edge says nothing: it may be the cover's.
+    pub(super) fn spread_cover(&mut self) {
+        if !self.was_hidden {
+            return;
+        }
+        let (n, mut from) = (self.next.len(), 0);
+        while from < n {
+            let is_read = |i: &usize| self.next[*i].edges == 2 || self.next[*i].is_crossed;
+            let to = (from..n).find(is_read).unwrap_or(n);
+            let is_hidden = |i: usize| self.next[i].is_hidden || self.stations[i].is_hidden;
+            if (from..to).any(is_hidden) {
+                for i in from..to {
+                    self.next[i].is_hidden |= self.next[i].edges == 0;
+                    self.motion.moves[i] = Move::default();
+                }
+            }
+            from = to + 1;
+        }
+    }
+
+    /// Lets the longest hidden part of a rope with two tips make up for what the rope has become longer or shorter: drawn in
+    /// towards the cubic that leaves what is seen as that points, or bent farther from its chord. False when it had to for too much.
+    pub(super) fn keep_length(&mut self, ends_px: [f32; 2]) -> bool {
+        let shows = |end: &End| !end.is_border && end.beyond_px.is_some();
+        let back = ((POINTS_WIDTHS * self.width_px / self.spacing_px()) as usize).max(2);
+        let run = self.longest_hidden();
+        let is_between = run.start > back && run.end + back < self.next.len();
+        if !self.was_hidden
+            || run.is_empty()
+            || self.closed
+            || !self.ends.iter().all(shows)
+            || !is_between
+        {
+            return true;
+        }
+        let places = self.next.iter().map(|station| station.at);
+        let spare_px = self.lay.measure(places) + ends_px[0] + ends_px[1] - self.whole_px;
+        self.given_px -= spare_px;
+        let (i, j) = (run.start - 1, run.end);
+        let at = |i: usize| self.next[i].at;
+        let t = |k: usize| (k - i) as f32 / (j - i) as f32;
+        let straight = |k: usize| vec2::along(at(i), vec2::sub(at(j), at(i)), t(k));
+        let way_px = |at: &dyn Fn(usize) -> Vec2| -> f32 {
+            (i..j).map(|k| vec2::distance(at(k), at(k + 1))).sum()
+        };
+        let known_px = way_px(&at);
+        let out = |i: usize, inner: usize| vec2::unit_or(vec2::sub(at(i), at(inner)), [1.0, 0.0]);
+        let cubic = way::cubic([at(i), out(i, i - back)], [at(j), out(j, j + back)]);
+        let share = way::drawn_in(spare_px, known_px, way::length_px(&cubic));
+        let stretched =
+            |times: f32, k: usize| vec2::along(straight(k), vec2::sub(at(k), straight(k)), times);
+        let times = match spare_px < 0.0 {
+            true => way::stretching(known_px - spare_px, |times| {
+                way_px(&|k| stretched(times, k))
+            }),
+            false => 1.0,
+        };
+        self.motion.shifts.clear();
+        self.motion.shifts.extend(run.clone().map(|k| {
+            let place = stretched(times, k);
+            vec2::along(place, vec2::sub(cubic(t(k)), place), share)
+        }));
+        for (station, &at) in self.next[run].iter_mut().zip(&self.motion.shifts) {
+            station.at = at;
+        }
+        self.given_px.abs() <= GIVEN * self.whole_px
+    }
+
+    /// The longest part of the next frame that is hidden; empty where none is.
+    fn longest_hidden(&self) -> Range<usize> {
+        let (mut from, mut longest) = (0, 0..0);
+        for run in self.next.split(|station| !station.is_hidden) {
+            if run.len() > longest.len() {
+                longest = from..from + run.len();
+            }
+            from += run.len() + 1;
+        }
+        longest
+    }
+}
