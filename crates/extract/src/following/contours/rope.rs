@@ -30,7 +30,8 @@ const MOST_BLIND: f32 = 2.5;
 /// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
 /// a flat angle show theirs farther on.
 const CROSSED: f32 = 3.0;
-/// Frames that a rope is followed with something lying over it that did not when it was extracted, or with a tip that nothing hides and that does not show.
+/// Frames that a rope is followed with something lying over it that did not when it was extracted, or with a tip that nothing
+/// hides and that does not show.
 const MOST_UNSEEN_FRAMES: u32 = 12;
 /// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
 const AT_TIP: f32 = 0.35;
