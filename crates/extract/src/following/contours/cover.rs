@@ -7,7 +7,7 @@ use super::read::Reading;
 use super::rope::{LENGTH, Rope};
 use crate::image::{Image, color};
 use crate::occlusion::way;
-use crate::vec2::{self, Vec2};
+use crate::vec2;
 use std::ops::Range;
 
 /// From how many levels on what lies over a rope is told from it by its color.
@@ -90,52 +90,55 @@ impl Rope {
         }
     }
 
-    /// Lets the longest hidden part of a rope with two tips make up for what the rope has become longer or shorter: drawn in
-    /// towards the cubic that leaves what is seen as that points, or bent farther from its chord. False when it had to for too much.
+    /// Lets the longest hidden part of a rope with two tips make up for what the rope has become longer or shorter. False when it
+    /// had to for too much.
     pub(super) fn keep_length(&mut self, ends_px: [f32; 2]) -> bool {
         let shows = |end: &End| !end.is_border && end.beyond_px.is_some();
         let back = ((POINTS_WIDTHS * self.width_px / self.spacing_px()) as usize).max(2);
         let run = self.longest_hidden();
         let is_between = run.start > back && run.end + back < self.next.len();
-        if !self.was_hidden
-            || run.is_empty()
-            || self.closed
-            || !self.ends.iter().all(shows)
-            || !is_between
-        {
+        let is_asked = self.was_hidden && !self.closed && self.ends.iter().all(shows);
+        if !is_asked || !is_between || run.is_empty() {
             return true;
         }
         let places = self.next.iter().map(|station| station.at);
         let spare_px = self.lay.measure(places) + ends_px[0] + ends_px[1] - self.whole_px;
         self.given_px -= spare_px;
+        self.bend_hidden(run, back, spare_px);
+        self.given_px.abs() <= GIVEN * self.whole_px
+    }
+
+    /// Makes a hidden part shorter by so many pixels, or longer if they are less than nothing: drawn in towards the cubic that leaves
+    /// what is seen as that points, so many stations before, or bent farther from its chord.
+    fn bend_hidden(&mut self, run: Range<usize>, back: usize, spare_px: f32) {
         let (i, j) = (run.start - 1, run.end);
-        let at = |i: usize| self.next[i].at;
+        let at = |k: usize| self.next[k].at;
         let t = |k: usize| (k - i) as f32 / (j - i) as f32;
-        let straight = |k: usize| vec2::along(at(i), vec2::sub(at(j), at(i)), t(k));
-        let way_px = |at: &dyn Fn(usize) -> Vec2| -> f32 {
-            (i..j).map(|k| vec2::distance(at(k), at(k + 1))).sum()
+        let bent = |times: f32, k: usize| {
+            let straight = vec2::along(at(i), vec2::sub(at(j), at(i)), t(k));
+            vec2::along(straight, vec2::sub(at(k), straight), times)
         };
-        let known_px = way_px(&at);
-        let out = |i: usize, inner: usize| vec2::unit_or(vec2::sub(at(i), at(inner)), [1.0, 0.0]);
+        let way_px = |times: f32| -> f32 {
+            let step = |k: usize| vec2::distance(bent(times, k), bent(times, k + 1));
+            (i..j).map(step).sum()
+        };
+        let known_px = way_px(1.0);
+        let out = |k: usize, inner: usize| vec2::unit_or(vec2::sub(at(k), at(inner)), [1.0, 0.0]);
         let cubic = way::cubic([at(i), out(i, i - back)], [at(j), out(j, j + back)]);
         let share = way::drawn_in(spare_px, known_px, way::length_px(&cubic));
-        let stretched =
-            |times: f32, k: usize| vec2::along(straight(k), vec2::sub(at(k), straight(k)), times);
         let times = match spare_px < 0.0 {
-            true => way::stretching(known_px - spare_px, |times| {
-                way_px(&|k| stretched(times, k))
-            }),
+            true => way::stretching(known_px - spare_px, way_px),
             false => 1.0,
         };
-        self.motion.shifts.clear();
-        self.motion.shifts.extend(run.clone().map(|k| {
-            let place = stretched(times, k);
+        let shifts = &mut self.motion.shifts;
+        shifts.clear();
+        shifts.extend(run.clone().map(|k| {
+            let place = bent(times, k);
             vec2::along(place, vec2::sub(cubic(t(k)), place), share)
         }));
         for (station, &at) in self.next[run].iter_mut().zip(&self.motion.shifts) {
             station.at = at;
         }
-        self.given_px.abs() <= GIVEN * self.whole_px
     }
 
     /// The longest part of the next frame that is hidden; empty where none is.
