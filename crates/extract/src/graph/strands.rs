@@ -93,12 +93,10 @@ impl Strands {
             }
             self.walk(graph, zones);
         }
-        // What the last image knows goes into the pairings, and not into walks.
-        if let (Some(mask), true) = (mask, zones.past.ropes().is_empty()) {
+        self.walker.found.clear();
+        if let Some(mask) = mask {
             let ropes = (&mut self.legs, &mut self.strands);
             (self.walker).improve(ropes, (graph, skeleton), zones, mask);
-        } else {
-            self.walker.found.clear();
         }
     }
 

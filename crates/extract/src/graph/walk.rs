@@ -1,10 +1,11 @@
-//! One rope through all of a piece of the mask.
+//! One rope, or a few, through all of a piece of the mask.
 //!
 //! Crossings are judged one by one, and where several merge that goes wrong: a ring is cut off that is not there, strands are
 //! exchanged, a part of the mask belongs to no rope. A piece of the mask with two tips is one rope, mostly. Then the rope is a walk
 //! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
-//! likes over edges where strands lie on or beside each other. Of all walks the one is sought that bends least beyond what its
-//! strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
+//! likes over edges where strands lie on or beside each other. Of more tips it is several ropes, one walk after the other, each from
+//! the first tip that is left to another or to where it ends on a strand. Of all walks the one is sought that bends least beyond what
+//! its strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
 //! place of what the crossings say, one by one, where that costs more as a walk: several ropes, or one that is wound up. How much
 //! more the next walk costs that runs otherwise says how sure it is.
 
@@ -16,22 +17,26 @@ use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::Vec2;
-use piece::{Ground, Piece};
+use piece::{Ground, Piece, is_tip};
 
 /// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
 const BEAM: usize = 128;
 const MOST_NEXT: usize = 4096;
 const PLACES: usize = 2 * MOST_NEXT;
 const MOST_STEPS: usize = 16384;
-/// What a free end that is no tip costs, and a ring.
+/// What an end that is no tip costs, and a ring.
 const END: f32 = 0.6;
 const RING: f32 = 0.6;
 /// The most that the joint of two legs costs that do not hang together.
 const TORN: f32 = 2.0;
-/// How much less a walk must cost than what was there.
+/// How much less a walk must cost than what was there, and one that is several ropes.
 const BETTER: f32 = 0.15;
+const BETTER_AS_SEVERAL: f32 = 0.3;
 /// Shorter edges, in widths, make no other walk.
 const SHORT: f32 = 1.5;
+
+/// Marks the end of an edge with which a rope begins.
+const FIRST: u32 = 1 << 31;
 
 /// A walk so far, by its last step.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +44,8 @@ struct Step {
     before: u32,
     /// The end of an edge at which the walk comes out of it.
     slot: u32,
+    /// Whether a rope begins with that edge.
+    first: bool,
     cost: f32,
     /// How much more one costs that has come here otherwise, over the same edges.
     gap: f32,
@@ -77,7 +84,7 @@ impl Walker {
         self.found.reserve(8);
     }
 
-    /// Puts the best walk in the place of strands that cost more.
+    /// Puts the best walk in the place of strands that cost more, and adds to `found` what it says of each rope.
     pub(crate) fn improve(
         &mut self,
         (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
@@ -85,7 +92,6 @@ impl Walker {
         zones: &mut Zones,
         mask: &BitPlane,
     ) {
-        self.found.clear();
         self.piece.find(graph);
         for k in 0..self.piece.candidates.len() {
             let of = Ground {
@@ -96,29 +102,30 @@ impl Walker {
             };
             self.piece.gather(self.piece.candidates[k], of);
             // What is one rope crossing by crossing is right more often than the cheapest walk, unless it is wound up.
-            let (before, ropes) = self.cost_of(legs, strands, of);
-            if ropes == 1 && !self.piece.is_wound() {
+            let (before, ropes, torn) = self.cost_of(legs, strands, of);
+            let is_one = self.piece.tips.len() == 2;
+            let is_left = match is_one {
+                true => ropes == 1 && !self.piece.is_wound(),
+                false => torn > 0 || self.piece.has_wide_tip(),
+            };
+            if is_left {
                 continue;
             }
             self.search(of);
-            let Some(&(last, cost)) = self.done.first() else {
+            let Some(&(_, cost)) = self.done.first() else {
                 continue;
             };
             let gap = self.gap(of);
-            if cost + BETTER < before {
-                self.take(legs, strands, graph, zones);
-                let slot = self.steps[last as usize].slot as usize;
-                let pixels = graph.pixels(slot / 2);
-                let tip = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
-                let tip = skeleton.pixels[tip as usize].at();
-                self.found.push(Found { tip, gap });
+            let better = if is_one { BETTER } else { BETTER_AS_SEVERAL };
+            if cost + better < before {
+                self.take(legs, strands, (graph, skeleton), zones, gap);
             }
         }
     }
 
-    /// What the strands of the piece cost as they are, and how many they are.
-    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize) {
-        let (mut cost, mut seen, mut ropes) = (0.0, 0u128, 0);
+    /// What the strands of the piece cost as they are, how many they are, and how many of their legs no walk joins.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, usize) {
+        let (mut cost, mut seen, mut ropes, mut torn) = (0.0, 0u128, 0, 0);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -134,6 +141,7 @@ impl Walker {
                 let ways = self.piece.onward(out(a)).iter();
                 let way = ways.copied().find(|way| way.slot == into(b));
                 seen |= way.map_or(0, |way| way.passed);
+                torn += usize::from(way.is_none());
                 cost += way.map_or(f32::INFINITY, |way| way.cost).min(TORN + leg(b));
             };
             legs.windows(2).for_each(|pair| join(&pair[0], &pair[1]));
@@ -143,14 +151,14 @@ impl Walker {
                 cost += RING;
             } else {
                 let ends = [into(first), out(last)].into_iter();
-                let loose = ends.filter(|&slot| !self.piece.is_tip(slot, of.graph));
+                let loose = ends.filter(|&slot| !is_tip(slot, of.graph));
                 cost += END * loose.count() as f32 + leg(first);
             }
         }
-        (cost + self.piece.left_out(seen, of), ropes)
+        (cost + self.piece.left_out(seen, of), ropes, torn)
     }
 
-    /// Finds the cheapest walks from tip to tip.
+    /// Finds the cheapest walks from tip to tip. What is several ropes is still one walk: where a rope has ended, the next one begins.
     fn search(&mut self, of: Ground) {
         let Self {
             piece,
@@ -159,34 +167,54 @@ impl Walker {
             done,
             ..
         } = self;
-        let is_tip = |slot: u32| piece.is_tip(slot, of.graph);
+        let is_tip = |slot: u32| is_tip(slot, of.graph);
         let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
+        // Where the tips tell of several ropes, one may end on another.
+        let is_one = piece.tips.len() == 2;
+        let begin = |s: u32, step: &Step, cost: f32| {
+            let is_left = |&&slot: &&u32| step.used & bit(slot) == 0;
+            let &slot = piece.tips.iter().find(is_left)?;
+            Some(Step {
+                before: s,
+                slot: slot ^ 1,
+                first: true,
+                cost: step.cost + cost + piece.costs(slot / 2, of)[1],
+                used: step.used | bit(slot),
+                ..*step
+            })
+        };
         steps.clear();
         next.restart();
         done.clear();
-        let mut ends = piece.edges.iter().flat_map(|&e| [2 * e, 2 * e + 1]);
-        let Some(start) = ends.find(|&slot| is_tip(slot)) else {
-            return;
-        };
-        steps.push(Step {
+        let none = Step {
             before: NONE,
-            slot: start ^ 1,
+            slot: NONE,
+            first: false,
             cost: 0.0,
             gap: f32::INFINITY,
-            used: bit(start),
+            used: 0,
             passed: 0,
-        });
-        let (mut layer, mut least) = (0..1, f32::INFINITY);
+        };
+        steps.extend(begin(NONE, &none, 0.0));
+        let (mut layer, mut least) = (0..steps.len(), f32::INFINITY);
         while !layer.is_empty() && steps.len() < MOST_STEPS {
             next.clear();
             for s in layer {
                 let step = steps[s];
+                let s = s as u32;
+                if is_tip(step.slot) {
+                    if let Some(step) = begin(s, &step, 0.0) {
+                        next.enter(step);
+                    }
+                    continue;
+                }
                 for way in piece.onward(step.slot) {
                     let (slot, cost) = (way.slot, step.cost + way.cost);
                     if step.used & bit(slot) == 0 && cost < least {
                         next.enter(Step {
-                            before: s as u32,
+                            before: s,
                             slot: slot ^ 1,
+                            first: false,
                             cost,
                             gap: step.gap,
                             used: step.used | bit(slot),
@@ -194,17 +222,36 @@ impl Walker {
                         });
                     }
                 }
+                if is_one {
+                    continue;
+                }
+                match begin(s, &step, END) {
+                    Some(step) => next.enter(step),
+                    None => {
+                        let seen = step.used | step.passed;
+                        let cost = step.cost + END + piece.left_out(seen, of);
+                        least = least.min(cost);
+                        done.push((s, cost));
+                    }
+                }
             }
             let next = next.sorted();
-            for step in next.iter().filter(|step| is_tip(step.slot)) {
-                let cost = step.cost + piece.left_out(step.used | step.passed, of);
-                least = least.min(cost);
-                done.push((steps.len() as u32, cost));
-                steps.push(*step);
-            }
             let from = steps.len();
-            let goes_on = |step: &&Step| !is_tip(step.slot) && step.cost < least;
-            steps.extend(next.iter().filter(goes_on).take(BEAM));
+            let mut kept = 0;
+            for step in next {
+                if step.cost >= least {
+                    break;
+                }
+                if is_tip(step.slot) {
+                    let cost = step.cost + piece.left_out(step.used | step.passed, of);
+                    least = least.min(cost);
+                    done.push((steps.len() as u32, cost));
+                    steps.push(*step);
+                } else if kept < BEAM {
+                    steps.push(*step);
+                    kept += 1;
+                }
+            }
             layer = from..steps.len();
         }
         done.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
@@ -216,7 +263,7 @@ impl Walker {
         let Some(&(last, cost)) = self.done.first() else {
             return 0.0;
         };
-        let is_long = |slot: &u32| self.piece.widths(slot / 2, of) >= SHORT;
+        let is_long = |slot: &u32| self.piece.widths((slot & !FIRST) / 2, of) >= SHORT;
         trace(&self.steps, last, best);
         let mut gap = self.steps[last as usize].gap;
         best.retain(is_long);
@@ -236,8 +283,9 @@ impl Walker {
         &mut self,
         legs: &mut Vec<Leg>,
         strands: &mut Vec<Strand>,
-        graph: &Graph,
+        (graph, skeleton): (&Graph, &Skeleton),
         zones: &mut Zones,
+        gap: f32,
     ) {
         let piece = &self.piece;
         let last = self.done[0].0;
@@ -248,23 +296,31 @@ impl Walker {
         }
         let way = &mut self.ways[0];
         trace(&self.steps, last, way);
-        let from = legs.len() as u32;
-        let trim = |slot: u32| match piece.is_tip(slot, graph) {
+        way.reverse();
+        let trim = |slot: u32| match is_tip(slot, graph) {
             true => 0,
             false => piece.trim(slot),
         };
-        legs.extend(way.iter().rev().map(|&slot| Leg {
-            edge: slot / 2,
-            reversed: slot.is_multiple_of(2),
-            trim: [trim(slot ^ 1), trim(slot)],
-        }));
-        let length = |slot: &u32| graph.edges[*slot as usize / 2].length_px;
-        strands.push(Strand {
-            from,
-            to: legs.len() as u32,
-            closed: false,
-            length_px: way.iter().map(length).sum(),
-        });
+        let length = |slot: &u32| graph.edges[(slot & !FIRST) as usize / 2].length_px;
+        for rope in way.chunk_by(|_, next| next & FIRST == 0) {
+            let from = legs.len() as u32;
+            legs.extend(rope.iter().map(|slot| slot & !FIRST).map(|slot| Leg {
+                edge: slot / 2,
+                reversed: slot.is_multiple_of(2),
+                trim: [trim(slot ^ 1), trim(slot)],
+            }));
+            strands.push(Strand {
+                from,
+                to: legs.len() as u32,
+                closed: false,
+                length_px: rope.iter().map(length).sum(),
+            });
+            let slot = (rope[0] & !FIRST ^ 1) as usize;
+            let pixels = graph.pixels(slot / 2);
+            let tip = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
+            let tip = skeleton.pixels[tip as usize].at();
+            self.found.push(Found { tip, gap });
+        }
         strands.sort_unstable_by(|a, b| b.length_px.total_cmp(&a.length_px));
     }
 }
@@ -338,7 +394,7 @@ fn trace(steps: &[Step], last: u32, way: &mut Vec<u32>) {
     way.clear();
     let mut at = last;
     while let Some(step) = steps.get(at as usize) {
-        way.push(step.slot);
+        way.push(step.slot | if step.first { FIRST } else { 0 });
         at = step.before;
     }
 }

@@ -7,6 +7,7 @@
 //! carried along. What comes out counts only if the image bears it out: every sample on rope or under
 //! an occluder, and hardly any rope left that is not accounted for.
 
+mod bounds;
 mod reach;
 
 use super::tips;
@@ -106,7 +107,7 @@ impl Refitter {
             tolerance: LOOKS[0],
             shading: Shading::FLAT,
         };
-        self.shift(&mut line, scene.difference, how);
+        self.shift(&mut line, scene, how);
         line.clear();
         self.lines[0] = line;
     }
@@ -214,7 +215,7 @@ impl Refitter {
                 tolerance,
                 shading,
             };
-            self.shift(line, scene.difference, how);
+            self.shift(line, scene, how);
             shading = Shading::measure(line, scene.difference, how);
         }
         self.smoother
@@ -249,12 +250,13 @@ impl Refitter {
             && longest as f32 * step_px <= BARE_WIDTHS * rope.width_px
     }
 
-    /// Moves each sample toward the middle of the rope there, those without one as their neighbors.
-    fn shift(&mut self, line: &mut Line, difference: &GrayPlane, how: Measure) {
+    /// Moves each sample toward the middle of the rope there, those without one into their bounds, or as their neighbors.
+    fn shift(&mut self, line: &mut Line, scene: &Scene, how: Measure) {
         self.before.clear();
         self.before.extend(line.samples.iter().map(|s| s.at));
         line.samples.iter_mut().for_each(|s| s.weight = 1.0);
-        self.sections.measure(line, difference, how);
+        self.sections.measure(line, scene.difference, how);
+        bounds::hold(line, scene, how);
         self.moves.closed = line.closed;
         self.moves.samples.clear();
         let moves = line.samples.iter().zip(&self.before);

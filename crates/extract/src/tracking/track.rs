@@ -36,6 +36,9 @@ const REGAINED: i32 = 3;
 /// that is: in widths, and as a share of its length. Nothing does that but what was misread.
 const KEPT: u32 = 6;
 const LEAP: (f32, f32) = (2.0, 0.05);
+/// Frames for which a rope has one length, to within so many widths, while nothing hides any of it: then that is its length, whatever
+/// it was taken for before.
+const STEADY: (u32, f32) = (8, 1.0);
 /// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
 const SAME_WIDTHS: f32 = 1.0;
 
@@ -81,6 +84,11 @@ struct Track {
     color: Option<[f32; 3]>,
     /// That of when it was last seen.
     confidence: f32,
+    /// Whether nothing hid any of it when last all of an image was looked at.
+    is_plain: bool,
+    /// For how many frames in a row that was so and it had this length.
+    steady_frames: u32,
+    steady_px: f32,
     /// Its usual length while seen whole: what "in part" is told by.
     whole_px: f32,
     /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
@@ -152,6 +160,9 @@ impl Tracker {
                 disbelieved: 0,
                 free_frames: 0,
                 is_free: false,
+                is_plain: false,
+                steady_frames: 0,
+                steady_px: 0.0,
                 current: None,
                 closed: curve.closed,
                 border: curve.border,
@@ -431,6 +442,7 @@ impl Tracker {
         track.color = None;
         track.whole_px = 0.0;
         (track.frames, track.age, track.sure) = (0, 0, 0);
+        track.steady_frames = 0;
         self.tracks.push(track);
     }
 
@@ -546,7 +558,7 @@ fn see(
     } else {
         Status::Partial
     };
-    track.is_free = look.free;
+    (track.is_free, track.is_plain) = (look.free, look.is_plain && !covered);
     track.note_length(curve, cut, look.free);
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
@@ -604,6 +616,7 @@ impl Track {
         if cut {
             return;
         }
+        self.note_steady(curve);
         let off_px = curve.length_px - self.whole_px;
         let is_alike = off_px.abs() <= tips::LEAST_WIDTHS * curve.width_px;
         let pace = match (free, curve.status) {
@@ -622,6 +635,21 @@ impl Track {
         };
         let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
         self.whole_px *= 1.0 + step.clamp(-pace, pace);
+    }
+
+    /// Takes a length that it has had for long enough in plain sight for its usual one: what was read as one rope was two, or the
+    /// other way round.
+    fn note_steady(&mut self, curve: &Curve) {
+        let is_alike = |px: f32| (curve.length_px - px).abs() <= STEADY.1 * curve.width_px;
+        if self.is_plain && is_alike(self.steady_px) {
+            self.steady_frames += 1;
+        } else {
+            (self.steady_frames, self.steady_px) = (0, curve.length_px);
+        }
+        if self.steady_frames >= STEADY.0 && !is_alike(self.whole_px) {
+            self.whole_px = self.steady_px;
+            self.free_frames = self.steady_frames;
+        }
     }
 }
 

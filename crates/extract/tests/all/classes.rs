@@ -2,6 +2,7 @@
 //! few, with other seeds than the bench's own.
 
 use crate::scored::scored;
+use lariat_drawn::moving::{Film, Story};
 use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, score};
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
 
@@ -159,4 +160,26 @@ classes! {
     a_ropes_own_soft_shadow: SoftShadow, WHOLE;
     things_that_are_no_ropes: Things, WHOLE;
     pictures_kept_as_jpeg: Jpeg, BLOCKS;
+}
+
+#[test]
+fn what_crossings_leave_out_belongs_to_one_of_several_ropes() {
+    // Crossing by crossing both fall into three ropes.
+    for seed in [3087, 3129] {
+        let (mut film, mut rgb) = (Film::new(Story::Two, seed, 480, 360), Vec::new());
+        let ropes = film.next(&mut rgb);
+        let image = Image::new(&rgb, 480, 360, 3 * 480, PixelFormat::Rgb8).expect("an image");
+        let mut extractor = Extractor::new(Options::default()).expect("an extractor");
+        let curves = extractor.extract(&image).curves;
+        assert_eq!(curves.len(), ropes.len(), "{seed}");
+        for rope in ropes {
+            let lengths = rope.points.windows(2).map(|pair| {
+                let [a, b] = [pair[0], pair[1]];
+                (a[0] - b[0]).hypot(a[1] - b[1])
+            });
+            let length_px: f64 = lengths.sum();
+            let is_it = |curve: &Curve| (f64::from(curve.length_px) / length_px - 1.0).abs() < 0.02;
+            assert!(curves.iter().any(is_it), "{seed}: {length_px}");
+        }
+    }
 }

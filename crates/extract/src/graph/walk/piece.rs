@@ -1,4 +1,4 @@
-//! A piece of the skeleton that may be one rope: its edges, and what it costs to go from one to another.
+//! A piece of the skeleton that may be one rope, or a few: its edges, and what it costs to go from one to another.
 
 use crate::bitmap::bits::BitPlane;
 use crate::graph::Graph;
@@ -8,8 +8,9 @@ use crate::graph::zones::Zones;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2;
 
-/// Pieces of more edges are no single rope, and more pieces no few ropes.
+/// Pieces of more edges or tips, and more pieces, are no few ropes.
 const MOST_EDGES: usize = 96;
+const MOST_TIPS: usize = 6;
 const MOST_PIECES: usize = 8;
 /// Ways on from one end to another that are looked at.
 const MOST_ONWARD: usize = 8192;
@@ -74,6 +75,8 @@ pub(super) struct Piece {
     /// The edges of the piece that is looked at, and for each edge its place among them.
     pub(super) edges: Vec<u32>,
     place: Vec<u32>,
+    /// The ends of its edges that are tips.
+    pub(super) tips: Vec<u32>,
     mouths: Vec<Mouth>,
     is_wide: Vec<bool>,
     /// The ways on from each end, one end after the other; `onward_from` where they begin.
@@ -87,6 +90,7 @@ impl Piece {
     pub(super) fn reserve(&mut self) {
         self.candidates.reserve(MOST_PIECES);
         self.edges.reserve(MOST_EDGES);
+        self.tips.reserve(MOST_TIPS);
         self.mouths.reserve(2 * MOST_EDGES);
         self.is_wide.reserve(MOST_EDGES);
         self.onward.reserve(MOST_ONWARD);
@@ -100,7 +104,7 @@ impl Piece {
         }
     }
 
-    /// Lists the pieces with two tips and enough edges that one could be led wrong.
+    /// Lists the pieces with tips and enough edges that one could be led wrong.
     pub(super) fn find(&mut self, graph: &Graph) {
         self.list_slots(graph);
         self.candidates.clear();
@@ -127,7 +131,7 @@ impl Piece {
                     }
                 }
             }
-            let may_be = tips == 2 && (4..=MOST_EDGES).contains(&edges);
+            let may_be = (2..=MOST_TIPS).contains(&tips) && (4..=MOST_EDGES).contains(&edges);
             if may_be && self.candidates.len() < MOST_PIECES {
                 self.candidates.push(e as u32);
             }
@@ -167,6 +171,7 @@ impl Piece {
         self.edges.clear();
         self.mouths.clear();
         self.is_wide.clear();
+        self.tips.clear();
         self.place.clear();
         self.place.resize(graph.edges.len(), NONE);
         for e in first as usize..graph.edges.len() {
@@ -175,6 +180,9 @@ impl Piece {
             }
             self.place[e] = self.edges.len() as u32;
             self.edges.push(e as u32);
+            let ends = [2 * e as u32, 2 * e as u32 + 1];
+            let tips = ends.into_iter().filter(|&slot| is_tip(slot, graph));
+            self.tips.extend(tips);
             (0..2).for_each(|end| self.mouths.push(mouth(e, end, of)));
             let pixels = graph.pixels(e);
             let half = |&p: &u32| of.skeleton.pixels[p as usize].half_px;
@@ -244,14 +252,15 @@ impl Piece {
         (place != NONE).then(|| 1 << place)
     }
 
-    /// Whether an end of an edge is a tip of the piece.
-    pub(super) fn is_tip(&self, slot: u32, graph: &Graph) -> bool {
-        graph.nodes[node(slot, graph) as usize].degree == 1
-    }
-
     /// Whether strands lie on each other in so many places as those of a rope that is wound up.
     pub(super) fn is_wound(&self) -> bool {
         self.is_wide.iter().filter(|&&is_wide| is_wide).count() >= WOUND
+    }
+
+    /// Whether a strand of one tip is as wide as others are where they lie beside each other: width tells nothing of how many an edge is.
+    pub(super) fn has_wide_tip(&self) -> bool {
+        let place = |slot: &u32| self.place[*slot as usize / 2] as usize;
+        self.tips.iter().any(|slot| self.is_wide[place(slot)])
     }
 
     /// Pixels at an end of an edge that belong to the crossing there.
@@ -316,7 +325,7 @@ impl Piece {
                 passed: so_far.passed | bit,
             };
             let is_short = further.count <= MOST_PASSES && further.widths <= LONGEST_PASS;
-            let is_new = so_far.passed & bit == 0 && !self.is_tip(slot ^ 1, of.graph);
+            let is_new = so_far.passed & bit == 0 && !is_tip(slot ^ 1, of.graph);
             if is_short && is_new && further.cost < DEAREST_PASS {
                 self.pass(slot ^ 1, further, of, reach);
             }
@@ -331,6 +340,11 @@ struct Pass {
     widths: f32,
     count: usize,
     passed: u128,
+}
+
+/// Whether an end of an edge is a tip.
+pub(super) fn is_tip(slot: u32, graph: &Graph) -> bool {
+    graph.nodes[node(slot, graph) as usize].degree == 1
 }
 
 /// The node at an end of an edge.
