@@ -35,17 +35,12 @@ const BETTER_AS_SEVERAL: f32 = 0.3;
 /// Shorter edges, in widths, make no other walk.
 const SHORT: f32 = 1.5;
 
-/// Marks the end of an edge with which a rope begins.
-const FIRST: u32 = 1 << 31;
-
 /// A walk so far, by its last step.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     before: u32,
-    /// The end of an edge at which the walk comes out of it.
+    /// The end of an edge at which the walk comes out of it. A rope begins with an edge whose other end is a tip.
     slot: u32,
-    /// Whether a rope begins with that edge.
-    first: bool,
     cost: f32,
     /// How much more one costs that has come here otherwise, over the same edges.
     gap: f32,
@@ -81,7 +76,7 @@ impl Walker {
         self.next.reserve();
         self.done.reserve(MOST_STEPS + MOST_NEXT);
         self.ways.iter_mut().for_each(|way| way.reserve(128));
-        self.found.reserve(8);
+        self.found.reserve(piece::MOST_PIECES * piece::MOST_TIPS);
     }
 
     /// Puts the best walk in the place of strands that cost more, and adds to `found` what it says of each rope.
@@ -102,11 +97,11 @@ impl Walker {
             };
             self.piece.gather(self.piece.candidates[k], of);
             // What is one rope crossing by crossing is right more often than the cheapest walk, unless it is wound up.
-            let (before, ropes, torn) = self.cost_of(legs, strands, of);
+            let (before, ropes, is_torn) = self.cost_of(legs, strands, of);
             let is_one = self.piece.tips.len() == 2;
             let is_left = match is_one {
                 true => ropes == 1 && !self.piece.is_wound(),
-                false => torn > 0 || self.piece.has_wide_tip(),
+                false => is_torn || self.piece.has_wide_tip(),
             };
             if is_left {
                 continue;
@@ -123,9 +118,9 @@ impl Walker {
         }
     }
 
-    /// What the strands of the piece cost as they are, how many they are, and how many of their legs no walk joins.
-    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, usize) {
-        let (mut cost, mut seen, mut ropes, mut torn) = (0.0, 0u128, 0, 0);
+    /// What the strands of the piece cost as they are, how many they are, and whether they have legs that no walk joins.
+    fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
+        let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, 0u128, 0, false);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -141,7 +136,7 @@ impl Walker {
                 let ways = self.piece.onward(out(a)).iter();
                 let way = ways.copied().find(|way| way.slot == into(b));
                 seen |= way.map_or(0, |way| way.passed);
-                torn += usize::from(way.is_none());
+                is_torn |= way.is_none();
                 cost += way.map_or(f32::INFINITY, |way| way.cost).min(TORN + leg(b));
             };
             legs.windows(2).for_each(|pair| join(&pair[0], &pair[1]));
@@ -155,106 +150,90 @@ impl Walker {
                 cost += END * loose.count() as f32 + leg(first);
             }
         }
-        (cost + self.piece.left_out(seen, of), ropes, torn)
+        (cost + self.piece.left_out(seen, of), ropes, is_torn)
     }
 
     /// Finds the cheapest walks from tip to tip. What is several ropes is still one walk: where a rope has ended, the next one begins.
     fn search(&mut self, of: Ground) {
-        let Self {
-            piece,
-            steps,
-            next,
-            done,
-            ..
-        } = self;
-        let is_tip = |slot: u32| is_tip(slot, of.graph);
-        let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
-        // Where the tips tell of several ropes, one may end on another.
-        let is_one = piece.tips.len() == 2;
-        let begin = |s: u32, step: &Step, cost: f32| {
-            let is_left = |&&slot: &&u32| step.used & bit(slot) == 0;
-            let &slot = piece.tips.iter().find(is_left)?;
-            Some(Step {
-                before: s,
-                slot: slot ^ 1,
-                first: true,
-                cost: step.cost + cost + piece.costs(slot / 2, of)[1],
-                used: step.used | bit(slot),
-                ..*step
-            })
-        };
-        steps.clear();
-        next.restart();
-        done.clear();
-        let none = Step {
+        self.steps.clear();
+        self.next.restart();
+        self.done.clear();
+        let nowhere = Step {
             before: NONE,
             slot: NONE,
-            first: false,
             cost: 0.0,
             gap: f32::INFINITY,
             used: 0,
             passed: 0,
         };
-        steps.extend(begin(NONE, &none, 0.0));
-        let (mut layer, mut least) = (0..steps.len(), f32::INFINITY);
-        while !layer.is_empty() && steps.len() < MOST_STEPS {
-            next.clear();
+        self.steps.extend(begin(&self.piece, nowhere, of));
+        let (mut layer, mut least) = (0..self.steps.len(), f32::INFINITY);
+        while !layer.is_empty() && self.steps.len() < MOST_STEPS {
+            self.next.clear();
             for s in layer {
-                let step = steps[s];
-                let s = s as u32;
-                if is_tip(step.slot) {
-                    if let Some(step) = begin(s, &step, 0.0) {
-                        next.enter(step);
-                    }
-                    continue;
-                }
-                for way in piece.onward(step.slot) {
-                    let (slot, cost) = (way.slot, step.cost + way.cost);
-                    if step.used & bit(slot) == 0 && cost < least {
-                        next.enter(Step {
-                            before: s,
-                            slot: slot ^ 1,
-                            first: false,
-                            cost,
-                            gap: step.gap,
-                            used: step.used | bit(slot),
-                            passed: step.passed | way.passed,
-                        });
-                    }
-                }
-                if is_one {
-                    continue;
-                }
-                match begin(s, &step, END) {
-                    Some(step) => next.enter(step),
-                    None => {
-                        let seen = step.used | step.passed;
-                        let cost = step.cost + END + piece.left_out(seen, of);
-                        least = least.min(cost);
-                        done.push((s, cost));
-                    }
-                }
+                least = self.go_on(s as u32, least, of);
             }
+            let Self {
+                piece,
+                steps,
+                next,
+                done,
+                ..
+            } = self;
             let next = next.sorted();
             let from = steps.len();
-            let mut kept = 0;
-            for step in next {
-                if step.cost >= least {
-                    break;
-                }
-                if is_tip(step.slot) {
-                    let cost = step.cost + piece.left_out(step.used | step.passed, of);
-                    least = least.min(cost);
-                    done.push((steps.len() as u32, cost));
-                    steps.push(*step);
-                } else if kept < BEAM {
-                    steps.push(*step);
-                    kept += 1;
-                }
+            for step in next.iter().filter(|step| is_tip(step.slot, of.graph)) {
+                let cost = step.cost + piece.left_out(step.used | step.passed, of);
+                least = least.min(cost);
+                done.push((steps.len() as u32, cost));
+                steps.push(*step);
             }
+            let goes_on = |step: &&Step| !is_tip(step.slot, of.graph) && step.cost < least;
+            steps.extend(next.iter().filter(goes_on).take(BEAM));
             layer = from..steps.len();
         }
-        done.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        (self.done).sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+    }
+
+    /// Enters the walks one step on from step `s`, as far as they cost less than `least`. Returns what the cheapest walk costs now: it may
+    /// have ended there.
+    fn go_on(&mut self, s: u32, least: f32, of: Ground) -> f32 {
+        let piece = &self.piece;
+        let step = Step {
+            before: s,
+            ..self.steps[s as usize]
+        };
+        if is_tip(step.slot, of.graph) {
+            if let Some(first) = begin(piece, step, of) {
+                self.next.enter(first);
+            }
+            return least;
+        }
+        for way in piece.onward(step.slot) {
+            let bit = piece.bit(way.slot / 2).unwrap_or(0);
+            let cost = step.cost + way.cost;
+            if step.used & bit == 0 && cost < least {
+                self.next.enter(Step {
+                    slot: way.slot ^ 1,
+                    cost,
+                    used: step.used | bit,
+                    passed: step.passed | way.passed,
+                    ..step
+                });
+            }
+        }
+        // Where the tips tell of several ropes, one may end on another.
+        if piece.tips.len() == 2 {
+            return least;
+        }
+        let cost = step.cost + END;
+        if let Some(first) = begin(piece, Step { cost, ..step }, of) {
+            self.next.enter(first);
+            return least;
+        }
+        let cost = cost + piece.left_out(step.used | step.passed, of);
+        self.done.push((s, cost));
+        least.min(cost)
     }
 
     /// How much more the next walk costs that runs otherwise than the best.
@@ -263,7 +242,7 @@ impl Walker {
         let Some(&(last, cost)) = self.done.first() else {
             return 0.0;
         };
-        let is_long = |slot: &u32| self.piece.widths((slot & !FIRST) / 2, of) >= SHORT;
+        let is_long = |slot: &u32| self.piece.widths(slot / 2, of) >= SHORT;
         trace(&self.steps, last, best);
         let mut gap = self.steps[last as usize].gap;
         best.retain(is_long);
@@ -301,10 +280,10 @@ impl Walker {
             true => 0,
             false => piece.trim(slot),
         };
-        let length = |slot: &u32| graph.edges[(slot & !FIRST) as usize / 2].length_px;
-        for rope in way.chunk_by(|_, next| next & FIRST == 0) {
+        let length = |slot: &u32| graph.edges[*slot as usize / 2].length_px;
+        for rope in way.chunk_by(|_, next| !is_tip(next ^ 1, graph)) {
             let from = legs.len() as u32;
-            legs.extend(rope.iter().map(|slot| slot & !FIRST).map(|slot| Leg {
+            legs.extend(rope.iter().map(|&slot| Leg {
                 edge: slot / 2,
                 reversed: slot.is_multiple_of(2),
                 trim: [trim(slot ^ 1), trim(slot)],
@@ -315,7 +294,7 @@ impl Walker {
                 closed: false,
                 length_px: rope.iter().map(length).sum(),
             });
-            let slot = (rope[0] & !FIRST ^ 1) as usize;
+            let slot = (rope[0] ^ 1) as usize;
             let pixels = graph.pixels(slot / 2);
             let tip = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
             let tip = skeleton.pixels[tip as usize].at();
@@ -323,6 +302,18 @@ impl Walker {
         }
         strands.sort_unstable_by(|a, b| b.length_px.total_cmp(&a.length_px));
     }
+}
+
+/// A walk on from `step`, where a rope has ended, to the next one: the first edge with a tip that is left, if there is any.
+fn begin(piece: &Piece, step: Step, of: Ground) -> Option<Step> {
+    let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
+    let &tip = (piece.tips.iter()).find(|&&tip| step.used & bit(tip) == 0)?;
+    Some(Step {
+        slot: tip ^ 1,
+        cost: step.cost + piece.costs(tip / 2, of)[1],
+        used: step.used | bit(tip),
+        ..step
+    })
 }
 
 /// Walks one step on, each once.
@@ -394,7 +385,7 @@ fn trace(steps: &[Step], last: u32, way: &mut Vec<u32>) {
     way.clear();
     let mut at = last;
     while let Some(step) = steps.get(at as usize) {
-        way.push(step.slot | if step.first { FIRST } else { 0 });
+        way.push(step.slot);
         at = step.before;
     }
 }

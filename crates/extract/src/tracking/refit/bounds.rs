@@ -23,8 +23,8 @@ pub(super) fn hold(line: &mut Line, scene: &Scene, how: Measure) {
         if line.samples[i].weight > 0.0 {
             continue;
         }
-        let [x, y] = line.slope(i, how.tangent_reach());
-        let normal = vec2::unit_or([-y, x], [0.0; 2]);
+        let slope = line.slope(i, how.tangent_reach());
+        let normal = vec2::normal(vec2::unit_or(slope, [1.0, 0.0]));
         let sample = &mut line.samples[i];
         let is_rope = |px: f32| !is_bare(vec2::along(sample.at, normal, px), scene);
         if let Some(by_px) = off_px(is_rope, how.half_px) {
