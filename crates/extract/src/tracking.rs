@@ -10,3 +10,4 @@ pub(crate) mod strays;
 pub(crate) mod tips;
 pub(crate) mod track;
 mod turn;
+mod usual;

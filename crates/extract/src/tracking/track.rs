@@ -7,8 +7,8 @@
 
 use super::complete::Completer;
 use super::matching::{self, Agreement, Shape, nearest_point};
-use super::tips;
 use super::turn::{align_ring, open_ring, reverse, rotate, signed_area};
+use super::usual::UsualLength;
 use crate::image::color;
 use crate::options::Options;
 use crate::past::{Past, State};
@@ -36,9 +36,6 @@ const REGAINED: i32 = 3;
 /// that is: in widths, and as a share of its length. Nothing does that but what was misread.
 const KEPT: u32 = 6;
 const LEAP: (f32, f32) = (2.0, 0.05);
-/// Frames for which a rope has one length, to within so many widths, while nothing hides any of it: then that is its length, whatever
-/// it was taken for before.
-const STEADY: (u32, f32) = (8, 1.0);
 /// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
 const SAME_WIDTHS: f32 = 1.0;
 
@@ -67,10 +64,6 @@ struct Track {
     frames: u32,
     /// Frames in a row in which what was seen of it was not believed.
     disbelieved: u32,
-    /// Those of them in which both of its ends lay freely.
-    free_frames: u32,
-    /// Whether they did when last all of an image was looked at.
-    is_free: bool,
     /// The curve of this image that it is, and whether that runs against it.
     current: Option<(usize, bool)>,
     closed: bool,
@@ -84,13 +77,8 @@ struct Track {
     color: Option<[f32; 3]>,
     /// That of when it was last seen.
     confidence: f32,
-    /// Whether nothing hid any of it when last all of an image was looked at.
-    is_plain: bool,
-    /// For how many frames in a row that was so and it had this length.
-    steady_frames: u32,
-    steady_px: f32,
     /// Its usual length while seen whole: what "in part" is told by.
-    whole_px: f32,
+    usual: UsualLength,
     /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
     sure: i32,
 }
@@ -158,11 +146,6 @@ impl Tracker {
                 age: u32::from(curve.status == Status::Lost),
                 frames: LONG,
                 disbelieved: 0,
-                free_frames: 0,
-                is_free: false,
-                is_plain: false,
-                steady_frames: 0,
-                steady_px: 0.0,
                 current: None,
                 closed: curve.closed,
                 border: curve.border,
@@ -172,7 +155,7 @@ impl Tracker {
                 length_px: curve.length_px,
                 color: None,
                 confidence: curve.confidence,
-                whole_px: curve.length_px,
+                usual: UsualLength::of(curve.length_px),
                 sure: if curve.status == Status::Doubtful {
                     -1
                 } else {
@@ -210,11 +193,11 @@ impl Tracker {
             if 2 * track.frames.min(LONG) >= longest.unwrap_or(0).min(LONG) {
                 past.know(track.width_px);
             }
-            let sizes_px = [track.length_px, track.width_px, track.whole_px];
+            let sizes_px = [track.length_px, track.width_px, track.usual.px];
             let state = State {
                 live: track.age == 0 && track.frames >= SETTLED,
                 whole: track.border == [false; 2],
-                was_free: track.free_frames > 0,
+                was_free: track.usual.is_sure(),
             };
             past.add_covered(
                 track.closed,
@@ -249,7 +232,7 @@ impl Tracker {
         });
         self.match_with(&curves[..count], looks, |track, rope, curve| {
             let was_lost = track.age > 1;
-            was_lost.then(|| matching::returned(rope, track.whole_px, curve))?
+            was_lost.then(|| matching::returned(rope, track.usual.px, curve))?
         });
         let seen = self.drop_pieces(&mut curves[..count], looks);
         for (c, curve) in curves.iter_mut().enumerate().take(seen) {
@@ -330,7 +313,7 @@ impl Tracker {
         self.tracks.iter().any(|track| {
             let rope = shape_of(track);
             matching::near(&rope, &shape).is_some()
-                || matching::returned(&rope, track.whole_px, &shape).is_some()
+                || matching::returned(&rope, track.usual.px, &shape).is_some()
         })
     }
 
@@ -364,7 +347,7 @@ impl Tracker {
                 if track.sure >= 0 {
                     track.sure = (track.sure + 1).min(LONG as i32);
                 }
-                track.note_length(curve, false, track.is_free);
+                track.usual.note(curve);
                 track.points.clear();
                 track.points.extend_from_slice(&curve.points);
                 (track.width_px, track.length_px) = (curve.width_px, curve.length_px);
@@ -440,9 +423,8 @@ impl Tracker {
         track.current = Some((curve, false));
         track.points.clear();
         track.color = None;
-        track.whole_px = 0.0;
+        track.usual = UsualLength::default();
         (track.frames, track.age, track.sure) = (0, 0, 0);
-        track.steady_frames = 0;
         self.tracks.push(track);
     }
 
@@ -547,19 +529,24 @@ fn see(
     curve.track = track.number;
     curve.age_ns = 0;
     let cut = curve.border.iter().chain(&track.border).any(|&b| b);
-    let missing_px = track.length_px.min(track.whole_px) - curve.length_px;
+    let missing_px = track.length_px.min(track.usual.px) - curve.length_px;
     let is_short = missing_px > JUMP_WIDTHS * curve.width_px + JUMP_SHARE * track.length_px;
     let tip_covered = look.covered.contains(&true);
     let jumped = !cut && is_short && has_jumped(track, curve);
-    let whole = !jumped && (cut || curve.length_px >= PARTIAL * track.whole_px);
+    let whole = !jumped && (cut || curve.length_px >= PARTIAL * track.usual.px);
     let covered = curve.hidden.contains(&true) || tip_covered;
     curve.status = if whole && !covered {
         Status::Ok
     } else {
         Status::Partial
     };
-    (track.is_free, track.is_plain) = (look.free, look.is_plain && !covered);
-    track.note_length(curve, cut, look.free);
+    if cut || track.frames == 0 {
+        track.usual = UsualLength::of(curve.length_px);
+    }
+    (track.usual).look(look.free, look.is_plain && !covered);
+    if !cut {
+        track.usual.note(curve);
+    }
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
     track.color = Some(match track.color {
@@ -593,7 +580,7 @@ impl Track {
         let most_px = LEAP.0 * self.width_px + LEAP.1 * self.length_px;
         let differs = |length_px: f32| (curve.length_px - length_px).abs() > most_px;
         let is_known = self.frames > KNOWN.unsigned_abs() && self.closed == curve.closed;
-        is_known && differs(self.length_px) && differs(self.whole_px)
+        is_known && differs(self.length_px) && differs(self.usual.px)
     }
 
     /// Lets the width follow what is seen: what lies over a rope or beside it may change it at once, the rope does not.
@@ -603,53 +590,6 @@ impl Track {
         }
         let most_px = WIDTH_PACE * self.width_px;
         self.width_px += (width_px - self.width_px).clamp(-most_px, most_px);
-    }
-
-    /// Lets the usual length follow what is seen, slowly: one frame that is wrong means nothing, and
-    /// a rope that stays short is a shorter view of it, not half hidden for ever. Ends that lie upon
-    /// something say next to nothing of it.
-    fn note_length(&mut self, curve: &Curve, cut: bool, free: bool) {
-        if cut || self.frames == 0 {
-            self.whole_px = curve.length_px;
-            self.free_frames = 0;
-        }
-        if cut {
-            return;
-        }
-        self.note_steady(curve);
-        let off_px = curve.length_px - self.whole_px;
-        let is_alike = off_px.abs() <= tips::LEAST_WIDTHS * curve.width_px;
-        let pace = match (free, curve.status) {
-            (true, Status::Ok) => {
-                self.free_frames = self.free_frames.saturating_add(1);
-                // Of the first few, the mean.
-                (1.0 / self.free_frames as f32).max(0.005)
-            }
-            // How long the hidden part is, nobody sees.
-            (true, _) if curve.hidden.contains(&true) => 0.0005,
-            (true, _) => 0.005,
-            // A tip that lies upon something is read so much too short or too long: the rope is not.
-            (false, _) if is_alike => 0.0,
-            (false, Status::Ok) => 0.0005,
-            (false, _) => 0.002,
-        };
-        let step = curve.length_px / self.whole_px.max(1.0) - 1.0;
-        self.whole_px *= 1.0 + step.clamp(-pace, pace);
-    }
-
-    /// Takes a length that it has had for long enough in plain sight for its usual one: what was read as one rope was two, or the
-    /// other way round.
-    fn note_steady(&mut self, curve: &Curve) {
-        let is_alike = |px: f32| (curve.length_px - px).abs() <= STEADY.1 * curve.width_px;
-        if self.is_plain && is_alike(self.steady_px) {
-            self.steady_frames += 1;
-        } else {
-            (self.steady_frames, self.steady_px) = (0, curve.length_px);
-        }
-        if self.steady_frames >= STEADY.0 && !is_alike(self.whole_px) {
-            self.whole_px = self.steady_px;
-            self.free_frames = self.steady_frames;
-        }
     }
 }
 
@@ -704,7 +644,7 @@ mod tests {
                 // Then it is followed.
                 tracker.go_on(&curves);
             }
-            tracker.tracks[0].whole_px
+            tracker.tracks[0].usual.px
         };
         assert_eq!(look(false), 300.0);
         assert!(look(true) < 300.0);
