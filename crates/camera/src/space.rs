@@ -47,6 +47,8 @@ pub struct SpacePoint {
     /// How far beside the rope the pixel may be, px, as its neighbors are, too: as a depth image shows the rope there to one side of
     /// it, or not at all, or as light falls on one side of it.
     pub doubt_px: f64,
+    /// And how far its depth is off then, mm, as its neighbors' are, too.
+    pub doubt_mm: f64,
     /// The rope's width there, mm.
     pub width_mm: f64,
 }

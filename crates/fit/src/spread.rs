@@ -4,16 +4,18 @@
 //! [`Fitter::propagate`] follows each pixel through the resampling, exactly and in time N m per point's neighbors. Here the points are
 //! taken at equal steps as they are: what an error along the curve does is left out of each point (it slides, and the curve stays), and
 //! comes in by the ends, between which everything is stretched, and by how long the curve is between: where it turns by `Δtₖ`, an
-//! error makes it longer by `Δtₖ` times that, and all that comes after slides. With `tₖ` the direction at point `k`, `Nₖ = I − tₖtₖᵀ`, `Sₖ` the ellipsoid,
-//! `σ₀` and `σ₁` how sure the ends are along the curve, and `s = P c`,
+//! error makes it longer by `Δtₖ` times that, and all that comes after slides. With `tₖ` the direction at point `k`, `Nₖ = I − tₖtₖᵀ`, `Sₖ` the ellipsoid
+//! of what errs by itself there and `Dₖ` that of what errs with all points that a control point reaches, `σ₀` and `σ₁` how sure the ends
+//! are along the curve, and `s = P c`,
 //!
 //! ```text
-//! Cov(sⱼ) = ν Σₖ Pⱼₖ² Nₖ Sₖ Nₖ + σ₀² aⱼ aⱼᵀ + σ₁² bⱼ bⱼᵀ + cⱼ cⱼᵀ,
+//! Cov(sⱼ) = ν Σₖ Pⱼₖ² Nₖ Sₖ Nₖ + Σₖ Pⱼₖ² Nₖ Dₖ Nₖ / Σₖ Pⱼₖ² + σ₀² aⱼ aⱼᵀ + σ₁² bⱼ bⱼᵀ + cⱼ cⱼᵀ,
 //! aⱼ = Σₖ Pⱼₖ (1 − ρₖ) tₖ,    bⱼ = Σₖ Pⱼₖ ρₖ tₖ,    cⱼ = Σₖ Pⱼₖ τₖ tₖ,
-//! τₖ² = (1 − ρₖ)² Lₖ + ρₖ² (Lₙ − Lₖ),    Lₖ = ν Σᵢ₍ᵢ≤ₖ₎ Δtᵢᵀ Sᵢ Δtᵢ
+//! τₖ² = (1 − ρₖ)² Lₖ + ρₖ² (Lₙ − Lₖ),    Lₖ = Σᵢ₍ᵢ≤ₖ₎ Δtᵢᵀ (ν Sᵢ + r Dᵢ) Δtᵢ
 //! ```
 //!
-//! where `ν` says how many neighbors err alike.
+//! where `ν` says how many neighbors err alike and `r = N / m` how many points a control point reaches. What these have in common
+//! moves it as far as them, as a row of `P` sums to 1; what each has by itself is amplified (of a cubic B-spline, about five times as a variance).
 
 use crate::basis::MAX_CONTROL_POINTS;
 use crate::fitter::Fitter;
@@ -29,8 +31,10 @@ const LANES: usize = 8;
 /// The errors of a line's points.
 #[derive(Debug, Clone, Copy)]
 pub struct Spread<'a, const D: usize> {
-    /// The covariance of each point.
+    /// The covariance of each point, of what errs by itself there or with few neighbors.
     pub squares: &'a [Square<D>],
+    /// And of what errs with all points that a control point reaches.
+    pub in_common: &'a [Square<D>],
     /// The standard deviation of each end along the line; of a closed one, of where it begins.
     pub ends: [f64; 2],
     /// How many neighbors err alike, 1 or more.
@@ -42,6 +46,8 @@ pub struct Spread<'a, const D: usize> {
 pub(crate) struct Points<const D: usize> {
     /// What of its ellipsoid is across the line.
     across: [[Vec<f64>; D]; D],
+    /// The same of what it has in common with others.
+    in_common: [[Vec<f64>; D]; D],
     /// The line's direction, times how far it is to the last point, and to the first.
     first: [Vec<f64>; D],
     second: [Vec<f64>; D],
@@ -62,6 +68,7 @@ impl<const D: usize> Points<D> {
         let room = || std::array::from_fn(|_| vec![0.0; MAX_POINTS]);
         Self {
             across: std::array::from_fn(|_| room()),
+            in_common: std::array::from_fn(|_| room()),
             first: room(),
             second: room(),
             slide: room(),
@@ -71,26 +78,31 @@ impl<const D: usize> Points<D> {
 }
 
 impl<const D: usize> WithSimd for Sums<'_, D> {
-    type Output = (Square<D>, [[f64; D]; 3]);
+    /// Of both kinds of error, what is along the line, and `Σₖ Pⱼₖ²`.
+    type Output = ([Square<D>; 2], [[f64; D]; 3], f64);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let zero = simd.splat_f64s(0.0);
         let Points {
             across,
+            in_common,
             first,
             second,
             slide,
             row,
         } = self.points;
         let row = &S::as_simd_f64s(row).0[..self.vectors];
-        let mut sums = [[zero; D]; D];
+        let (mut sums, mut gain) = ([[[zero; D]; D]; 2], zero);
         for (k, &p) in row.iter().enumerate() {
             let square = simd.mul_f64s(p, p);
-            for a in 0..D {
-                for b in a..D {
-                    let across = S::as_simd_f64s(&across[a][b]).0[k];
-                    sums[a][b] = simd.mul_add_f64s(square, across, sums[a][b]);
+            gain = simd.mul_add_f64s(p, p, gain);
+            for (sums, of) in sums.iter_mut().zip([across, in_common]) {
+                for a in 0..D {
+                    for b in a..D {
+                        let number = S::as_simd_f64s(&of[a][b]).0[k];
+                        sums[a][b] = simd.mul_add_f64s(square, number, sums[a][b]);
+                    }
                 }
             }
         }
@@ -103,16 +115,18 @@ impl<const D: usize> WithSimd for Sums<'_, D> {
                 }
             }
         }
-        let (mut square, mut ways) = ([[0.0; D]; D], [[0.0; D]; 3]);
+        let (mut squares, mut ways) = ([[[0.0; D]; D]; 2], [[0.0; D]; 3]);
         for a in 0..D {
             for b in a..D {
-                square[a][b] = simd.reduce_sum_f64s(sums[a][b]);
+                for (square, sums) in squares.iter_mut().zip(&sums) {
+                    square[a][b] = simd.reduce_sum_f64s(sums[a][b]);
+                }
             }
             for (way, along) in ways.iter_mut().zip(&along) {
                 way[a] = simd.reduce_sum_f64s(along[a]);
             }
         }
-        (square, ways)
+        (squares, ways, simd.reduce_sum_f64s(gain))
     }
 }
 
@@ -128,34 +142,45 @@ impl<const D: usize> Fitter<D> {
         covariances: &mut [Square<D>; MAX_CONTROL_POINTS],
     ) {
         let count = self.options.points;
-        if points.len() != count || spread.squares.len() != count || count < 2 {
+        let squares = [spread.squares, spread.in_common];
+        if points.len() != count || squares.iter().any(|of| of.len() != count) || count < 2 {
             return;
         }
         let closed = self.options.basis.is_closed();
         let of_points = &mut self.of_points;
         let (mut expected, last) = (0.0, (count - 1) as f64);
+        let controls = self.fit.control_points.len();
+        let reach = count as f64 / controls as f64;
         let (mut longer, mut before) = (0.0, None);
         for k in 0..count {
             let [from, to] = match closed {
                 true => [(k + count - ASIDE.min(count)) % count, (k + ASIDE) % count],
                 false => [k.saturating_sub(ASIDE), (k + ASIDE).min(count - 1)],
             };
+            let controls = &self.fit.control_points;
+            let way = match controls.as_slice() {
+                // At its ends the line goes as the curve does.
+                [end, next, ..] if !closed && k == 0 => [end, next],
+                [.., next, end] if !closed && k == count - 1 => [next, end],
+                _ => [&points[from], &points[to]],
+            };
             let mut tangent = [0.0; D];
             let mut size = 0.0;
             for axis in 0..D {
-                tangent[axis] = points[to][axis] - points[from][axis];
+                tangent[axis] = way[1][axis] - way[0][axis];
                 size += tangent[axis] * tangent[axis];
             }
             let per_size = if size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
             for c in &mut tangent {
                 *c *= per_size;
             }
-            let across = without(&spread.squares[k], tangent);
+            let [across, in_common] = squares.map(|of| without(&of[k], tangent));
             let rho = k as f64 / last;
             for a in 0..D {
                 expected += across[a][a];
-                for (to, number) in of_points.across[a].iter_mut().zip(across[a]) {
-                    to[k] = number;
+                for b in 0..D {
+                    of_points.across[a][b][k] = across[a][b];
+                    of_points.in_common[a][b][k] = in_common[a][b];
                 }
                 of_points.first[a][k] = (1.0 - rho) * tangent[a];
                 of_points.second[a][k] = rho * tangent[a];
@@ -164,7 +189,8 @@ impl<const D: usize> Fitter<D> {
                 Some(before) => std::array::from_fn(|a| tangent[a] - before[a]),
                 None => [0.0; D],
             };
-            longer += within(&spread.squares[k], turn);
+            let [own, in_common] = squares.map(|of| within(&of[k], turn));
+            longer += spread.alike * own + reach * in_common;
             of_points.row[k] = longer;
         }
         let linear = &self.sizes[self.shown].linear;
@@ -173,7 +199,7 @@ impl<const D: usize> Fitter<D> {
         for k in 0..count {
             let (rho, before) = (k as f64 / last, of_points.row[k]);
             let [to_last, to_first] = [(1.0 - rho) * (1.0 - rho), rho * rho];
-            let slides = (alike * (to_last * before + to_first * (longer - before))).sqrt();
+            let slides = (to_last * before + to_first * (longer - before)).sqrt();
             for a in 0..D {
                 let tangent = of_points.first[a][k] + of_points.second[a][k];
                 of_points.slide[a][k] = slides * tangent;
@@ -182,15 +208,17 @@ impl<const D: usize> Fitter<D> {
         let [one, other] = spread.ends.map(|sigma| sigma * sigma);
         let vectors = count.div_ceil(LANES);
         of_points.row[..vectors * LANES].fill(0.0);
-        let controls = self.fit.control_points.len();
         for (j, covariance) in covariances.iter_mut().enumerate().take(controls) {
             of_points.row[..count].copy_from_slice(linear.matrix.column(j));
             let points = &*of_points;
-            let (sum, [first, second, slide]) = self.arch.dispatch(Sums { points, vectors });
+            let ([own, in_common], [first, second, slide], gain) =
+                self.arch.dispatch(Sums { points, vectors });
+            let per_gain = if gain > 0.0 { 1.0 / gain } else { 0.0 };
             for a in 0..D {
                 for b in a..D {
                     let ends = one * first[a] * first[b] + other * second[a] * second[b];
-                    covariance[a][b] = alike * sum[a][b] + ends + slide[a] * slide[b];
+                    let across = alike * own[a][b] + per_gain * in_common[a][b];
+                    covariance[a][b] = across + ends + slide[a] * slide[b];
                     covariance[b][a] = covariance[a][b];
                 }
             }

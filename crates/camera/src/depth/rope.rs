@@ -290,6 +290,7 @@ impl RopeDepth {
                 in_common: if axis.is_measured { 0.0 } else { 1.0 },
                 is_measured: axis.is_measured,
                 doubt_px: 0.5 * f64::from(width) * beside,
+                doubt_mm: 0.0,
                 width_mm: 2.0 * axis.slim * depth,
             }
         });

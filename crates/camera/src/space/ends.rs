@@ -87,6 +87,7 @@ fn mixed(a: &SpacePoint, b: &SpacePoint, share: f64) -> SpacePoint {
         in_common: mix(a.in_common, b.in_common),
         is_measured: if share < 0.5 { a } else { b }.is_measured,
         doubt_px: mix(a.doubt_px, b.doubt_px),
+        doubt_mm: mix(a.doubt_mm, b.doubt_mm),
         width_mm: mix(a.width_mm, b.width_mm),
     }
 }

@@ -32,8 +32,9 @@ const END_PX: f64 = 1.5;
 /// Where it was not measured, depth may be so far off, mm for each mm from where it was, as a rope bends more here than there; four
 /// times that where it goes on from one side only.
 const ASTRAY: f64 = 0.12;
-/// A centerline is as a whole beside its rope's axis, as light falls on one side of it, by about this share of its width.
-const BESIDE: f64 = 0.0075;
+/// A centerline is as a whole beside its rope's axis, as light falls on one side of it, by about this share of its width: by half of what drawn
+/// ropes of 3 to 15 px have their depths off, in pixels.
+const BESIDE: f64 = 0.004;
 /// A point is measured if its epipolar line meets the other curve at no less than this sine.
 const FLATTEST: f64 = 0.2;
 
@@ -51,6 +52,8 @@ struct Axis {
     /// What a unit of inverse depth adds to its distance from that, px, and a pixel of the first view.
     slope: f64,
     by_pixel: [f64; 2],
+    /// How many pixels' shift of the curves as a whole move its inverse depth by a unit.
+    shift_px: f64,
     is_measured: bool,
     is_steep: bool,
 }
@@ -158,6 +161,7 @@ impl Refining {
                 beyond,
                 slope: 0.0,
                 by_pixel: [0.0; 2],
+                shift_px: f64::INFINITY,
                 is_measured: false,
                 is_steep: false,
             });
@@ -188,9 +192,11 @@ impl Refining {
                 continue;
             }
             let slope = focal * (seen.by_inverse[0] * across[0] + seen.by_inverse[1] * across[1]);
-            let sine = slope.abs() / (focal * length(seen.by_inverse[0], seen.by_inverse[1]));
+            let most = focal * length(seen.by_inverse[0], seen.by_inverse[1]);
+            let sine = slope.abs() / most;
             let sight = &first.sights[axis.point];
             axis.slope = slope;
+            axis.shift_px = slope.abs().max(FLATTEST * most);
             axis.by_pixel = [0, 1].map(|k| {
                 let way = cameras.turned([sight.by_pixel[0][k], sight.by_pixel[1][k], 0.0]);
                 let moved = [0, 1].map(|axis| (way[axis] - seen.at[axis] * way[2]) / seen.ahead);
@@ -287,6 +293,7 @@ impl Refining {
                 true => 0.0,
                 false => square * own * by / axis.slope,
             });
+            let doubt_px = BESIDE * 2.0 * sight.slim * focal;
             let [x, y] = sight.by_pixel;
             let moved =
                 |aside: [f64; 2], ray: f64| [0, 1].map(|k| depth * aside[k] + ray * by_pixel[k]);
@@ -301,7 +308,9 @@ impl Refining {
                 variance: rest * self.variance * inverse_information * square * square,
                 in_common: (1.0 - own) / rest,
                 is_measured: axis.is_measured,
-                doubt_px: BESIDE * 2.0 * sight.slim * focal,
+                doubt_px,
+                // Both curves may be.
+                doubt_mm: std::f64::consts::SQRT_2 * doubt_px * square / axis.shift_px,
                 width_mm: 2.0 * sight.slim * depth,
             });
         }

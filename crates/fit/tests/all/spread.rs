@@ -6,8 +6,8 @@ use lariat_portable::SplitMix64;
 
 const COUNT: usize = 120;
 const TRIALS: usize = 3000;
-/// Across the line of sight, along it, and of each end along the rope, mm.
-const SIGMAS: [f64; 3] = [0.05, 0.4, 0.6];
+/// Across the line of sight, along it, of each end along the rope, and of all points together along y, mm.
+const SIGMAS: [f64; 4] = [0.05, 0.4, 0.6, 0.3];
 
 fn truth(t: f64) -> [f64; 3] {
     [400.0 * t, 60.0 * (2.0 * t).sin(), 500.0 + 80.0 * t * t]
@@ -40,12 +40,14 @@ fn covariances_in_space_are_those_of_the_errors() {
         ..Options::bezier(4)
     })
     .expect("a fitter");
-    let [across, along, end] = SIGMAS;
+    let [across, along, end, shift] = SIGMAS;
     let square: Square<3> = [
         [across * across, 0.0, 0.0],
         [0.0, across * across, 0.0],
         [0.0, 0.0, along * along],
     ];
+    let mut in_common = [[0.0; 3]; 3];
+    in_common[1][1] = shift * shift;
     let exact = line(0.0, 1.0);
     let right = fitter.fit(&exact).expect("a fit").control_points.clone();
     // How far t goes for a millimetre of the rope, at its ends.
@@ -60,7 +62,9 @@ fn covariances_in_space_are_those_of_the_errors() {
             end * normal() / speed(0.0),
             1.0 + end * normal() / speed(1.0),
         );
+        let shifted = shift * normal();
         for point in &mut points {
+            point[1] += shifted;
             for (c, sigma) in point.iter_mut().zip([across, across, along]) {
                 *c += sigma * normal();
             }
@@ -75,6 +79,7 @@ fn covariances_in_space_are_those_of_the_errors() {
         }
         let spread = Spread {
             squares: &[square; COUNT],
+            in_common: &[in_common; COUNT],
             ends: [end; 2],
             alike: 1.0,
         };

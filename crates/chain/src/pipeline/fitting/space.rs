@@ -31,8 +31,13 @@ use lariat_wire::{
 
 /// How many neighboring points err alike, as the picture is smoothed and the depth camera's noise is shared.
 const ALIKE: f64 = 2.0;
-/// The standard deviation of an end along the rope in the picture, px; and of what its slope moves it by, as a share.
-const END_SIGMA_PX: f64 = 1.0;
+/// The standard deviation of a centerline's point in the picture, px, of a rope that is a pixel wide: it is less by the root of the width, as
+/// so many pixels show it, but no less than the second. And that of an end beside the rope, likewise.
+const PIXEL_SIGMA: [f64; 2] = [0.3, 0.05];
+const END_BESIDE_PX: f64 = 0.5;
+/// The standard deviation of an end along the rope in the picture, px: of drawn ropes 95 of 100 lie within twice 0.3 to 0.8; and of what its
+/// slope moves it by, as a share.
+const END_SIGMA_PX: f64 = 0.6;
 const SLOPE_SHARE: f64 = 0.4;
 /// Over how many points an end's slope is taken.
 const STEEP_OVER: usize = 4;
@@ -53,6 +58,7 @@ pub struct SpaceFitter {
     even_squares: Box<[Square<3>; MAX_POINTS]>,
     /// What of the points' errors neighbors have in common, as far as a control point reaches.
     doubts: Box<[Square<3>; MAX_POINTS]>,
+    even_doubts: Box<[Square<3>; MAX_POINTS]>,
     sigmas: Box<[f64; MAX_POINTS]>,
     by_size: Box<[f64; MAX_POINTS]>,
     measured: Box<[bool; MAX_POINTS]>,
@@ -86,6 +92,7 @@ impl SpaceFitter {
             squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
             even_squares: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
             doubts: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
+            even_doubts: Box::new([[[0.0; 3]; 3]; MAX_POINTS]),
             sigmas: Box::new([0.0; MAX_POINTS]),
             by_size: Box::new([0.0; MAX_POINTS]),
             measured: Box::new([false; MAX_POINTS]),
@@ -204,16 +211,19 @@ impl SpaceFitter {
             hidden: &self.hidden[..count],
         };
         let judged = self.fitter.fit(rope, &line)?;
-        // What many points have in common, their mean does not make less.
-        let controls = self.fitter.fitter(closed).last().control_points.len();
-        let in_common = count as f64 / (ALIKE * controls as f64);
         for k in 0..count {
             let [i, _] = self.line.between(k);
-            let (square, doubt) = (&self.squares[i], &self.doubts[i]);
-            for a in 0..3 {
-                for b in 0..3 {
-                    self.even_squares[k][a][b] = square[a][b] + in_common * doubt[a][b];
-                }
+            self.even_squares[k] = self.squares[i];
+            self.even_doubts[k] = self.doubts[i];
+        }
+        for end in [0, count - 1] {
+            let beside = if closed {
+                0.0
+            } else {
+                self.beside_end(end, width)
+            };
+            for (axis, row) in self.even_squares[end].iter_mut().enumerate() {
+                row[axis] += beside * beside / ALIKE;
             }
         }
         for (k, point) in self.even[..count].iter().enumerate() {
@@ -240,7 +250,8 @@ impl SpaceFitter {
         shown: &Shown,
     ) -> Result<f64> {
         let count = curve.points().len();
-        let pixel = self.finder.pixel_sigma() * self.finder.pixel_sigma();
+        let focal_px = self.finder.focal_px();
+        let [of_a_pixel, least] = PIXEL_SIGMA.map(|sigma| sigma * sigma);
         let places = self.finder.locate(seen, (i, curve), shown)?;
         for (k, place) in places.iter().enumerate() {
             let (mut ray, mut across) = (place.ray, transposed(place.by_pixel));
@@ -250,8 +261,11 @@ impl SpaceFitter {
                 ray = pose.way(ray);
                 across = across.map(|way| pose.way(way));
             }
+            let width_px = (focal_px * place.width_mm / place.point[2]).max(1.0);
+            let pixel = of_a_pixel / width_px + least;
             let doubt_px = place.doubt_px * place.doubt_px;
             let bridged = place.in_common * place.variance;
+            let shifted = place.doubt_mm * place.doubt_mm;
             let own = place.variance - bridged;
             let (square, doubt) = (&mut self.squares[k], &mut self.doubts[k]);
             for a in 0..3 {
@@ -259,14 +273,14 @@ impl SpaceFitter {
                     let aside = across[0][a] * across[0][b] + across[1][a] * across[1][b];
                     let along = ray[a] * ray[b];
                     square[a][b] = pixel * aside + own * along;
-                    doubt[a][b] = doubt_px * aside + bridged * along;
+                    doubt[a][b] = doubt_px * aside + (bridged + shifted) * along;
                     (square[b][a], doubt[b][a]) = (square[a][b], doubt[a][b]);
                 }
             }
             let squared_length = ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2];
-            self.sigmas[k] = (place.variance * squared_length).sqrt();
+            self.sigmas[k] = ((place.variance + shifted) * squared_length).sqrt();
             self.measured[k] = place.is_measured;
-            self.by_size[k] = self.sigmas[k];
+            self.by_size[k] = (place.variance * squared_length).sqrt();
         }
         let noise = median(&mut self.by_size[..count]);
         for (to, place) in self.by_size.iter_mut().zip(places) {
@@ -295,6 +309,7 @@ impl SpaceFitter {
         }
         let spread = Spread {
             squares: &self.even_squares[..samples],
+            in_common: &self.even_doubts[..samples],
             ends: [0, samples - 1].map(|end| self.end_sigma(end, samples, to.width)),
             alike: ALIKE,
         };
@@ -306,24 +321,38 @@ impl SpaceFitter {
         }
     }
 
+    /// How sure an end is beside the rope, mm.
+    fn beside_end(&self, end: usize, width: f64) -> f64 {
+        let mm_per_px = self.mm_per_px(self.even[end]);
+        END_BESIDE_PX * mm_per_px / (width / mm_per_px).max(1.0).sqrt()
+    }
+
+    /// How much a pixel is, that far from the first camera.
+    fn mm_per_px(&self, at: [f64; 3]) -> f64 {
+        let ray = self.ray(at);
+        dot(ray, ray).sqrt() / self.finder.focal_px()
+    }
+
+    /// From the first camera to there.
+    fn ray(&self, at: [f64; 3]) -> [f64; 3] {
+        between(at, self.pose.map_or([0.0; 3], |pose| pose.point([0.0; 3])))
+    }
+
     /// How sure an end is along the rope, mm: by the pixels that show it, and by how steep it is, which moves it.
     fn end_sigma(&self, end: usize, samples: usize, width: f64) -> f64 {
-        let eye = self.pose.map_or([0.0; 3], |pose| pose.point([0.0; 3]));
         let inner = match end {
             0 => STEEP_OVER.min(samples - 1),
             last => last.saturating_sub(STEEP_OVER),
         };
-        let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
-        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
         let at = self.even[end];
-        let (ray, way) = (between(at, eye), between(at, self.even[inner]));
+        let (ray, way) = (self.ray(at), between(at, self.even[inner]));
         let cosine = dot(ray, way) / (dot(ray, ray) * dot(way, way)).sqrt();
         if !cosine.is_finite() {
             return width;
         }
         let sine = (1.0 - cosine * cosine).max(0.01).sqrt();
-        let mm_per_px = dot(ray, ray).sqrt() / self.finder.focal_px();
-        let (by_pixels, by_slope) = (END_SIGMA_PX * mm_per_px, SLOPE_SHARE * 0.5 * width * cosine);
+        let by_pixels = END_SIGMA_PX * self.mm_per_px(at);
+        let by_slope = SLOPE_SHARE * 0.5 * width * cosine;
         (by_pixels * by_pixels + by_slope * by_slope).sqrt() / sine
     }
 
@@ -380,6 +409,14 @@ fn write_rope(curve: &Curve, to: &mut Descriptor3) {
     (to.track, to.status) = (curve.track, curve.status);
     (to.closed, to.border) = (curve.closed, curve.border);
     (to.confidence, to.age_ns) = (curve.confidence, curve.age_ns);
+}
+
+fn between(to: [f64; 3], from: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| to[k] - from[k])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
 }
 
 fn transposed(by_pixel: [[f64; 2]; 3]) -> [[f64; 3]; 2] {

@@ -68,14 +68,6 @@ impl Finder {
         }
     }
 
-    /// The standard deviation of a centerline's point in the picture, px, at least.
-    pub(super) fn pixel_sigma(&self) -> f64 {
-        match self.kind {
-            Kind::Depth { .. } => 0.2,
-            Kind::Second { .. } => 0.1,
-        }
-    }
-
     /// Takes in what there is beside a frame.
     ///
     /// # Errors
