@@ -5,7 +5,8 @@
 
 Checks that every message decodes by the schema in the file, that each topic has as many as it must, that times can be undone
 to the bit, that each frame's centerline lies on its truth and its curve on its centerline, and that an image shows the rope
-where the centerline says. FRAMES: how many there must be. Needs requirements.txt. Recordings of a rendered rope only.
+where the centerline says; with depth, that the curve in space lies on its points, and that every ellipsoid has a volume. FRAMES:
+how many there must be. Needs requirements.txt. Recordings of a rendered rope only.
 """
 
 import collections
@@ -19,6 +20,8 @@ from mcap_ros2.decoder import DecoderFactory
 from PIL import Image
 
 BEZIER = 1
+B_SPLINE = 2
+KNOWN = 1
 
 
 def check(holds, what):
@@ -58,12 +61,33 @@ def bezier(control, count):
     return (binomials * t**k * (1 - t) ** (n - k)) @ control
 
 
+def spline(control, degree, inner, count):
+    """Points of a clamped B-spline at even parameters (de Boor's algorithm)."""
+    knots = numpy.concatenate([numpy.zeros(degree + 1), inner, numpy.ones(degree + 1)])
+    points = []
+    for t in numpy.linspace(0, 1, count):
+        k = min(numpy.searchsorted(knots, t, "right") - 1, len(control) - 1)
+        at = [control[k - degree + j] for j in range(degree + 1)]
+        for level in range(1, degree + 1):
+            for j in range(degree, level - 1, -1):
+                low, high = knots[k - degree + j], knots[k + 1 + j - level]
+                at[j] = at[j - 1] + (t - low) / (high - low) * (at[j] - at[j - 1])
+        points.append(at[degree])
+    return numpy.array(points)
+
+
+def along(shape, control, count):
+    """Points of an open rope's curve at even parameters."""
+    check(shape.basis in (BEZIER, B_SPLINE), f"the curve's basis is {shape.basis}")
+    return bezier(control, count) if shape.basis == BEZIER else spline(control, shape.order, shape.knots, count)
+
+
 def distances(points, line):
     """How far each point is from a line of many short pieces."""
     a, b = line[:-1], line[1:]
-    along = b - a
-    t = ((points[:, None] - a) * along).sum(2) / numpy.maximum((along**2).sum(1), 1e-12)
-    nearest = a + numpy.clip(t, 0, 1)[..., None] * along
+    way = b - a
+    t = ((points[:, None] - a) * way).sum(2) / numpy.maximum((way**2).sum(1), 1e-12)
+    nearest = a + numpy.clip(t, 0, 1)[..., None] * way
     return numpy.linalg.norm(points[:, None] - nearest, axis=2).min(1)
 
 
@@ -103,8 +127,7 @@ def check_geometry(topics, rig):
         check(off < 1.0, f"the centerline of frame {sequence} is {off:.2f} px off its truth")
         if sequence in shapes:
             shape = shapes[sequence].curves[0]
-            check(shape.basis == BEZIER, "the curve is no Bezier curve")
-            on = bezier(points(shape.control_points), shape.samples)
+            on = along(shape, points(shape.control_points), shape.samples)
             rms = numpy.sqrt(((on - curve) ** 2).sum(1).mean())
             check(abs(rms - shape.rms) < 1e-3, f"the curve of frame {sequence} is {rms:.4f} px from its points, said {shape.rms:.4f}")
         if sequence in images:
@@ -114,6 +137,37 @@ def check_geometry(topics, rig):
             rope = numpy.abs(picture[y, x] - table).max(1)
             check((rope > 25).mean() > 0.98, f"the rope of frame {sequence} is not where its centerline says")
     return worst
+
+
+def check_space(topics, rig):
+    """Each frame's depth image, and its rope in space against itself."""
+    depths = {m.sequence: d for m, d in topics[f"/{rig}/depth_image"]}
+    known = 0
+    for message, ropes in topics[f"/{rig}/descriptors3"]:
+        sequence = ropes.trace.sequence
+        check(sequence & 0xFFFFFFFF in depths, f"frame {sequence} is in space without a depth image")
+        depth = depths[sequence & 0xFFFFFFFF]
+        check(depth.encoding == "mono16" and depth.step == 2 * depth.width, f"a depth image is {depth.encoding}")
+        units = numpy.frombuffer(bytes(depth.data), "<u2")
+        check(len(units) == depth.width * depth.height, "a depth image has another size than it says")
+        check((units > 0).mean() > 0.5, "a depth image is mostly empty")
+        for rope in ropes.curves:
+            if rope.place != KNOWN:
+                continue
+            known += 1
+            triple = lambda of: numpy.array([[p.x, p.y, p.z] for p in of], float)
+            line, control = triple(rope.points), triple(rope.control_points)
+            on = along(rope, control, len(line))
+            rms = numpy.sqrt(((on - line) ** 2).sum(1).mean())
+            check(abs(rms - rope.rms) < 1e-3, f"the curve of frame {sequence} is {rms:.4f} mm from its points, said {rope.rms:.4f}")
+            steps = numpy.linalg.norm(numpy.diff(line, axis=0), axis=1)
+            check(abs(steps.sum() - rope.length) < 0.02 * rope.length, "a rope in space is not as long as it says")
+            for c in rope.covariances:
+                square = numpy.array([[c.xx, c.xy, c.xz], [c.xy, c.yy, c.yz], [c.xz, c.yz, c.zz]])
+                check(numpy.linalg.eigvalsh(square)[0] > 0, f"an ellipsoid of frame {sequence} has no volume")
+            check(min(rope.sigmas) > 0, f"a point of frame {sequence} is sure of its depth")
+    check(known > 0, "no rope is known in space")
+    return known
 
 
 def check_annotations(topics, rig):
@@ -144,6 +198,10 @@ def main():
     check("lariat.toml" in attachments, "the settings are not attached")
     check_times(topics, rig, about)
     check_annotations(topics, rig)
+    if f"/{rig}/descriptors3" in topics:
+        known = check_space(topics, rig)
+        print(f"{path}: {frames} frames, {count['depth_image']} depth images, {known} ropes in space")
+        return
     worst = check_geometry(topics, rig)
     print(f"{path}: {frames} frames, {sum(count.values())} messages on {len(count)} topics; the centerlines are at most {worst:.2f} px off in the mean")
 

@@ -27,6 +27,10 @@ for images in raw png jpeg none; do
         "$python" "$here/read.py" "$file" 60
     done
 done
+# A lifted rope in colour and depth. Its grippers are no part of it.
+"$lariat" run --source simulated --depth simulated --lossless --fps 30 --frames 60 --record depth.mcap \
+    --mask '[{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]' >/dev/null 2>said || { cat said; exit 1; }
+"$python" "$here/read.py" depth.mcap 60
 # Live, with a rig whose name is no ROS name, and a recorder of its own.
 "$lariat" record --rig left-arm --out live.mcap 2>said &
 recorder=$!
