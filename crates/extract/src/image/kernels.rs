@@ -17,7 +17,7 @@ pub(crate) const BLOCK: usize = 8;
 
 /// Some rows of a picture whose channels are interleaved, the table along them, and what is made of them.
 pub(crate) struct Band<'a> {
-    /// From the first row's first byte to the last one's last.
+    /// From the first row's first byte to the last one's last: a block of rows, or fewer.
     pub(crate) rows: &'a [u8],
     /// Bytes from one row's start to the next.
     pub(crate) stride: usize,
@@ -52,7 +52,7 @@ impl Band<'_> {
 
 /// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
 pub(crate) struct Look<'a> {
-    /// From the first row's first byte to the last one's last.
+    /// From the first row's first byte to the last one's last: a block of rows, or fewer.
     pub(crate) rows: &'a [u8],
     /// Bytes from one row's start to the next, and those of a row.
     pub(crate) stride: usize,
@@ -312,7 +312,7 @@ mod tests {
             bytes in prop::collection::vec(any::<u8>(), 3000),
             far in prop::collection::vec((0usize..3000, any::<u8>()), 0..6),
             table in prop::collection::vec(any::<u8>(), 700),
-            row in 1usize..500, gap in 0usize..20, rows in 1usize..5, of in 1usize..=3,
+            row in 1usize..300, gap in 0usize..20, rows in 1usize..=BLOCK, of in 1usize..=3,
             least in prop::array::uniform2(1u8..60),
         ) {
             // Like the table, but for some bytes.

@@ -1,10 +1,7 @@
 //! Where some rows are not just the table: a plain loop, of which the compiler makes vectors for any registers.
 
-use super::Look;
+use super::{BLOCK, Look};
 use lariat_portable::{Arch, Simd, WithSimd};
-
-/// Bytes that are looked at together: what comes from memory at once.
-const LANES: usize = 64;
 
 /// See [`Look`].
 pub(super) fn look(look: Look) {
@@ -16,70 +13,89 @@ impl WithSimd for Look<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let strip = 64 * self.bytes;
-        let side = Self::SIDE * self.bytes;
-        let (even, odd) = (self.least[0], self.least[1]);
-        let least: [u8; LANES] = std::array::from_fn(|k| if k % 2 == 0 { even } else { odd });
-        let rows = Rows {
-            bytes: self.rows,
-            stride: self.stride,
-            table: self.table,
-            least,
-        };
-        for (k, hit) in self.hits.iter_mut().enumerate() {
-            let (from, to) = (strip * k, (strip * (k + 1)).min(self.row));
-            let mut off = [0; 64 * 3];
-            for (x, off) in (from..to).step_by(LANES).zip(off.as_chunks_mut().0) {
-                *off = if x + LANES <= to {
-                    rows.far(x, |bytes| *bytes.first_chunk().unwrap_or(&[0; LANES]))
-                } else {
-                    rows.far(x, |bytes| some(&bytes[..to - x]))
-                };
-            }
-            let off = &off[..strip];
-            let any = |off: &[u8]| off.iter().fold(0, |any, off| any | off);
-            let [left, right] = [&off[..side], &off[strip - side..]].map(any);
-            *hit = (any(off) & Self::ANY) + (left & Self::LEFT) + (right & Self::RIGHT);
+        match self.bytes {
+            1 => run::<64>(self),
+            2 => run::<128>(self),
+            _ => run::<192>(self),
         }
     }
 }
 
-/// What is looked at, of [`Look`], with how far off each lane's byte has to be.
-struct Rows<'a> {
-    bytes: &'a [u8],
-    stride: usize,
-    table: &'a [u8],
-    least: [u8; LANES],
-}
-
-impl Rows<'_> {
-    /// Which bytes from `x` on are far off the table in any row: all ones where they are.
-    ///
-    /// The table is the same for all rows: the largest and the smallest of each column of bytes tell.
-    #[inline(always)]
-    fn far(&self, x: usize, load: impl Fn(&[u8]) -> [u8; LANES]) -> [u8; LANES] {
-        let [mut most, mut fewest] = [[0; LANES], [u8::MAX; LANES]];
-        for row in self.bytes[x..].chunks(self.stride) {
-            let bytes = load(row);
-            for k in 0..LANES {
-                most[k] = bytes[k].max(most[k]);
-                fewest[k] = bytes[k].min(fewest[k]);
-            }
-        }
-        let table = load(&self.table[x..]);
-        std::array::from_fn(|k| {
-            let above = most[k].saturating_sub(table[k]);
-            let below = table[k].saturating_sub(fewest[k]);
-            let is_far = above.max(below) >= self.least[k];
-            if is_far { u8::MAX } else { 0 }
-        })
-    }
-}
-
-/// Fewer bytes, and zeros.
+/// Looks at strips of which a row has so many bytes.
 #[inline(always)]
-fn some(bytes: &[u8]) -> [u8; LANES] {
-    let mut padded = [0; LANES];
-    padded[..bytes.len()].copy_from_slice(bytes);
-    padded
+fn run<const N: usize>(look: Look) {
+    let mut least = [0; N];
+    least.as_chunks_mut().0.fill(look.least);
+    // The last one again where there are fewer.
+    let last = (look.rows.len() - look.row) / look.stride;
+    let mut rows = [&look.rows[..look.row]; BLOCK];
+    for (k, row) in rows.iter_mut().enumerate() {
+        *row = &look.rows[look.stride * last.min(k)..][..look.row];
+    }
+    for (k, hit) in look.hits.iter_mut().enumerate() {
+        let from = N * k;
+        let off = if from + N <= look.row {
+            far_off(&rows, &look.table[from..from + N], from, &least)
+        } else {
+            let mut padded = [[0; N]; BLOCK + 1];
+            let all = rows.iter().chain([&look.table]);
+            for (padded, bytes) in padded.iter_mut().zip(all) {
+                let width = look.row - from;
+                padded[..width].copy_from_slice(&bytes[from..look.row]);
+            }
+            let [rows @ .., table] = &padded;
+            let mut slices = [&rows[0][..]; BLOCK];
+            for (slice, row) in slices.iter_mut().zip(rows) {
+                *slice = row;
+            }
+            far_off(&slices, table, 0, &least)
+        };
+        *hit = 0;
+        if is_any(&off) {
+            let side = Look::SIDE * N / 64;
+            let flag = |off: &[u8], flag: u8| if is_any(off) { flag } else { 0 };
+            let sides = flag(&off[..side], Look::LEFT) + flag(&off[N - side..], Look::RIGHT);
+            *hit = Look::ANY + sides;
+        }
+    }
+}
+
+/// Which bytes of a strip are far off the table in any row: all ones where they are.
+///
+/// The table is the same for all rows: the largest and the smallest of each column of bytes tell.
+#[inline(always)]
+fn far_off<const N: usize>(
+    rows: &[&[u8]; BLOCK],
+    table: &[u8],
+    from: usize,
+    least: &[u8; N],
+) -> [u8; N] {
+    let [a, b, c, d, e, f, g, h] = *rows;
+    let [a, b, c, d] = [a, b, c, d].map(|row| &row[from..from + N]);
+    let [e, f, g, h] = [e, f, g, h].map(|row| &row[from..from + N]);
+    let mut off = [0; N];
+    for k in 0..N {
+        let most = a[k].max(b[k]).max(c[k].max(d[k]));
+        let most = most.max(e[k].max(f[k]).max(g[k].max(h[k])));
+        let fewest = a[k].min(b[k]).min(c[k].min(d[k]));
+        let fewest = fewest.min(e[k].min(f[k]).min(g[k].min(h[k])));
+        let above = most.saturating_sub(table[k]);
+        let below = table[k].saturating_sub(fewest);
+        off[k] = if above.max(below) >= least[k] {
+            u8::MAX
+        } else {
+            0
+        };
+    }
+    off
+}
+
+/// Whether any of so many bytes, a multiple of eight, is not 0.
+#[inline(always)]
+fn is_any(off: &[u8]) -> bool {
+    let mut any = 0;
+    for bytes in off.as_chunks().0 {
+        any |= u64::from_ne_bytes(*bytes);
+    }
+    any != 0
 }
