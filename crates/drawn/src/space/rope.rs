@@ -283,8 +283,10 @@ fn crossings(points: &[[f64; 3]], eye: &Eye, diameter: f64) -> Option<Vec<[usize
             let crosses = |&[a, b]: &[usize; 2]| {
                 (arcs[i] - arcs[a]).abs() < reach && (arcs[j] - arcs[b]).abs() < reach
             };
-            let apart = libm::hypot(line[i][0] - line[j][0], line[i][1] - line[j][1]);
-            if is_far_along && apart < APART * wide(i).max(wide(j)) && !found.iter().any(crosses) {
+            let off = [0, 1].map(|c| line[i][c] - line[j][c]);
+            let least = APART * wide(i).max(wide(j));
+            let is_near = off[0] * off[0] + off[1] * off[1] < least * least;
+            if is_far_along && is_near && !found.iter().any(crosses) {
                 return None;
             }
         }
@@ -300,8 +302,8 @@ fn meet(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> Option<f64> {
     let whole = cross(u, v);
     let (s, t) = (cross(w, v) / whole, cross(w, u) / whole);
     let meets = (0.0..1.0).contains(&s) && (0.0..1.0).contains(&t);
-    let lengths = libm::hypot(u[0], u[1]) * libm::hypot(v[0], v[1]);
-    meets.then(|| whole.abs() / lengths)
+    let length = |p: [f64; 2]| libm::hypot(p[0], p[1]);
+    meets.then(|| whole.abs() / (length(u) * length(v)))
 }
 
 fn bends_tighter(line: &[[f64; 2]], radius: f64) -> bool {
