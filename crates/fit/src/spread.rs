@@ -132,7 +132,7 @@ impl<const D: usize> WithSimd for Sums<'_, D> {
 
 impl<const D: usize> Fitter<D> {
     /// The covariances of the last fit's control points, where its `points`, at equal steps, err so. Residuals that are larger than
-    /// the points' own ellipsoids say make all of them larger. Allocates nothing.
+    /// the points' own ellipsoids say make those larger; what neighbors err in common no residual shows. Allocates nothing.
     ///
     /// None is written if there are other numbers of points than the fitter's.
     pub fn spread(
