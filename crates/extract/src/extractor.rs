@@ -376,7 +376,8 @@ impl Extractor {
         self.leave_wide_out();
         after(Step::Skeleton);
         self.graph.trace(&self.skeleton);
-        self.graph.prune(&mut self.skeleton, &self.zones.past);
+        let is_of_mask = self.options.method == Method::Skeleton;
+        (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
         self.zones.find(image, &self.graph, &self.skeleton);
         self.overlaps
             .join(image, &self.graph, &self.skeleton, &mut self.zones);

@@ -2,8 +2,9 @@
 //! a ragged edge leaves.
 
 use crate::past::Past;
-use crate::skeleton::{NONE, Skeleton};
+use crate::skeleton::{NONE, Pixel, Skeleton};
 use crate::vec2;
+use std::f32::consts::{PI, SQRT_2};
 
 /// Strands beyond which an image is taken for noise.
 const MOST_EDGES: usize = 4096;
@@ -12,6 +13,16 @@ const MOST_EDGES: usize = 4096;
 const SPUR_HALVES: f32 = 1.5;
 /// The same for two free ends at one junction: the corners of a frayed or hollow tip.
 const FORK_HALVES: f32 = 3.0;
+/// A free end nearer than that, but not nearer than so many half-widths, may be the tip of a strand that lies over or under another. The
+/// strand may come to the other so many half-widths from there, and points so near the way of the tip, in radians; the other runs at
+/// so large an angle to it. A tip is blunt: at its end and in its middle at least so many times as wide as the strand.
+const STUB_HALVES: [f32; 2] = [0.5, 5.0];
+const STUB_TURN: f32 = 0.45;
+const STUB_ACROSS: f32 = 0.7;
+const STUB_BLUNT: [f32; 2] = [0.2, 0.6];
+/// The most junctions that are taken for one place then, and the most edges of a picture in which tips are sought so.
+const STUB_NODES: usize = 8;
+const STUB_EDGES: usize = 256;
 /// Widths around a rope's known end in which it is the only free end.
 const ALONE_WIDTHS: f32 = 3.0;
 
@@ -105,7 +116,7 @@ impl Graph {
             let (a, b) = (&pixels[before as usize], &pixels[here as usize]);
             // Neighbors by a corner or by a side.
             length_px += if (a.x != b.x) & (a.y != b.y) {
-                std::f32::consts::SQRT_2
+                SQRT_2
             } else {
                 1.0
             };
@@ -132,12 +143,13 @@ impl Graph {
     }
 
     /// Takes spurs out of `skeleton`, the shortest first, and traces again, until there are none. What
-    /// sticks out where a rope of the past ended is no spur but that end, on its way over a strand.
-    pub(crate) fn prune(&mut self, skeleton: &mut Skeleton, past: &Past) {
+    /// sticks out where a rope of the past ended is no spur but that end, on its way over a strand; in a skeleton of a mask, neither is
+    /// the tip of one that has come there from the other side.
+    pub(crate) fn prune(&mut self, skeleton: &mut Skeleton, past: &Past, is_of_mask: bool) {
         loop {
             self.spurs.clear();
             for e in 0..self.edges.len() {
-                if self.is_spur(e, skeleton, past) {
+                if self.is_spur(e, skeleton, past, is_of_mask) {
                     self.spurs.push(e as u32);
                 }
             }
@@ -153,7 +165,7 @@ impl Graph {
             for i in 0..self.spurs.len() {
                 let e = self.spurs[i] as usize;
                 // An earlier removal may have made this one the continuation of a strand.
-                if self.is_spur(e, skeleton, past) {
+                if self.is_spur(e, skeleton, past, is_of_mask) {
                     self.remove(e, skeleton);
                 }
             }
@@ -180,7 +192,7 @@ impl Graph {
         }
     }
 
-    fn is_spur(&self, e: usize, skeleton: &Skeleton, past: &Past) -> bool {
+    fn is_spur(&self, e: usize, skeleton: &Skeleton, past: &Past, is_of_mask: bool) -> bool {
         let edge = &self.edges[e];
         let [a, b] = edge.nodes;
         if a == NONE || a == b {
@@ -195,7 +207,89 @@ impl Graph {
         let half = skeleton.pixels[junction.pixel as usize].half_px;
         let is_short = edge.length_px < SPUR_HALVES * half + 1.0
             || edge.length_px < FORK_HALVES * half && self.is_fork(e, junction.pixel);
-        is_short && !self.is_known_end(&tip, skeleton, past)
+        let is_tip = || is_of_mask && self.is_stub(e, half, skeleton);
+        is_short && !self.is_known_end(&tip, skeleton, past) && !is_tip()
+    }
+
+    /// Whether spur `e`, at a junction of this half-width, is the tip of a strand on the other side of another: it is blunt, near
+    /// there one end of a strand points its way, and two run across it. In a rope that is hollow in the mask all run along it.
+    fn is_stub(&self, e: usize, half_px: f32, skeleton: &Skeleton) -> bool {
+        let [least_px, near_px] = STUB_HALVES.map(|halves| halves * half_px);
+        let foot = 2 * e + usize::from(self.degree(2 * e) == 1);
+        let junction = &self.nodes[self.node(foot) as usize];
+        let are_many = self.edges.len() > STUB_EDGES;
+        if are_many || self.edges[e].length_px < least_px || self.is_fork(e, junction.pixel) {
+            return false;
+        }
+        let [foot_at, middle, tip] = [0.0, self.pixels(e).len() as f32 / 2.0, f32::INFINITY]
+            .map(|from_px| self.at(foot, from_px, skeleton));
+        let way = vec2::sub(tip.at(), foot_at.at());
+        let (mut across, mut points_there) = (0, false);
+        let meeting = self.meeting(self.node(foot), near_px);
+        for slot in self
+            .slots()
+            .filter(|&slot| self.edges[slot / 2].length_px >= near_px)
+        {
+            if !meeting.contains(&self.node(slot)) {
+                continue;
+            }
+            let from = self.at(slot, 4.0 * half_px, skeleton);
+            let into = vec2::sub(self.at(slot, half_px, skeleton).at(), from.at());
+            let turn = vec2::angle(into, way).abs();
+            let is_blunt = tip.half_px > STUB_BLUNT[0] * from.half_px
+                && middle.half_px > STUB_BLUNT[1] * from.half_px;
+            points_there |= turn < STUB_TURN && is_blunt;
+            across += usize::from((STUB_ACROSS..PI - STUB_ACROSS).contains(&turn));
+        }
+        across >= 2 && points_there
+    }
+
+    /// The junctions that edges shorter than that join to `node`, it among them; the first again in what places are left.
+    fn meeting(&self, node: u32, near_px: f32) -> [u32; STUB_NODES] {
+        let (mut nodes, mut count, mut looked_at) = ([node; STUB_NODES], 1, 0);
+        while looked_at < count {
+            let near = nodes[looked_at];
+            for slot in self.slots().filter(|&slot| self.node(slot) == near) {
+                let far = self.node(slot ^ 1);
+                let is_near =
+                    self.edges[slot / 2].length_px < near_px && self.degree(slot ^ 1) >= 3;
+                if is_near && count < STUB_NODES && !nodes.contains(&far) {
+                    nodes[count] = far;
+                    count += 1;
+                }
+            }
+            looked_at += 1;
+        }
+        nodes
+    }
+
+    /// Both ends of all edges, 2·edge + end.
+    fn slots(&self) -> std::ops::Range<usize> {
+        0..2 * self.edges.len()
+    }
+
+    /// The node at an end of an edge; `NONE` of a ring.
+    fn node(&self, slot: usize) -> u32 {
+        self.edges[slot / 2].nodes[slot % 2]
+    }
+
+    /// How many edges are left at the node there.
+    fn degree(&self, slot: usize) -> u32 {
+        self.nodes
+            .get(self.node(slot) as usize)
+            .map_or(0, |node| node.degree)
+    }
+
+    /// Where an edge is, so many pixels from that end of it, or at its other end.
+    fn at<'a>(&self, slot: usize, from_px: f32, skeleton: &'a Skeleton) -> &'a Pixel {
+        let pixels = self.pixels(slot / 2);
+        let i = (from_px as usize).min(pixels.len() - 1);
+        let i = if slot.is_multiple_of(2) {
+            i
+        } else {
+            pixels.len() - 1 - i
+        };
+        &skeleton.pixels[pixels[i] as usize]
     }
 
     /// Whether a rope of the past ended near free end `tip`, and no other free end is near that could

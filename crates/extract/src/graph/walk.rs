@@ -5,9 +5,10 @@
 //! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
 //! likes over edges where strands lie on or beside each other. Of more tips it is several ropes, one walk after the other, each from
 //! the first tip that is left to another or to where it ends on a strand. Of all walks the one is sought that bends least beyond what
-//! its strands bend already, leaves the mask least and leaves out least of it, by keeping the cheapest few at a time. It takes the
-//! place of what the crossings say, one by one, where that costs more as a walk: several ropes, or one that is wound up. How much
-//! more the next walk costs that runs otherwise says how sure it is.
+//! its strands bend already, leaves the mask least and leaves out least of it (of several ropes also where strands lie on each other
+//! and only one is told), by keeping the cheapest few at a time. It takes the place of what the crossings say, one by one, where that
+//! costs more as a walk: several ropes, or one that is wound up. How much more the next walk costs that runs otherwise says how sure
+//! it is.
 
 mod piece;
 
@@ -17,7 +18,7 @@ use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::Vec2;
-use piece::{Ground, Piece, is_tip};
+use piece::{Ground, Piece, Seen, is_tip};
 
 /// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
 const BEAM: usize = 128;
@@ -44,8 +45,7 @@ struct Step {
     cost: f32,
     /// How much more one costs that has come here otherwise, over the same edges.
     gap: f32,
-    used: u128,
-    passed: u128,
+    seen: Seen,
 }
 
 /// A walk that was looked for: how much less it costs than the next one.
@@ -120,7 +120,7 @@ impl Walker {
 
     /// What the strands of the piece cost as they are, how many they are, and whether they have legs that no walk joins.
     fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
-        let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, 0u128, 0, false);
+        let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, Seen::default(), 0, false);
         let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
         let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
@@ -129,13 +129,13 @@ impl Walker {
             let Some(bits) = bits.sum::<Option<u128>>() else {
                 continue;
             };
-            seen |= bits;
+            seen.used |= bits;
             ropes += 1;
             let leg = |leg: &Leg| self.piece.costs(leg.edge, of)[1];
             let mut join = |a: &Leg, b: &Leg| {
                 let ways = self.piece.onward(out(a)).iter();
                 let way = ways.copied().find(|way| way.slot == into(b));
-                seen |= way.map_or(0, |way| way.passed);
+                seen.pass(way.map_or(0, |way| way.passed));
                 is_torn |= way.is_none();
                 cost += way.map_or(f32::INFINITY, |way| way.cost).min(TORN + leg(b));
             };
@@ -150,7 +150,7 @@ impl Walker {
                 cost += END * loose.count() as f32 + leg(first);
             }
         }
-        (cost + self.piece.left_out(seen, of), ropes, is_torn)
+        (cost + self.piece.left_out(&seen), ropes, is_torn)
     }
 
     /// Finds the cheapest walks from tip to tip. What is several ropes is still one walk: where a rope has ended, the next one begins.
@@ -163,8 +163,7 @@ impl Walker {
             slot: NONE,
             cost: 0.0,
             gap: f32::INFINITY,
-            used: 0,
-            passed: 0,
+            seen: Seen::default(),
         };
         self.steps.extend(begin(&self.piece, nowhere, of));
         let (mut layer, mut least) = (0..self.steps.len(), f32::INFINITY);
@@ -183,7 +182,7 @@ impl Walker {
             let next = next.sorted();
             let from = steps.len();
             for step in next.iter().filter(|step| is_tip(step.slot, of.graph)) {
-                let cost = step.cost + piece.left_out(step.used | step.passed, of);
+                let cost = step.cost + piece.left_out(&step.seen);
                 least = least.min(cost);
                 done.push((steps.len() as u32, cost));
                 steps.push(*step);
@@ -212,12 +211,14 @@ impl Walker {
         for way in piece.onward(step.slot) {
             let bit = piece.bit(way.slot / 2).unwrap_or(0);
             let cost = step.cost + way.cost;
-            if step.used & bit == 0 && cost < least {
+            if step.seen.used & bit == 0 && cost < least {
+                let mut seen = step.seen;
+                seen.used |= bit;
+                seen.pass(way.passed);
                 self.next.enter(Step {
                     slot: way.slot ^ 1,
                     cost,
-                    used: step.used | bit,
-                    passed: step.passed | way.passed,
+                    seen,
                     ..step
                 });
             }
@@ -231,7 +232,7 @@ impl Walker {
             self.next.enter(first);
             return least;
         }
-        let cost = cost + piece.left_out(step.used | step.passed, of);
+        let cost = cost + piece.left_out(&step.seen);
         self.done.push((s, cost));
         least.min(cost)
     }
@@ -268,7 +269,7 @@ impl Walker {
     ) {
         let piece = &self.piece;
         let last = self.done[0].0;
-        let used = self.steps[last as usize].used;
+        let used = self.steps[last as usize].seen.used;
         strands.retain(|strand| piece.bit(legs[strand.from as usize].edge).is_none());
         for (k, &e) in piece.edges.iter().enumerate() {
             zones.inside[e as usize] = used >> k & 1 == 0;
@@ -307,11 +308,13 @@ impl Walker {
 /// A walk on from `step`, where a rope has ended, to the next one: the first edge with a tip that is left, if there is any.
 fn begin(piece: &Piece, step: Step, of: Ground) -> Option<Step> {
     let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
-    let &tip = (piece.tips.iter()).find(|&&tip| step.used & bit(tip) == 0)?;
+    let &tip = (piece.tips.iter()).find(|&&tip| step.seen.used & bit(tip) == 0)?;
+    let mut seen = step.seen;
+    seen.used |= bit(tip);
     Some(Step {
         slot: tip ^ 1,
         cost: step.cost + piece.costs(tip / 2, of)[1],
-        used: step.used | bit(tip),
+        seen,
         ..step
     })
 }
@@ -346,8 +349,8 @@ impl Layer {
 
     /// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
     fn enter(&mut self, mut new: Step) {
-        let mixed =
-            (new.used as u64 ^ (new.used >> 64) as u64).wrapping_add(u64::from(new.slot) << 40);
+        let used = new.seen.used;
+        let mixed = (used as u64 ^ (used >> 64) as u64).wrapping_add(u64::from(new.slot) << 40);
         let mut k = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 48) as usize % PLACES;
         loop {
             let place = self.places[k];
@@ -359,7 +362,7 @@ impl Layer {
                 return;
             }
             let old = &mut self.steps[place as usize & 0xffff];
-            if old.used == new.used && old.slot == new.slot {
+            if old.seen.used == used && old.slot == new.slot {
                 if old.cost <= new.cost {
                     old.gap = old.gap.min(new.cost - old.cost);
                 } else {

@@ -24,10 +24,12 @@ const DETOUR: f32 = 1.3;
 const WIDE: (f32, f32) = (1.25, 0.2);
 /// Edges of more than one strand that a rope has at least that is wound up: three loops have eight, five crossings five.
 const WOUND: usize = 7;
-/// What it costs a width to pass over an edge that is one strand, to take one for a strand that is more, and to leave one out.
+/// What it costs a width to pass over an edge that is one strand, to take one for a strand that is more, of one rope and of several,
+/// to leave one out, and of several to run only once over one that is more.
 const NARROW_PASS: f32 = 0.15;
-const WIDE_LEG: f32 = 0.25;
+const WIDE_LEG: [f32; 2] = [0.25, 0.05];
 const LEFT_OUT: f32 = 0.3;
+const HALF_LEFT_OUT: f32 = 0.15;
 /// What a width costs that a strand's middle runs outside of the mask.
 const OUTSIDE: f32 = 0.5;
 /// The share of all bending that counts; the rest is what it bends beyond an arc.
@@ -79,6 +81,8 @@ pub(super) struct Piece {
     pub(super) tips: Vec<u32>,
     mouths: Vec<Mouth>,
     is_wide: Vec<bool>,
+    /// What each edge costs that is run over never, once, or more often.
+    left_out: Vec<[f32; 3]>,
     /// The ways on from each end, one end after the other; `onward_from` where they begin.
     onward: Vec<Onward>,
     onward_from: Vec<u32>,
@@ -93,6 +97,7 @@ impl Piece {
         self.tips.reserve(MOST_TIPS);
         self.mouths.reserve(2 * MOST_EDGES);
         self.is_wide.reserve(MOST_EDGES);
+        self.left_out.reserve(MOST_EDGES);
         self.onward.reserve(MOST_ONWARD);
         self.onward_from.reserve(2 * MOST_EDGES + 1);
         self.reached.reserve(2 * MOST_EDGES);
@@ -190,6 +195,13 @@ impl Piece {
             let is_wide = mean_px > WIDE.0 * zones.half_px + WIDE.1;
             self.is_wide.push(is_wide || zones.inside[e]);
         }
+        self.left_out.clear();
+        for (k, &e) in self.edges.iter().enumerate() {
+            let is_two = self.is_wide[k] && self.tips.len() > 2;
+            let once = if is_two { HALF_LEFT_OUT } else { 0.0 };
+            let widths = self.widths(e, of);
+            self.left_out.push([LEFT_OUT * widths, once * widths, 0.0]);
+        }
         self.find_onward(of);
     }
 
@@ -252,6 +264,11 @@ impl Piece {
         (place != NONE).then(|| 1 << place)
     }
 
+    /// What it costs a width to take an edge for a strand that is more: in one rope more than where a rope may end on another.
+    fn wide_leg(&self) -> f32 {
+        WIDE_LEG[usize::from(self.tips.len() > 2)]
+    }
+
     /// Whether strands lie on each other in so many places as those of a rope that is wound up.
     pub(super) fn is_wound(&self) -> bool {
         self.is_wide.iter().filter(|&&is_wide| is_wide).count() >= WOUND
@@ -298,15 +315,15 @@ impl Piece {
     pub(super) fn costs(&self, e: u32, of: Ground) -> [f32; 2] {
         let widths = self.widths(e, of);
         match self.is_wide[self.place[e as usize] as usize] {
-            true => [0.0, WIDE_LEG * (0.5 + widths)],
+            true => [0.0, self.wide_leg() * (0.5 + widths)],
             false => [NARROW_PASS * widths, 0.0],
         }
     }
 
-    /// What the edges cost that are not among these.
-    pub(super) fn left_out(&self, seen: u128, of: Ground) -> f32 {
-        let left = (self.edges.iter().enumerate()).filter(|(k, _)| seen >> k & 1 == 0);
-        left.map(|(_, &e)| LEFT_OUT * self.widths(e, of)).sum()
+    /// What the edges cost that are left out, wholly or by one of the strands that they are.
+    pub(super) fn left_out(&self, seen: &Seen) -> f32 {
+        let edges = self.left_out.iter().enumerate();
+        edges.map(|(k, costs)| costs[seen.times(k)]).sum()
     }
 
     /// Calls `reach` with each end at which a strand can go on that comes out at `last`, and what is passed on the way.
@@ -330,6 +347,27 @@ impl Piece {
                 self.pass(slot ^ 1, further, of, reach);
             }
         }
+    }
+}
+
+/// The edges over which walks run: as strands, over which they pass, and over which they pass again.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    pub(super) used: u128,
+    passed: u128,
+    again: u128,
+}
+
+impl Seen {
+    pub(super) fn pass(&mut self, edges: u128) {
+        self.again |= self.passed & edges;
+        self.passed |= edges;
+    }
+
+    /// How often edge `k` of the piece is run over; from two times on, two.
+    fn times(&self, k: usize) -> usize {
+        let seen = [self.used, self.passed, self.again].map(|edges| (edges >> k) as usize & 1);
+        seen.iter().sum::<usize>().min(2)
     }
 }
 
