@@ -130,15 +130,16 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     screen.wait_for_text("No chain is running here");
 
     let chain = bench.start(&["--fps", "100", "--duration", "120"]);
+    // A process is listed once it has said its name.
+    let pid = format!("{:>7}", chain.ids[1]);
     let shown = screen.wait_for("a rope", |text| {
-        ["rope 0", "wait for extract", "sink", "●"]
+        ["rope 0", "wait for extract", "sink", "●", &pid]
             .iter()
             .all(|part| text.contains(part))
     });
     assert!(shown.contains("rig default"), "{shown}");
     // All of it in 80 columns and 24 rows: the frame's right edge and the keys.
     assert!(shown.contains('┐') && shown.contains("q quit"), "{shown}");
-    assert!(shown.contains(&format!("{:>7}", chain.ids[1])), "{shown}");
 
     run(screen.tmux(&["resize-window", "-x", "100", "-y", "30"]));
     let is_wide = |text: &str| {

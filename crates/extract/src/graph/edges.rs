@@ -224,24 +224,29 @@ impl Graph {
         let [foot_at, middle, tip] = [0.0, self.pixels(e).len() as f32 / 2.0, f32::INFINITY]
             .map(|from_px| self.at(foot, from_px, skeleton));
         let way = vec2::sub(tip.at(), foot_at.at());
-        let (mut across, mut points_there) = (0, false);
         let meeting = self.meeting(self.node(foot), near_px);
-        for slot in self
-            .slots()
-            .filter(|&slot| self.edges[slot / 2].length_px >= near_px)
-        {
-            if !meeting.contains(&self.node(slot)) {
-                continue;
-            }
-            let from = self.at(slot, 4.0 * half_px, skeleton);
-            let into = vec2::sub(self.at(slot, half_px, skeleton).at(), from.at());
-            let turn = vec2::angle(into, way).abs();
-            let is_blunt = tip.half_px > STUB_BLUNT[0] * from.half_px
-                && middle.half_px > STUB_BLUNT[1] * from.half_px;
-            points_there |= turn < STUB_TURN && is_blunt;
-            across += usize::from((STUB_ACROSS..PI - STUB_ACROSS).contains(&turn));
-        }
-        across >= 2 && points_there
+        // The strands that come there: how far the way of the tip turns from theirs, and their half-widths.
+        let strands = || {
+            let is_long = |&slot: &usize| self.edges[slot / 2].length_px >= near_px;
+            let is_there = |&slot: &usize| meeting.contains(&self.node(slot));
+            self.slots().filter(is_long).filter(is_there).map(|slot| {
+                let from = self.at(slot, 4.0 * half_px, skeleton);
+                let into = vec2::sub(self.at(slot, half_px, skeleton).at(), from.at());
+                (vec2::angle(into, way), from.half_px)
+            })
+        };
+        let across = STUB_ACROSS..PI - STUB_ACROSS;
+        let is_across = |&(turn, _): &(f32, f32)| across.contains(&turn.abs());
+        strands().filter(is_across).count() >= 2
+            && strands().any(|(turn, strand_px)| {
+                // It may as well go on into one of the others.
+                let goes_on =
+                    |(other, _): (f32, f32)| (PI - (turn - other).abs()).abs() < turn.abs();
+                turn.abs() < STUB_TURN
+                    && tip.half_px > STUB_BLUNT[0] * strand_px
+                    && middle.half_px > STUB_BLUNT[1] * strand_px
+                    && !strands().any(goes_on)
+            })
     }
 
     /// The junctions that edges shorter than that join to `node`, it among them; the first again in what places are left.
