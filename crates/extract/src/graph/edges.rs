@@ -212,7 +212,8 @@ impl Graph {
     }
 
     /// Whether spur `e`, at a junction of this half-width, is the tip of a strand on the other side of another: it is blunt, near
-    /// there one end of a strand points its way, and two run across it. In a rope that is hollow in the mask all run along it.
+    /// there one end of a strand points its way that goes on into no other as well, and two run across it. In a rope that is hollow in
+    /// the mask all run along it.
     fn is_stub(&self, e: usize, half_px: f32, skeleton: &Skeleton) -> bool {
         let [least_px, near_px] = STUB_HALVES.map(|halves| halves * half_px);
         let foot = 2 * e + usize::from(self.degree(2 * e) == 1);
@@ -239,7 +240,6 @@ impl Graph {
         let is_across = |&(turn, _): &(f32, f32)| across.contains(&turn.abs());
         strands().filter(is_across).count() >= 2
             && strands().any(|(turn, strand_px)| {
-                // It may as well go on into one of the others.
                 let goes_on =
                     |(other, _): (f32, f32)| (PI - (turn - other).abs()).abs() < turn.abs();
                 turn.abs() < STUB_TURN

@@ -177,6 +177,19 @@ fn what_sticks_out_past_a_strand_is_the_tip_of_one_that_comes_there() {
     }
 }
 
+#[test]
+fn a_corner_of_an_end_that_touches_a_strand_is_no_tip_beyond_it() {
+    let still = scenes::draw(Class::EndsTouching, 14, 640, 480).expect("a picture");
+    let image = Image::new(&still.rgb, 640, 480, 3 * 640, PixelFormat::Rgb8).expect("an image");
+    let mut extractor = Extractor::new(Options::default()).expect("an extractor");
+    let score = score(&still.truth, &scored(extractor.extract(&image).curves), &[]);
+    assert!(
+        score.ends_px.iter().all(|&px| px < 2.0),
+        "{:?}",
+        score.ends_px
+    );
+}
+
 /// Two tangled ropes, each found as long as it is.
 fn check_tangle(seed: u64) {
     let (mut film, mut rgb) = (Film::new(Story::Two, seed, 480, 360), Vec::new());

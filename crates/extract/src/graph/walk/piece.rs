@@ -197,7 +197,7 @@ impl Piece {
         }
         self.left_out.clear();
         for (k, &e) in self.edges.iter().enumerate() {
-            let is_two = self.is_wide[k] && self.tips.len() > 2;
+            let is_two = self.is_wide[k] && self.is_several();
             let once = if is_two { HALF_LEFT_OUT } else { 0.0 };
             let widths = self.widths(e, of);
             self.left_out.push([LEFT_OUT * widths, once * widths, 0.0]);
@@ -264,9 +264,9 @@ impl Piece {
         (place != NONE).then(|| 1 << place)
     }
 
-    /// What it costs a width to take an edge for a strand that is more: in one rope more than where a rope may end on another.
-    fn wide_leg(&self) -> f32 {
-        WIDE_LEG[usize::from(self.tips.len() > 2)]
+    /// Whether it has more tips than one rope.
+    fn is_several(&self) -> bool {
+        self.tips.len() > 2
     }
 
     /// Whether strands lie on each other in so many places as those of a rope that is wound up.
@@ -315,7 +315,10 @@ impl Piece {
     pub(super) fn costs(&self, e: u32, of: Ground) -> [f32; 2] {
         let widths = self.widths(e, of);
         match self.is_wide[self.place[e as usize] as usize] {
-            true => [0.0, self.wide_leg() * (0.5 + widths)],
+            true => [
+                0.0,
+                WIDE_LEG[usize::from(self.is_several())] * (0.5 + widths),
+            ],
             false => [NARROW_PASS * widths, 0.0],
         }
     }
