@@ -165,7 +165,8 @@
 //! With length, bends, ends behind which the colour goes on, what is hidden and doubted, a logistic function gives the probability that the
 //! curve is a rope, whole and in order. Its weights, one table for masks of lariat's own and one for those from elsewhere, are fitted
 //! to drawn pictures on grounds of all kinds, with masks right and wrong (`lariat-bench calibrate-confidence`); how
-//! true they are on others stands beside them (`confidence/weights.rs`).
+//! true they are on others stands beside them (`confidence/weights.rs`). Where a tangle was walked through, the curve is less sure by how near another
+//! walk came, and if the crossings, one by one, say something else; a rope that goes on from image to image is as sure of its way as it ever was.
 //!
 //! What it takes is bounded whatever the bytes are: a mask of more than 60 % of the image is no picture of ropes, a
 //! skeleton of more than 131 072 pixels is noise. Both give no rope. All lines together get some 6 000 samples, the longest

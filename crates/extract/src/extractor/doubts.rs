@@ -2,7 +2,7 @@
 
 use super::Extractor;
 use crate::confidence::{self, Known, Maker};
-use crate::graph::walk::Found;
+use crate::graph::walk::{Found, Walker};
 use crate::image::Image;
 use crate::mask::Masker;
 use crate::notice::Notice;
@@ -41,18 +41,20 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
 /// So many things that may be no ropes are clutter; a single one is reported, as doubtful.
 const MUCH: usize = 2;
 
-/// How much less a rope's way through its crossings costs than the next one that is right as often as two of three.
-const OPEN: f32 = 0.35;
+/// How sure it is of the way of a curve that is the last image's.
+const UNASKED: f32 = 0.5;
 
-/// How sure it is that a curve takes the right way, if it was looked for.
-fn sure_of_way(curve: &Curve, ways: &[Found]) -> f32 {
+/// How sure it is, by this image alone, that a curve takes the right way through its crossings.
+fn sure_of_way(curve: &Curve, walker: &Walker) -> f32 {
+    if walker.is_overruled {
+        return UNASKED;
+    }
     let is_its = |way: &&Found| {
         let ends = [curve.points.first(), curve.points.last()];
         let near_px = 2.0 * curve.width_px;
-        (ends.into_iter().flatten()).any(|&end| vec2::distance(end, way.tip) < near_px)
+        (ends.into_iter().flatten()).any(|&end| vec2::distance(end, way.end) < near_px)
     };
-    let way = ways.iter().find(is_its);
-    way.map_or(1.0, |way| 1.0 - libm::expf(-way.gap / OPEN))
+    walker.found.iter().find(is_its).map_or(1.0, |way| way.sure)
 }
 
 impl Extractor {
@@ -128,7 +130,6 @@ impl Extractor {
         }
         let mut is_unsure = false;
         self.evidence.clear();
-        let ways = &self.strands.walker.found;
         for curve in &mut self.curves[..seen] {
             let known = Known {
                 is_doubted: curve.status == Status::Doubtful,
@@ -136,8 +137,9 @@ impl Extractor {
             };
             let evidence = confidence::evidence(image, curve, known);
             self.evidence.push(evidence);
-            curve.confidence = evidence.confidence() * sure_of_way(curve, ways);
-            self.tracker.note_confidence(curve.track, curve.confidence);
+            let way = sure_of_way(curve, &self.strands.walker);
+            let sure = evidence.confidence();
+            curve.confidence = self.tracker.note_confidence(curve.track, sure, way);
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;
         }

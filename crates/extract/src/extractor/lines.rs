@@ -166,7 +166,7 @@ impl Extractor {
             return count;
         }
         let count = self.refitter.take(&mut self.lines, count);
-        self.strands.walker.found.clear();
+        self.strands.walker.forget(true);
         self.colors.clear();
         self.bridger.gaps.clear();
         for (l, line) in self.lines[..count].iter().enumerate() {

@@ -93,7 +93,7 @@ impl Strands {
             }
             self.walk(graph, zones);
         }
-        self.walker.found.clear();
+        self.walker.forget(false);
         if let Some(mask) = mask {
             let ropes = (&mut self.legs, &mut self.strands);
             (self.walker).improve(ropes, (graph, skeleton), zones, mask);

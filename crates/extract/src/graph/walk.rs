@@ -8,7 +8,7 @@
 //! its strands bend already, leaves the mask least and leaves out least of it (of several ropes also where strands lie on each other
 //! and only one is told), by keeping the cheapest few at a time. It takes the place of what the crossings say, one by one, where that
 //! costs more as a walk: several ropes, or one that is wound up. How much more the next walk costs that runs otherwise says how sure
-//! it is.
+//! it is, and whether both ways to find it agree.
 
 mod piece;
 
@@ -17,6 +17,7 @@ use super::strands::{Leg, Strand};
 use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
+use crate::statistics::grade;
 use crate::vec2::Vec2;
 use piece::{Ground, Piece, Seen, is_tip};
 
@@ -35,6 +36,17 @@ const BETTER: f32 = 0.15;
 const BETTER_AS_SEVERAL: f32 = 0.3;
 /// Shorter edges, in widths, make no other walk.
 const SHORT: f32 = 1.5;
+/// Walks whose costs differ by less are the same.
+const SAME: f32 = 0.01;
+/// How often drawn ropes are right where a walk of one rope, and of several, took the place of what the crossings say: where the next
+/// walk costs as much, and where it costs far more (two thirds of the way at `FAR`).
+const TAKEN: [(f32, f32); 2] = [(0.35, 0.8), (0.5, 0.85)];
+const FAR: f32 = 0.25;
+/// Where the walk is what the crossings say and the next one costs as much; from this gap on nothing speaks against it.
+const AGREED: f32 = 0.5;
+const CLEAR: f32 = 0.2;
+/// Where the cheapest walk is another one, but not by enough.
+const DISPUTED: f32 = 0.7;
 
 /// A walk so far, by its last step.
 #[derive(Clone, Copy, Debug)]
@@ -48,12 +60,13 @@ struct Step {
     seen: Seen,
 }
 
-/// A walk that was looked for: how much less it costs than the next one.
+/// A rope whose walk was looked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
-    /// One of its tips.
-    pub(crate) tip: Vec2,
-    pub(crate) gap: f32,
+    /// One of its ends, a tip if it has one.
+    pub(crate) end: Vec2,
+    /// How sure it is that the rope takes the right way.
+    pub(crate) sure: f32,
 }
 
 /// Memory and result of the search.
@@ -66,6 +79,8 @@ pub(crate) struct Walker {
     done: Vec<(u32, f32)>,
     ways: [Vec<u32>; 2],
     pub(crate) found: Vec<Found>,
+    /// Whether the ropes of the last image took the place of what was found.
+    pub(crate) is_overruled: bool,
 }
 
 impl Walker {
@@ -76,10 +91,16 @@ impl Walker {
         self.next.reserve();
         self.done.reserve(MOST_STEPS + MOST_NEXT);
         self.ways.iter_mut().for_each(|way| way.reserve(128));
-        self.found.reserve(piece::MOST_PIECES * piece::MOST_TIPS);
+        self.found.reserve(piece::MOST_PIECES * piece::MOST_EDGES);
     }
 
-    /// Puts the best walk in the place of strands that cost more, and adds to `found` what it says of each rope.
+    /// Forgets what was found: of this image nothing is, or another one said otherwise.
+    pub(crate) fn forget(&mut self, is_overruled: bool) {
+        self.found.clear();
+        self.is_overruled = is_overruled;
+    }
+
+    /// Puts the best walk in the place of strands that cost more, and adds to `found` how sure each rope is for which it was looked for.
     pub(crate) fn improve(
         &mut self,
         (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
@@ -112,17 +133,45 @@ impl Walker {
             };
             let gap = self.gap(of);
             let better = if is_one { BETTER } else { BETTER_AS_SEVERAL };
-            if cost + better < before {
-                self.take(legs, strands, (graph, skeleton), zones, gap);
+            let sure = if cost + better < before {
+                self.take(legs, strands, graph, zones);
+                let (least, most) = TAKEN[usize::from(!is_one)];
+                most - (most - least) * libm::expf(-gap / FAR)
+            } else if (cost - before).abs() < SAME {
+                AGREED + (1.0 - AGREED) * grade(gap, 0.0, CLEAR)
+            } else {
+                DISPUTED
+            };
+            self.note(legs, strands, (graph, skeleton), sure);
+        }
+    }
+
+    /// Notes of each strand of the piece how sure it is.
+    fn note(
+        &mut self,
+        legs: &[Leg],
+        strands: &[Strand],
+        (graph, skeleton): (&Graph, &Skeleton),
+        sure: f32,
+    ) {
+        for strand in strands {
+            let legs = &legs[strand.from as usize..strand.to as usize];
+            if self.piece.bit(legs[0].edge).is_none() {
+                continue;
             }
+            let ends = [into(&legs[0]), out(&legs[legs.len() - 1])];
+            let slot = ends.into_iter().find(|&slot| is_tip(slot, graph));
+            let slot = slot.unwrap_or(ends[0]) as usize;
+            let pixels = graph.pixels(slot / 2);
+            let end = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
+            let end = skeleton.pixels[end as usize].at();
+            self.found.push(Found { end, sure });
         }
     }
 
     /// What the strands of the piece cost as they are, how many they are, and whether they have legs that no walk joins.
     fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
         let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, Seen::default(), 0, false);
-        let out = |leg: &Leg| 2 * leg.edge + u32::from(!leg.reversed);
-        let into = |leg: &Leg| 2 * leg.edge + u32::from(leg.reversed);
         for strand in strands {
             let legs = &legs[strand.from as usize..strand.to as usize];
             let bits = legs.iter().map(|leg| self.piece.bit(leg.edge));
@@ -263,9 +312,8 @@ impl Walker {
         &mut self,
         legs: &mut Vec<Leg>,
         strands: &mut Vec<Strand>,
-        (graph, skeleton): (&Graph, &Skeleton),
+        graph: &Graph,
         zones: &mut Zones,
-        gap: f32,
     ) {
         let piece = &self.piece;
         let last = self.done[0].0;
@@ -295,14 +343,18 @@ impl Walker {
                 closed: false,
                 length_px: rope.iter().map(length).sum(),
             });
-            let slot = (rope[0] ^ 1) as usize;
-            let pixels = graph.pixels(slot / 2);
-            let tip = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
-            let tip = skeleton.pixels[tip as usize].at();
-            self.found.push(Found { tip, gap });
         }
         strands.sort_unstable_by(|a, b| b.length_px.total_cmp(&a.length_px));
     }
+}
+
+/// The end of its edge at which a leg begins, and at which it ends.
+fn into(leg: &Leg) -> u32 {
+    2 * leg.edge + u32::from(leg.reversed)
+}
+
+fn out(leg: &Leg) -> u32 {
+    into(leg) ^ 1
 }
 
 /// A walk on from `step`, where a rope has ended, to the next one: the first edge with a tip that is left, if there is any.

@@ -9,8 +9,8 @@ use crate::skeleton::{NONE, Skeleton};
 use crate::vec2;
 
 /// Pieces of more edges or tips, and more pieces, are no few ropes.
-const MOST_EDGES: usize = 96;
-pub(super) const MOST_TIPS: usize = 6;
+pub(super) const MOST_EDGES: usize = 96;
+const MOST_TIPS: usize = 6;
 pub(super) const MOST_PIECES: usize = 8;
 /// Ways on from one end to another that are looked at.
 const MOST_ONWARD: usize = 8192;
