@@ -27,6 +27,8 @@ const ARC: (f32, f32) = (2.5, 4.0);
 const EXACT: (f32, f32) = (0.03, 0.01);
 /// Lengths in widths beyond which nothing is learnt.
 const LONGEST: f32 = 64.0;
+/// The hidden share from which on a rope seen in part is no mere piece, and none at all: less is an end that another strand may hide.
+const BRIDGED: (f32, f32) = (0.03, 0.1);
 /// How likely the network finds what it is sure of, of 255.
 const SEEN: f32 = 0.9 * 255.0;
 
@@ -67,7 +69,7 @@ enum Clue {
     GoesOn,
     /// The share that is hidden.
     Hidden,
-    /// Whether it was longer before.
+    /// Whether it is a piece of what was longer before.
     Partial,
     /// Whether it may be something else.
     Doubted,
@@ -159,6 +161,8 @@ pub(crate) struct Known<'a> {
     /// Whether the mask may be wrong.
     pub(crate) is_noticed: bool,
     pub(crate) maker: Maker,
+    /// Whether the mask is made of how the image differs from the table, and so tells what lies over a rope.
+    pub(crate) sees_covers: bool,
     /// What the network says of each pixel, where it made the mask.
     pub(crate) likely: Option<&'a GrayPlane>,
 }
@@ -181,7 +185,9 @@ pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
         share(curve.border == [true; 2]) * clues[Clue::Straight as usize];
     clues[Clue::Round as usize] = roundness(curve);
     clues[Clue::Hidden as usize] = hidden;
-    clues[Clue::Partial as usize] = share(curve.status == Status::Partial);
+    // What is bridged is known as a whole, where the mask tells what lies over a rope from a gap in it.
+    let bridged = share(known.sees_covers) * grade(hidden, BRIDGED.0, BRIDGED.1);
+    clues[Clue::Partial as usize] = share(curve.status == Status::Partial) * (1.0 - bridged);
     clues[Clue::Doubted as usize] = share(known.is_doubted);
     clues[Clue::Noticed as usize] = share(known.is_noticed);
     let faults = [

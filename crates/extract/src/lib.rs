@@ -162,7 +162,8 @@
 //!
 //! **Confidence** (`confidence/`). Two dozen places along each finished curve are read across: edges on both sides, their contrast in
 //! levels and beside how the ground varies, whether they lie where the width says, how alike colours and widths stay along it.
-//! With length, bends, ends behind which the colour goes on, what is hidden and doubted, a logistic function gives the probability that the
+//! With length, bends, ends behind which the colour goes on, whether it is a piece of something longer (not if the rest is known, as what is
+//! bridged is), what is hidden and doubted, a logistic function gives the probability that the
 //! curve is a rope, whole and in order. Its weights, one table for masks of lariat's own and one for those from elsewhere, are fitted
 //! to drawn pictures on grounds of all kinds, with masks right and wrong (`lariat-bench calibrate-confidence`); how
 //! true they are on others stands beside them (`confidence/weights.rs`). Where a tangle was walked through, the curve is less sure by how near another

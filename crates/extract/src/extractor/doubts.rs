@@ -34,6 +34,7 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
             _ if by_network => Maker::Network,
             _ => Maker::Own,
         },
+        sees_covers: options.mask == Mask::Auto && !by_network,
         likely: by_network.then_some(&masker.likely),
     }
 }

@@ -3,6 +3,7 @@
 use crate::drawing;
 
 use drawing::{Rope, Table};
+use lariat_drawn::moving::{Film, Story};
 use lariat_extract::{Extractor, Image, Mask, Notice, Options, PixelFormat, Status};
 use std::time::Duration;
 
@@ -87,6 +88,22 @@ fn a_strand_of_a_mask_where_the_picture_shows_none_is_not() {
         ..Options::default()
     };
     assert_eq!(masked(&[], &[nothing], options).1, None);
+}
+
+#[test]
+fn a_rope_that_is_known_beyond_what_covers_it_is_sure() {
+    for seed in [4000, 4003] {
+        let (mut film, mut bytes) = (Film::new(Story::Gripper, seed, 480, 360), Vec::new());
+        film.next(&mut bytes);
+        let image = Image::new(&bytes, 480, 360, 3 * 480, PixelFormat::Rgb8).expect("an image");
+        let mut extractor = Extractor::new(Options::default()).expect("valid options");
+        let scene = extractor.extract(&image);
+        let [rope] = scene.curves else {
+            panic!("{seed}: {} curves", scene.curves.len());
+        };
+        assert_eq!((rope.status, scene.notice), (Status::Partial, None));
+        assert!(rope.hidden.contains(&true) && rope.confidence > 0.8);
+    }
 }
 
 #[test]
