@@ -123,6 +123,8 @@ pub struct Extractor {
     frames_known: u32,
     /// Whether the network was surer of its ropes than the automatic mask of a table that seemed plain.
     is_network_surer: bool,
+    /// Whole images until it is asked again whether what is hardly a rope is none.
+    frames_witnessed: u32,
     meant: Meant,
 }
 
@@ -175,6 +177,7 @@ impl Extractor {
             frames_to_wait: 0,
             frames_known: 0,
             is_network_surer: false,
+            frames_witnessed: 0,
             meant: Meant::default(),
         })
     }
@@ -560,6 +563,7 @@ impl Extractor {
         self.frames_to_wait = 0;
         self.frames_known = 0;
         self.is_network_surer = false;
+        self.frames_witnessed = 0;
         self.clusterer.forget();
         self.tracker.reset();
         self.meant.forget();

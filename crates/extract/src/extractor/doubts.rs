@@ -21,7 +21,7 @@ const UNLIKELY: f32 = 0.02;
 /// of the rope with something else, or something else, and would take the rope's number and shape along. What is new beside one that
 /// is known must be as sure.
 pub(super) const SURE: f32 = 0.5;
-const UNLIKELY_BESIDE: f32 = 0.2;
+pub(super) const UNLIKELY_BESIDE: f32 = 0.2;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
@@ -59,9 +59,9 @@ fn sure_of_way(curve: &Curve, walker: &Walker) -> f32 {
 }
 
 impl Extractor {
-    /// Drops those of this image's curves that are hardly ropes, where the network found them.
+    /// Drops those of this image's curves that are hardly ropes, where the network found them, or saw none there.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
-        if !self.masker.is_sought {
+        if !self.masker.is_sought && self.frames_witnessed == 0 {
             return;
         }
         self.weigh(image);
@@ -74,10 +74,14 @@ impl Extractor {
             let curve = &self.curves[i];
             let unlikely = match has_sure {
                 false => UNLIKELY,
-                true if knows_sure && !self.tracker.may_know(curve) => SURE,
+                true if self.masker.is_sought && knows_sure && !self.tracker.may_know(curve) => {
+                    SURE
+                }
                 true => UNLIKELY_BESIDE,
             };
-            if curve.confidence >= unlikely.min(self.options.min_confidence) {
+            // Of its own mask's thin ropes nobody can tell.
+            let is_thin = !self.masker.is_sought && curve.width_px < THINNEST_PX;
+            if is_thin || curve.confidence >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;

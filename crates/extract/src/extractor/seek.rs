@@ -1,6 +1,6 @@
 //! When the network is asked where ropes are: where there is no plain table, more on it than ropes, or what is found there is unsure.
 
-use super::doubts::{SURE, THINNEST_PX};
+use super::doubts::{SURE, THINNEST_PX, UNLIKELY_BESIDE};
 use super::{Extractor, Step};
 use crate::image::Image;
 use crate::notice::Notice;
@@ -9,7 +9,8 @@ use crate::scene::Curve;
 
 /// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
 const FRAMES_TO_WAIT: u32 = 15;
-/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern, or surer ones.
+/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern, or surer ones; or without what
+/// is hardly a rope, after one in which it saw none there.
 const FRAMES_KNOWN: u32 = 30;
 /// By how much the network's ropes must be surer than those of a table that seems plain, to be taken instead.
 const SURER: f32 = 0.2;
@@ -25,8 +26,12 @@ impl Extractor {
         let was_surer = std::mem::take(&mut self.is_network_surer);
         if self.is_cluttered(image) {
             self.seek(image, after);
-        } else if self.is_unsure(image, was_surer) {
-            self.ask_as_well(image, after);
+        } else {
+            let was_witness = self.frames_witnessed > 0;
+            self.frames_witnessed = self.frames_witnessed.saturating_sub(1);
+            if self.frames_witnessed == 0 && self.is_unsure(image, was_surer || was_witness) {
+                self.ask_as_well(image, after);
+            }
         }
         // What covers a table passes, and so does its shade; a pattern stays.
         let is_patterned = self.masker.notice == Some(Notice::CheckeredTable);
@@ -85,26 +90,39 @@ impl Extractor {
         self.curves[..self.count].iter().any(is_weak)
     }
 
-    /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again.
+    /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again. Where it is sure of as
+    /// many ropes as are sure without it, those stay, as they are drawn finer, and what is hardly a rope goes.
     fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         if self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
             return;
         }
         let (own, count) = (self.mean_confidence(), self.count);
+        let is_sure = |curve: &&Curve| curve.confidence >= SURE;
+        let is_likely =
+            |curve: &&Curve| curve.confidence >= UNLIKELY_BESIDE || curve.width_px < THINNEST_PX;
+        let curves = self.curves[..count].iter();
+        let [sure, likely] = [
+            curves.clone().filter(is_sure).count(),
+            curves.filter(is_likely).count(),
+        ];
         let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
         if self.masker.seek_instead(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
-            let is_sure = |curve: &Curve| curve.confidence >= SURE;
-            let are_sure = self.curves[..self.count].iter().all(is_sure);
+            let are_sure = self.curves[..self.count].iter().filter(is_sure).count() == self.count;
+            let is_same = sure > 0 && sure == likely && likely < count && self.count == sure;
+            let is_witness = is_same && are_sure && !self.masker.is_blind;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
             let sees_more = !is_covered || self.count != count;
-            self.is_network_surer = are_sure && is_surer && sees_more && !self.masker.is_blind;
+            self.is_network_surer =
+                are_sure && is_surer && sees_more && !self.masker.is_blind && !is_witness;
+            self.frames_witnessed = if is_witness { FRAMES_KNOWN } else { 0 };
         }
         if !self.is_network_surer {
-            self.frames_to_wait = FRAMES_TO_WAIT;
+            let is_answered = self.frames_witnessed > 0;
+            self.frames_to_wait = if is_answered { 0 } else { FRAMES_TO_WAIT };
             self.masker.run(image, &self.options.mask);
             self.trace(image, after);
         }

@@ -4,6 +4,7 @@ use crate::drawing;
 
 use drawing::{Rope, Table};
 use lariat_drawn::moving::{Film, Story};
+use lariat_drawn::scenes::{self, Class};
 use lariat_extract::{Extractor, Image, Mask, Notice, Options, PixelFormat, Status};
 use std::time::Duration;
 
@@ -103,6 +104,20 @@ fn a_rope_that_is_known_beyond_what_covers_it_is_sure() {
         };
         assert_eq!((rope.status, scene.notice), (Status::Partial, None));
         assert!(rope.hidden.contains(&true) && rope.confidence > 0.8);
+    }
+}
+
+#[test]
+fn what_is_hardly_a_rope_goes_where_the_network_is_sure_of_all_that_it_sees() {
+    for seed in [301, 306] {
+        let still = scenes::draw(Class::Things, seed, SIZE[0], SIZE[1]).expect("a picture");
+        let mut extractor = Extractor::new(Options::default()).expect("valid options");
+        // And stays away, also when the network is asked again.
+        for image in 0..40 {
+            let scene = extractor.extract(&rgb(&still.rgb));
+            let count = scene.curves.len();
+            assert_eq!(count, still.truth.ropes.len(), "{seed}, image {image}");
+        }
     }
 }
 
