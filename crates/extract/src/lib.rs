@@ -148,7 +148,7 @@
 //! no picture of ropes. Where noise sets the floor and the rope seems too like the table, the mask is cut again from the picture smoothed by
 //! 1.3 px (`smoothed`). A white rope on light gray is lighter than the table on one side and darker on the other: what lies between is filled
 //! (`rims`). A sure mask of which no rope comes, or two things that may be none, is not sure: the network is asked, in vain at most once in sixteen
-//! frames; where it is sure of as many ropes as are sure without it, those stay and what is hardly a rope beside them goes, in this image and the next thirty that are looked at whole; of what it finds, curves of a confidence below 0.02 are dropped (none with a `min_confidence` of 0). A sure picture costs a look at a grid of pixels and a count of the mask's holes; the rest is only
+//! frames; where it is sure of as many ropes as are sure without it, those stay and what is hardly one and looks like none goes, in this image and the next thirty that are looked at whole; of what it finds, curves of a confidence below 0.02 are dropped (none with a `min_confidence` of 0). A sure picture costs a look at a grid of pixels and a count of the mask's holes; the rest is only
 //! done in doubt.
 //!
 //! **False ropes** (`mask/cast`, `tracking/plausible`). A shadow has the table's colour in less light, as a gray rope has, and is a copy of its rope

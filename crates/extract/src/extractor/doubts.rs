@@ -21,7 +21,7 @@ const UNLIKELY: f32 = 0.02;
 /// of the rope with something else, or something else, and would take the rope's number and shape along. What is new beside one that
 /// is known must be as sure.
 pub(super) const SURE: f32 = 0.5;
-pub(super) const UNLIKELY_BESIDE: f32 = 0.2;
+const UNLIKELY_BESIDE: f32 = 0.2;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
@@ -79,14 +79,18 @@ impl Extractor {
                 }
                 true => UNLIKELY_BESIDE,
             };
-            // Of its own mask's thin ropes nobody can tell.
-            let is_thin = !self.masker.is_sought && curve.width_px < THINNEST_PX;
-            if is_thin || curve.confidence >= unlikely.min(self.options.min_confidence) {
+            let is_asked = self.masker.is_sought || self.is_unlikely_thing(i);
+            if !is_asked || curve.confidence >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.looks.swap(self.count, i);
                 self.count += 1;
             }
         }
+    }
+
+    /// Whether curve `i`, as weighed, is hardly a rope for what it looks like. A piece of a rope looks like the rope.
+    pub(super) fn is_unlikely_thing(&self, i: usize) -> bool {
+        self.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
     }
 
     /// Says of each of this image's curves how sure it is.

@@ -1,6 +1,6 @@
 //! When the network is asked where ropes are: where there is no plain table, more on it than ropes, or what is found there is unsure.
 
-use super::doubts::{SURE, THINNEST_PX, UNLIKELY_BESIDE};
+use super::doubts::{SURE, THINNEST_PX};
 use super::{Extractor, Step};
 use crate::image::Image;
 use crate::notice::Notice;
@@ -91,7 +91,7 @@ impl Extractor {
     }
 
     /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again. Where it is sure of as
-    /// many ropes as are sure without it, those stay, as they are drawn finer, and what is hardly a rope goes.
+    /// many ropes as are sure without it, those stay, as they are drawn finer, and what else there is and may be none goes.
     fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         if self.frames_to_wait > 0 {
             self.frames_to_wait -= 1;
@@ -99,19 +99,14 @@ impl Extractor {
         }
         let (own, count) = (self.mean_confidence(), self.count);
         let is_sure = |curve: &&Curve| curve.confidence >= SURE;
-        let is_likely =
-            |curve: &&Curve| curve.confidence >= UNLIKELY_BESIDE || curve.width_px < THINNEST_PX;
-        let curves = self.curves[..count].iter();
-        let [sure, likely] = [
-            curves.clone().filter(is_sure).count(),
-            curves.filter(is_likely).count(),
-        ];
+        let sure = self.curves[..count].iter().filter(is_sure).count();
+        let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
         let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
         if self.masker.seek_instead(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().filter(is_sure).count() == self.count;
-            let is_same = sure > 0 && sure == likely && likely < count && self.count == sure;
+            let is_same = unlikely > 0 && sure + unlikely == count && self.count == sure;
             let is_witness = is_same && are_sure && !self.masker.is_blind;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
