@@ -106,7 +106,8 @@ impl Extractor {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().filter(is_sure).count() == self.count;
-            let is_same = unlikely > 0 && sure + unlikely == count && self.count == sure;
+            let has_both = sure > 0 && unlikely > 0 && sure + unlikely == count;
+            let is_same = has_both && self.count == sure;
             let is_witness = is_same && are_sure && !self.masker.is_blind;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
