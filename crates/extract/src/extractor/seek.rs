@@ -101,19 +101,18 @@ impl Extractor {
         let is_sure = |curve: &&Curve| curve.confidence >= SURE;
         let sure = self.curves[..count].iter().filter(is_sure).count();
         let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
+        let is_parted = sure > 0 && unlikely > 0 && sure + unlikely == count;
         let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
         if self.masker.seek_instead(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
-            let are_sure = self.curves[..self.count].iter().filter(is_sure).count() == self.count;
-            let has_both = sure > 0 && unlikely > 0 && sure + unlikely == count;
-            let is_same = has_both && self.count == sure;
-            let is_witness = is_same && are_sure && !self.masker.is_blind;
+            let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));
+            let is_told = are_sure && !self.masker.is_blind;
+            let is_witness = is_told && is_parted && self.count == sure;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
             let sees_more = !is_covered || self.count != count;
-            self.is_network_surer =
-                are_sure && is_surer && sees_more && !self.masker.is_blind && !is_witness;
+            self.is_network_surer = is_told && is_surer && sees_more && !is_witness;
             self.frames_witnessed = if is_witness { FRAMES_KNOWN } else { 0 };
         }
         if !self.is_network_surer {
