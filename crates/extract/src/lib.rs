@@ -64,7 +64,7 @@
 //! together are laid with some 6,000 samples; at most [`Options::ropes`] curves and 32 crossings are reported.
 //!
 //! What strands and crossings cost is by their number, not by that of their pairs. The slowest pictures found without a rope, of an arm,
-//! a disc or a block, take 7 to 33 times as long as one rope; eight real ropes, or one that crosses itself ten times, 4 to 5 times.
+//! a disc or a block, take 5 to 27 times as long as one rope; eight real ropes, or one that crosses itself ten times, 4 to 5 times.
 //! Ropes on a cluttered ground take more, as the network looks closely at them, and what it sees is traced by its edges.
 //!
 //! # How it works

@@ -63,7 +63,7 @@ impl Extractor {
             self.count = 0;
             return;
         }
-        if self.masker.seek_instead(image) {
+        if self.masker.seek_on_table(image) {
             self.trace(image, after);
         }
         if self.count == 0 {
@@ -103,7 +103,7 @@ impl Extractor {
         let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
         let is_parted = sure > 0 && unlikely > 0 && sure + unlikely == count;
         let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
-        if self.masker.seek_instead(image) {
+        if self.masker.seek_on_table(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));

@@ -21,6 +21,16 @@ pub struct Region {
 }
 
 impl Region {
+    /// All of an image.
+    pub(crate) fn whole(image: &Image) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width: image.width(),
+            height: image.height(),
+        }
+    }
+
     /// What of the region lies in an image; `None` if nothing does.
     ///
     /// Where pixels share their colour it begins with the first of those that do: in `Yuyv` and `Uyvy` one column, in `Nv12` and the

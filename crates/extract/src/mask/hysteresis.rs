@@ -31,8 +31,8 @@ const APART: f32 = 0.5;
 const RINGING: f32 = 0.02;
 /// Half of the widest slit that is closed without a trace of rope in it, in widths.
 const SLIT: f32 = 0.2;
-/// Ropes wider than this are left as they are, in pixels: the widest that thinning brings to rest.
-const WIDEST_PX: f32 = 128.0;
+/// What is wider than this share of the picture's shorter side, an arm for instance, is left as it is: its width costs, and gains nothing.
+const WIDEST: f32 = 1.0 / 6.0;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
@@ -68,7 +68,8 @@ impl Hysteresis {
         self.widths.take((mask, rows), (&self.weak, &self.faint));
         let (width_px, fringe_px) = self.rope_width();
         let across = (THIN * width_px).round() as usize;
-        if across < 3 || width_px > WIDEST_PX {
+        let widest_px = WIDEST * rows.width().min(rows.height()) as f32;
+        if across < 3 || width_px > widest_px {
             return;
         }
         if !self.find_thin(mask, across, width_px, fringe_px) {

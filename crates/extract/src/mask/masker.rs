@@ -8,7 +8,7 @@ use super::evened::Evener;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
-use super::neural::Finder;
+use super::neural::{self, Finder};
 use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
 use super::smoothed::Smoother;
@@ -19,7 +19,7 @@ use crate::bitmap::strips::{Shape, Strips};
 use crate::image::gray::GrayPlane;
 use crate::image::kernels::Kernels;
 use crate::image::unpack::Unpacker;
-use crate::image::{Image, PixelFormat};
+use crate::image::{Image, PixelFormat, Region};
 use crate::notice::Notice;
 use crate::options::Mask;
 use crate::ribbons::Ribbons;
@@ -76,6 +76,25 @@ fn is_no_plain_table(notice: Notice) -> bool {
     matches!(notice, CheckeredTable | UnevenTable | Covered)
 }
 
+/// Around all that is set.
+fn around(mask: &BitPlane) -> Option<Region> {
+    let is_set = |y: &usize| mask.row(*y).iter().any(|&word| word != 0);
+    let top = (0..mask.height()).find(is_set)?;
+    let bottom = (top..mask.height()).rfind(is_set)? + 1;
+    let column = |word: usize| (top..bottom).fold(0, |or, y| or | mask.row(y)[word]);
+    let mut words = (0..mask.words_per_row()).map(|word| (64 * word, column(word)));
+    let left = words.find(|&(_, word)| word != 0);
+    let right = words.rfind(|&(_, word)| word != 0).or(left);
+    let left = left.map(|(x, word)| x + word.trailing_zeros() as usize)?;
+    let right = right.map(|(x, word)| x + 64 - word.leading_zeros() as usize)?;
+    Some(Region {
+        x: left,
+        y: top,
+        width: right - left,
+        height: bottom - top,
+    })
+}
+
 /// Counts the levels that reach one.
 struct Count<'a> {
     levels: &'a [u8],
@@ -126,6 +145,8 @@ pub(crate) struct Masker {
     pub(crate) width_px: f32,
     /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
     pub(crate) cut: Option<u8>,
+    /// Around all that differs from the table, before anything is taken out.
+    differs: Option<Region>,
     /// Whether the mask was made elsewhere: the difference is then its own bytes.
     pub(crate) is_given: bool,
     /// Whether it is of ropes that the network found.
@@ -176,7 +197,7 @@ impl Masker {
             }
             Mask::Network => {
                 self.notice = None;
-                self.seek(image);
+                self.seek(image, Region::whole(image));
                 return;
             }
             Mask::External => {
@@ -203,8 +224,9 @@ impl Masker {
             self.notice = Some(Notice::UnevenTable);
         }
         if self.notice.is_some_and(is_no_plain_table) {
-            self.seek(image);
+            self.seek(image, Region::whole(image));
         }
+        self.differs = around(&self.mask);
         if self.notice.is_none() && !self.strips.used.is_empty() {
             self.take_shadows_out(image);
         }
@@ -222,13 +244,13 @@ impl Masker {
     }
 
     /// Takes the ropes that the network finds, with the edges that are seen there, in the place of what differs from the table.
-    /// A picture in which it guesses none at a glance is left, unless the last one had some.
-    fn seek(&mut self, image: &Image) {
+    /// It looks at the part `within` of the image. One in which it guesses none at a glance is left, unless the last one had some.
+    fn seek(&mut self, image: &Image, within: Region) {
         self.difference.resize(image.width(), image.height());
-        self.is_blind = !self.has_found && !self.finder.glance(image, GUESSES);
+        self.is_blind = !self.has_found && !self.finder.glance(image, within, GUESSES);
         match self.is_blind {
             true => (0..image.height()).for_each(|y| self.difference.row_mut(y).fill(0)),
-            false => self.look_closely(image),
+            false => self.look_closely(image, within),
         }
         let notice = self.notice;
         self.take_levels(ROPE_LEVEL);
@@ -238,16 +260,18 @@ impl Masker {
     }
 
     /// Paints the ropes that the network finds into the difference.
-    fn look_closely(&mut self, image: &Image) {
-        self.likely.resize(image.width(), image.height());
-        self.finder.find(image, &mut self.likely);
+    fn look_closely(&mut self, image: &Image, within: Region) {
+        self.finder.find(image, within, &mut self.likely);
         let levels = self.likely.bytes();
         let [seen, guessed] =
             [SEES, GUESSES].map(|least| Arch::new().dispatch(Count { levels, least }));
         self.is_blind = seen as f32 <= BELIEVED * guessed as f32;
         if self.is_blind {
             // What it knows nothing of may still have a rope's shape.
-            (0..self.likely.height()).for_each(|y| self.likely.row_mut(y).fill(UNKNOWN));
+            let columns = within.x..within.x + within.width;
+            for y in within.y..within.y + within.height {
+                self.likely.row_mut(y)[columns.clone()].fill(UNKNOWN);
+            }
         }
         (self.ribbons).find(image, &self.likely, &mut self.difference);
         self.evener.run(&mut self.difference);
@@ -267,9 +291,16 @@ impl Masker {
         seemed_sure
     }
 
-    /// Looks for ropes with the network instead. Whether there is anything.
+    /// Looks for ropes with the network instead, anywhere. Whether there is anything.
     pub(crate) fn seek_instead(&mut self, image: &Image) -> bool {
-        self.seek(image);
+        self.seek(image, Region::whole(image));
+        !self.strips.used.is_empty()
+    }
+
+    /// Looks for ropes with the network, where this image differs from a table that seemed plain. Whether there is anything.
+    pub(crate) fn seek_on_table(&mut self, image: &Image) -> bool {
+        let differs = self.differs.map(|part| neural::grown(part, image));
+        self.seek(image, differs.unwrap_or(Region::whole(image)));
         !self.strips.used.is_empty()
     }
 

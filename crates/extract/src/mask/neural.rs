@@ -6,7 +6,7 @@ use lariat_network::{Maps, Network, Picture, Workspace};
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use crate::image::gray::GrayPlane;
-use crate::image::{Image, PixelFormat, color};
+use crate::image::{Image, PixelFormat, Region, color};
 
 /// Pixels that the network looks at, at most: of larger pictures it sees the means of blocks.
 const MOST_PIXELS: usize = 640 * 640;
@@ -14,6 +14,8 @@ const MOST_PIXELS: usize = 640 * 640;
 /// 4 pixels wide and as long as a quarter of a VGA picture's height.
 const GLANCE: usize = 2;
 const LEAST: usize = 640;
+/// What is looked at around what may be rope, in pixels of the image.
+const AROUND_PX: usize = 96;
 
 /// The network with its memory.
 #[derive(Debug)]
@@ -50,28 +52,33 @@ impl Finder {
         }
     }
 
-    /// Whether a rope may be in `image`, at a glance that costs a quarter of finding it: whether enough of it is at least as `likely`.
-    pub(crate) fn glance(&mut self, image: &Image, likely: u8) -> bool {
+    /// Whether a rope may be in the part `within` of `image`, at a glance that costs a quarter of finding it: whether enough of it is at least as
+    /// `likely`.
+    pub(crate) fn glance(&mut self, image: &Image, within: Region, likely: u8) -> bool {
         let scale = GLANCE * scale_of(image.width(), image.height());
-        let pixels = self.look(image, scale);
+        let Some(part) = image.region(within) else {
+            return false;
+        };
+        let pixels = (image.width() / scale) * (image.height() / scale);
+        let is_seen = self.look(&part, scale).is_some();
         let guessed = || self.rope.iter().filter(|&&rope| rope >= likely).count();
-        pixels.is_none_or(|[columns, rows]| LEAST * guessed() >= columns * rows)
+        !is_seen || LEAST * guessed() >= pixels
     }
 
-    /// Fills `levels`, of the image's size, with how surely each pixel is of a rope: 255 for certain. A seam between two ropes
-    /// side by side is of none.
-    pub(crate) fn find(&mut self, image: &Image, levels: &mut GrayPlane) {
-        let (width, height) = (image.width(), image.height());
-        levels.resize(width, height);
-        let scale = scale_of(width, height);
-        let Some(pixels) = self.look(image, scale) else {
-            (0..height).for_each(|y| levels.row_mut(y).fill(0));
+    /// Fills `levels`, of the image's size, with how surely each pixel is of a rope: 255 for certain, and 0 outside of the part `within`. A
+    /// seam between two ropes side by side is of none.
+    pub(crate) fn find(&mut self, image: &Image, within: Region, levels: &mut GrayPlane) {
+        levels.resize(image.width(), image.height());
+        (0..image.height()).for_each(|y| levels.row_mut(y).fill(0));
+        let scale = scale_of(image.width(), image.height());
+        let part = image.region(within);
+        let Some(pixels) = part.and_then(|part| self.look(&part, scale)) else {
             return;
         };
         for (rope, seam) in self.rope.iter_mut().zip(&self.seam) {
             *rope = (u16::from(*rope) * u16::from(255 - seam) / 255) as u8;
         }
-        self.spread(scale, pixels, levels);
+        self.spread(scale, pixels, within, levels);
     }
 
     /// Has the network look at the means of blocks of so many pixels each way, and says how many there are; nothing of a strip
@@ -145,10 +152,16 @@ impl Finder {
     }
 
     /// The map at the picture's size: between the middles of blocks in even steps.
-    fn spread(&self, scale: usize, [columns, rows]: [usize; 2], levels: &mut GrayPlane) {
+    fn spread(
+        &self,
+        scale: usize,
+        [columns, rows]: [usize; 2],
+        within: Region,
+        levels: &mut GrayPlane,
+    ) {
         if scale == 1 {
             for (y, row) in self.rope.chunks_exact(columns).enumerate() {
-                levels.row_mut(y)[..columns].copy_from_slice(row);
+                levels.row_mut(within.y + y)[within.x..][..columns].copy_from_slice(row);
             }
             return;
         }
@@ -160,9 +173,10 @@ impl Finder {
             (first, (first + 1).min(count - 1), share.min(2 * scale))
         };
         let whole = 2 * scale;
-        for y in 0..levels.height() {
+        for y in 0..within.height {
             let (above, below, down) = place(y, rows);
-            for (x, out) in levels.row_mut(y).iter_mut().enumerate() {
+            let out = &mut levels.row_mut(within.y + y)[within.x..][..within.width];
+            for (x, out) in out.iter_mut().enumerate() {
                 let (left, right, along) = place(x, columns);
                 let mix = |row: usize| {
                     let at = |column: usize| usize::from(self.rope[row * columns + column]);
@@ -185,6 +199,19 @@ impl Finder {
         self.row.reserve(width);
         self.line.reserve(width);
         self.sums.reserve(3 * columns * scale);
+    }
+}
+
+/// A part of an image with what the network needs around it. It begins where whole blocks of pixels do.
+pub(super) fn grown(part: Region, image: &Image) -> Region {
+    let begin = |at: usize| at.saturating_sub(AROUND_PX) / Network::MULTIPLE * Network::MULTIPLE;
+    let end = |at: usize| (at + AROUND_PX).next_multiple_of(Network::MULTIPLE);
+    let (x, y) = (begin(part.x), begin(part.y));
+    Region {
+        x,
+        y,
+        width: end(part.x + part.width).min(image.width()) - x,
+        height: end(part.y + part.height).min(image.height()) - y,
     }
 }
 
