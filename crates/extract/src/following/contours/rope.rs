@@ -20,11 +20,10 @@ use lariat_portable::Arch;
 /// read; and of all points.
 const LEAST_READ: f32 = 0.6;
 pub(super) const LEAST_SEEN: f32 = 0.35;
-/// Widths of rope that go unread at most, between parts that are read, and before an end.
+/// Widths of rope that go unread at most, between parts that are read or before an end that another strand lies against or that something
+/// covers, and before an end that shows.
 const MOST_BRIDGED: f32 = 10.0;
 const MOST_AT_END: f32 = 4.0;
-/// And before an end that another strand lies against, or that something covers.
-const MOST_AGAINST: f32 = 6.0;
 /// And on a plain table, where no other strand lies there.
 const MOST_BLIND: f32 = 2.5;
 /// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
@@ -249,7 +248,7 @@ impl Rope {
         let most = |widths: f32| (widths * self.width_px / self.spacing_px()) as usize + 1;
         let inner = most(MOST_BRIDGED);
         let outer = |end: usize| match self.ends[end].is_against {
-            true => most(MOST_AGAINST),
+            true => inner,
             false => most(MOST_AT_END),
         };
         let read = |station: &Station| station.edges > 0;

@@ -10,7 +10,7 @@ const CROSS: f32 = 0.5;
 /// Points by which the part that is so near may grow along them from one frame to the next.
 const CREEP: usize = 3;
 /// Widths that ropes may have moved aside since they were extracted and still lie on each other as they did.
-const STILL: f32 = 0.1;
+const STILL: f32 = 1.0;
 /// Widths along a rope between two of its points that may come together.
 pub(super) const APART_WIDTHS: f32 = 2.5;
 
