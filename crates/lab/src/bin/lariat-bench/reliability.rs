@@ -18,6 +18,12 @@ impl Reliability {
         *right += usize::from(is_right);
     }
 
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for (to, from) in self.0.iter_mut().zip(other.0) {
+            *to = (to.0 + from.0, to.1 + from.1, to.2 + from.2);
+        }
+    }
+
     fn count(&self) -> usize {
         self.0.iter().map(|bin| bin.0).sum()
     }
@@ -53,5 +59,8 @@ mod tests {
         assert!(seen.error() < 1e-6);
         seen.add(0.05, true);
         assert!((seen.error() - 0.95 / 11.0).abs() < 1e-6);
+        let mut all = Reliability::default();
+        (0..2).for_each(|_| all.merge(&seen));
+        assert!((all.error() - seen.error()).abs() < 1e-6 && all.count() == 22);
     }
 }

@@ -12,6 +12,8 @@ use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, 
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
 use lariat_lab::Samples;
 
+use crate::reliability::Reliability;
+
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -96,7 +98,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     print_head()?;
+    let mut totals = Vec::new();
     for story in stories {
+        let mut total = Total::of(story.name());
         for seed in seeds() {
             let mut film = film(story, seed, args.size, ground.as_ref());
             let mask = match args.mask {
@@ -117,8 +121,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             };
             let (verdict, counts) = watch(&show, next, frames, args)?;
             print(&show, frames, &verdict, &counts)?;
+            total.add(frames, &counts);
         }
+        totals.push(total);
     }
+    print_totals(&totals)?;
     print_foot(args.size)
 }
 
@@ -126,10 +133,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn run_over(folder: &Path, args: &Args) -> Result<()> {
     let film = elsewhere::Film::read(folder)?;
     let frames = args.frames.div_ceil(args.seeds.max(1));
+    let mut total = Total::of("hand");
     print_head()?;
     for seed in args.first_seed..args.first_seed + args.seeds.max(1) {
         let show = Show {
-            name: "hand",
+            name: total.name,
             seed,
             size: film.size,
             mask: Mask::Auto,
@@ -141,7 +149,9 @@ fn run_over(folder: &Path, args: &Args) -> Result<()> {
         };
         let (verdict, counts) = watch(&show, next, frames, args)?;
         print(&show, frames, &verdict, &counts)?;
+        total.add(frames, &counts);
     }
+    print_totals(&[total])?;
     print_foot(film.size)
 }
 
@@ -167,13 +177,33 @@ fn print_head() -> Result<()> {
     )
 }
 
+fn print_totals(totals: &[Total]) -> Result<()> {
+    println!(
+        "\n{:<12} {:>7} {:>8} {:>6} {:>6}",
+        "story", "frames", "followed", "right", "off"
+    )?;
+    for total in totals {
+        let share = |count: u64| 100.0 * count as f64 / total.frames as f64;
+        println!(
+            "{:<12} {:>7} {:>7.1}% {:>5.1}% {:>6.3}",
+            total.name,
+            total.frames,
+            share(total.followed),
+            share(total.right),
+            total.confidence.error()
+        )?;
+    }
+    Ok(())
+}
+
 fn print_foot(size: [usize; 2]) -> Result<()> {
     println!(
         "\nframes of {}×{} at 30/s; followed: frames, from the frame before; right: frames with nothing missed, miscounted, turned, renamed, \
          exchanged or invented;\nwith --mask true clutter, handheld and passing are given their true masks for the frames that are not followed; shown: ropes × frames; missed: no curve within a width of the rope; count: frames with \
          a wrong number of curves;\nexchanged: curves on their rope whose points are more than 2 widths from the true \
          ones of their number (95th percentile);\nmisjudged: Ok with a part hidden, or not Ok when whole; mismarked: share of points hidden and not marked, or marked \
-         and seen;\nµs: a followed frame, the median; whole: one that is extracted whole",
+         and seen;\nµs: a followed frame, the median; whole: one that is extracted whole;\noff: how far the least confidence of a frame's curves is from the share of frames that \
+         are right, in the mean (expected calibration error)",
         size[0], size[1]
     )
 }
@@ -233,12 +263,41 @@ fn film(story: Story, seed: u64, size: [usize; 2], ground: Option<&image::RgbIma
     Film::on(story, seed, size, ground.into_rgb8().into_raw())
 }
 
-/// How long each of a film's frames took, in nanoseconds, and how many were right.
+/// How long each of a film's frames took, in nanoseconds, how many were right, and how sure the least sure curve of each was.
 #[derive(Default)]
 struct Counts {
     followed: Samples,
     whole: Samples,
     right: u64,
+    confidence: Reliability,
+}
+
+/// What all films of a story come to.
+struct Total {
+    name: &'static str,
+    frames: u64,
+    followed: u64,
+    right: u64,
+    confidence: Reliability,
+}
+
+impl Total {
+    fn of(name: &'static str) -> Self {
+        Self {
+            name,
+            frames: 0,
+            followed: 0,
+            right: 0,
+            confidence: Reliability::default(),
+        }
+    }
+
+    fn add(&mut self, frames: u64, film: &Counts) {
+        self.frames += frames;
+        self.followed += film.followed.count() as u64;
+        self.right += film.right;
+        self.confidence.merge(&film.confidence);
+    }
 }
 
 /// What was wrong in a film, whose frames and true masks `next` makes and says what is in them.
@@ -276,7 +335,12 @@ fn watch(
         let curves: Vec<_> = scene.curves.iter().map(seen).collect();
         let before = judge.verdict();
         let wrong = judge.look(&truth, &curves);
-        counts.right += u64::from(before.places() == judge.verdict().places());
+        let is_right = before.places() == judge.verdict().places();
+        counts.right += u64::from(is_right);
+        let shown = || scene.curves.iter().filter(|c| c.status != Status::Lost);
+        if let Some(least) = shown().map(|c| c.confidence).reduce(f32::min) {
+            counts.confidence.add(f64::from(least), is_right);
+        }
         if wrong.is_empty() {
             continue;
         }
@@ -291,8 +355,7 @@ fn watch(
                 .flat_map(|rope| &rope.points)
                 .copied()
                 .collect();
-            let shown = scene.curves.iter().filter(|c| c.status != Status::Lost);
-            let curves: Vec<_> = shown.map(|c| (&c.points[..], &c.hidden[..])).collect();
+            let curves: Vec<_> = shown().map(|c| (&c.points[..], &c.hidden[..])).collect();
             draw(&rgb, show.size, (&truth, &curves), &folder.join(name))?;
         }
     }
