@@ -44,8 +44,8 @@ const COVERED: f32 = 0.75;
 const INTO: (f32, usize) = (1.5, 6);
 
 /// How many widths apart two ends are at least between which a known rope is found to be two; the most of its way there that shows
-/// anything but the bare table; and how many times as long as it was for long it is at least.
-const TORN: (f32, f32, f32) = (6.0, 0.25, 1.2);
+/// anything but the bare table; how many times as long as it was for long it is at least, or else what is seen of it.
+const TORN: (f32, f32, f32, f32) = (3.0, 0.25, 1.2, 0.97);
 
 /// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
 /// much any other has.
@@ -113,7 +113,7 @@ impl Bridger {
             is_free
         });
         self.untangle(scenery);
-        self.tear(scenery);
+        self.tear(lines, scenery);
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
             self.bridge(&candidate, lines, scenery);
@@ -213,20 +213,28 @@ impl Bridger {
         }
     }
 
-    /// Leaves ways out along which a rope was known that is far longer than it was for long, and the bare table is seen.
-    fn tear(&mut self, scenery: &Scenery) {
+    /// Leaves ways out along which a rope was known, where the bare table is seen there and the rope is far longer than it was for long, or
+    /// its pieces are as long as all of it was.
+    fn tear(&mut self, lines: &[Line], scenery: &Scenery) {
         // A mask that is of ropes alone says nothing of what lies on them.
         if scenery.elsewhere.is_some() || scenery.picked.is_some() {
             return;
         }
         let (ends, count) = (&mut self.ends, self.candidates.len());
+        let seen_px = |rope: u32| -> f32 {
+            let pieces = self.pieces.iter().filter(|piece| piece.rope == rope);
+            pieces.map(|piece| lines[piece.line].length_px()).sum()
+        };
         self.candidates.retain(|candidate| {
             let [a, b] = candidate.ends.map(|end| &ends[end]);
             let is_torn = candidate.way.is_some_and(|way| {
-                let rope = &scenery.past.ropes()[way[0].rope as usize];
+                let number = way[0].rope;
+                let rope = &scenery.past.ropes()[number as usize];
                 let way = Some((way, scenery.past));
+                let is_too_long = rope.length_px > TORN.2 * rope.usual_px
+                    || seen_px(number) > TORN.3 * rope.usual_px;
                 !a.leaves
-                    && rope.length_px > TORN.2 * rope.usual_px
+                    && is_too_long
                     && vec2::distance(a.at, b.at) > TORN.0 * a.width_px
                     && shown(a.at, b.at, scenery) < TORN.1
                     && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < TORN.1

@@ -563,7 +563,7 @@ fn see(
     });
     let is_open = !track.closed && !curve.closed;
     let is_part = is_short && (jumped || tip_covered) && is_open && !look.is_torn;
-    let is_plain = look.is_plain && !(cut || is_part || covered);
+    let is_plain = look.is_plain && !(cut || is_part || covered || look.is_torn);
     let is_leap = is_plain && track.disbelieved < KEPT && track.has_leapt(curve);
     track.disbelieved = if is_leap { track.disbelieved + 1 } else { 0 };
     let seen_px;
@@ -687,9 +687,10 @@ mod tests {
     #[test]
     fn a_rope_that_seems_to_lose_a_stretch_at_once_is_remembered_as_it_was() {
         let mut tracker = Tracker::default();
-        let mut look = |curve: Curve, is_plain| {
+        let mut look = |curve: Curve, is_plain, is_torn| {
             let mut looks = [Look {
                 is_plain,
+                is_torn,
                 ..Look::default()
             }];
             tracker.begin(tracker.now_ns + 33_000_000, false);
@@ -697,7 +698,7 @@ mod tests {
             tracker.tracks[0].length_px
         };
         for _ in 0..=KNOWN {
-            look(seen(10.0, 310.0), true);
+            look(seen(10.0, 310.0), true, false);
         }
         // A loop of it is left out: both of its tips are where they were.
         let cut = |length_px| Curve {
@@ -705,11 +706,13 @@ mod tests {
             ..seen(10.0, 310.0)
         };
         for _ in 0..KEPT {
-            assert_eq!(look(cut(240.0), true), 300.0);
+            assert_eq!(look(cut(240.0), true, false), 300.0);
         }
-        assert_eq!(look(cut(240.0), true), 240.0);
+        assert_eq!(look(cut(240.0), true, false), 240.0);
         // Where something may cover it, that is no misreading.
-        assert_eq!(look(cut(200.0), false), 200.0);
+        assert_eq!(look(cut(200.0), false, false), 200.0);
+        // Nor where what was known as one rope is two.
+        assert_eq!(look(cut(150.0), true, true), 150.0);
     }
 
     #[test]

@@ -100,21 +100,28 @@ fn pieces_that_run_on_past_each_other_are_one_rope_in_a_mask_that_is_a_guess() {
 }
 
 #[test]
-fn a_rope_far_longer_than_it_was_for_long_is_two_where_the_bare_table_is_seen() {
+fn a_rope_is_two_where_the_bare_table_is_seen_and_none_of_it_is_missing() {
     let points: Vec<Vec2> = (0..=60).map(|i| [20.0 + 5.0 * i as f32, 100.0]).collect();
-    let count = |usual_px: f32, is_hidden: bool| {
+    let count = |usual_px: f32, gap_px: f32, is_hidden: bool| {
         let mut past = Past::default();
         let sizes_px = [300.0, 6.0, usual_px];
         past.add_covered(false, sizes_px, &points, [None; 2], State::SEEN);
         let mut lines = [
             straight([20.0, 100.0], [120.0, 100.0]),
-            straight([180.0, 100.0], [320.0, 100.0]),
+            straight([120.0 + gap_px, 100.0], [320.0, 100.0]),
         ];
         join(&mut lines, &past, is_hidden).0
     };
-    assert_eq!(count(140.0, false), 2);
-    assert_eq!(count(140.0, true), 1);
-    assert_eq!(count(300.0, false), 1);
+    // Far longer than it was for long.
+    assert_eq!(count(140.0, 60.0, false), 2);
+    assert_eq!(count(140.0, 60.0, true), 1);
+    // As long as it was without what is not seen.
+    assert_eq!(count(270.0, 30.0, false), 2);
+    assert_eq!(count(270.0, 30.0, true), 1);
+    assert_eq!(count(270.0, 12.0, false), 1);
+    // Some of it is missing.
+    assert_eq!(count(300.0, 30.0, false), 1);
+    assert_eq!(count(300.0, 60.0, false), 1);
 }
 
 #[test]
