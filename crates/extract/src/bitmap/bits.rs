@@ -122,6 +122,19 @@ impl BitPlane {
         }
     }
 
+    /// The columns and the rows within which all pixels lie that are set; `None` if none is.
+    pub(crate) fn bounds(&self) -> Option<[Range<usize>; 2]> {
+        let is_set = |y: &usize| self.row(*y).iter().any(|&word| word != 0);
+        let top = (0..self.height).find(is_set)?;
+        let end = (top..self.height).rfind(is_set)? + 1;
+        let any = |word: usize| (top..end).fold(0, |any, y| any | self.row(y)[word]);
+        let first = (0..self.words_per_row).find(|&word| any(word) != 0)?;
+        let last = (first..self.words_per_row).rfind(|&word| any(word) != 0)?;
+        let left = 64 * first + any(first).trailing_zeros() as usize;
+        let right = 64 * (last + 1) - any(last).leading_zeros() as usize;
+        Some([left..right, top..end])
+    }
+
     /// How many pixels are set.
     pub(crate) fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
@@ -149,6 +162,18 @@ pub(crate) fn right_of(row: &[u64], i: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_that_is_set_lies_within_the_bounds() {
+        let mut plane = BitPlane::default();
+        plane.resize(200, 9);
+        assert_eq!(plane.bounds(), None);
+        plane.fill(4, 70, 71, true);
+        assert_eq!(plane.bounds(), Some([70..71, 4..5]));
+        plane.fill(2, 63, 64, true);
+        plane.fill(7, 130, 200, true);
+        assert_eq!(plane.bounds(), Some([63..200, 2..8]));
+    }
 
     #[test]
     fn a_run_of_pixels_is_what_each_of_them_is() {

@@ -27,6 +27,7 @@ use crate::scene::MOST_CROSSINGS;
 use lariat_network::Network;
 use lariat_portable::{Arch, NullaryFnOnce};
 use std::num::NonZeroU8;
+use std::ops::Range;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -74,25 +75,6 @@ pub enum MaskError {
 fn is_no_plain_table(notice: Notice) -> bool {
     use Notice::*;
     matches!(notice, CheckeredTable | UnevenTable | Covered)
-}
-
-/// Around all that is set.
-fn around(mask: &BitPlane) -> Option<Region> {
-    let is_set = |y: &usize| mask.row(*y).iter().any(|&word| word != 0);
-    let top = (0..mask.height()).find(is_set)?;
-    let bottom = (top..mask.height()).rfind(is_set)? + 1;
-    let column = |word: usize| (top..bottom).fold(0, |or, y| or | mask.row(y)[word]);
-    let mut words = (0..mask.words_per_row()).map(|word| (64 * word, column(word)));
-    let left = words.find(|&(_, word)| word != 0);
-    let right = words.rfind(|&(_, word)| word != 0).or(left);
-    let left = left.map(|(x, word)| x + word.trailing_zeros() as usize)?;
-    let right = right.map(|(x, word)| x + 64 - word.leading_zeros() as usize)?;
-    Some(Region {
-        x: left,
-        y: top,
-        width: right - left,
-        height: bottom - top,
-    })
 }
 
 /// Counts the levels that reach one.
@@ -145,8 +127,8 @@ pub(crate) struct Masker {
     pub(crate) width_px: f32,
     /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
     pub(crate) cut: Option<u8>,
-    /// Around all that differs from the table, before anything is taken out.
-    differs: Option<Region>,
+    /// The columns and rows within which all lies that differs from the table, before anything is taken out.
+    differs: Option<[Range<usize>; 2]>,
     /// Whether the mask was made elsewhere: the difference is then its own bytes.
     pub(crate) is_given: bool,
     /// Whether it is of ropes that the network found.
@@ -226,7 +208,7 @@ impl Masker {
         if self.notice.is_some_and(is_no_plain_table) {
             self.seek(image, Region::whole(image));
         }
-        self.differs = around(&self.mask);
+        self.differs = self.mask.bounds();
         if self.notice.is_none() && !self.strips.used.is_empty() {
             self.take_shadows_out(image);
         }
@@ -299,7 +281,7 @@ impl Masker {
 
     /// Looks for ropes with the network, where this image differs from a table that seemed plain. Whether there is anything.
     pub(crate) fn seek_on_table(&mut self, image: &Image) -> bool {
-        let differs = self.differs.map(|part| neural::grown(part, image));
+        let differs = self.differs.clone().map(|part| neural::grown(part, image));
         self.seek(image, differs.unwrap_or(Region::whole(image)));
         !self.strips.used.is_empty()
     }

@@ -1,5 +1,6 @@
 //! The mask by the network, for pictures of any size and format.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use lariat_network::{Maps, Network, Picture, Workspace};
@@ -202,16 +203,16 @@ impl Finder {
     }
 }
 
-/// A part of an image with what the network needs around it. It begins where whole blocks of pixels do.
-pub(super) fn grown(part: Region, image: &Image) -> Region {
+/// The part of an image in these columns and rows, with what the network needs around it. It begins where whole blocks of pixels do.
+pub(super) fn grown([columns, rows]: [Range<usize>; 2], image: &Image) -> Region {
     let begin = |at: usize| at.saturating_sub(AROUND_PX) / Network::MULTIPLE * Network::MULTIPLE;
     let end = |at: usize| (at + AROUND_PX).next_multiple_of(Network::MULTIPLE);
-    let (x, y) = (begin(part.x), begin(part.y));
+    let (x, y) = (begin(columns.start), begin(rows.start));
     Region {
         x,
         y,
-        width: end(part.x + part.width).min(image.width()) - x,
-        height: end(part.y + part.height).min(image.height()) - y,
+        width: end(columns.end).min(image.width()) - x,
+        height: end(rows.end).min(image.height()) - y,
     }
 }
 
@@ -291,5 +292,31 @@ impl NullaryFnOnce for Means<'_> {
             }
             *out = [0, 1, 2].map(|k| ((u64::from(sum[k]) * share) >> 40) as u8);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_grown_to_whole_blocks_within_the_image() {
+        let pixels = vec![0; 650 * 480];
+        let image = Image::new(&pixels, 650, 480, 650, PixelFormat::Gray8).expect("a picture");
+        let grown = |columns, rows| grown([columns, rows], &image);
+        for part in [grown(200..260, 210..230), grown(0..20, 470..480)] {
+            assert_eq!([part.x, part.y].map(|at| at % Network::MULTIPLE), [0, 0]);
+            assert!(part.x + part.width <= 650 && part.y + part.height <= 480);
+        }
+        let inner = grown(200..260, 210..230);
+        assert!(inner.x <= 200 - AROUND_PX && inner.x + inner.width >= 260 + AROUND_PX);
+        assert!(inner.y <= 210 - AROUND_PX && inner.y + inner.height >= 230 + AROUND_PX);
+        let all = Region {
+            x: 0,
+            y: 0,
+            width: 650,
+            height: 480,
+        };
+        assert_eq!(grown(0..650, 0..480), all);
     }
 }
