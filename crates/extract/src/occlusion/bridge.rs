@@ -43,9 +43,12 @@ const COVERED: f32 = 0.75;
 /// How far ahead of an end the thing that it runs into begins, in widths, and at how many places it is looked for.
 const INTO: (f32, usize) = (1.5, 6);
 
-/// How many widths apart two ends are at least between which a known rope is found to be two; the most of its way there that shows
-/// anything but the bare table; how many times as long as it was for long it is at least, or else what is seen of it.
-const TORN: (f32, f32, f32, f32) = (3.0, 0.25, 1.2, 0.97);
+/// How many widths apart two ends are at least between which a known rope is found to be two; and the most of its way there that shows
+/// anything but the bare table.
+const TORN: (f32, f32) = (3.0, 0.25);
+/// How many times as long as it was for long such a rope is at least, or else what is seen of it.
+const TOO_LONG: f32 = 1.2;
+const ALL_SEEN: f32 = 0.97;
 
 /// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
 /// much any other has.
@@ -231,10 +234,10 @@ impl Bridger {
                 let number = way[0].rope;
                 let rope = &scenery.past.ropes()[number as usize];
                 let way = Some((way, scenery.past));
-                let is_too_long = rope.length_px > TORN.2 * rope.usual_px
-                    || seen_px(number) > TORN.3 * rope.usual_px;
+                let lacks_nothing = rope.length_px > TOO_LONG * rope.usual_px
+                    || seen_px(number) > ALL_SEEN * rope.usual_px;
                 !a.leaves
-                    && is_too_long
+                    && lacks_nothing
                     && vec2::distance(a.at, b.at) > TORN.0 * a.width_px
                     && shown(a.at, b.at, scenery) < TORN.1
                     && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < TORN.1
