@@ -115,3 +115,47 @@ fn widths_to_another(ropes: &[Rope], (r, i): (usize, usize)) -> f32 {
     }
     least
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two ropes along x of which neither edge can be read, that lay on each other when they were extracted, and lie aside of there.
+    fn on_each_other(aside_px: f32) -> [Rope; 2] {
+        let rope = |y: f32| {
+            let station = |i: u8| Station {
+                at: [4.0 * f32::from(i), y],
+                from: [4.0 * f32::from(i), y],
+                normal: [0.0, 1.0],
+                is_together: true,
+                is_on: true,
+                ..Station::default()
+            };
+            let stations: Vec<_> = (0..20).map(station).collect();
+            let mut next = stations.clone();
+            next.iter_mut()
+                .for_each(|station| station.at[1] += aside_px);
+            let mut rope = Rope::default();
+            (rope.stations, rope.next) = (stations, next);
+            (rope.width_px, rope.length_px) = (10.0, 76.0);
+            rope
+        };
+        [rope(50.0), rope(53.0)]
+    }
+
+    #[test]
+    fn ropes_on_each_other_are_looked_at_again_when_they_have_moved_aside_by_a_width() {
+        assert!(!come_together(&mut on_each_other(0.0)));
+        assert!(!come_together(&mut on_each_other(9.0)));
+        assert!(come_together(&mut on_each_other(11.0)));
+    }
+
+    #[test]
+    fn ropes_that_come_to_lie_on_each_other_are_looked_at_again() {
+        let mut ropes = on_each_other(0.0);
+        for station in ropes.iter_mut().flat_map(|rope| &mut rope.stations) {
+            (station.is_together, station.is_on) = (false, false);
+        }
+        assert!(come_together(&mut ropes));
+    }
+}
