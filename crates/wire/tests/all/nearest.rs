@@ -3,8 +3,8 @@
 use lariat_wire::{Basis, Centerline, CenterlinePoints, Descriptor, Shape};
 use proptest::prelude::*;
 
-/// Looks for brute force: ten times as many as `nearest` has for a curve of so many control points.
-const LOOKS: usize = 20_000;
+/// Looks for brute force: many times as many as `nearest` has for a curve of so many control points.
+const LOOKS: usize = 2_000;
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
@@ -31,7 +31,7 @@ fn curve(basis: Basis, points: &[[f64; 2]]) -> Descriptor {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
 
     #[test]
     fn no_point_of_a_curve_is_nearer_than_the_nearest(
