@@ -6,6 +6,7 @@
 //! right. The weights are fitted to drawn pictures ([`weights`]). It takes microseconds and no memory.
 
 mod across;
+pub(crate) mod remainder;
 mod weights;
 
 use crate::image::Image;

@@ -14,6 +14,7 @@ use crate::centerline::plug::PlugCutter;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::confidence::Evidence;
+use crate::confidence::remainder::Remainder;
 use crate::crossings::Crosser;
 use crate::following::Follower;
 use crate::graph::Graph;
@@ -97,6 +98,7 @@ pub struct Extractor {
     refitter: Refitter,
     plug_cutter: PlugCutter,
     strays: Strays,
+    remainder: Remainder,
     looks: Vec<Look>,
     spaced: Vec<Sample>,
     now_ns: u64,
@@ -159,6 +161,7 @@ impl Extractor {
             refitter: Refitter::default(),
             plug_cutter: PlugCutter::default(),
             strays: Strays::default(),
+            remainder: Remainder::default(),
             looks: Vec::new(),
             spaced: Vec::new(),
             now_ns: 0,
@@ -418,6 +421,13 @@ impl Extractor {
             self.cut_plugs(image, joined);
         }
         self.points(image, joined);
+        // Where no strands meet, a line is all that there is; and what is far wider is no rope.
+        if self.zones.has_meeting() && !self.has_wide {
+            let lines = &self.lines[..self.count];
+            self.remainder.find(&self.masker.mask, lines);
+        } else {
+            self.remainder.clear();
+        }
     }
 
     /// What becomes of the curves that are known, and of those of this image.
@@ -510,6 +520,7 @@ impl Extractor {
         self.looks.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
         self.plug_cutter.reserve(samples);
+        self.remainder.reserve(width, height);
         self.strays.reserve(MOST_PIECES);
         self.occluder.reserve(width, height);
         self.masker.reserve(width, height);

@@ -168,6 +168,7 @@
 //! to drawn pictures on grounds of all kinds, with masks right and wrong (`lariat-bench calibrate-confidence`); how
 //! true they are on others stands beside them (`confidence/weights.rs`). Where a tangle was walked through, the curve is less sure by how near another
 //! walk came, and if the crossings, one by one, say something else; a rope that goes on from image to image is as sure of its way as it ever was.
+//! Where strands meet and a part of the mask hangs together with a curve that no line runs through, it is less sure by how large that is.
 //!
 //! What it takes is bounded whatever the bytes are: a mask of more than 60 % of the image is no picture of ropes, a
 //! skeleton of more than 131 072 pixels is noise. Both give no rope. All lines together get some 6 000 samples, the longest

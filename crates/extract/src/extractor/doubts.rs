@@ -147,7 +147,7 @@ impl Extractor {
             let evidence = confidence::evidence(image, curve, known);
             self.evidence.push(evidence);
             let way = sure_of_way(curve, &self.strands.walker);
-            let sure = evidence.confidence();
+            let sure = evidence.confidence() * self.remainder.sure_of(curve);
             curve.confidence = self.tracker.note_confidence(curve.track, sure, way);
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;

@@ -1,0 +1,223 @@
+//! What of the mask no line runs through, though it hangs together with one: a tip or a strand that was left out, or strands that
+//! were taken for one. Whoever leaves something out has hardly understood the rest.
+
+use crate::bitmap::bits::BitPlane;
+use crate::bitmap::spread::spread;
+use crate::centerline::line::Line;
+use crate::scene::Curve;
+use crate::vec2::{self, Vec2};
+
+/// So far from its middle, in widths and in pixels, what the mask shows is a line's own.
+const OWN: (f32, f32) = (0.8, 0.5);
+/// Widths from one place on a line to the next that is looked at.
+const STEP: f32 = 0.5;
+/// With so many squares of the ropes' width left out, one that is sure without that is right every other time.
+const HALF: f32 = 1.5;
+
+/// So far from a curve, in pixels beyond what is its own, is what hangs together with it.
+const BESIDE_PX: f32 = 1.5;
+
+/// Memory and result of the step.
+#[derive(Debug, Default)]
+pub(crate) struct Remainder {
+    /// The pixels that are left.
+    left: BitPlane,
+    /// How many, in squares of the ropes' width.
+    squares: f32,
+    /// All that hangs together with a line, and within what.
+    grown: BitPlane,
+    limits: BitPlane,
+}
+
+impl Remainder {
+    /// Makes room for masks of this size.
+    pub(crate) fn reserve(&mut self, width: usize, height: usize) {
+        for plane in [&mut self.left, &mut self.grown, &mut self.limits] {
+            plane.resize(width, height);
+        }
+    }
+
+    /// Nothing is left, as far as is known.
+    pub(crate) fn clear(&mut self) {
+        self.squares = 0.0;
+    }
+
+    /// Finds what `lines` leave of `mask`.
+    pub(crate) fn find(&mut self, mask: &BitPlane, lines: &[Line]) {
+        self.clear();
+        let middle = |line: &Line| line.samples.get(line.samples.len() / 2).copied();
+        let widths = lines.iter().filter_map(middle).map(|s| s.width_px);
+        let width_px = widths.fold(1.0, f32::max);
+        let own_px = OWN.0 * width_px + OWN.1;
+        self.left.copy_from(mask);
+        for at in lines.iter().flat_map(|line| apart(line, STEP * width_px)) {
+            for_each_run(at, own_px, mask, |y, from, to| {
+                self.left.fill(y, from, to, false);
+            });
+        }
+        if self.left.words().iter().all(|&word| word == 0) {
+            return;
+        }
+        // What lies apart is another thing.
+        self.limits.copy_from(mask);
+        self.grown.copy_from(mask);
+        for (own, left) in self.grown.words_mut().iter_mut().zip(self.left.words()) {
+            *own &= !left;
+        }
+        let planes = (&mut self.grown, &mut self.limits);
+        spread(planes, 0..mask.height(), f32::INFINITY, |_, _| ());
+        for (left, grown) in self.left.words_mut().iter_mut().zip(self.grown.words()) {
+            *left &= grown;
+        }
+        self.squares = self.left.count() as f32 / (width_px * width_px);
+    }
+
+    /// How sure it can be of a curve beside which that is left.
+    pub(crate) fn sure_of(&self, curve: &Curve) -> f32 {
+        if self.squares > 0.0 && self.is_beside(curve) {
+            HALF / (HALF + self.squares)
+        } else {
+            1.0
+        }
+    }
+
+    /// Whether what is left hangs together with the curve.
+    fn is_beside(&self, curve: &Curve) -> bool {
+        let reach_px = OWN.0 * curve.width_px + OWN.1 + BESIDE_PX;
+        let step_px = (STEP * curve.width_px).max(1.0);
+        let places = curve.points.windows(2).flat_map(|piece| {
+            let way = vec2::sub(piece[1], piece[0]);
+            let count = libm::ceilf(vec2::norm(way) / step_px).max(1.0) as usize;
+            (0..=count).map(move |k| vec2::along(piece[0], way, k as f32 / count as f32))
+        });
+        let mut any = false;
+        for at in places {
+            for_each_run(at, reach_px, &self.left, |y, from, to| {
+                any |= (from..to).step_by(64).any(|x| {
+                    let bits = self.left.bits_from(x as i32, y as i32);
+                    bits << (64 - (to - x).min(64)) != 0
+                });
+            });
+        }
+        any
+    }
+}
+
+/// Places along a line that are at least that far from the last one.
+fn apart(line: &Line, step_px: f32) -> impl Iterator<Item = Vec2> {
+    let mut last: Option<Vec2> = None;
+    let places = line.samples.iter().map(|sample| sample.at);
+    places.filter(move |&at| {
+        let is_near = last.is_some_and(|last| vec2::distance(last, at) < step_px);
+        if !is_near {
+            last = Some(at);
+        }
+        !is_near
+    })
+}
+
+/// Calls `run` with each run of a disc's pixels within the picture: row, first pixel, and behind the last.
+fn for_each_run(
+    [x, y]: Vec2,
+    radius_px: f32,
+    of: &BitPlane,
+    mut run: impl FnMut(usize, usize, usize),
+) {
+    let [width, height] = [of.width(), of.height()].map(|length| length as f32);
+    let from = libm::ceilf(y - radius_px).clamp(0.0, height) as usize;
+    let to = (libm::floorf(y + radius_px) + 1.0).clamp(0.0, height) as usize;
+    for row in from..to {
+        let off_px = row as f32 - y;
+        let half_px = (radius_px * radius_px - off_px * off_px).max(0.0).sqrt();
+        let first = libm::ceilf(x - half_px).clamp(0.0, width) as usize;
+        let behind = (libm::floorf(x + half_px) + 1.0).clamp(0.0, width) as usize;
+        if first < behind {
+            run(row, first, behind);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centerline::line::Sample;
+
+    /// Half a rope's width, and the height of the one that lies from left to right.
+    const HALF_PX: f32 = 4.0;
+    const Y: f32 = 60.0;
+
+    /// The line from (10, 60) to (150, 60), and its curve.
+    fn told() -> (Line, Curve) {
+        let mut line = Line::default();
+        line.samples.extend((10..=150).map(|x| Sample {
+            at: [x as f32, Y],
+            weight: 1.0,
+            width_px: 2.0 * HALF_PX,
+            side: 0.0,
+        }));
+        let mut curve = Curve::empty();
+        curve.points.extend([[10.0, Y], [80.0, Y], [150.0, Y]]);
+        curve.width_px = 2.0 * HALF_PX;
+        (line, curve)
+    }
+
+    /// A mask of the pixels that lie that near to a point.
+    fn mask(distance_px: impl Fn(f32, f32) -> f32) -> BitPlane {
+        let mut mask = BitPlane::default();
+        mask.resize(160, 120);
+        for y in 0..120 {
+            for x in 0..160 {
+                let is_set = distance_px(x as f32, y as f32) <= HALF_PX;
+                mask.fill(y, x, x + 1, is_set);
+            }
+        }
+        mask
+    }
+
+    fn rope(x: f32, y: f32) -> f32 {
+        (x - x.clamp(10.0, 150.0)).hypot(y - Y)
+    }
+
+    /// How sure it can be of the line from left to right in this mask.
+    fn sure(mask: &BitPlane) -> f32 {
+        let (line, curve) = told();
+        let mut remainder = Remainder::default();
+        remainder.find(mask, &[line]);
+        remainder.sure_of(&curve)
+    }
+
+    #[test]
+    fn a_rope_that_is_told_leaves_nothing() {
+        assert_eq!(sure(&mask(rope)), 1.0);
+    }
+
+    #[test]
+    fn a_strand_that_was_left_out_is_missed_by_its_squares() {
+        // From row 20 to where the rope's own ends: 33 rows of it.
+        let strand = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(24.0, Y));
+        let sure = sure(&mask(|x, y| rope(x, y).min(strand(x, y))));
+        let squares = HALF / sure - HALF;
+        assert!((3.8..4.6).contains(&squares), "{squares}");
+    }
+
+    #[test]
+    fn what_lies_apart_is_another_thing() {
+        let thing = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(14.0, 40.0));
+        assert_eq!(sure(&mask(|x, y| rope(x, y).min(thing(x, y)))), 1.0);
+    }
+
+    #[test]
+    fn another_rope_has_no_part_in_what_is_left_beside_one() {
+        let strand = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(40.0, Y));
+        let other = |x: f32, y: f32| (x - x.clamp(10.0, 150.0)).hypot(y - 100.0);
+        let mask = mask(|x, y| rope(x, y).min(strand(x, y)).min(other(x, y)));
+        let (line, curve) = told();
+        let (mut second, mut far) = told();
+        second.samples.iter_mut().for_each(|s| s.at[1] = 100.0);
+        far.points.iter_mut().for_each(|point| point[1] = 100.0);
+        let mut remainder = Remainder::default();
+        remainder.find(&mask, &[line, second]);
+        assert!(remainder.sure_of(&curve) < 0.8);
+        assert_eq!(remainder.sure_of(&far), 1.0);
+    }
+}
