@@ -123,16 +123,14 @@ fn for_each_run(
     of: &BitPlane,
     mut run: impl FnMut(usize, usize, usize),
 ) {
-    let [width, height] = [of.width(), of.height()].map(|length| length as f32);
-    let from = libm::ceilf(y - radius_px).clamp(0.0, height) as usize;
-    let to = (libm::floorf(y + radius_px) + 1.0).clamp(0.0, height) as usize;
-    for row in from..to {
+    // The first pixel behind a place, no farther than that; casts cut off, and take what lies before the picture for 0.
+    let behind = |at: f32, most: usize| ((at + 1.0) as usize).min(most);
+    for row in behind(y - radius_px, of.height())..behind(y + radius_px, of.height()) {
         let off_px = row as f32 - y;
         let half_px = (radius_px * radius_px - off_px * off_px).max(0.0).sqrt();
-        let first = libm::ceilf(x - half_px).clamp(0.0, width) as usize;
-        let behind = (libm::floorf(x + half_px) + 1.0).clamp(0.0, width) as usize;
-        if first < behind {
-            run(row, first, behind);
+        let [first, end] = [x - half_px, x + half_px].map(|at| behind(at, of.width()));
+        if first < end {
+            run(row, first, end);
         }
     }
 }
