@@ -38,6 +38,7 @@ use crate::tracking::strays::Strays;
 use crate::tracking::track::{Look, Tracker};
 use lariat_network::Network;
 use meant::Meant;
+use seek::Answer;
 use std::sync::Arc;
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
@@ -119,14 +120,7 @@ pub struct Extractor {
     is_crowded: bool,
     /// Whether the last image's ropes were followed into it.
     followed: bool,
-    /// Frames without a rope until the network is asked again.
-    frames_to_wait: u32,
-    /// Whole images until it is asked again whether the table has a pattern.
-    frames_known: u32,
-    /// Whether the network was surer of its ropes than the automatic mask of a table that seemed plain.
-    is_network_surer: bool,
-    /// Whole images until it is asked again whether what is hardly a rope is none.
-    frames_witnessed: u32,
+    answer: Answer,
     meant: Meant,
 }
 
@@ -177,10 +171,7 @@ impl Extractor {
             doubt: None,
             is_crowded: false,
             followed: false,
-            frames_to_wait: 0,
-            frames_known: 0,
-            is_network_surer: false,
-            frames_witnessed: 0,
+            answer: Answer::default(),
             meant: Meant::default(),
         })
     }
@@ -571,10 +562,7 @@ impl Extractor {
         self.crossings.clear();
         self.follower.forget();
         self.masker.forget();
-        self.frames_to_wait = 0;
-        self.frames_known = 0;
-        self.is_network_surer = false;
-        self.frames_witnessed = 0;
+        self.answer = Answer::default();
         self.clusterer.forget();
         self.tracker.reset();
         self.meant.forget();

@@ -25,7 +25,7 @@ const UNLIKELY_BESIDE: f32 = 0.2;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
-    let by_network = masker.is_sought && !masker.is_blind;
+    let by_network = masker.is_of_network();
     Known {
         is_doubted: false,
         is_noticed: !matches!(masker.notice, None | Some(Notice::OwnShadow)),
@@ -35,7 +35,7 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
             _ => Maker::Own,
         },
         sees_covers: options.mask == Mask::Auto && !by_network,
-        likely: by_network.then_some(&masker.likely),
+        likely: by_network.then_some(&masker.seeker.likely),
     }
 }
 
@@ -61,7 +61,7 @@ fn sure_of_way(curve: &Curve, walker: &Walker) -> f32 {
 impl Extractor {
     /// Drops those of this image's curves that are hardly ropes, where the network found them, or saw none there.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
-        if !self.masker.is_sought && self.frames_witnessed == 0 {
+        if !self.masker.is_sought && !self.answer.leaves_out() {
             return;
         }
         self.weigh(image);

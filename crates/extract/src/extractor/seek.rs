@@ -7,13 +7,54 @@ use crate::notice::Notice;
 use crate::options::{Mask, Method};
 use crate::scene::Curve;
 
-/// Frames after the network was asked in vain until it is asked again: it takes as long as some ten images with a rope.
-const FRAMES_TO_WAIT: u32 = 15;
-/// Images that are extracted whole by the network at once, after one in which it found ropes on a pattern, or surer ones; or without what
-/// is hardly a rope, after one in which it saw none there.
-const FRAMES_KNOWN: u32 = 30;
+/// So many images go by after the network was asked in vain: it takes as long as some ten images with a rope.
+const IN_VAIN: u32 = 15;
+/// And so many in which it is taken at its word, of those that are extracted whole.
+const TAKEN: u32 = 30;
 /// By how much the network's ropes must be surer than those of a table that seems plain, to be taken instead.
 const SURER: f32 = 0.2;
+
+/// What the network last said, as far as it goes for images to come.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Answer {
+    /// Nothing that does.
+    #[default]
+    None,
+    /// Nothing better: so many images are not given to it.
+    InVain(u32),
+    /// Ropes, on a pattern or surer ones: so many images are given to it at once.
+    Ropes { images: u32, are_surer: bool },
+    /// None there where something is hardly a rope: that is left out of so many images.
+    NoRope(u32),
+}
+
+impl Answer {
+    /// What goes for the next image, which it was not given.
+    fn next(self) -> Self {
+        match self {
+            Self::NoRope(images @ 2..) => Self::NoRope(images - 1),
+            Self::NoRope(_) | Self::Ropes { .. } => Self::None,
+            Self::None | Self::InVain(_) => self,
+        }
+    }
+
+    /// Whether it was better than what is seen without the network.
+    fn was_better(self) -> bool {
+        matches!(
+            self,
+            Self::NoRope(_)
+                | Self::Ropes {
+                    are_surer: true,
+                    ..
+                }
+        )
+    }
+
+    /// Whether what is hardly a rope is left out.
+    pub(super) fn leaves_out(self) -> bool {
+        matches!(self, Self::NoRope(_))
+    }
+}
 
 impl Extractor {
     /// The steps of an image that is extracted whole, with the mask that it asks for.
@@ -23,42 +64,53 @@ impl Extractor {
         }
         self.masker.run(image, &self.options.mask);
         self.trace(image, after);
-        let was_surer = std::mem::take(&mut self.is_network_surer);
+        let last = self.answer;
+        self.answer = last.next();
         if self.is_cluttered(image) {
             self.seek(image, after);
-        } else {
-            let was_witness = self.frames_witnessed > 0;
-            self.frames_witnessed = self.frames_witnessed.saturating_sub(1);
-            if self.frames_witnessed == 0 && self.is_unsure(image, was_surer || was_witness) {
-                self.ask_as_well(image, after);
-            }
+        } else if !self.answer.leaves_out() && self.is_unsure(image, last) {
+            self.ask_as_well(image, after);
         }
-        // What covers a table passes, and so does its shade; a pattern stays.
-        let is_patterned = self.masker.notice == Some(Notice::CheckeredTable);
-        let is_known = (is_patterned || self.is_network_surer) && self.is_found_by_network();
-        self.frames_known = if is_known { FRAMES_KNOWN } else { 0 };
+        // A pattern stays.
+        if self.masker.notice == Some(Notice::CheckeredTable) && self.is_found_by_network() {
+            let (images, are_surer) = (TAKEN, false);
+            self.answer = Answer::Ropes { images, are_surer };
+        }
     }
 
-    /// Gives the image to the network where the last ones had a pattern. Whether there are ropes.
+    /// Gives the image to the network where it found the last ones' ropes. Whether there are ropes.
     fn goes_on_seeking(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
-        if self.frames_known == 0 {
+        let Answer::Ropes { images, .. } = &mut self.answer else {
+            return false;
+        };
+        if *images == 0 {
             return false;
         }
-        self.frames_known -= 1;
+        *images -= 1;
         self.masker.seek_instead(image);
         self.trace(image, after);
         self.is_found_by_network()
     }
 
     fn is_found_by_network(&self) -> bool {
-        self.masker.is_sought && !self.masker.is_blind && self.count > 0
+        self.masker.is_of_network() && self.count > 0
+    }
+
+    /// Whether the network is passed over once more, as it was asked in vain.
+    fn is_passed_over(&mut self) -> bool {
+        match self.answer {
+            Answer::InVain(images @ 1..) => {
+                self.answer = Answer::InVain(images - 1);
+                true
+            }
+            _ => false,
+        }
     }
 
     /// Looks for ropes with the network; where that was in vain, not soon again.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         let is_all_doubted = self.has_wide || self.doubts.iter().all(Option::is_some);
-        if is_all_doubted && self.frames_to_wait > 0 {
-            self.frames_to_wait -= 1;
+        if is_all_doubted && self.is_passed_over() {
             // It said that they are none.
             self.count = 0;
             return;
@@ -67,18 +119,18 @@ impl Extractor {
             self.trace(image, after);
         }
         if self.count == 0 {
-            self.frames_to_wait = FRAMES_TO_WAIT;
+            self.answer = Answer::InVain(IN_VAIN);
         }
     }
 
     /// Whether the automatic mask of what seems a plain table has given a rope that is not sure, and no rope is known yet, or the network
-    /// was surer the last time. Clusterings are compared on one mask.
-    fn is_unsure(&mut self, image: &Image, was_surer: bool) -> bool {
+    /// knew better the last time. Clusterings are compared on one mask.
+    fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
         if !is_asked || self.masker.is_sought || self.count == 0 {
             return false;
         }
-        if !was_surer && self.tracker.knows_some(0.0) {
+        if !last.was_better() && self.tracker.knows_some(0.0) {
             return false;
         }
         self.weigh(image);
@@ -93,10 +145,10 @@ impl Extractor {
     /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again. Where it is sure of as
     /// many ropes as are sure without it, those stay, as they are drawn finer, and what else there is and may be none goes.
     fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        if self.frames_to_wait > 0 {
-            self.frames_to_wait -= 1;
+        if self.is_passed_over() {
             return;
         }
+        self.answer = Answer::InVain(IN_VAIN);
         let (own, count) = (self.mean_confidence(), self.count);
         let is_sure = |curve: &&Curve| curve.confidence >= SURE;
         let sure = self.curves[..count].iter().filter(is_sure).count();
@@ -107,20 +159,21 @@ impl Extractor {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));
-            let is_told = are_sure && !self.masker.is_blind;
+            let is_told = are_sure && self.masker.is_of_network();
             let is_witness = is_told && is_parted && self.count == sure;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
             let sees_more = !is_covered || self.count != count;
-            self.is_network_surer = is_told && is_surer && sees_more && !is_witness;
-            self.frames_witnessed = if is_witness { FRAMES_KNOWN } else { 0 };
+            if is_witness {
+                self.answer = Answer::NoRope(TAKEN);
+            } else if is_told && is_surer && sees_more {
+                let (images, are_surer) = (TAKEN, true);
+                self.answer = Answer::Ropes { images, are_surer };
+                return;
+            }
         }
-        if !self.is_network_surer {
-            let is_answered = self.frames_witnessed > 0;
-            self.frames_to_wait = if is_answered { 0 } else { FRAMES_TO_WAIT };
-            self.masker.run(image, &self.options.mask);
-            self.trace(image, after);
-        }
+        self.masker.run(image, &self.options.mask);
+        self.trace(image, after);
     }
 
     /// How sure this image's curves are in the mean, each by its length; 0 of none.

@@ -4,13 +4,13 @@ use super::background::Background;
 use super::cast::{Cast, Shadows};
 use super::diagnosis::{self, Diagnosis, Evidence};
 use super::difference::Differencer;
-use super::evened::Evener;
 use super::hsv::Selector;
 use super::hysteresis::Hysteresis;
 use super::level;
-use super::neural::{self, Finder};
+use super::neural;
 use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
+use super::seeker::Seeker;
 use super::smoothed::Smoother;
 use super::threshold::{self, Cut, Levels};
 use crate::bitmap::bits::BitPlane;
@@ -22,10 +22,8 @@ use crate::image::unpack::Unpacker;
 use crate::image::{Image, PixelFormat, Region};
 use crate::notice::Notice;
 use crate::options::Mask;
-use crate::ribbons::Ribbons;
 use crate::scene::MOST_CROSSINGS;
 use lariat_network::Network;
-use lariat_portable::{Arch, NullaryFnOnce};
 use std::num::NonZeroU8;
 use std::ops::Range;
 use std::sync::Arc;
@@ -44,13 +42,6 @@ const FRAMED: f32 = 0.18;
 
 /// From this level on a pixel is rope.
 const ROPE_LEVEL: u8 = 128;
-
-/// How likely the network finds what it sees, of 255, and what it guesses; which share of what it guesses it must see to be believed;
-/// and how likely all are when it is not.
-const SEES: u8 = 191;
-const GUESSES: u8 = 64;
-const BELIEVED: f32 = 0.3;
-const UNKNOWN: u8 = 128;
 
 /// Why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -77,26 +68,6 @@ fn is_no_plain_table(notice: Notice) -> bool {
     matches!(notice, CheckeredTable | UnevenTable | Covered)
 }
 
-/// Counts the levels that reach one.
-struct Count<'a> {
-    levels: &'a [u8],
-    least: u8,
-}
-
-impl NullaryFnOnce for Count<'_> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn call(self) -> u32 {
-        // A byte counts so many.
-        let some = self.levels.chunks(128).map(|levels| {
-            let levels = levels.iter().map(|&level| u8::from(level >= self.least));
-            u32::from(levels.sum::<u8>())
-        });
-        some.sum()
-    }
-}
-
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Masker {
@@ -112,11 +83,7 @@ pub(crate) struct Masker {
     diagnosis: Diagnosis,
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
-    ribbons: Ribbons,
-    evener: Evener,
-    finder: Finder,
-    /// How likely the network says that each pixel is of a rope.
-    pub(crate) likely: GrayPlane,
+    pub(crate) seeker: Seeker,
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,
@@ -131,12 +98,8 @@ pub(crate) struct Masker {
     differs: Option<[Range<usize>; 2]>,
     /// Whether the mask was made elsewhere: the difference is then its own bytes.
     pub(crate) is_given: bool,
-    /// Whether it is of ropes that the network found.
+    /// Whether it is of what the network was asked for.
     pub(crate) is_sought: bool,
-    /// And whether it saw none, so that they are found by their shape alone.
-    pub(crate) is_blind: bool,
-    /// Whether the network found ropes in the last image that it was asked about.
-    has_found: bool,
     /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
     pub(crate) is_smoothed: bool,
     /// What the automatic mask is unsure of.
@@ -146,7 +109,7 @@ pub(crate) struct Masker {
 impl Masker {
     /// Asks another network.
     pub(crate) fn use_network(&mut self, network: Arc<Network>) {
-        self.finder = Finder::new(network);
+        self.seeker.use_network(network);
     }
 
     /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
@@ -225,43 +188,24 @@ impl Masker {
         border as f32 > FRAMED * 2.0 * (width + height) as f32
     }
 
-    /// Takes the ropes that the network finds, with the edges that are seen there, in the place of what differs from the table.
-    /// It looks at the part `within` of the image. One in which it guesses none at a glance is left, unless the last one had some.
+    /// Takes the ropes that the network finds in the part `within` of the image in the place of what differs from the table.
     fn seek(&mut self, image: &Image, within: Region) {
-        self.difference.resize(image.width(), image.height());
-        self.is_blind = !self.has_found && !self.finder.glance(image, within, GUESSES);
-        match self.is_blind {
-            true => (0..image.height()).for_each(|y| self.difference.row_mut(y).fill(0)),
-            false => self.look_closely(image, within),
-        }
+        self.seeker.run(image, within, &mut self.difference);
         let notice = self.notice;
         self.take_levels(ROPE_LEVEL);
         self.notice = notice;
         self.is_sought = true;
-        self.has_found = !self.is_blind && !self.strips.used.is_empty();
+        self.seeker.has_found = self.is_of_network() && !self.strips.used.is_empty();
     }
 
-    /// Paints the ropes that the network finds into the difference.
-    fn look_closely(&mut self, image: &Image, within: Region) {
-        self.finder.find(image, within, &mut self.likely);
-        let levels = self.likely.bytes();
-        let [seen, guessed] =
-            [SEES, GUESSES].map(|least| Arch::new().dispatch(Count { levels, least }));
-        self.is_blind = seen as f32 <= BELIEVED * guessed as f32;
-        if self.is_blind {
-            // What it knows nothing of may still have a rope's shape.
-            let columns = within.x..within.x + within.width;
-            for y in within.y..within.y + within.height {
-                self.likely.row_mut(y)[columns.clone()].fill(UNKNOWN);
-            }
-        }
-        (self.ribbons).find(image, &self.likely, &mut self.difference);
-        self.evener.run(&mut self.difference);
+    /// Whether the mask is of ropes that the network saw.
+    pub(crate) fn is_of_network(&self) -> bool {
+        self.is_sought && !self.seeker.is_blind
     }
 
     /// Forgets whether the network has found ropes.
     pub(crate) fn forget(&mut self) {
-        self.has_found = false;
+        self.seeker.has_found = false;
     }
 
     /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
@@ -344,10 +288,7 @@ impl Masker {
     /// Makes the buffers that the drawn picture of [`prepare`](Self::prepare) has no use for.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
-        self.ribbons.reserve(width, height);
-        self.evener.reserve(width);
-        self.finder.reserve(width, height);
-        self.likely.resize(width, height);
+        self.seeker.reserve(width, height);
         self.smoother.reserve(width);
         self.rims.reserve(&self.strips, &self.mask);
     }

@@ -55,10 +55,11 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
 
 type Draw = fn() -> Result<Picture>;
 
-const PICTURES: [(&str, Draw); 16] = [
+const PICTURES: [(&str, Draw); 17] = [
     ("a bare table", bare),
     ("a disc of 240 px", disc),
     ("an arm", arm),
+    ("an arm, black within its sides", rimmed_arm),
     ("a keyboard", keyboard),
     ("a keyboard, dark between its keys", dark_keyboard),
     ("ten crossings", ten_crossings),
@@ -168,24 +169,31 @@ fn net() -> Result<Picture> {
 }
 
 fn disc() -> Result<Picture> {
-    picture(|x, y| 120.5 - (x as f64 - 320.0).hypot(y as f64 - 240.0))
+    picture(|x, y| (120.5 - (x as f64 - 320.0).hypot(y as f64 - 240.0)).clamp(0.0, 1.0))
 }
 
-/// From a corner, with a hand and four fingers.
 fn arm() -> Result<Picture> {
-    picture(|x, y| {
-        let within = |half: f64, from: [f64; 2], to: [f64; 2]| {
-            let [along, off] = [0, 1].map(|k| (to[k] - from[k], [x, y][k] as f64 - from[k]));
-            let length2 = along.0 * along.0 + off.0 * off.0;
-            let share = (along.1 * along.0 + off.1 * off.0) / length2;
-            let share = share.clamp(0.0, 1.0);
-            half + 0.5 - (along.1 - share * along.0).hypot(off.1 - share * off.0)
-        };
-        let finger = |k: usize| within(14.0, [330.0, 250.0], [430.0, 170.0 + 45.0 * k as f64]);
-        let forearm = within(60.0, [-40.0, 500.0], [260.0, 300.0]);
-        let hand = within(75.0, [270.0, 290.0], [330.0, 250.0]);
-        (0..4).map(finger).fold(forearm.max(hand), f64::max)
-    })
+    picture(|x, y| depth_in_arm(x, y).clamp(0.0, 1.0))
+}
+
+/// The same arm, as one that the light comes round: it is black from ten pixels within its sides on.
+fn rimmed_arm() -> Result<Picture> {
+    picture(depth_in_arm)
+}
+
+/// How deep a pixel lies in an arm that comes from a corner, with a hand and four fingers, in pixels.
+fn depth_in_arm(x: usize, y: usize) -> f64 {
+    let within = |half: f64, from: [f64; 2], to: [f64; 2]| {
+        let [along, off] = [0, 1].map(|k| (to[k] - from[k], [x, y][k] as f64 - from[k]));
+        let length2 = along.0 * along.0 + off.0 * off.0;
+        let share = (along.1 * along.0 + off.1 * off.0) / length2;
+        let share = share.clamp(0.0, 1.0);
+        half + 0.5 - (along.1 - share * along.0).hypot(off.1 - share * off.0)
+    };
+    let finger = |k: usize| within(14.0, [330.0, 250.0], [430.0, 170.0 + 45.0 * k as f64]);
+    let forearm = within(60.0, [-40.0, 500.0], [260.0, 300.0]);
+    let hand = within(75.0, [270.0, 290.0], [330.0, 250.0]);
+    (0..4).map(finger).fold(forearm.max(hand), f64::max)
 }
 
 /// Whether a pixel is of a keyboard, and whether of a gap between its keys.

@@ -10,7 +10,7 @@ const TABLE: [u8; 3] = [226, 221, 210];
 /// Levels of noise either way: a pattern without any is easier than a camera's.
 const NOISE: u64 = 4;
 
-/// A picture whose pixel is rope to the share (0 to 1) that `cover` says.
+/// A picture whose pixel is rope to the share (0 to 1) that `cover` says; what is more than the rope is darker.
 pub(crate) fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
     let mut noise = Noise(1);
     let mut rgb = Vec::with_capacity(3 * WIDTH * HEIGHT);
