@@ -214,10 +214,13 @@ fn lock(file: File, until: Instant) -> io::Result<Option<File>> {
     }
 }
 
+/// How often the kernel's list is read: it comes in pieces, and what changes between two of them may hide a line.
+const LOOKS: usize = 3;
+
 /// The process that holds the lock on a file, as the kernel lists it.
 fn holder(inode: u64) -> String {
-    let locks = fs::read_to_string("/proc/locks").unwrap_or_default();
-    let Some(pid) = holder_in(&locks, inode) else {
+    let read = || fs::read_to_string("/proc/locks").unwrap_or_default();
+    let Some(pid) = (0..LOOKS).find_map(|_| holder_in(&read(), inode)) else {
         return "a process that cannot be seen from here".into();
     };
     let name = fs::read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
