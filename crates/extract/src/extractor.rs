@@ -4,6 +4,7 @@ mod doubts;
 mod lines;
 mod meant;
 mod rehearse;
+mod seams;
 mod seek;
 
 use crate::bitmap::bits::BitPlane;
@@ -121,6 +122,8 @@ pub struct Extractor {
     /// Whether the last image's ropes were followed into it.
     followed: bool,
     answer: Answer,
+    /// Whether the curves are those of a mask that was cut at its seams.
+    is_parted: bool,
     meant: Meant,
 }
 
@@ -172,6 +175,7 @@ impl Extractor {
             is_crowded: false,
             followed: false,
             answer: Answer::default(),
+            is_parted: false,
             meant: Meant::default(),
         })
     }
@@ -306,7 +310,7 @@ impl Extractor {
         self.turn_to(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
         let image = &unpacker.unpack(image);
-        self.trace(image, after);
+        self.read(image, after);
         self.report(image, after);
         self.unpacker = unpacker;
         self.followed = false;
@@ -354,7 +358,13 @@ impl Extractor {
 
     /// The steps from the mask to this image's own curves.
     fn trace(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+        self.trace_mask(image, None, after);
+    }
+
+    /// The same; a mask that is cut at the seams between its strands, which are about so wide, becomes whole again on the way.
+    fn trace_mask(&mut self, image: &Image, cut: Option<f32>, after: &mut dyn FnMut(Step)) {
         after(Step::Mask);
+        self.is_parted = cut.is_some();
         let yuv = color::is_yuv(image.format());
         self.tracker.begin(self.now_ns, yuv);
         self.tracker.remember(&mut self.zones.past);
@@ -366,7 +376,7 @@ impl Extractor {
         let known = (&self.zones.past, widest_half_px);
         let knows_some = self.zones.past.widest_half_px().is_some();
         self.has_wide = !knows_some && !self.wide.places.is_empty();
-        if (self.occluder).find(image, &self.skeleton, mask, known) {
+        if cut.is_none() && self.occluder.find(image, &self.skeleton, mask, known) {
             self.masker.take_out(&self.occluder.plane);
             self.skeletonize();
         }
@@ -383,6 +393,7 @@ impl Extractor {
         (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
         after(Step::Graph);
         let laid = self.lay_lines(image);
+        let laid = cut.map_or(laid, |width_px| self.join_strands(laid, width_px, yuv));
         let is_made_elsewhere = self.masker.is_given && !self.masker.is_sought;
         let is_by_color = matches!(self.options.mask, Mask::Hsv(..));
         let scenery = Scenery {
@@ -413,7 +424,7 @@ impl Extractor {
         }
         self.points(image, joined);
         // Where no strands meet, a line is all that there is; and what is far wider is no rope.
-        if self.zones.has_meeting() && !self.has_wide {
+        if (cut.is_some() || self.zones.has_meeting()) && !self.has_wide {
             let lines = &self.lines[..self.count];
             self.remainder.find(&self.masker.mask, lines);
         } else {

@@ -15,6 +15,7 @@ mod neural;
 mod outline;
 mod pattern;
 mod rims;
+mod seams;
 mod seeker;
 pub(crate) mod shadow;
 mod smoothed;

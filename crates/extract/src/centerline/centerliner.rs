@@ -14,6 +14,7 @@ use super::shading::Shading;
 use super::smooth::Smoother;
 use super::source::{Source, mean_half};
 use crate::graph::strands::Strand;
+use crate::image::gray::GrayPlane;
 use crate::statistics::quantile_of_positive;
 
 /// Half-widths from a tip that are measured once more when it has been run on.
@@ -59,6 +60,7 @@ impl Centerliner {
     /// Makes room for lines of so many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.spaced.reserve(samples);
+        self.widths.reserve(samples);
         self.extender.reserve(samples);
         self.sections.reserve(samples);
     }
@@ -113,6 +115,37 @@ impl Centerliner {
             line.cut_to(source.difference);
         }
         line.samples.len() >= 2
+    }
+
+    /// Lays a line anew along a rope so wide, whose middle it follows roughly.
+    pub(crate) fn lay_anew(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
+        let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
+        if line.samples.len() < 3 || line.length_px() < 3.0 * step_px {
+            return;
+        }
+        line.space(step_px, &mut self.spaced);
+        for sample in &mut line.samples {
+            (sample.weight, sample.width_px) = (1.0, 2.0 * half_px);
+        }
+        let coarse = Measure {
+            half_px,
+            step_px,
+            tolerance: COARSE,
+            shading: Shading::FLAT,
+        };
+        self.sections.center(line, difference, coarse);
+        let fine = Measure {
+            tolerance: FINE,
+            shading: Shading::measure(line, difference, coarse),
+            ..coarse
+        };
+        self.sections.measure(line, difference, fine);
+        self.fill_widths(line, 2.0 * half_px);
+        // What lies on other strands stays where it is.
+        for sample in line.samples.iter_mut().filter(|s| s.weight == 0.0) {
+            sample.weight = HELD;
+        }
+        self.smoother.smooth(line, reach(half_px, step_px));
     }
 
     /// Measures the tips too, which were run on along the way they seemed to go, and lays them anew.

@@ -72,6 +72,11 @@ impl Remainder {
         self.squares = self.left.count() as f32 / (width_px * width_px);
     }
 
+    /// How many squares of the ropes' width are left.
+    pub(crate) fn squares(&self) -> f32 {
+        self.squares
+    }
+
     /// How sure it can be of a curve beside which that is left.
     pub(crate) fn sure_of(&self, curve: &Curve) -> f32 {
         if self.squares > 0.0 && self.is_beside(curve) {

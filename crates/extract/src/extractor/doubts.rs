@@ -45,6 +45,9 @@ const MUCH: usize = 2;
 /// How sure it is of the way of a curve that is the last image's.
 const UNASKED: f32 = 0.5;
 
+/// And of one of a mask that was cut at its seams.
+const PARTED: f32 = 0.8;
+
 /// How sure it is, by this image alone, that a curve takes the right way through its crossings.
 fn sure_of_way(curve: &Curve, walker: &Walker) -> f32 {
     if walker.is_overruled {
@@ -146,7 +149,10 @@ impl Extractor {
             };
             let evidence = confidence::evidence(image, curve, known);
             self.evidence.push(evidence);
-            let way = sure_of_way(curve, &self.strands.walker);
+            let way = match self.is_parted {
+                true => PARTED,
+                false => sure_of_way(curve, &self.strands.walker),
+            };
             let sure = evidence.confidence() * self.remainder.sure_of(curve);
             curve.confidence = self.tracker.note_confidence(curve.track, sure, way);
             let is_below = curve.confidence < self.options.min_confidence;

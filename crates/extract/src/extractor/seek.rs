@@ -63,7 +63,7 @@ impl Extractor {
             return;
         }
         self.masker.run(image, &self.options.mask);
-        self.trace(image, after);
+        self.read(image, after);
         let last = self.answer;
         self.answer = last.next();
         if self.is_cluttered(image) {
@@ -173,7 +173,7 @@ impl Extractor {
             }
         }
         self.masker.run(image, &self.options.mask);
-        self.trace(image, after);
+        self.read(image, after);
     }
 
     /// How sure this image's curves are in the mean, each by its length; 0 of none.

@@ -53,6 +53,13 @@ impl GrayPlane {
         rows
     }
 
+    /// Takes size and bytes of another.
+    pub(crate) fn copy_from(&mut self, other: &GrayPlane) {
+        self.resize(other.width, other.height);
+        self.bytes.copy_from_slice(&other.bytes);
+        self.written.copy_from_slice(&other.written);
+    }
+
     pub(crate) fn width(&self) -> usize {
         self.width
     }

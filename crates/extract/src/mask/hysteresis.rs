@@ -105,8 +105,13 @@ impl Hysteresis {
         mask.add(&self.wider);
     }
 
+    /// Leaves of a mask what a disc so many pixels across reaches.
+    pub(super) fn open(&mut self, mask: &mut Strips, across: usize) {
+        self.morphology.open(mask, across);
+    }
+
     /// Makes all memory for images of another size at once, lest a rope that is first thin in a later one cost some.
-    fn reserve(&mut self, mask: &Strips) {
+    pub(super) fn reserve(&mut self, mask: &Strips) {
         if self.fits.shape == mask.shape {
             return;
         }

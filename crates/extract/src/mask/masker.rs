@@ -10,6 +10,7 @@ use super::level;
 use super::neural;
 use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
+use super::seams::Seams;
 use super::seeker::Seeker;
 use super::smoothed::Smoother;
 use super::threshold::{self, Cut, Levels};
@@ -39,6 +40,10 @@ const MOST_HOLES: i64 = 4 * MOST_CROSSINGS as i64;
 
 /// The share of the picture's border from which on what lies there is no rope.
 const FRAMED: f32 = 0.18;
+
+/// What is left between two seams is a strand from this share of its width on, and from so many squares of it.
+const THINNEST: f32 = 0.3;
+const SPECK: f32 = 0.5;
 
 /// From this level on a pixel is rope.
 const ROPE_LEVEL: u8 = 128;
@@ -84,6 +89,9 @@ pub(crate) struct Masker {
     /// The ropes' own shadow: taken out of the mask where it is surely that.
     pub(crate) shadows: Shadows,
     pub(crate) seeker: Seeker,
+    seams: Seams,
+    /// The difference and the mask as they were before they were [cut at their seams](Self::cut_seams).
+    pub(crate) whole: (GrayPlane, BitPlane),
     /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
     /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,
@@ -289,6 +297,10 @@ impl Masker {
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
         self.seeker.reserve(width, height);
+        self.seams.reserve(width, height);
+        self.whole.0.resize(width, height);
+        self.whole.1.resize(width, height);
+        self.hysteresis.reserve(&self.strips);
         self.smoother.reserve(width);
         self.rims.reserve(&self.strips, &self.mask);
     }
@@ -411,6 +423,40 @@ impl Masker {
         }
         self.strips.take(&self.mask);
         self.clean_or_empty();
+    }
+
+    /// Cuts the mask of `image` at the seams between its strands, which are about so wide, and the difference too.
+    pub(crate) fn cut_seams(&mut self, image: &Image, width_px: f32) {
+        let (difference, mask) = &mut self.whole;
+        difference.copy_from(&self.difference);
+        mask.copy_from(&self.mask);
+        self.seams.find(image, &self.mask, width_px);
+        for y in 0..self.mask.height() {
+            let words = self.mask.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
+            words.for_each(|(word, &seam)| *word &= !seam);
+            let levels = self.difference.row_mut(y);
+            self.seams.plane.for_each_set(y, |x| levels[x] = 0);
+        }
+        self.strips.take(&self.mask);
+        let across = (THINNEST * width_px).round().max(2.0) as usize;
+        self.hysteresis.open(&mut self.strips, across);
+        let speck = (SPECK * width_px * width_px) as u32;
+        if self
+            .hysteresis
+            .pieces
+            .drop_specks(&mut self.strips, speck)
+            .is_err()
+        {
+            self.empty();
+        }
+        self.strips.put(&mut self.mask);
+    }
+
+    /// Takes back that it was cut.
+    pub(crate) fn uncut(&mut self) {
+        self.difference.copy_from(&self.whole.0);
+        self.mask.copy_from(&self.whole.1);
+        self.strips.take(&self.mask);
     }
 
     /// Adds what the cut left out of the ropes.

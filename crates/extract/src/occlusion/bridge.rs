@@ -7,6 +7,7 @@
 
 #[cfg(test)]
 mod tests;
+pub(crate) mod under;
 mod untangle;
 
 use super::ends::{End, Scenery, is_stretched, known_way, plain_cost, shown};
@@ -105,6 +106,19 @@ impl Bridger {
             self.list_ends(lines, colors, scenery);
         }
         self.list_candidates(lines, scenery);
+        self.keep_cheapest();
+        self.untangle(scenery);
+        self.tear(lines, scenery);
+        for i in 0..self.candidates.len() {
+            let candidate = self.candidates[i];
+            self.bridge(&candidate, lines, scenery);
+        }
+        self.join_pairs(lines, scenery);
+        self.sort(lines, colors)
+    }
+
+    /// Keeps of the candidates for each end the cheapest, in the order of their cost.
+    fn keep_cheapest(&mut self) {
         self.candidates
             .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
         let ends = &mut self.ends;
@@ -115,14 +129,6 @@ impl Bridger {
             }
             is_free
         });
-        self.untangle(scenery);
-        self.tear(lines, scenery);
-        for i in 0..self.candidates.len() {
-            let candidate = self.candidates[i];
-            self.bridge(&candidate, lines, scenery);
-        }
-        self.join_pairs(lines, scenery);
-        self.sort(lines, colors)
     }
 
     fn list_ends(&mut self, lines: &[Line], colors: &[[f32; 3]], scenery: &Scenery) {

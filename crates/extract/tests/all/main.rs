@@ -25,6 +25,7 @@ mod random;
 mod region;
 mod ropes;
 mod scored;
+mod seams;
 mod time;
 mod time_films;
 mod time_hidden;

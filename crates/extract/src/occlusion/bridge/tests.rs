@@ -22,6 +22,47 @@ fn straight(from: Vec2, to: Vec2) -> Line {
     }
 }
 
+/// A strand over two pieces of another one, and a rope that ends beside them: the pieces are one line.
+#[test]
+fn pieces_of_a_strand_under_another_are_one_line() {
+    let mut lines = vec![
+        straight([200.0, 20.0], [200.0, 180.0]),
+        straight([100.0, 100.0], [196.0, 100.0]),
+        straight([204.0, 102.0], [300.0, 110.0]),
+    ];
+    let mut mask = BitPlane::default();
+    mask.resize(400, 200);
+    (0..200).for_each(|y| mask.fill(y, 195, 206, true));
+    (94..106).for_each(|y| mask.fill(y, 100, 300, true));
+    let (past, occluder) = (Past::default(), BitPlane::default());
+    let mut difference = GrayPlane::default();
+    difference.resize(400, 200);
+    let scenery = Scenery {
+        past: &past,
+        difference: &difference,
+        level: 24.0,
+        occluder: &occluder,
+        yuv: false,
+        elsewhere: None,
+        picked: None,
+    };
+    let mut colors = vec![[90.0; 3]; lines.len()];
+    let mut bridger = Bridger::default();
+    let count = bridger.join_under(&mut lines, &mut colors, &scenery, (&mask, 8.0));
+    assert_eq!(count, 2);
+    assert!(lines[0].length_px() > 195.0, "{}", lines[0].length_px());
+    // Of another color they are no piece of it.
+    let mut lines = vec![
+        straight([100.0, 100.0], [196.0, 100.0]),
+        straight([204.0, 102.0], [300.0, 110.0]),
+    ];
+    let mut colors = vec![[90.0; 3], [200.0; 3]];
+    assert_eq!(
+        bridger.join_under(&mut lines, &mut colors, &scenery, (&mask, 8.0)),
+        2
+    );
+}
+
 fn join(lines: &mut [Line], past: &Past, is_hidden: bool) -> (usize, Vec<Gap>) {
     join_under(lines, past, is_hidden, &BitPlane::default())
 }

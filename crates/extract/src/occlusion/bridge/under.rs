@@ -1,0 +1,103 @@
+//! Strands that were parted by their seams: those that pass under others are in pieces, which are joined again.
+
+use super::{Bridger, Candidate};
+use crate::bitmap::bits::BitPlane;
+use crate::centerline::line::Line;
+use crate::graph::pairing::bending;
+use crate::image::color;
+use crate::occlusion::ends::Scenery;
+use crate::occlusion::way::{cubic, share};
+use crate::vec2::{self, Vec2};
+
+/// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
+const AHEAD: f32 = 0.56;
+/// What is cut off from an end that is none, in widths, and the share of its line: there it is drawn under the other strand.
+const FRAYED: (f32, f32) = (0.4, 0.33);
+/// The widest gap, in widths, under strands that run along; and the most bending in it (a turn by 145°).
+const WIDEST: f32 = 7.9;
+const MOST_BENT: f32 = 1.6;
+/// The share of the way between that must lie within the mask.
+const WITHIN: f32 = 0.7;
+/// The gap that costs as much as a turn by 57°, in widths.
+const FAR: f32 = 3.4;
+const TURNED: f32 = 0.25;
+
+impl Bridger {
+    /// Joins those of `lines`, of these mean colors, that pass under others in `mask`, the whole of it, whose ropes are so wide. The
+    /// straightest and nearest first. Returns how many lines are left, sorted by length.
+    pub(crate) fn join_under(
+        &mut self,
+        lines: &mut [Line],
+        colors: &mut [[f32; 3]],
+        scenery: &Scenery,
+        (mask, width_px): (&BitPlane, f32),
+    ) -> usize {
+        self.gaps.clear();
+        let is_mask = |at: Vec2| mask.get((at[0] + 0.5) as i32, (at[1] + 0.5) as i32);
+        for line in lines.iter_mut().filter(|line| !line.closed) {
+            for last in [false, true] {
+                fray(line, last, width_px, is_mask);
+            }
+        }
+        self.list_ends(lines, colors, scenery);
+        self.candidates.clear();
+        for (i, a) in self.ends.iter().enumerate() {
+            for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
+                let chord_px = vec2::distance(a.at, b.at);
+                let is_like = color::distance(a.color, b.color, scenery.yuv) <= scenery.alike().0;
+                let are_free = a.line != b.line && !a.leaves && !b.leaves;
+                if !are_free || !is_like || chord_px > WIDEST * width_px {
+                    continue;
+                }
+                let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
+                let way = cubic([a.at, a.out], [b.at, b.out]);
+                if bend <= MOST_BENT && share(way, is_mask) >= WITHIN {
+                    self.candidates.push(Candidate {
+                        cost: bend / TURNED + chord_px / (FAR * width_px),
+                        ends: [i, j],
+                        way: None,
+                    });
+                }
+            }
+        }
+        self.keep_cheapest();
+        for i in 0..self.candidates.len() {
+            let candidate = self.candidates[i];
+            let [a, b] = candidate.ends.map(|end| self.ends[end].line);
+            // Others may have made them one line's.
+            if a != b {
+                self.bridge(&candidate, lines, scenery);
+            }
+        }
+        self.sort(lines, colors)
+    }
+}
+
+/// Cuts a line back at an end before which the mask goes on.
+fn fray(line: &mut Line, last: bool, width_px: f32, is_mask: impl Fn(Vec2) -> bool) {
+    let count = line.samples.len();
+    if count < 2 || !goes_on(line, last, AHEAD * width_px, is_mask) {
+        return;
+    }
+    let step_px = (line.length_px() / (count - 1) as f32).max(0.1);
+    let off = ((FRAYED.0 * width_px / step_px) as usize).min((FRAYED.1 * count as f32) as usize);
+    match last {
+        true => line.samples.truncate(count - off),
+        false => drop(line.samples.drain(..off)),
+    }
+}
+
+/// Whether something lies so far ahead of a line's end.
+pub(crate) fn goes_on(
+    line: &Line,
+    last: bool,
+    ahead_px: f32,
+    is_there: impl Fn(Vec2) -> bool,
+) -> bool {
+    let count = line.samples.len();
+    let step_px = (line.length_px() / (count - 1) as f32).max(0.1);
+    let back = ((ahead_px / step_px) as usize).clamp(1, count - 1);
+    let at = |k: usize| line.samples[if last { count - 1 - k } else { k }].at;
+    let out = vec2::unit_or(vec2::sub(at(0), at(back)), [1.0, 0.0]);
+    is_there(vec2::along(at(0), out, ahead_px))
+}
