@@ -98,9 +98,9 @@ impl Extractor {
 
     /// Whether the network is passed over once more, as it was asked in vain.
     fn is_passed_over(&mut self) -> bool {
-        match self.answer {
+        match &mut self.answer {
             Answer::InVain(images @ 1..) => {
-                self.answer = Answer::InVain(images - 1);
+                *images -= 1;
                 true
             }
             _ => false,
@@ -153,14 +153,14 @@ impl Extractor {
         let is_sure = |curve: &&Curve| curve.confidence >= SURE;
         let sure = self.curves[..count].iter().filter(is_sure).count();
         let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
-        let is_parted = sure > 0 && unlikely > 0 && sure + unlikely == count;
+        let is_split = sure > 0 && unlikely > 0 && sure + unlikely == count;
         let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
         if self.masker.seek_on_table(image) {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));
             let is_told = are_sure && self.masker.is_of_network();
-            let is_witness = is_told && is_parted && self.count == sure;
+            let is_witness = is_told && is_split && self.count == sure;
             let is_surer = self.mean_confidence() > own + SURER;
             // Of what ends at a thing that lies on it it sees the same, but not the thing.
             let sees_more = !is_covered || self.count != count;
