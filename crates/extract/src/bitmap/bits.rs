@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::vec2::Vec2;
+
 /// One bit a pixel. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); bits past the width
 /// are always 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -81,6 +83,11 @@ impl BitPlane {
         }
         let (x, y) = (x as usize, y as usize);
         self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    /// Whether the pixel nearest to a place is set.
+    pub(crate) fn has(&self, [x, y]: Vec2) -> bool {
+        self.get((x + 0.5) as i32, (y + 0.5) as i32)
     }
 
     /// Pixels `x..x + 64` of row `y`, the first in the lowest bit; outside the picture nothing is set.

@@ -107,6 +107,16 @@ impl Line {
         std::mem::swap(&mut self.samples, spaced);
     }
 
+    /// The place so many pixels ahead of the first or last sample of an open line of two or more.
+    pub(crate) fn ahead(&self, last: bool, by_px: f32) -> Vec2 {
+        let count = self.samples.len();
+        let step_px = (self.length_px() / (count - 1) as f32).max(0.1);
+        let back = ((by_px / step_px) as usize).clamp(1, count - 1);
+        let at = |k: usize| self.samples[if last { count - 1 - k } else { k }].at;
+        let out = vec2::unit_or(vec2::sub(at(0), at(back)), [1.0, 0.0]);
+        vec2::along(at(0), out, by_px)
+    }
+
     /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
     /// middle or, near an end, where it lies.
     #[inline(always)]

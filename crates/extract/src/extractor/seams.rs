@@ -2,10 +2,8 @@
 
 use super::{Extractor, Step};
 use crate::image::Image;
-use crate::occlusion::bridge::under::goes_on;
 use crate::occlusion::ends::Scenery;
 use crate::options::Method;
-use crate::vec2::Vec2;
 
 /// What a reading lacks: squares of the ropes' width that no line runs through, or that a line has beside the mask, and so many for each end
 /// that lies within it.
@@ -57,15 +55,14 @@ impl Extractor {
     /// What this image's lines lack, and have beside the mask.
     fn lacking(&self, width_px: f32) -> f32 {
         let mask = &self.masker.mask;
-        let is_mask = |[x, y]: Vec2| mask.get((x + 0.5) as i32, (y + 0.5) as i32);
         let (mut open, mut beside) = (0, 0.0);
         for line in &self.lines[..self.count] {
-            let stray = line.samples.iter().filter(|sample| !is_mask(sample.at));
+            let stray = line.samples.iter().filter(|sample| !mask.has(sample.at));
             let step_px = line.length_px() / line.samples.len().max(1) as f32;
             beside += stray.count() as f32 * step_px / width_px;
             let is_open = |end: usize| {
                 let is_free = !line.closed && !line.border[end];
-                is_free && goes_on(line, end == 1, AHEAD * width_px, is_mask)
+                is_free && mask.has(line.ahead(end == 1, AHEAD * width_px))
             };
             open += (0..2).filter(|&end| is_open(end)).count();
         }

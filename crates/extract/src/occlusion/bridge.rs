@@ -7,7 +7,7 @@
 
 #[cfg(test)]
 mod tests;
-pub(crate) mod under;
+mod under;
 mod untangle;
 
 use super::ends::{End, Scenery, is_stretched, known_way, plain_cost, shown};
@@ -478,7 +478,7 @@ fn are_open(a: &End, b: &End, scenery: &Scenery) -> bool {
 /// Whether two ends run into a thing that reaches from the one to the other.
 fn runs_into(a: &End, b: &End, scenery: &Scenery) -> bool {
     const ASKED: usize = 16;
-    let is_thing = |[x, y]: Vec2| scenery.occluder.get((x + 0.5) as i32, (y + 0.5) as i32);
+    let is_thing = |at: Vec2| scenery.occluder.has(at);
     let entry = |end: &End| {
         let ahead = (1..=INTO.1).map(|k| {
             vec2::along(

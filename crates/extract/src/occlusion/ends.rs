@@ -95,8 +95,8 @@ impl Scenery<'_> {
     pub(crate) fn is_hidden(&self, [x, y]: Vec2, reach_px: f32) -> bool {
         let around = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
         around.iter().any(|[dx, dy]| {
-            let at = [x + dx * reach_px, y + dy * reach_px].map(|v| (v + 0.5) as i32);
-            self.occluder.get(at[0], at[1])
+            let at = [x + dx * reach_px, y + dy * reach_px];
+            self.occluder.has(at)
         })
     }
 }

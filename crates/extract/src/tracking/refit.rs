@@ -487,9 +487,8 @@ fn moved(rope: &Rope, along_px: f32, moves: &[Move]) -> Vec2 {
 const CARRIED: f32 = 0.05;
 
 /// Whether a place shows the table.
-fn is_bare([x, y]: Vec2, scene: &Scene) -> bool {
-    let (x, y) = ((x + 0.5) as i32, (y + 0.5) as i32);
-    !scene.mask.get(x, y) && !scene.occluder.get(x, y)
+fn is_bare(at: Vec2, scene: &Scene) -> bool {
+    !scene.mask.has(at) && !scene.occluder.has(at)
 }
 
 #[cfg(test)]

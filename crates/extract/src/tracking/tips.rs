@@ -181,7 +181,7 @@ fn extend(
         let to_tip_px = tip_px * (1.0 - k as f32 / steps as f32);
         let [x, y] = vec2::sub(known(to_tip_px), known(tip_px));
         let at = vec2::add(anchor, [cos * x - sin * y, sin * x + cos * y]);
-        if is_rope(at, mask) || is_rope(at, occluder) {
+        if mask.has(at) || occluder.has(at) {
             (bare, good) = (0, k);
         } else {
             bare += 1;
@@ -226,7 +226,7 @@ fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
     let out = vec2::unit_or(vec2::sub(tip, inner), [1.0, 0.0]);
     AROUND.iter().all(|&(cos, sin)| {
         let way = [cos * out[0] - sin * out[1], sin * out[0] + cos * out[1]];
-        !is_rope(vec2::along(tip, way, BEYOND_WIDTHS * width_px), mask)
+        !mask.has(vec2::along(tip, way, BEYOND_WIDTHS * width_px))
     })
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane
     let back = ((rope.width_px / step_px) as usize).clamp(1, n / 4);
     let free = [[0, back], [n - 1, n - 1 - back]].map(|ends| {
         let [tip, inner] = ends.map(|i| line.samples[i].at);
-        is_free(tip, inner, rope.width_px, mask) && !is_rope(tip, occluder)
+        is_free(tip, inner, rope.width_px, mask) && !occluder.has(tip)
     });
     let count = ((length_px - rope.usual_px) / step_px).round() as usize;
     match free {
@@ -261,10 +261,6 @@ pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane
         [false, true] => drop(line.samples.drain(..count.min(n / 4))),
         _ => {}
     }
-}
-
-fn is_rope([x, y]: Vec2, mask: &BitPlane) -> bool {
-    mask.get((x + 0.5) as i32, (y + 0.5) as i32)
 }
 
 #[cfg(test)]

@@ -7,11 +7,11 @@ use crate::graph::pairing::bending;
 use crate::image::color;
 use crate::occlusion::ends::Scenery;
 use crate::occlusion::way::{cubic, share};
-use crate::vec2::{self, Vec2};
+use crate::vec2;
 
 /// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
 const AHEAD: f32 = 0.56;
-/// What is cut off from an end that is none, in widths, and the share of its line: there it is drawn under the other strand.
+/// A line bends where it runs under another strand: so much of its end is cut off, in widths, and at most this share of the line.
 const FRAYED: (f32, f32) = (0.4, 0.33);
 /// The widest gap, in widths, under strands that run along; and the most bending in it (a turn by 145°).
 const WIDEST: f32 = 7.9;
@@ -33,10 +33,9 @@ impl Bridger {
         (mask, width_px): (&BitPlane, f32),
     ) -> usize {
         self.gaps.clear();
-        let is_mask = |at: Vec2| mask.get((at[0] + 0.5) as i32, (at[1] + 0.5) as i32);
         for line in lines.iter_mut().filter(|line| !line.closed) {
             for last in [false, true] {
-                fray(line, last, width_px, is_mask);
+                fray(line, last, width_px, mask);
             }
         }
         self.list_ends(lines, colors, scenery);
@@ -51,7 +50,7 @@ impl Bridger {
                 }
                 let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
                 let way = cubic([a.at, a.out], [b.at, b.out]);
-                if bend <= MOST_BENT && share(way, is_mask) >= WITHIN {
+                if bend <= MOST_BENT && share(way, |at| mask.has(at)) >= WITHIN {
                     self.candidates.push(Candidate {
                         cost: bend / TURNED + chord_px / (FAR * width_px),
                         ends: [i, j],
@@ -74,9 +73,9 @@ impl Bridger {
 }
 
 /// Cuts a line back at an end before which the mask goes on.
-fn fray(line: &mut Line, last: bool, width_px: f32, is_mask: impl Fn(Vec2) -> bool) {
+fn fray(line: &mut Line, last: bool, width_px: f32, mask: &BitPlane) {
     let count = line.samples.len();
-    if count < 2 || !goes_on(line, last, AHEAD * width_px, is_mask) {
+    if count < 2 || !mask.has(line.ahead(last, AHEAD * width_px)) {
         return;
     }
     let step_px = (line.length_px() / (count - 1) as f32).max(0.1);
@@ -85,19 +84,4 @@ fn fray(line: &mut Line, last: bool, width_px: f32, is_mask: impl Fn(Vec2) -> bo
         true => line.samples.truncate(count - off),
         false => drop(line.samples.drain(..off)),
     }
-}
-
-/// Whether something lies so far ahead of a line's end.
-pub(crate) fn goes_on(
-    line: &Line,
-    last: bool,
-    ahead_px: f32,
-    is_there: impl Fn(Vec2) -> bool,
-) -> bool {
-    let count = line.samples.len();
-    let step_px = (line.length_px() / (count - 1) as f32).max(0.1);
-    let back = ((ahead_px / step_px) as usize).clamp(1, count - 1);
-    let at = |k: usize| line.samples[if last { count - 1 - k } else { k }].at;
-    let out = vec2::unit_or(vec2::sub(at(0), at(back)), [1.0, 0.0]);
-    is_there(vec2::along(at(0), out, ahead_px))
 }
