@@ -386,10 +386,14 @@ impl Extractor {
         let is_of_mask = self.options.method == Method::Skeleton;
         (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
         self.zones.find(image, &self.graph, &self.skeleton);
-        self.overlaps
-            .join(image, &self.graph, &self.skeleton, &mut self.zones);
+        // Strands that were told apart lie neither beside nor on each other any more.
+        if cut.is_none() {
+            self.overlaps
+                .join(image, &self.graph, &self.skeleton, &mut self.zones);
+        }
         // What the network finds may be other things, too.
-        let of_ropes = (!self.masker.is_sought).then_some(&self.masker.mask);
+        let is_of_ropes = cut.is_none() && !self.masker.is_sought;
+        let of_ropes = is_of_ropes.then_some(&self.masker.mask);
         (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
         after(Step::Graph);
         let laid = self.lay_lines(image);

@@ -13,10 +13,10 @@ const AHEAD: f32 = 1.0;
 /// Narrower ropes show no seams.
 const NARROWEST_PX: f32 = 6.0;
 /// From what it lacks on a reading is doubted; and by how much less another one must lack to be taken.
-const DOUBTED: f32 = 0.3;
+const DOUBTED: f32 = 0.5;
 const BETTER: f32 = 0.25;
 /// And what it may lack at most, and by which factor its ropes may be shorter: one far darker than the others is a seam all over.
-const MOST: f32 = 0.75;
+const MOST: f32 = 1.25;
 const SHORTER: f32 = 0.9;
 
 impl Extractor {

@@ -46,10 +46,9 @@ const INTO: (f32, usize) = (1.5, 6);
 
 /// How many widths apart two ends are at least between which a known rope is found to be two; and the most of its way there that shows
 /// anything but the bare table.
-const TORN: (f32, f32) = (3.0, 0.25);
-/// How many times as long as it was for long such a rope is at least, or else what is seen of it.
-const TOO_LONG: f32 = 1.2;
-const ALL_SEEN: f32 = 0.97;
+const TORN: (f32, f32) = (3.0, 0.5);
+/// How many times as long as it was for long such a rope would be at least, straight from the one end to the other.
+const TOO_LONG: f32 = 1.02;
 
 /// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
 /// much any other has.
@@ -222,8 +221,8 @@ impl Bridger {
         }
     }
 
-    /// Leaves ways out along which a rope was known, where the bare table is seen there and the rope is far longer than it was for long, or
-    /// its pieces are as long as all of it was.
+    /// Leaves ways out along which a rope was known, where the bare table is seen there and the rope would be longer than it was for long:
+    /// what is seen of it leaves too little for the way.
     fn tear(&mut self, lines: &[Line], scenery: &Scenery) {
         // A mask that is of ropes alone says nothing of what lies on them.
         if scenery.elsewhere.is_some() || scenery.picked.is_some() {
@@ -240,11 +239,10 @@ impl Bridger {
                 let number = way[0].rope;
                 let rope = &scenery.past.ropes()[number as usize];
                 let way = Some((way, scenery.past));
-                let lacks_nothing = rope.length_px > TOO_LONG * rope.usual_px
-                    || seen_px(number) > ALL_SEEN * rope.usual_px;
+                let chord_px = vec2::distance(a.at, b.at);
                 !a.leaves
-                    && lacks_nothing
-                    && vec2::distance(a.at, b.at) > TORN.0 * a.width_px
+                    && seen_px(number) + chord_px > TOO_LONG * rope.usual_px
+                    && chord_px > TORN.0 * a.width_px
                     && shown(a.at, b.at, scenery) < TORN.1
                     && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < TORN.1
             });
