@@ -429,8 +429,8 @@ impl Extractor {
         self.points(image, joined);
         // Where no strands meet, a line is all that there is; and what is far wider is no rope.
         if (cut.is_some() || self.zones.has_meeting()) && !self.has_wide {
-            let lines = &self.lines[..self.count];
-            self.remainder.find(&self.masker.mask, lines);
+            let (lines, width_px) = (&self.lines[..self.count], self.widest_px());
+            self.remainder.find(&self.masker.mask, lines, width_px);
         } else {
             self.remainder.clear();
         }

@@ -42,12 +42,10 @@ impl Remainder {
         self.squares = 0.0;
     }
 
-    /// Finds what `lines` leave of `mask`.
-    pub(crate) fn find(&mut self, mask: &BitPlane, lines: &[Line]) {
+    /// Finds what `lines`, of ropes up to so wide, leave of `mask`.
+    pub(crate) fn find(&mut self, mask: &BitPlane, lines: &[Line], width_px: f32) {
         self.clear();
-        let middle = |line: &Line| line.samples.get(line.samples.len() / 2).copied();
-        let widths = lines.iter().filter_map(middle).map(|s| s.width_px);
-        let width_px = widths.fold(1.0, f32::max);
+        let width_px = width_px.max(1.0);
         let own_px = OWN.0 * width_px + OWN.1;
         self.left.copy_from(mask);
         for at in lines.iter().flat_map(|line| apart(line, STEP * width_px)) {
@@ -90,21 +88,21 @@ impl Remainder {
     fn is_beside(&self, curve: &Curve) -> bool {
         let reach_px = OWN.0 * curve.width_px + OWN.1 + BESIDE_PX;
         let step_px = (STEP * curve.width_px).max(1.0);
-        let places = curve.points.windows(2).flat_map(|piece| {
+        let mut places = curve.points.windows(2).flat_map(|piece| {
             let way = vec2::sub(piece[1], piece[0]);
             let count = libm::ceilf(vec2::norm(way) / step_px).max(1.0) as usize;
             (0..=count).map(move |k| vec2::along(piece[0], way, k as f32 / count as f32))
         });
-        let mut any = false;
-        for at in places {
+        places.any(|at| {
+            let mut any = false;
             for_each_run(at, reach_px, &self.left, |y, from, to| {
                 any |= (from..to).step_by(64).any(|x| {
                     let bits = self.left.bits_from(x as i32, y as i32);
                     bits << (64 - (to - x).min(64)) != 0
                 });
             });
-        }
-        any
+            any
+        })
     }
 }
 
@@ -185,7 +183,7 @@ mod tests {
     fn sure(mask: &BitPlane) -> f32 {
         let (line, curve) = told();
         let mut remainder = Remainder::default();
-        remainder.find(mask, &[line]);
+        remainder.find(mask, &[line], curve.width_px);
         remainder.sure_of(&curve)
     }
 
@@ -219,7 +217,7 @@ mod tests {
         second.samples.iter_mut().for_each(|s| s.at[1] = 100.0);
         far.points.iter_mut().for_each(|point| point[1] = 100.0);
         let mut remainder = Remainder::default();
-        remainder.find(&mask, &[line, second]);
+        remainder.find(&mask, &[line, second], 2.0 * HALF_PX);
         assert!(remainder.sure_of(&curve) < 0.8);
         assert_eq!(remainder.sure_of(&far), 1.0);
     }

@@ -27,8 +27,7 @@ impl Extractor {
         if !is_open || self.masker.is_sought || self.options.method != Method::Skeleton {
             return;
         }
-        let curves = self.curves[..self.count].iter();
-        let width_px = curves.map(|curve| curve.width_px).fold(0.0, f32::max);
+        let width_px = self.widest_px();
         if width_px < NARROWEST_PX {
             return;
         }
@@ -44,6 +43,12 @@ impl Extractor {
         if self.has_wide || !is_better || self.length_px() < SHORTER * length_px {
             self.trace(image, after);
         }
+    }
+
+    /// How wide the widest of this image's curves is.
+    pub(super) fn widest_px(&self) -> f32 {
+        let curves = self.curves[..self.count].iter();
+        curves.map(|curve| curve.width_px).fold(0.0, f32::max)
     }
 
     /// How long this image's lines are together.
