@@ -70,11 +70,6 @@ impl Remainder {
         self.squares = self.left.count() as f32 / (width_px * width_px);
     }
 
-    /// What is left.
-    pub(crate) fn left(&self) -> &BitPlane {
-        &self.left
-    }
-
     /// How many squares of the ropes' width are left.
     pub(crate) fn squares(&self) -> f32 {
         self.squares

@@ -15,10 +15,9 @@ const NARROWEST_PX: f32 = 6.0;
 /// From what it lacks on a reading is doubted, and what another one may lack at most to be taken.
 const DOUBTED: f32 = 0.5;
 const MOST: f32 = 1.25;
-/// How much the sharpest bend weighs beside what is lacking, as width by radius (a rope has no kinks), and by how much less of both
-/// another reading must have.
+/// By how much less another one must lack, and how much the sharpest bend, as width by radius, weighs beside that: a rope has no kinks.
+const BETTER: f32 = 0.25;
 const KINK: f32 = 2.0;
-const BETTER: f32 = 0.1;
 /// And by which factor its ropes may be shorter: one far darker than the others is a seam all over.
 const SHORTER: f32 = 0.9;
 /// How far the light bends upward in a seam, in standard deviations of the ropes' light, in one reading after the other: the sharper a
@@ -65,7 +64,8 @@ impl Extractor {
             self.trace_cut(image, (width_px, bent), after);
             last = Some(bent);
             let doubt = self.doubt_of(width_px);
-            let is_better = doubt.lacking <= MOST && doubt.all() <= least.all() - BETTER;
+            let most = f32::min(least.lacking - BETTER, MOST);
+            let is_better = doubt.lacking <= most && doubt.all() < least.all();
             if is_better && !self.has_wide && self.length_px() >= least_px {
                 (least, best) = (doubt, last);
             }
@@ -146,10 +146,7 @@ impl Extractor {
         };
         let (lines, colors) = (&mut self.lines[..count], &mut self.colors[..]);
         let mask = (&self.masker.whole.1, width_px);
-        self.bridger.join_under(lines, colors, &scenery, mask);
-        self.remainder.find(mask.0, lines, width_px);
-        let left = self.remainder.left();
-        let joined = self.bridger.run_on(lines, colors, mask, left);
+        let joined = self.bridger.join_under(lines, colors, &scenery, mask);
         self.masker.uncut();
         for line in &mut self.lines[..joined] {
             let difference = &self.masker.difference;
