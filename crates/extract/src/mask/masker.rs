@@ -425,13 +425,12 @@ impl Masker {
         self.clean_or_empty();
     }
 
-    /// Cuts the mask of `image` at the seams between its strands, which are about so wide, and the difference too; in a seam the light
-    /// bends upward by so many standard deviations.
-    pub(crate) fn cut_seams(&mut self, image: &Image, width_px: f32, bent: f32) {
+    /// Cuts the mask of `image` at the seams between its strands, which are about so wide, and the difference too.
+    pub(crate) fn cut_seams(&mut self, image: &Image, width_px: f32) {
         let (difference, mask) = &mut self.whole;
         difference.copy_from(&self.difference);
         mask.copy_from(&self.mask);
-        self.seams.find(image, &self.mask, width_px, bent);
+        self.seams.find(image, &self.mask, width_px);
         for y in 0..self.mask.height() {
             let words = self.mask.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
             words.for_each(|(word, &seam)| *word &= !seam);

@@ -14,6 +14,8 @@ use crate::image::{Image, PixelFormat, color};
 /// seams are no finer.
 const SMOOTHED: f32 = 0.21;
 const MOST_PX: f32 = 4.0;
+/// How far the light bends upward in a seam, in standard deviations of the ropes' light.
+const BENT: f32 = 0.17;
 /// Standard deviations that are smoothed over, to either side.
 const REACH: f32 = 3.0;
 
@@ -46,9 +48,8 @@ impl Seams {
         self.plane.resize(width, height);
     }
 
-    /// Finds the seams of `mask`, whose ropes are about so wide in `image`: where the light bends upward by `bent`, in standard
-    /// deviations of the ropes' light.
-    pub(crate) fn find(&mut self, image: &Image, mask: &BitPlane, width_px: f32, bent: f32) {
+    /// Finds the seams of `mask`, whose ropes are about so wide in `image`.
+    pub(crate) fn find(&mut self, image: &Image, mask: &BitPlane, width_px: f32) {
         self.plane.resize(mask.width(), mask.height());
         let Some([columns, rows]) = mask.bounds() else {
             return;
@@ -70,7 +71,7 @@ impl Seams {
             taps: &self.taps,
             width,
         });
-        let least = bent * deviation / (deviation_px * deviation_px);
+        let least = BENT * deviation / (deviation_px * deviation_px);
         self.is_bent.resize(columns.len(), false);
         for (k, y) in rows.enumerate() {
             Arch::new().dispatch(Bend {
@@ -242,7 +243,7 @@ mod tests {
         let (mask, pixels) = bars(width_px, middles);
         let image = Image::new(&pixels, SIZE[0], SIZE[1], SIZE[0], PixelFormat::Gray8);
         let mut seams = Seams::default();
-        seams.find(&image.expect("a picture"), &mask, width_px, 0.17);
+        seams.find(&image.expect("a picture"), &mask, width_px);
         seams.plane
     }
 
