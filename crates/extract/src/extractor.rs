@@ -3,6 +3,7 @@
 mod doubts;
 mod lines;
 mod meant;
+mod readings;
 mod rehearse;
 mod seams;
 mod seek;
@@ -39,6 +40,7 @@ use crate::tracking::strays::Strays;
 use crate::tracking::track::{Look, Tracker};
 use lariat_network::Network;
 use meant::Meant;
+use readings::Reading;
 use seek::Answer;
 use std::sync::Arc;
 
@@ -124,6 +126,8 @@ pub struct Extractor {
     answer: Answer,
     /// Whether the curves are those of a mask that was cut at its seams.
     is_parted: bool,
+    /// The best reading of this image so far, or that of the one before, while another one is tried.
+    kept: Reading,
     meant: Meant,
 }
 
@@ -176,6 +180,7 @@ impl Extractor {
             followed: false,
             answer: Answer::default(),
             is_parted: false,
+            kept: Reading::default(),
             meant: Meant::default(),
         })
     }
@@ -546,6 +551,8 @@ impl Extractor {
             skeleton: &self.skeleton,
         };
         self.refitter.rehearse(lines, samples, &scene);
+        let rooms = [MOST_PIECES, self.strands.walker.found.capacity()];
+        self.kept.reserve([width, height], &self.curves, rooms);
     }
 
     /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first

@@ -117,6 +117,19 @@ impl Line {
         vec2::along(at(0), out, by_px)
     }
 
+    /// The sharpest bend, as 1 / radius, over so many pixels to either side of a place that `is_seen`.
+    pub(crate) fn sharpest(&self, reach_px: f32, is_seen: impl Fn(Vec2) -> bool) -> f32 {
+        let count = self.samples.len();
+        let step_px = (self.length_px() / (count.max(2) - 1) as f32).max(0.1);
+        let reach = ((reach_px / step_px) as usize).max(1);
+        let places = (reach..count.saturating_sub(reach)).filter(|&i| is_seen(self.samples[i].at));
+        let bends = places.map(|i| {
+            let [before, at, behind] = [i - reach, i, i + reach].map(|i| self.samples[i].at);
+            vec2::angle(vec2::sub(at, before), vec2::sub(behind, at)).abs()
+        });
+        bends.fold(0.0, f32::max) / (reach as f32 * step_px)
+    }
+
     /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
     /// middle or, near an end, where it lies.
     #[inline(always)]

@@ -425,12 +425,18 @@ impl Masker {
         self.clean_or_empty();
     }
 
-    /// Cuts the mask of `image` at the seams between its strands, which are about so wide, and the difference too.
-    pub(crate) fn cut_seams(&mut self, image: &Image, width_px: f32) {
+    /// Looks for what lies between the strands of the mask of `image`, which are about so wide.
+    pub(crate) fn see_seams(&mut self, image: &Image, width_px: f32) {
         let (difference, mask) = &mut self.whole;
         difference.copy_from(&self.difference);
         mask.copy_from(&self.mask);
-        self.seams.find(image, &self.mask, width_px);
+        self.seams.smooth(image, &self.mask, width_px);
+    }
+
+    /// Cuts the mask whose [seams were looked for](Self::see_seams), and the difference too, where the light bends upward by `bent`, in
+    /// standard deviations of the ropes' light.
+    pub(crate) fn cut_seams(&mut self, width_px: f32, bent: f32) {
+        self.seams.find(&self.mask, bent);
         for y in 0..self.mask.height() {
             let words = self.mask.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
             words.for_each(|(word, &seam)| *word &= !seam);

@@ -14,8 +14,6 @@ use crate::image::{Image, PixelFormat, color};
 /// seams are no finer.
 const SMOOTHED: f32 = 0.21;
 const MOST_PX: f32 = 4.0;
-/// How far the light bends upward in a seam, in standard deviations of the ropes' light.
-const BENT: f32 = 0.17;
 /// Standard deviations that are smoothed over, to either side.
 const REACH: f32 = 3.0;
 
@@ -32,6 +30,11 @@ pub(crate) struct Seams {
     row: Vec<u32>,
     is_bent: Vec<bool>,
     taps: Vec<f32>,
+    /// Where in `light` the mask's rectangle lies: pixels to its every side, and the length of a row.
+    pad: usize,
+    width: usize,
+    /// A bend that is as deep as the ropes' light deviates, per square pixel.
+    unit: f32,
     /// The pixels of the mask that are a seam's.
     pub(crate) plane: BitPlane,
 }
@@ -48,9 +51,8 @@ impl Seams {
         self.plane.resize(width, height);
     }
 
-    /// Finds the seams of `mask`, whose ropes are about so wide in `image`.
-    pub(crate) fn find(&mut self, image: &Image, mask: &BitPlane, width_px: f32) {
-        self.plane.resize(mask.width(), mask.height());
+    /// Smooths the light of `mask`, whose ropes are about so wide in `image`.
+    pub(crate) fn smooth(&mut self, image: &Image, mask: &BitPlane, width_px: f32) {
         let Some([columns, rows]) = mask.bounds() else {
             return;
         };
@@ -71,14 +73,25 @@ impl Seams {
             taps: &self.taps,
             width,
         });
-        let least = BENT * deviation / (deviation_px * deviation_px);
+        (self.pad, self.width) = (pad, width);
+        self.unit = deviation / (deviation_px * deviation_px);
+    }
+
+    /// Finds the seams of the mask whose light was [smoothed](Self::smooth): where it bends upward by `bent`, in standard deviations of
+    /// the ropes' light.
+    pub(crate) fn find(&mut self, mask: &BitPlane, bent: f32) {
+        self.plane.resize(mask.width(), mask.height());
+        let Some([columns, rows]) = mask.bounds() else {
+            return;
+        };
+        let (pad, width) = (self.pad, self.width);
         self.is_bent.resize(columns.len(), false);
         for (k, y) in rows.enumerate() {
             Arch::new().dispatch(Bend {
                 above: &self.light[(k + pad - 1) * width + pad - 1..][..columns.len() + 2],
                 here: &self.light[(k + pad) * width + pad - 1..][..columns.len() + 2],
                 below: &self.light[(k + pad + 1) * width + pad - 1..][..columns.len() + 2],
-                least,
+                least: bent * self.unit,
                 is_bent: &mut self.is_bent,
             });
             let bent = self.is_bent.iter().zip(columns.clone());
@@ -243,7 +256,8 @@ mod tests {
         let (mask, pixels) = bars(width_px, middles);
         let image = Image::new(&pixels, SIZE[0], SIZE[1], SIZE[0], PixelFormat::Gray8);
         let mut seams = Seams::default();
-        seams.find(&image.expect("a picture"), &mask, width_px);
+        seams.smooth(&image.expect("a picture"), &mask, width_px);
+        seams.find(&mask, 0.17);
         seams.plane
     }
 

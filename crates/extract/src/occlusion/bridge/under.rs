@@ -2,12 +2,12 @@
 
 use super::{Bridger, Candidate};
 use crate::bitmap::bits::BitPlane;
-use crate::centerline::line::Line;
+use crate::centerline::line::{Line, Sample};
 use crate::graph::pairing::bending;
 use crate::image::color;
 use crate::occlusion::ends::Scenery;
 use crate::occlusion::way::{cubic, share};
-use crate::vec2;
+use crate::vec2::{self, Vec2};
 
 /// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
 const AHEAD: f32 = 0.56;
@@ -21,10 +21,12 @@ const WITHIN: f32 = 0.7;
 /// The gap that costs as much as a turn by 57°, in widths.
 const FAR: f32 = 3.4;
 const TURNED: f32 = 0.25;
+/// So many widths more a rope has that ends under a strand: what was cut off, and to the middle of the strand.
+const HIDDEN: f32 = 0.8;
 
 impl Bridger {
     /// Joins those of `lines`, of these mean colors, that pass under others in `mask`, the whole of it, whose ropes are so wide. The
-    /// straightest and nearest first. Returns how many lines are left, sorted by length.
+    /// straightest and nearest first. What is joined to nothing ends under the strand. Returns how many lines are left, sorted by length.
     pub(crate) fn join_under(
         &mut self,
         lines: &mut [Line],
@@ -68,7 +70,34 @@ impl Bridger {
                 self.bridge(&candidate, lines, scenery);
             }
         }
+        for end in self.ends.iter().filter(|end| !end.used && !end.leaves) {
+            let line = &mut lines[end.line];
+            let is_one = line.samples.len() >= 2 && !line.closed;
+            if is_one && mask.has(line.ahead(end.last, AHEAD * width_px)) {
+                let under = vec2::along(end.at, end.out, HIDDEN * width_px);
+                lay_on(line, end.last, under);
+            }
+        }
         self.sort(lines, colors)
+    }
+}
+
+/// Lays a line of two samples or more on from one of its ends, straight to a place.
+fn lay_on(line: &mut Line, last: bool, to: Vec2) {
+    let count = line.samples.len();
+    let step_px = (line.length_px() / (count - 1) as f32).max(0.3);
+    if !last {
+        line.samples.reverse();
+    }
+    let from = line.samples[count - 1];
+    let way = vec2::sub(to, from.at);
+    let more = (vec2::norm(way) / step_px) as usize;
+    line.samples.extend((1..=more).map(|k| Sample {
+        at: vec2::along(from.at, way, k as f32 / more as f32),
+        ..from
+    }));
+    if !last {
+        line.samples.reverse();
     }
 }
 

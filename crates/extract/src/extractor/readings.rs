@@ -1,0 +1,191 @@
+//! Further readings of strands that lie on each other: the mask hides what the picture shows, the seams between them.
+
+use std::mem::swap;
+
+use super::{Extractor, Step};
+use crate::confidence::remainder::Remainder;
+use crate::graph::walk::Found;
+use crate::image::Image;
+use crate::options::Method;
+use crate::scene::Curve;
+use crate::tracking::track::Look;
+use crate::vec2;
+
+/// What a reading lacks: squares of the ropes' width that no line runs through, or that a line has beside the mask, and so many for each end
+/// that lies within it.
+const OPEN_END: f32 = 0.5;
+/// How far ahead of it, in widths, the mask must end.
+const AHEAD: f32 = 1.0;
+/// Narrower ropes show no seams.
+const NARROWEST_PX: f32 = 6.0;
+/// From what it lacks on a reading is doubted, and what another one may lack at most to be taken.
+const DOUBTED: f32 = 0.5;
+const MOST: f32 = 1.25;
+/// How much the sharpest bend weighs beside what is lacking, as width by radius (a rope has no kinks), and how far to either side of a
+/// place a bend is measured, in widths.
+const KINK: f32 = 2.0;
+const BEND_REACH: f32 = 0.75;
+/// By how much less must speak against another reading.
+const BETTER: f32 = 0.1;
+/// And by which factor its ropes may be shorter: one far darker than the others is a seam all over.
+const SHORTER: f32 = 0.9;
+/// Curves that lie nowhere farther apart, in widths, are the same, and those of the mask that was cut less are drawn finer. And where the
+/// ropes are known, whose tips are mended by that.
+const SAME: (f32, f32) = (1.0, 0.3);
+/// How far the light bends upward in a seam, in standard deviations of the ropes' light, in one reading after the other: the sharper a
+/// shadow is asked for, the fewer seams there are, and all of them true.
+const BENT: [f32; 3] = [0.17, 0.12, 0.25];
+
+/// What a reading tells: one is kept while another is tried.
+#[derive(Debug, Default)]
+pub(super) struct Reading {
+    curves: Vec<Curve>,
+    count: usize,
+    looks: Vec<Look>,
+    found: Vec<Found>,
+    is_overruled: bool,
+    remainder: Remainder,
+    has_wide: bool,
+    is_crowded: bool,
+    is_parted: bool,
+}
+
+/// What speaks against a reading.
+#[derive(Clone, Copy, Debug)]
+struct Doubt {
+    lacking: f32,
+    /// The sharpest bend of its lines, as width by radius.
+    kink: f32,
+}
+
+impl Doubt {
+    fn all(self) -> f32 {
+        self.lacking + KINK * self.kink
+    }
+}
+
+impl Reading {
+    /// Makes room for a reading of a picture of this size that tells as many curves as these and may find as many strands.
+    pub(super) fn reserve(
+        &mut self,
+        [width, height]: [usize; 2],
+        curves: &[Curve],
+        [looks, found]: [usize; 2],
+    ) {
+        self.curves.clear();
+        self.curves.extend_from_slice(curves);
+        self.looks.reserve(looks);
+        self.found.reserve(found);
+        self.remainder.reserve(width, height);
+    }
+}
+
+impl Extractor {
+    /// The steps from the mask to this image's own curves. As long as the best reading leaves out some of it, it is read once more, cut
+    /// at its seams.
+    pub(super) fn read(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+        self.trace(image, after);
+        let is_open = self.zones.has_meeting() && !self.has_wide && !self.occluder.any();
+        if !is_open || self.masker.is_sought || self.options.method != Method::Skeleton {
+            return;
+        }
+        let width_px = self.widest_px();
+        if width_px < NARROWEST_PX {
+            return;
+        }
+        let least_px = SHORTER * self.length_px();
+        let mut least = self.doubt_of(width_px);
+        for (k, bent) in BENT.into_iter().enumerate() {
+            if least.lacking < DOUBTED {
+                break;
+            }
+            if k == 0 {
+                self.masker.see_seams(image, width_px);
+            }
+            self.swap_readings();
+            self.masker.cut_seams(width_px, bent);
+            self.trace_mask(image, Some(width_px), after);
+            let doubt = self.doubt_of(width_px);
+            let is_better = doubt.lacking <= MOST && doubt.all() <= least.all() - BETTER;
+            let is_whole = !self.has_wide && self.length_px() >= least_px;
+            if is_better && is_whole && !self.tells_the_same(width_px) {
+                least = doubt;
+            } else {
+                self.swap_readings();
+            }
+        }
+    }
+
+    /// Keeps this reading, and tells the one that was kept.
+    fn swap_readings(&mut self) {
+        let (walker, kept) = (&mut self.strands.walker, &mut self.kept);
+        swap(&mut self.curves, &mut kept.curves);
+        swap(&mut self.count, &mut kept.count);
+        swap(&mut self.looks, &mut kept.looks);
+        swap(&mut walker.found, &mut kept.found);
+        swap(&mut walker.is_overruled, &mut kept.is_overruled);
+        swap(&mut self.remainder, &mut kept.remainder);
+        swap(&mut self.has_wide, &mut kept.has_wide);
+        swap(&mut self.is_crowded, &mut kept.is_crowded);
+        swap(&mut self.is_parted, &mut kept.is_parted);
+    }
+
+    /// Whether this reading tells the same ropes as the one that is kept.
+    fn tells_the_same(&self, width_px: f32) -> bool {
+        let is_known = self.zones.past.widest_half_px().is_some();
+        let far_px = width_px * if is_known { SAME.1 } else { SAME.0 };
+        let kept = &self.kept.curves[..self.kept.count];
+        let are_near = |(a, b): (&[f32; 2], &[f32; 2])| vec2::distance(*a, *b) < far_px;
+        let is_kept = |curve: &Curve| {
+            kept.iter().any(|other| {
+                let (points, others) = (&curve.points, &other.points);
+                let is_along = points.iter().zip(others).all(are_near);
+                is_along || points.iter().zip(others.iter().rev()).all(are_near)
+            })
+        };
+        kept.len() == self.count && self.curves[..self.count].iter().all(is_kept)
+    }
+
+    fn doubt_of(&self, width_px: f32) -> Doubt {
+        let reach_px = BEND_REACH * width_px;
+        let mask = &self.masker.mask;
+        let lines = self.lines[..self.count].iter();
+        let bends = lines.map(|line| line.sharpest(reach_px, |at| mask.has(at)));
+        Doubt {
+            lacking: self.lacking(width_px),
+            kink: width_px * bends.fold(0.0, f32::max),
+        }
+    }
+
+    /// How wide the widest of this image's curves is.
+    pub(super) fn widest_px(&self) -> f32 {
+        let curves = self.curves[..self.count].iter();
+        curves.map(|curve| curve.width_px).fold(0.0, f32::max)
+    }
+
+    /// How long this image's lines are together.
+    fn length_px(&self) -> f32 {
+        let curves = self.curves[..self.count].iter();
+        curves.map(|curve| curve.length_px).sum()
+    }
+
+    /// What this image's lines lack, and have beside the mask; what lies outside of the picture is beside nothing.
+    fn lacking(&self, width_px: f32) -> f32 {
+        let mask = &self.masker.mask;
+        let (mut open, mut beside) = (0, 0.0);
+        for line in &self.lines[..self.count] {
+            let stray = line.samples.iter().filter(|sample| {
+                let is_in_picture = self.masker.difference.holds(sample.at);
+                is_in_picture && !mask.has(sample.at)
+            });
+            let step_px = line.length_px() / line.samples.len().max(1) as f32;
+            beside += stray.count() as f32 * step_px / width_px;
+            let is_open = |end: usize| {
+                let is_free = !line.closed && !line.border[end];
+                is_free && mask.has(line.ahead(end == 1, AHEAD * width_px))
+            };
+            open += (0..2).filter(|&end| is_open(end)).count();
+        }
+        self.remainder.squares() + OPEN_END * open as f32 + beside
+    }
+}
