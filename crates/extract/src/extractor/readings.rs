@@ -20,13 +20,14 @@ const AHEAD: f32 = 1.0;
 const NARROWEST_PX: f32 = 6.0;
 /// From what it lacks on a reading is doubted, and what another one may lack at most to be taken.
 const DOUBTED: f32 = 0.5;
-const MOST: f32 = 1.25;
+const MOST: f32 = 2.0;
 /// How much the sharpest bend weighs beside what is lacking, as width by radius (a rope has no kinks), and how far to either side of a
 /// place a bend is measured, in widths.
 const KINK: f32 = 2.0;
 const BEND_REACH: f32 = 0.75;
-/// By how much less must speak against another reading.
+/// By how much less must speak against another reading, and for each rope more that it tells: a mask that was cut is in pieces.
 const BETTER: f32 = 0.1;
+const MORE: f32 = 1.0;
 /// And by which factor its ropes may be shorter: one far darker than the others is a seam all over.
 const SHORTER: f32 = 0.9;
 /// Curves that lie nowhere farther apart, in widths, are the same, and those of the mask that was cut less are drawn finer. And where the
@@ -106,7 +107,9 @@ impl Extractor {
             self.masker.cut_seams(width_px, bent);
             self.trace_mask(image, Some(width_px), after);
             let doubt = self.doubt_of(width_px);
-            let is_better = doubt.lacking <= MOST && doubt.all() <= least.all() - BETTER;
+            let more = self.count.saturating_sub(self.kept.count) as f32;
+            let most = least.all() - BETTER - MORE * more;
+            let is_better = doubt.lacking <= MOST && doubt.all() <= most;
             let is_whole = !self.has_wide && self.length_px() >= least_px;
             if is_better && is_whole && !self.tells_the_same(width_px) {
                 least = doubt;
