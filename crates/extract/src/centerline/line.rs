@@ -300,6 +300,17 @@ mod tests {
     }
 
     #[test]
+    fn a_corner_is_the_sharpest_bend_where_it_is_seen() {
+        let mut at: Vec<_> = (0..=40).map(|x| [x as f32, 0.0]).collect();
+        at.extend((1..=40).map(|y| [40.0, y as f32]));
+        let corner = line(&at, false);
+        // A quarter of a turn within ten pixels, as of so wide an arc.
+        let bend = corner.sharpest(10.0, |_| true);
+        assert!((bend - 0.157).abs() < 0.01, "{bend}");
+        assert!(corner.sharpest(10.0, |at| at[0] < 25.0) < 0.001);
+    }
+
+    #[test]
     fn equal_steps_run_from_tip_to_tip() {
         let mut out = Vec::new();
         line(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0], [10.0, 10.0]], false).resample(5, &mut out);

@@ -63,6 +63,33 @@ fn pieces_of_a_strand_under_another_are_one_line() {
     );
 }
 
+#[test]
+fn a_rope_that_is_joined_to_nothing_ends_under_the_strand() {
+    let (mut mask, past, occluder) = (BitPlane::default(), Past::default(), BitPlane::default());
+    mask.resize(400, 200);
+    (0..200).for_each(|y| mask.fill(y, 195, 206, true));
+    (96..104).for_each(|y| mask.fill(y, 100, 206, true));
+    let mut difference = GrayPlane::default();
+    difference.resize(400, 200);
+    let scenery = Scenery {
+        past: &past,
+        difference: &difference,
+        level: 24.0,
+        occluder: &occluder,
+        yuv: false,
+        elsewhere: None,
+        picked: None,
+    };
+    let mut lines = vec![straight([100.0, 100.0], [194.0, 100.0])];
+    let mut bridger = Bridger::default();
+    let count = bridger.join_under(&mut lines, &mut [[90.0; 3]], &scenery, (&mask, 8.0));
+    assert_eq!(count, 1);
+    let ends = [0, lines[0].samples.len() - 1].map(|i| lines[0].samples[i].at[0]);
+    let [free, hidden] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    assert!((99.0..101.0).contains(&free), "{free}");
+    assert!((196.0..206.0).contains(&hidden), "{hidden}");
+}
+
 fn join(lines: &mut [Line], past: &Past, is_hidden: bool) -> (usize, Vec<Gap>) {
     join_under(lines, past, is_hidden, &BitPlane::default())
 }
