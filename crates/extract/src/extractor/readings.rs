@@ -25,6 +25,8 @@ const MOST: f32 = 2.0;
 /// place a bend is measured, in widths.
 const KINK: f32 = 2.0;
 const BEND_REACH: f32 = 0.75;
+/// What is shorter than this share of the longest may be another thing, which has kinks.
+const ROPE: f32 = 0.25;
 /// By how much less must speak against another reading, and for each rope more that it tells: a mask that was cut is in pieces.
 const BETTER: f32 = 0.1;
 const MORE: f32 = 1.0;
@@ -152,8 +154,11 @@ impl Extractor {
     fn doubt_of(&self, width_px: f32) -> Doubt {
         let reach_px = BEND_REACH * width_px;
         let mask = &self.masker.mask;
-        let lines = self.lines[..self.count].iter();
-        let bends = lines.map(|line| line.sharpest(reach_px, |at| mask.has(at)));
+        let curves = self.curves[..self.count].iter();
+        let longest_px = curves.map(|curve| curve.length_px).fold(0.0, f32::max);
+        let ropes = self.curves[..self.count].iter().zip(&self.lines);
+        let ropes = ropes.filter(|(curve, _)| curve.length_px >= ROPE * longest_px);
+        let bends = ropes.map(|(_, line)| line.sharpest(reach_px, |at| mask.has(at)));
         Doubt {
             lacking: self.lacking(width_px),
             kink: width_px * bends.fold(0.0, f32::max),
