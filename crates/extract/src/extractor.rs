@@ -126,7 +126,7 @@ pub struct Extractor {
     answer: Answer,
     /// Whether the curves are those of a mask that was cut at its seams.
     is_parted: bool,
-    /// The best reading of this image so far, or that of the one before, while another one is tried.
+    /// The best reading of this image so far, while another one is tried; memory else.
     kept: Reading,
     meant: Meant,
 }

@@ -32,8 +32,8 @@ const BETTER: f32 = 0.1;
 const MORE: f32 = 1.0;
 /// And by which factor its ropes may be shorter: one far darker than the others is a seam all over.
 const SHORTER: f32 = 0.9;
-/// Curves that lie nowhere farther apart, in widths, are the same, and those of the mask that was cut less are drawn finer. And where the
-/// ropes are known, whose tips are mended by that.
+/// Curves that lie nowhere farther apart, in widths, are the same: those of the mask that is whole have finer tips. And so far apart where
+/// the ropes are known, as a tip is mended by that.
 const SAME: (f32, f32) = (1.0, 0.3);
 /// How far the light bends upward in a seam, in standard deviations of the ropes' light, in one reading after the other: the sharper a
 /// shadow is asked for, the fewer seams there are, and all of them true.
@@ -57,7 +57,7 @@ pub(super) struct Reading {
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
     lacking: f32,
-    /// The sharpest bend of its lines, as width by radius.
+    /// The sharpest bend of its ropes, as width by radius.
     kink: f32,
 }
 
@@ -84,8 +84,8 @@ impl Reading {
 }
 
 impl Extractor {
-    /// The steps from the mask to this image's own curves. As long as the best reading leaves out some of it, it is read once more, cut
-    /// at its seams.
+    /// The steps from the mask to this image's own curves. As long as the best reading is doubted, the mask is read once more, cut at its
+    /// seams.
     pub(super) fn read(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.trace(image, after);
         let is_open = self.zones.has_meeting() && !self.has_wide && !self.occluder.any();
@@ -151,12 +151,13 @@ impl Extractor {
         kept.len() == self.count && self.curves[..self.count].iter().all(is_kept)
     }
 
+    /// What speaks against this reading, whose ropes are about so wide.
     fn doubt_of(&self, width_px: f32) -> Doubt {
         let reach_px = BEND_REACH * width_px;
         let mask = &self.masker.mask;
-        let curves = self.curves[..self.count].iter();
-        let longest_px = curves.map(|curve| curve.length_px).fold(0.0, f32::max);
-        let ropes = self.curves[..self.count].iter().zip(&self.lines);
+        let curves = || self.curves[..self.count].iter();
+        let longest_px = curves().map(|curve| curve.length_px).fold(0.0, f32::max);
+        let ropes = curves().zip(&self.lines);
         let ropes = ropes.filter(|(curve, _)| curve.length_px >= ROPE * longest_px);
         let bends = ropes.map(|(_, line)| line.sharpest(reach_px, |at| mask.has(at)));
         Doubt {

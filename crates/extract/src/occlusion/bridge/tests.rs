@@ -22,6 +22,19 @@ fn straight(from: Vec2, to: Vec2) -> Line {
     }
 }
 
+/// What the ends are judged by, in a mask of the extractor's own.
+fn scenery<'a>(past: &'a Past, difference: &'a GrayPlane, occluder: &'a BitPlane) -> Scenery<'a> {
+    Scenery {
+        past,
+        difference,
+        level: 20.0,
+        occluder,
+        yuv: false,
+        elsewhere: None,
+        picked: None,
+    }
+}
+
 /// A strand over two pieces of another one, and a rope that ends beside them: the pieces are one line.
 #[test]
 fn pieces_of_a_strand_under_another_are_one_line() {
@@ -37,15 +50,7 @@ fn pieces_of_a_strand_under_another_are_one_line() {
     let (past, occluder) = (Past::default(), BitPlane::default());
     let mut difference = GrayPlane::default();
     difference.resize(400, 200);
-    let scenery = Scenery {
-        past: &past,
-        difference: &difference,
-        level: 24.0,
-        occluder: &occluder,
-        yuv: false,
-        elsewhere: None,
-        picked: None,
-    };
+    let scenery = scenery(&past, &difference, &occluder);
     let mut colors = vec![[90.0; 3]; lines.len()];
     let mut bridger = Bridger::default();
     let count = bridger.join_under(&mut lines, &mut colors, &scenery, (&mask, 8.0));
@@ -71,15 +76,7 @@ fn a_rope_that_is_joined_to_nothing_ends_under_the_strand() {
     (96..104).for_each(|y| mask.fill(y, 100, 206, true));
     let mut difference = GrayPlane::default();
     difference.resize(400, 200);
-    let scenery = Scenery {
-        past: &past,
-        difference: &difference,
-        level: 24.0,
-        occluder: &occluder,
-        yuv: false,
-        elsewhere: None,
-        picked: None,
-    };
+    let scenery = scenery(&past, &difference, &occluder);
     let mut lines = vec![straight([100.0, 100.0], [194.0, 100.0])];
     let mut bridger = Bridger::default();
     let count = bridger.join_under(&mut lines, &mut [[90.0; 3]], &scenery, (&mask, 8.0));
@@ -103,15 +100,7 @@ fn join_under(
     let mut difference = GrayPlane::default();
     difference.resize(400, 200);
     (0..200).for_each(|y| difference.row_mut(y).fill(if is_hidden { 90 } else { 0 }));
-    let scenery = Scenery {
-        past,
-        difference: &difference,
-        level: 20.0,
-        occluder,
-        yuv: false,
-        elsewhere: None,
-        picked: None,
-    };
+    let scenery = scenery(past, &difference, occluder);
     let mut colors = vec![[50.0; 3]; lines.len()];
     let mut bridger = Bridger::default();
     let count = bridger.join(lines, &mut colors, &scenery);
@@ -144,15 +133,9 @@ fn pieces_that_run_on_past_each_other_are_one_rope_in_a_mask_that_is_a_guess() {
     (0..200).for_each(|y| difference.row_mut(y).fill(90));
     let image = crate::Image::new(&table, 400, 200, 400, crate::PixelFormat::Gray8);
     let image = image.expect("whole");
-    let mut scenery = Scenery {
-        past: &Past::default(),
-        difference: &difference,
-        level: 20.0,
-        occluder: &BitPlane::default(),
-        yuv: false,
-        elsewhere: Some(&image),
-        picked: None,
-    };
+    let (past, occluder) = (Past::default(), BitPlane::default());
+    let mut scenery = scenery(&past, &difference, &occluder);
+    scenery.elsewhere = Some(&image);
     let count = |aside_px: f32, scenery: &Scenery| {
         let mut lines = [
             straight([20.0, 100.0], [200.0, 100.0]),
