@@ -98,13 +98,11 @@ impl Extractor {
         }
         let least_px = SHORTER * self.length_px();
         let mut least = self.doubt_of(width_px);
-        for (k, bent) in BENT.into_iter().enumerate() {
-            if least.lacking < DOUBTED {
-                break;
-            }
-            if k == 0 {
-                self.masker.see_seams(image, width_px);
-            }
+        if least.lacking < DOUBTED {
+            return;
+        }
+        self.masker.see_seams(image, width_px);
+        for bent in BENT {
             self.swap_readings();
             self.masker.cut_seams(width_px, bent);
             self.trace_mask(image, Some(width_px), after);
@@ -115,13 +113,17 @@ impl Extractor {
             let is_whole = !self.has_wide && self.length_px() >= least_px;
             if is_better && is_whole && !self.tells_the_same(width_px) {
                 least = doubt;
+                if least.lacking < DOUBTED {
+                    return;
+                }
             } else {
                 self.swap_readings();
             }
         }
     }
 
-    /// Keeps this reading, and tells the one that was kept.
+    /// Keeps this reading, and tells the one that was kept. Lines, their colors and gaps stay the last reading's: what comes after asks for
+    /// none of them.
     fn swap_readings(&mut self) {
         let (walker, kept) = (&mut self.strands.walker, &mut self.kept);
         swap(&mut self.curves, &mut kept.curves);

@@ -5,9 +5,9 @@ use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::{Line, Sample};
 use crate::graph::pairing::bending;
 use crate::image::color;
-use crate::occlusion::ends::Scenery;
+use crate::occlusion::ends::{End, Scenery};
 use crate::occlusion::way::{cubic, share};
-use crate::vec2::{self, Vec2};
+use crate::vec2;
 
 /// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
 const AHEAD: f32 = 0.56;
@@ -72,32 +72,27 @@ impl Bridger {
         }
         for end in self.ends.iter().filter(|end| !end.used && !end.leaves) {
             let line = &mut lines[end.line];
-            let is_one = line.samples.len() >= 2 && !line.closed;
-            if is_one && mask.has(line.ahead(end.last, AHEAD * width_px)) {
-                let under = vec2::along(end.at, end.out, HIDDEN * width_px);
-                lay_on(line, end.last, under);
+            if mask.has(line.ahead(end.last, AHEAD * width_px)) {
+                lay_on(line, end, HIDDEN * width_px);
             }
         }
         self.sort(lines, colors)
     }
 }
 
-/// Lays a line of two samples or more on from one of its ends, straight to a place.
-fn lay_on(line: &mut Line, last: bool, to: Vec2) {
+/// Lays a line on from one of its ends, as it points, by so much.
+fn lay_on(line: &mut Line, end: &End, by_px: f32) {
     let count = line.samples.len();
     let step_px = (line.length_px() / (count - 1) as f32).max(0.3);
-    if !last {
-        line.samples.reverse();
-    }
-    let from = line.samples[count - 1];
-    let way = vec2::sub(to, from.at);
-    let more = (vec2::norm(way) / step_px) as usize;
-    line.samples.extend((1..=more).map(|k| Sample {
-        at: vec2::along(from.at, way, k as f32 / more as f32),
+    let more = (by_px / step_px) as usize;
+    let from = line.samples[if end.last { count - 1 } else { 0 }];
+    let beyond = |k: usize| Sample {
+        at: vec2::along(end.at, end.out, by_px * k as f32 / more as f32),
         ..from
-    }));
-    if !last {
-        line.samples.reverse();
+    };
+    match end.last {
+        true => line.samples.extend((1..=more).map(beyond)),
+        false => drop(line.samples.splice(..0, (1..=more).rev().map(beyond))),
     }
 }
 
