@@ -105,7 +105,7 @@ impl Fit {
             let mut matrix = matrix.as_array_mut();
             for j in 0..count {
                 for k in 0..count {
-                    let shared = fit.residual_variance * fit.covariance_factor[j * count + k];
+                    let shared = fit.residual_variance * fit.covariance_factor[(j, k)];
                     for axis in 0..2 {
                         matrix[[2 * j + axis, 2 * k + axis]] = shared;
                     }

@@ -122,7 +122,8 @@ impl Fitter {
     #[getter]
     fn matrix<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let fitter = self.fitter()?;
-        let rows: Vec<Vec<f64>> = fitter.matrix().map(<[f64]>::to_vec).collect();
+        let rows = fitter.matrix().row_iter();
+        let rows: Vec<Vec<f64>> = rows.map(|row| row.iter().copied().collect()).collect();
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 

@@ -109,7 +109,7 @@ fn rope(track: u32) -> Result<Descriptor, Box<dyn std::error::Error>> {
     rope.control_points[..3].copy_from_slice(&[[0.0, 0.0], [50.0, 100.0], [100.0, 0.0]]);
     rope.velocities[..3].fill([10.0, 0.0]);
     for (j, covariance) in rope.covariances[..3].iter_mut().enumerate() {
-        *covariance = [0.25 * factor[4 * j], 0.0, 0.25 * factor[4 * j]];
+        *covariance = [0.25 * factor[(j, j)], 0.0, 0.25 * factor[(j, j)]];
     }
     Ok(rope)
 }

@@ -8,9 +8,11 @@ use crate::factor::Qr;
 use crate::fitter::Residuals;
 use crate::functions::{self, MAX_KNOTS};
 use crate::linear::Linear;
+use crate::matrix::{product, row_by_row};
 use crate::options::{Options, Rho, Weights};
 use crate::system::System;
 use crate::weighted::{Problem, Weighted};
+use faer::MatRef;
 
 pub(crate) struct Adaptive<const D: usize> {
     weighted: Weighted<D>,
@@ -34,16 +36,16 @@ impl<const D: usize> Adaptive<D> {
     pub(crate) fn new(linear: &Linear<D>, options: &Options) -> Self {
         let (points, count) = (linear.b.nrows(), linear.b.ncols());
         let system = System::new(linear.basis, linear.b.clone(), options.ridge, false);
-        let r_inverse = Qr::new(&system.a).inverse_of_r();
-        let ridge = system.penalty.transposed().times(&system.penalty);
+        let r_inverse = Qr::new(system.a.as_ref()).inverse_of_r();
+        let ridge = product(system.penalty.transpose(), system.penalty.as_ref());
         let mut own = [0.0; MAX_KNOTS];
         own[..linear.knots.len()].copy_from_slice(&linear.knots);
         Self {
             weighted: Weighted::new(points, count),
             basis: linear.basis,
-            b: linear.b.row_by_row(),
-            r_inverse: r_inverse.row_by_row(),
-            ridge: (options.ridge > 0.0).then(|| ridge.row_by_row()),
+            b: row_by_row(linear.b.as_ref()),
+            r_inverse: row_by_row(r_inverse.as_ref()),
+            ridge: (options.ridge > 0.0).then(|| row_by_row(ridge.as_ref())),
             rho: (0..points)
                 .map(|i| linear.basis.even_rho(i, points))
                 .collect(),
@@ -133,8 +135,9 @@ impl<const D: usize> Adaptive<D> {
         self.condition
     }
 
-    /// `C` of the last fit, m × m, row by row.
-    pub(crate) fn covariance(&self) -> &[f64] {
-        self.weighted.covariance()
+    /// `C` of the last fit, m × m.
+    pub(crate) fn covariance(&self) -> MatRef<'_, f64> {
+        let count = self.basis.control_points();
+        MatRef::from_row_major_slice(self.weighted.covariance(), count, count)
     }
 }

@@ -15,8 +15,8 @@
 
 use crate::basis::Basis;
 use crate::functions::{self, MAX_KNOTS};
-use crate::matrix::Matrix;
 use crate::options::Solver;
+use faer::Mat;
 
 /// The relative error of the control points that is still no error: a thousandth of a pixel in a picture
 /// of a thousand, two orders below what a centerline is known to.
@@ -57,9 +57,9 @@ pub(crate) fn even_knots(basis: Basis, points: usize) -> Vec<f64> {
 ///
 /// Where it reads the same backwards it does so to the last bit: the mirror image of a centerline has the
 /// mirror image of its descriptor.
-pub(crate) fn matrix(basis: Basis, knots: &[f64], points: usize) -> Matrix {
+pub(crate) fn matrix(basis: Basis, knots: &[f64], points: usize) -> Mat<f64> {
     let count = basis.control_points();
-    let mut b = Matrix::zeros(points, count);
+    let mut b = Mat::zeros(points, count);
     let mut values = vec![0.0; count];
     let mirrored = is_mirrored(basis);
     let rows = if mirrored { points.div_ceil(2) } else { points };

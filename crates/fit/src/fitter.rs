@@ -15,6 +15,7 @@ use crate::rational::RationalFitter;
 use crate::resample::Resampler;
 use crate::spread;
 use crate::tolerance::Tolerance;
+use faer::{Mat, MatRef};
 
 /// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
 /// exact enough to mean something below it.
@@ -41,18 +42,16 @@ pub struct Fit<const D: usize = 2> {
     /// The condition number in the 2-norm of what was solved: how much a relative error of the points can grow
     /// in the control points.
     pub condition: f64,
-    /// `C`, m × m row by row, of the control points' covariance `σ² C ⊗ I`; without ridge, pins or weights it is
-    /// `(BᵀB)⁻¹`.
-    pub covariance_factor: Vec<f64>,
+    /// `C`, m × m, of the control points' covariance `σ² C ⊗ I`; without ridge, pins or weights it is `(BᵀB)⁻¹`.
+    pub covariance_factor: Mat<f64>,
 }
 
 impl<const D: usize> Fit<D> {
     /// The noise gain: the standard deviation of the least certain control point's coordinate, for noise of
     /// standard deviation 1 in the points' coordinates.
     pub fn noise_gain(&self) -> f64 {
-        let m = self.control_points.len();
-        let variances = self.covariance_factor.iter().step_by(m + 1);
-        variances.fold(0.0f64, |most, &c| most.max(c)).sqrt()
+        let variances = (0..self.control_points.len()).map(|j| self.covariance_factor[(j, j)]);
+        variances.fold(0.0, f64::max).sqrt()
     }
 }
 
@@ -132,7 +131,7 @@ impl<const D: usize> Size<D> {
         match linear.basis {
             // Lines between points bend at them: the points themselves are what moves.
             Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
-            _ => CurveSpace::new(&linear.b.row_by_row(), count),
+            _ => CurveSpace::new(linear.b.as_ref()),
         }
     }
 
@@ -366,16 +365,14 @@ impl<const D: usize> Fitter<D> {
                 fit.basis = linear.basis;
                 fit.condition = linear.condition;
                 fit.knots.clone_from(&linear.knots);
-                fit.covariance_factor.clone_from(&linear.covariance);
+                copy(linear.covariance.as_ref(), &mut fit.covariance_factor);
             }
             Way::Adaptive(adaptive) => {
                 fit.basis = linear.basis;
                 fit.condition = adaptive.condition();
                 fit.knots.clear();
                 fit.knots.extend_from_slice(adaptive.knots());
-                fit.covariance_factor.clear();
-                fit.covariance_factor
-                    .extend_from_slice(adaptive.covariance());
+                copy(adaptive.covariance(), &mut fit.covariance_factor);
             }
             Way::Rational(rational) => {
                 let order = linear.basis.order();
@@ -384,9 +381,7 @@ impl<const D: usize> Fitter<D> {
                 } else {
                     Basis::RationalBezier { order }
                 };
-                fit.covariance_factor.clear();
-                fit.covariance_factor
-                    .extend_from_slice(rational.covariance_factor());
+                copy(rational.covariance_factor(), &mut fit.covariance_factor);
             }
         }
     }
@@ -461,8 +456,7 @@ impl<const D: usize> Fitter<D> {
         let variance = if growth > 0.0 { squared / growth } else { 0.0 };
         let count = fit.control_points.len();
         for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
-            let at = j * (count + 1);
-            let share = fit.covariance_factor[at] / linear.covariance[at];
+            let share = fit.covariance_factor[(j, j)] / linear.covariance[(j, j)];
             // A pinned end of many points has neither.
             let share = if share.is_finite() { share } else { 1.0 };
             *covariance = covariance.map(|row| row.map(|c| variance * share * c));
@@ -470,12 +464,20 @@ impl<const D: usize> Fitter<D> {
         variance
     }
 
-    /// The rows of `P`, `N` numbers each, such that row `j` times the points is control point `j`, the same for
-    /// every axis. It is the Jacobian `∂s/∂c̄` of the descriptor by the points, and constant; of the size that
-    /// was last chosen where sizes are.
-    pub fn matrix(&self) -> impl ExactSizeIterator<Item = &[f64]> {
-        self.sizes[self.shown].linear.matrix.columns()
+    /// `P`, m × N, such that `P` times the points are the control points, the same for every axis. It is the Jacobian
+    /// `∂s/∂c̄` of the descriptor with respect to the points, and constant; of the size last chosen where there is a
+    /// choice.
+    pub fn matrix(&self) -> MatRef<'_, f64> {
+        self.sizes[self.shown].linear.matrix.transpose()
     }
+}
+
+/// Copies a matrix, into memory that is kept. Allocates only to grow.
+fn copy(from: MatRef<'_, f64>, to: &mut Mat<f64>) {
+    let (rows, columns) = from.shape();
+    to.truncate(rows.min(to.nrows()), columns.min(to.ncols()));
+    to.resize_with(rows, columns, |_, _| 0.0);
+    to.copy_from(from);
 }
 
 /// Whether every coordinate is one of a place in a picture.

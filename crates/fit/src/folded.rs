@@ -4,8 +4,8 @@
 //! half the control points cost half the multiply-adds of the whole. Other bases are not folded: their points
 //! are all "sums", and there are no differences.
 
-use crate::matrix::Matrix;
 use crate::solve::Halves;
+use faer::MatRef;
 
 /// Points at a time: so many that loops over them are whole pairs of vectors on every machine.
 pub(crate) const BLOCK: usize = 16;
@@ -40,12 +40,23 @@ impl<const D: usize> Points<D> {
     }
 }
 
+/// How the rows of a matrix meet the points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Fold {
+    /// Neither is folded.
+    Whole,
+    /// Both are: half of the work.
+    Mirrored,
+    /// The points are folded, the rows have no symmetry.
+    Apart,
+}
+
 /// A matrix for the sums and one for the differences, a block of columns after the other, each row by row; padded with
 /// zeros to whole blocks.
 pub(crate) struct Rows {
     /// How many rows the matrix has that is not folded.
-    pub(crate) count: usize,
-    pub(crate) folded: bool,
+    count: usize,
+    fold: Fold,
     pub(crate) even: Vec<f64>,
     pub(crate) odd: Vec<f64>,
 }
@@ -53,7 +64,7 @@ pub(crate) struct Rows {
 impl Rows {
     /// Takes `m`, m × N, so that the rows times the points are `p = m c`. Folded, `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎` must hold, and
     /// they are `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎`. A row or point that is its own mirror image counts twice in the sums.
-    pub(crate) fn of_product(m: &Matrix, folded: bool) -> Self {
+    pub(crate) fn of_product(m: MatRef<'_, f64>, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
         }
@@ -68,9 +79,32 @@ impl Rows {
         })
     }
 
+    /// Takes any `m`, m × N, for points that are folded or not.
+    pub(crate) fn of_any(m: MatRef<'_, f64>, folded: bool) -> Self {
+        if !folded {
+            return Self::whole(m);
+        }
+        let (count, points) = m.shape();
+        let value = |row: usize, i: usize, sign: f64| {
+            let value = 0.5 * (m[(row, i)] + sign * m[(row, points - 1 - i)]);
+            if 2 * i + 1 == points {
+                0.5 * value
+            } else {
+                value
+            }
+        };
+        let half = points.div_ceil(2);
+        Self {
+            count,
+            fold: Fold::Apart,
+            even: rows(count, half, |row, i| value(row, i, 1.0)),
+            odd: rows(count, half, |row, i| value(row, i, -1.0)),
+        }
+    }
+
     /// Takes `m`, the transpose of `B`, so that control points times the rows are the points on the curve; folded,
     /// `pⱼ ± p₍ₙ₋ⱼ₎` times the rows are the sums and the differences of mirrored points on the curve.
-    pub(crate) fn of_curve(m: &Matrix, folded: bool) -> Self {
+    pub(crate) fn of_curve(m: MatRef<'_, f64>, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
         }
@@ -85,20 +119,20 @@ impl Rows {
         })
     }
 
-    fn whole(m: &Matrix) -> Self {
+    fn whole(m: MatRef<'_, f64>) -> Self {
         Self {
             count: m.nrows(),
-            folded: false,
+            fold: Fold::Whole,
             even: rows(m.nrows(), m.ncols(), |row, i| m[(row, i)]),
             odd: Vec::new(),
         }
     }
 
-    fn folded(m: &Matrix, value: impl Fn(usize, usize, f64) -> f64) -> Self {
+    fn folded(m: MatRef<'_, f64>, value: impl Fn(usize, usize, f64) -> f64) -> Self {
         let half = m.ncols().div_ceil(2);
         Self {
             count: m.nrows(),
-            folded: true,
+            fold: Fold::Mirrored,
             even: rows(m.nrows().div_ceil(2), half, |row, i| value(row, i, 1.0)),
             odd: rows(m.nrows() / 2, half, |row, i| value(row, i, -1.0)),
         }
@@ -112,9 +146,20 @@ impl Rows {
         odd: &[[f64; D]],
         out: &mut [[f64; D]],
     ) {
-        if !self.folded {
-            out.copy_from_slice(even);
-            return;
+        match self.fold {
+            Fold::Whole => {
+                out.copy_from_slice(even);
+                return;
+            }
+            Fold::Apart => {
+                for (out, (e, o)) in out.iter_mut().zip(even.iter().zip(odd)) {
+                    for axis in 0..D {
+                        out[axis] = e[axis] + o[axis];
+                    }
+                }
+                return;
+            }
+            Fold::Mirrored => {}
         }
         let last = out.len().saturating_sub(1);
         let (pairs, middle) = even.split_at(odd.len());
@@ -140,7 +185,8 @@ impl Rows {
         even: &mut [[f64; D]],
         odd: &mut [[f64; D]],
     ) {
-        if !self.folded {
+        debug_assert!(self.fold != Fold::Apart, "a curve's rows have its symmetry");
+        if self.fold == Fold::Whole {
             for (e, p) in even.iter_mut().zip(control_points) {
                 for axis in 0..D {
                     e[axis] = -p[axis];
@@ -167,10 +213,10 @@ impl<const D: usize> Halves<D> {
     /// As much room as these rows need.
     #[inline(always)]
     pub(crate) fn of(&mut self, rows: &Rows) -> (&mut [[f64; D]], &mut [[f64; D]]) {
-        let (even, odd) = if rows.folded {
-            (rows.count.div_ceil(2), rows.count / 2)
-        } else {
-            (rows.count, 0)
+        let (even, odd) = match rows.fold {
+            Fold::Whole => (rows.count, 0),
+            Fold::Mirrored => (rows.count.div_ceil(2), rows.count / 2),
+            Fold::Apart => (rows.count, rows.count),
         };
         (&mut self.even[..even], &mut self.odd[..odd])
     }

@@ -141,6 +141,7 @@ mod placed;
 mod rational;
 mod resample;
 mod robust;
+mod scalar;
 mod solve;
 mod spread;
 mod system;
@@ -170,3 +171,5 @@ pub use resample::{ResampleError, Resampler};
 pub use spread::Spread;
 pub use tolerance::Tolerance;
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};
+// The matrix type of this interface.
+pub use faer::{Mat, MatRef};

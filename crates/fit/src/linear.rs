@@ -7,10 +7,10 @@ use crate::factor::Qr;
 use crate::fitter::MAX_COORDINATE_PX;
 use crate::folded::{Points, Rows};
 use crate::kernel::{Describe, Fit, Load, Residuals, SquaredResiduals};
-use crate::matrix::Matrix;
 use crate::options::{Options, Solver};
 use crate::solve::{Halves, Solve};
 use crate::system::{self, Estimator, System};
+use faer::Mat;
 
 pub(crate) struct Linear<const D: usize> {
     pub(crate) basis: Basis,
@@ -19,11 +19,11 @@ pub(crate) struct Linear<const D: usize> {
     /// The 2-norm condition number of what is solved: `B`, without the pinned columns, above the ridge's rows.
     pub(crate) condition: f64,
     /// `P` transposed, column-major N × m: its columns are the rows of `P`.
-    pub(crate) matrix: Matrix,
-    /// `C = P Pᵀ`, m × m, row by row.
-    pub(crate) covariance: Vec<f64>,
+    pub(crate) matrix: Mat<f64>,
+    /// `C = P Pᵀ`, m × m.
+    pub(crate) covariance: Mat<f64>,
     /// `B`, N × m.
-    pub(crate) b: Matrix,
+    pub(crate) b: Mat<f64>,
     /// Degrees of freedom of one coordinate's residuals.
     pub(crate) freedom: f64,
     solve: Solve,
@@ -57,7 +57,7 @@ impl<const D: usize> Linear<D> {
         let mirrored = condition::is_mirrored(basis);
         let (p, b, condition, solve, exact) = match system::selection(basis, points) {
             Some(p) => {
-                let solve = Solve::pinv(&p, false);
+                let solve = Solve::pinv(p.as_ref(), false);
                 let b = condition::matrix(basis, &knots, points);
                 (p, b, 1.0, solve, false)
             }
@@ -78,8 +78,8 @@ impl<const D: usize> Linear<D> {
                         // The condition number has been checked, so the factor exists.
                         Solve::cholesky(&system, D, mirrored).ok_or_else(refused)?
                     }
-                    (Solver::Qr, Some(factors)) => Solve::qr(factors, &system, D),
-                    (Solver::Pinv, _) | (_, None) => Solve::pinv(&p, mirrored),
+                    (Solver::Qr, Some(factors)) => Solve::qr(&factors, &system, D, mirrored),
+                    (Solver::Pinv, _) | (_, None) => Solve::pinv(p.as_ref(), mirrored),
                 };
                 let exact = system.offset() == 0 && system.penalty.nrows() == 0;
                 (p, system.b, condition, solve, exact)
@@ -99,11 +99,11 @@ impl<const D: usize> Linear<D> {
                 _ => Vec::new(),
             },
             condition,
-            matrix: p.transposed(),
-            covariance: covariance.row_by_row(),
+            matrix: p.transpose().to_owned(),
+            covariance,
             freedom,
             solve,
-            curve: Rows::of_curve(&b.transposed(), mirrored),
+            curve: Rows::of_curve(b.transpose(), mirrored),
             b,
             halves: Halves::new(count),
         })
@@ -191,7 +191,7 @@ impl Factored {
                 condition: 1.0,
             };
         }
-        let factors = Qr::new(&system.a);
+        let factors = Qr::new(system.a.as_ref());
         Self {
             condition: factors.condition(),
             factors: Some(factors),
@@ -219,9 +219,9 @@ fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
 
 /// `m`, whose rows read backwards are its rows from the last to the first but for rounding, made so exactly:
 /// the mean of itself and its mirror image.
-fn mirrored_mean(m: &Matrix) -> Matrix {
+fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
     let (rows, columns) = (m.nrows(), m.ncols());
-    Matrix::from_fn(rows, columns, |j, i| {
+    Mat::from_fn(rows, columns, |j, i| {
         0.5 * (m[(j, i)] + m[(rows - 1 - j, columns - 1 - i)])
     })
 }

@@ -27,9 +27,9 @@
 //! of the even fit, and each control point's covariance is scaled as that point's own factor in `C` is.
 
 use crate::basis::MAX_CONTROL_POINTS;
-use crate::matrix::Matrix;
 use crate::options::MAX_POINTS;
 use crate::resample::{Resampler, length};
+use faer::Mat;
 
 /// A covariance, or a map's derivative times its transpose: symmetric.
 pub type Square<const D: usize> = [[f64; D]; D];
@@ -53,8 +53,8 @@ pub(crate) struct Propagation<const D: usize> {
 
 /// The even fit: `P` transposed and `B`, each N × m.
 pub(crate) struct EvenFit<'a> {
-    pub(crate) p: &'a Matrix,
-    pub(crate) b: &'a Matrix,
+    pub(crate) p: &'a Mat<f64>,
+    pub(crate) b: &'a Mat<f64>,
 }
 
 impl<const D: usize> Propagation<D> {
@@ -106,7 +106,7 @@ impl<const D: usize> Propagation<D> {
         self.u[..count].fill(0.0);
         self.v[..count].fill([0.0; D]);
         let mut ends = [0.0; D];
-        let fitted = fit.p.column(j).iter().zip(fit.b.column(j));
+        let fitted = fit.p.col_as_slice(j).iter().zip(fit.b.col_as_slice(j));
         for ((k, mean), (&p, &b)) in line.means[..count].iter().enumerate().zip(fitted) {
             let along = self.tangents[k].map(|c| p * c);
             for (i, weight) in mean.sources() {
@@ -184,7 +184,7 @@ impl<const D: usize> Propagation<D> {
         let points = line.points();
         self.curve[..count].fill([0.0; D]);
         for j in 0..fit.p.ncols() {
-            let (p, b) = (fit.p.column(j), fit.b.column(j));
+            let (p, b) = (fit.p.col_as_slice(j), fit.b.col_as_slice(j));
             let sum = |axis: usize| p.iter().zip(points).map(|(p, point)| p * point[axis]).sum();
             let control_point: [f64; D] = std::array::from_fn(sum);
             for (at, b) in self.curve[..count].iter_mut().zip(b) {

@@ -19,6 +19,7 @@ mod trust_region;
 use belief::Belief;
 use descent::Descent;
 use design::Design;
+use faer::MatRef;
 use linearization::Model;
 
 /// No weight is taken that is this many times larger or smaller than their geometric mean: that is nine
@@ -137,20 +138,25 @@ impl<const D: usize> RationalFitter<D> {
         self.warm = false;
     }
 
-    /// `C`, `(n+1) × (n+1)`, row by row: at the last fit's weights, taken as known, the covariance of the
-    /// control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate. That the
+    /// `C`, `(n+1) × (n+1)`: at the last fit's weights, taken as known, the covariance of the control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate. That the
     /// weights are uncertain too is not in it. Computed when asked for; allocates nothing.
-    pub fn covariance_factor(&mut self) -> &[f64] {
-        self.covariance.at(&self.design, &self.descent.projection)
+    pub fn covariance_factor(&mut self) -> MatRef<'_, f64> {
+        let count = self.design.count;
+        let factor = self.covariance.at(&self.design, &self.descent.projection);
+        MatRef::from_row_major_slice(factor, count, count)
     }
 
-    /// The covariance of the control points and the log-weights together, by `σ²`: square and row by row,
-    /// `(n+1) (D+1)` numbers each, first the coordinates of the first control point, of the second and so
+    /// The covariance of the control points and the log-weights together, by `σ²`: square, with `(n+1) (D+1)` rows, first the coordinates of the first control point, of the second and so
     /// on, then the log-weights. To first order, and with what is believed of weights before any point is
     /// seen in it: where the noise is so large that the curve is far from linear in them, an indication.
     /// After a fit that did not converge the weights are 1 and known. Computed when asked for; allocates
     /// nothing.
-    pub fn joint_covariance_factor(&mut self) -> &[f64] {
+    pub fn joint_covariance_factor(&mut self) -> MatRef<'_, f64> {
+        let size = self.design.count * (D + 1);
+        MatRef::from_row_major_slice(self.joint_covariance(), size, size)
+    }
+
+    fn joint_covariance(&mut self) -> &[f64] {
         let Self {
             design,
             descent,

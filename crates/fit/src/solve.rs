@@ -1,10 +1,11 @@
 //! `s = (BᵀB)⁻¹ Bᵀ c̄` (equation 8 of the paper) in three ways, all of their algebra done beforehand.
 
-use crate::factor::{Qr, cholesky, solve_cholesky, solve_upper};
+use crate::factor::{Qr, cholesky};
 use crate::folded::{Points, Rows};
 use crate::kernel::Project;
-use crate::matrix::Matrix;
+use crate::matrix::product;
 use crate::system::System;
+use faer::{Mat, MatRef};
 
 /// How a fit is computed, ready.
 pub(crate) enum Solve {
@@ -14,54 +15,63 @@ pub(crate) enum Solve {
     Steps(Steps),
 }
 
-/// The ways that solve triangles.
-pub(crate) enum Steps {
-    /// The rows of `Aᵀ`, the factor `L` of `AᵀA = LLᵀ`, and room for the right-hand sides.
-    Cholesky {
-        rows: Rows,
-        l: Matrix,
-        right: Matrix,
-    },
-    /// The factors of `A`, what the pinned ends take from its right-hand sides, and room for these.
-    Qr {
-        factors: Qr,
-        pinned: Matrix,
-        right: Matrix,
-    },
+/// A product and triangles: `Aᵀc̄` and `LLᵀ`, or `Qᵀc̄` and `R`.
+pub(crate) struct Steps {
+    /// The rows of `Aᵀ` or `Qᵀ`, with what pinned ends take from the right-hand side.
+    rows: Rows,
+    triangle: Triangle,
+    /// Room for the right-hand sides.
+    right: Mat<f64>,
+}
+
+enum Triangle {
+    /// `L` of `AᵀA = LLᵀ`.
+    Cholesky(Mat<f64>),
+    /// `R` of `A = QR`.
+    Qr(Mat<f64>),
 }
 
 impl Solve {
-    pub(crate) fn pinv(p: &Matrix, mirrored: bool) -> Self {
+    pub(crate) fn pinv(p: MatRef<'_, f64>, mirrored: bool) -> Self {
         Self::Product(Rows::of_product(p, mirrored))
     }
 
     /// `None` where `AᵀA` is not positive definite in this arithmetic.
     pub(crate) fn cholesky(system: &System, dimensions: usize, mirrored: bool) -> Option<Self> {
-        let (a, points) = (&system.a, system.b.nrows());
-        let l = cholesky(a.transposed().times(a))?;
-        let columns = l.ncols();
-        let mut products = a.part(0..points, 0..columns).transposed();
-        if system.offset() > 0 {
-            let taken = a.transposed().times(&system.pinned);
-            for j in 0..columns {
-                products[(j, 0)] -= taken[(j, 0)];
-                products[(j, points - 1)] -= taken[(j, 1)];
-            }
-        }
-        Some(Self::Steps(Steps::Cholesky {
-            rows: Rows::of_product(&products, mirrored),
-            l,
-            right: Matrix::zeros(columns, dimensions),
+        let a = system.a.as_ref();
+        let l = cholesky(product(a.transpose(), a).as_ref())?;
+        let right = Mat::zeros(l.ncols(), dimensions);
+        Some(Self::Steps(Steps {
+            rows: Rows::of_product(right_hand_side(a, system).as_ref(), mirrored),
+            triangle: Triangle::Cholesky(l),
+            right,
         }))
     }
 
-    pub(crate) fn qr(factors: Qr, system: &System, dimensions: usize) -> Self {
-        Self::Steps(Steps::Qr {
-            right: Matrix::zeros(factors.nrows(), dimensions),
-            pinned: system.pinned.clone(),
-            factors,
+    pub(crate) fn qr(factors: &Qr, system: &System, dimensions: usize, mirrored: bool) -> Self {
+        let r = factors.r().to_owned();
+        let right = Mat::zeros(r.ncols(), dimensions);
+        Self::Steps(Steps {
+            rows: Rows::of_any(right_hand_side(factors.q(), system).as_ref(), mirrored),
+            triangle: Triangle::Qr(r),
+            right,
         })
     }
+}
+
+/// The matrix that takes the points to `mᵀ ([c̄; 0] − E [c₁; c_N])`, for an `m` with the rows of `A`.
+fn right_hand_side(m: MatRef<'_, f64>, system: &System) -> Mat<f64> {
+    let points = system.b.nrows();
+    // Below the points are the ridge's rows, which ask for 0.
+    let mut products = m.subrows(0, points).transpose().to_owned();
+    if system.offset() > 0 {
+        let taken = product(m.transpose(), system.pinned.as_ref());
+        for j in 0..products.nrows() {
+            products[(j, 0)] -= taken[(j, 0)];
+            products[(j, points - 1)] -= taken[(j, 1)];
+        }
+    }
+    products
 }
 
 impl Steps {
@@ -74,46 +84,58 @@ impl Steps {
         halves: &mut Halves<D>,
         control_points: &mut [[f64; D]],
     ) {
-        match self {
-            Self::Cholesky { rows, l, right } => {
-                let solved = pin(points, control_points, right.nrows());
-                project(arch, rows, lanes, halves, solved);
-                write_columns(solved, right);
-                for axis in 0..D {
-                    solve_cholesky(l, right.column_mut(axis));
-                }
-                read_columns(right, solved);
-            }
-            Self::Qr {
-                factors,
-                pinned,
-                right,
-            } => {
-                let solved = pin(points, control_points, factors.r().ncols());
-                // Below the points stand the ridge's rows, which ask for 0.
-                right.fill(0.0);
-                write_columns(points, right);
-                if pinned.ncols() > 0 {
-                    let ends = points[0].into_iter().zip(points[points.len() - 1]);
-                    for (axis, (first, last)) in ends.enumerate() {
-                        for (i, number) in right.column_mut(axis).iter_mut().enumerate() {
-                            *number -= pinned[(i, 0)] * first + pinned[(i, 1)] * last;
-                        }
-                    }
-                }
-                arch.dispatch(
-                    #[inline(always)]
-                    || {
-                        for axis in 0..D {
-                            let column = right.column_mut(axis);
-                            factors.apply_transposed(column);
-                            solve_upper(factors.r(), column);
-                        }
-                    },
-                );
-                read_columns(right, solved);
+        let Self {
+            rows,
+            triangle,
+            right,
+        } = self;
+        let solved = pin(points, control_points, right.nrows());
+        project(arch, rows, lanes, halves, solved);
+        write_columns(solved, right);
+        for axis in 0..D {
+            let column = right.col_as_slice_mut(axis);
+            match triangle {
+                Triangle::Cholesky(l) => solve_cholesky(l, column),
+                Triangle::Qr(r) => solve_upper(r, column),
             }
         }
+        read_columns(right, solved);
+    }
+}
+
+/// `a · b`.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `to −= factor · from`.
+fn subtract(to: &mut [f64], factor: f64, from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to -= factor * from;
+    }
+}
+
+/// Replaces a column by `R⁻¹` times it.
+fn solve_upper(r: &Mat<f64>, column: &mut [f64]) {
+    for j in (0..column.len()).rev() {
+        let r = r.col_as_slice(j);
+        column[j] /= r[j];
+        let known = column[j];
+        subtract(&mut column[..j], known, r);
+    }
+}
+
+/// Replaces a column by `(LLᵀ)⁻¹` times it.
+fn solve_cholesky(l: &Mat<f64>, column: &mut [f64]) {
+    for j in 0..column.len() {
+        let l = l.col_as_slice(j);
+        column[j] /= l[j];
+        let known = column[j];
+        subtract(&mut column[j + 1..], known, &l[j + 1..]);
+    }
+    for j in (0..column.len()).rev() {
+        let l = l.col_as_slice(j);
+        column[j] = (column[j] - dot(&l[j + 1..], &column[j + 1..])) / l[j];
     }
 }
 
@@ -164,17 +186,17 @@ fn pin<'a, const D: usize>(
     &mut control_points[1..count - 1]
 }
 
-fn write_columns<const D: usize>(points: &[[f64; D]], columns: &mut Matrix) {
+fn write_columns<const D: usize>(points: &[[f64; D]], columns: &mut Mat<f64>) {
     for axis in 0..D {
-        for (number, point) in columns.column_mut(axis).iter_mut().zip(points) {
+        for (number, point) in columns.col_as_slice_mut(axis).iter_mut().zip(points) {
             *number = point[axis];
         }
     }
 }
 
-fn read_columns<const D: usize>(columns: &Matrix, points: &mut [[f64; D]]) {
+fn read_columns<const D: usize>(columns: &Mat<f64>, points: &mut [[f64; D]]) {
     for axis in 0..D {
-        for (number, point) in columns.column(axis).iter().zip(points.iter_mut()) {
+        for (number, point) in columns.col_as_slice(axis).iter().zip(points.iter_mut()) {
             point[axis] = *number;
         }
     }

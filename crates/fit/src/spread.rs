@@ -209,7 +209,7 @@ impl<const D: usize> Fitter<D> {
         let vectors = count.div_ceil(LANES);
         of_points.row[..vectors * LANES].fill(0.0);
         for (j, covariance) in covariances.iter_mut().enumerate().take(controls) {
-            of_points.row[..count].copy_from_slice(linear.matrix.column(j));
+            of_points.row[..count].copy_from_slice(linear.matrix.col_as_slice(j));
             let points = &*of_points;
             let ([own, in_common], [first, second, slide], gain) =
                 self.arch.dispatch(Sums { points, vectors });

@@ -2,43 +2,44 @@
 
 use crate::basis::Basis;
 use crate::factor::Qr;
-use crate::matrix::Matrix;
+use crate::matrix::product;
+use faer::Mat;
 
 /// `A s' ≈ [c̄; 0] − E [c₁; c_N]`: `s'` are the control points that are solved for, all of them or, with the
 /// ends pinned, those between; `A` are their columns of `B` with the ridge's rows below, `E` the columns of
 /// the two pinned ones.
 pub(crate) struct System {
     /// `B`, N × m.
-    pub(crate) b: Matrix,
+    pub(crate) b: Mat<f64>,
     /// The ridge's rows `√λ D`: none without a ridge.
-    pub(crate) penalty: Matrix,
+    pub(crate) penalty: Mat<f64>,
     /// `A`, (N + the penalty's rows) × (m − 2·pinned).
-    pub(crate) a: Matrix,
+    pub(crate) a: Mat<f64>,
     /// `E`: two columns, or none.
-    pub(crate) pinned: Matrix,
+    pub(crate) pinned: Mat<f64>,
 }
 
 /// The linear map from points to control points, and what follows from it for any noise.
 pub(crate) struct Estimator {
     /// `P`, m × N: `s = P c̄`.
-    pub(crate) p: Matrix,
+    pub(crate) p: Mat<f64>,
     /// `C = P Pᵀ`: independent noise of variance σ² in the points' coordinates makes the control points' covariance
     /// `σ² C`. Without ridge or pins it is `(BᵀB)⁻¹`.
-    pub(crate) covariance: Matrix,
+    pub(crate) covariance: Mat<f64>,
     /// The expected sum of squared residuals of one coordinate, by σ²: `‖I − BP‖²`, which is N − m without ridge
     /// or pins.
     pub(crate) freedom: f64,
 }
 
 impl System {
-    pub(crate) fn new(basis: Basis, b: Matrix, ridge: f64, pin_ends: bool) -> Self {
+    pub(crate) fn new(basis: Basis, b: Mat<f64>, ridge: f64, pin_ends: bool) -> Self {
         let (points, count) = (b.nrows(), b.ncols());
         let penalty = if ridge > 0.0 {
             differences(basis, ridge.sqrt())
         } else {
-            Matrix::zeros(0, count)
+            Mat::zeros(0, count)
         };
-        let stacked = Matrix::from_fn(points + penalty.nrows(), count, |i, j| {
+        let stacked = Mat::from_fn(points + penalty.nrows(), count, |i, j| {
             if i < points {
                 b[(i, j)]
             } else {
@@ -46,11 +47,10 @@ impl System {
             }
         });
         let (a, pinned) = if pin_ends {
-            let ends =
-                Matrix::from_fn(stacked.nrows(), 2, |i, end| stacked[(i, end * (count - 1))]);
-            (stacked.part(0..stacked.nrows(), 1..count - 1), ends)
+            let ends = Mat::from_fn(stacked.nrows(), 2, |i, end| stacked[(i, end * (count - 1))]);
+            (stacked.subcols(1, count - 2).to_owned(), ends)
         } else {
-            (stacked, Matrix::zeros(0, 0))
+            (stacked, Mat::zeros(0, 0))
         };
         Self {
             b,
@@ -66,18 +66,19 @@ impl System {
     }
 
     /// `P`, from the pseudoinverse `A⁺` that `factors` give.
-    pub(crate) fn estimator(&self, factors: Option<&Qr>) -> Matrix {
+    pub(crate) fn estimator(&self, factors: Option<&Qr>) -> Mat<f64> {
         let (points, count) = (self.b.nrows(), self.b.ncols());
         let offset = self.offset();
-        let mut p = Matrix::zeros(count, points);
+        let mut p = Mat::zeros(count, points);
         if let Some(factors) = factors {
             let inverse = factors.pseudoinverse();
             for i in 0..points {
-                p.column_mut(i)[offset..count - offset].copy_from_slice(inverse.column(i));
+                p.col_as_slice_mut(i)[offset..count - offset]
+                    .copy_from_slice(inverse.col_as_slice(i));
             }
             if offset > 0 {
                 // What the pinned ends explain is not left to the others.
-                let explained = inverse.times(&self.pinned);
+                let explained = product(inverse.as_ref(), self.pinned.as_ref());
                 for j in 0..count - 2 {
                     p[(j + 1, 0)] -= explained[(j, 0)];
                     p[(j + 1, points - 1)] -= explained[(j, 1)];
@@ -93,14 +94,17 @@ impl System {
 }
 
 impl Estimator {
-    pub(crate) fn new(p: Matrix, b: &Matrix, exact: bool) -> Self {
-        let covariance = p.times(&p.transposed());
+    pub(crate) fn new(p: Mat<f64>, b: &Mat<f64>, exact: bool) -> Self {
+        let covariance = product(p.as_ref(), p.transpose());
         let (points, count) = (b.nrows(), b.ncols());
         let freedom = if exact {
             (points - count) as f64
         } else {
             // ‖I − BP‖² = N − 2 tr(PB) + tr(PPᵀ BᵀB).
-            let (hat, gram) = (p.times(b), b.transposed().times(b));
+            let (hat, gram) = (
+                product(p.as_ref(), b.as_ref()),
+                product(b.transpose(), b.as_ref()),
+            );
             let mut freedom = points as f64;
             for i in 0..count {
                 freedom -= 2.0 * hat[(i, i)];
@@ -120,10 +124,10 @@ impl Estimator {
 }
 
 /// `P` of the bases that are no regression: points of the centerline itself, and the mean of all.
-pub(crate) fn selection(basis: Basis, points: usize) -> Option<Matrix> {
+pub(crate) fn selection(basis: Basis, points: usize) -> Option<Mat<f64>> {
     match basis {
         Basis::FeaturePoints { count } => {
-            let mut p = Matrix::zeros(count, points);
+            let mut p = Mat::zeros(count, points);
             for j in 0..count {
                 let place = (j * (points - 1)) as f64 / (count - 1) as f64;
                 let before = (place as usize).min(points - 1);
@@ -135,17 +139,17 @@ pub(crate) fn selection(basis: Basis, points: usize) -> Option<Matrix> {
             }
             Some(p)
         }
-        Basis::CenterOfMass => Some(Matrix::from_fn(1, points, |_, _| 1.0 / points as f64)),
+        Basis::CenterOfMass => Some(Mat::from_fn(1, points, |_, _| 1.0 / points as f64)),
         _ => None,
     }
 }
 
 /// The ridge's rows: second differences of the control points, or a Fourier series' coefficients by the
 /// square of their harmonic.
-fn differences(basis: Basis, root: f64) -> Matrix {
+fn differences(basis: Basis, root: f64) -> Mat<f64> {
     let count = basis.control_points();
     if let Basis::Fourier { .. } = basis {
-        return Matrix::from_fn(count - 1, count, |i, j| {
+        return Mat::from_fn(count - 1, count, |i, j| {
             let harmonic = (j.div_ceil(2)) as f64;
             if j == i + 1 {
                 root * harmonic * harmonic
@@ -154,7 +158,7 @@ fn differences(basis: Basis, root: f64) -> Matrix {
             }
         });
     }
-    Matrix::from_fn(count.saturating_sub(2), count, |i, j| {
+    Mat::from_fn(count.saturating_sub(2), count, |i, j| {
         match j.checked_sub(i) {
             Some(0 | 2) => root,
             Some(1) => -2.0 * root,

@@ -312,7 +312,7 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
         None => descriptor.weights[..count].fill(1.0),
     }
     for (j, covariance) in descriptor.covariances[..count].iter_mut().enumerate() {
-        let variance = fit.residual_variance * fit.covariance_factor[j * (count + 1)];
+        let variance = fit.residual_variance * fit.covariance_factor[(j, j)];
         *covariance = [variance, 0.0, variance];
     }
     descriptor.velocities[..count].fill([0.0; 2]);

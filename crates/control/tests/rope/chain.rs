@@ -236,7 +236,7 @@ pub(crate) fn describe(fitter: &mut Fitter, points: &[[f64; 2]]) -> (Vec<f64>, V
     let fit = fitter.fit(points).expect("a curve");
     let count = fit.control_points.len();
     let covariances = (0..count).map(|j| {
-        let variance = fit.residual_variance * fit.covariance_factor[j * (count + 1)];
+        let variance = fit.residual_variance * fit.covariance_factor[(j, j)];
         [variance, 0.0, variance]
     });
     let features = fit.control_points.as_flattened().to_vec();

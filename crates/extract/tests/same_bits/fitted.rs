@@ -4,7 +4,7 @@ use lariat_camera::{Camera, Lens, Mapping, Plane};
 use lariat_drawn::moving::{Film, Story};
 use lariat_extract::{Extractor, Image, PixelFormat};
 use lariat_fit::{
-    Basis, Filter, FilterOptions, Fit, Fitter, Knots, MAX_CONTROL_POINTS, Noise, Options,
+    Basis, Filter, FilterOptions, Fit, Fitter, Knots, MAX_CONTROL_POINTS, MatRef, Noise, Options,
     Resampler, Rho, Solver, Weights,
 };
 
@@ -147,14 +147,23 @@ fn hash(fit: &Fit) -> Hash {
         .doubles(&fit.weights)
         .doubles(&fit.knots)
         .doubles(&[fit.rms_px, fit.max_px, fit.residual_variance, fit.condition])
-        .doubles(&fit.covariance_factor)
+        .doubles(&whole(fit.covariance_factor.as_ref()))
+}
+
+/// The numbers of a matrix, row by row.
+fn whole(matrix: MatRef<'_, f64>) -> Vec<f64> {
+    matrix
+        .row_iter()
+        .flat_map(|row| row.iter().copied())
+        .collect()
 }
 
 pub(crate) fn fits(told: &mut Told, lines: &[Line]) {
     for (case, options) in cases() {
         let mut fitter = Fitter::new(options).expect("a fitter of good options");
-        for row in fitter.matrix() {
-            told.frame(case, "matrix", Hash::new().doubles(row));
+        for row in fitter.matrix().row_iter() {
+            let row: Vec<f64> = row.iter().copied().collect();
+            told.frame(case, "matrix", Hash::new().doubles(&row));
         }
         for line in lines {
             let fitted = if options.weights == Weights::Given {
@@ -190,7 +199,7 @@ fn filter(told: &mut Told, lines: &[Line]) {
         for (i, line) in lines.iter().enumerate() {
             let fit = fitter.fit(line).expect("a line that can be fitted");
             let variance_px2 = fit.residual_variance;
-            let whole: Vec<f64> = (fit.covariance_factor.iter())
+            let whole: Vec<f64> = (whole(fit.covariance_factor.as_ref()).iter())
                 .map(|c| variance_px2 * c)
                 .collect();
             let noise = if covariance {

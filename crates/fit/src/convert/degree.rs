@@ -2,8 +2,8 @@
 
 use crate::bezier::bernstein;
 use crate::curve::{Curve, CurveError};
-use crate::factor::{Qr, solve_upper};
-use crate::matrix::Matrix;
+use crate::factor::least_squares;
+use faer::Mat;
 
 /// A Bezier curve brought to a lower order.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,8 +69,8 @@ pub fn reduce_degree<const D: usize>(
         // The square of a difference is of degree 2 n: n + 1 nodes give its integral exactly, so that least
         // squares over the nodes are those over the whole curve.
         let nodes = gauss_legendre(from + 1);
-        let mut matrix = Matrix::zeros(nodes.len(), sought.len());
-        let mut wanted = Matrix::zeros(nodes.len(), D);
+        let mut matrix = Mat::zeros(nodes.len(), sought.len());
+        let mut wanted = Mat::zeros(nodes.len(), D);
         let mut values = vec![0.0; order + 1];
         for (row, &[rho, weight]) in nodes.iter().enumerate() {
             let root = weight.sqrt();
@@ -84,13 +84,10 @@ pub fn reduce_degree<const D: usize>(
                 wanted[(row, axis)] = root * (point[axis] - kept);
             }
         }
-        let factors = Qr::new(&matrix);
-        for axis in 0..D {
-            let column = wanted.column_mut(axis);
-            factors.apply_transposed(column);
-            solve_upper(factors.r(), column);
-            for (point, found) in reduced[sought.clone()].iter_mut().zip(column) {
-                point[axis] = *found;
+        let found = least_squares(matrix.as_ref(), wanted.as_ref());
+        for (row, point) in reduced[sought].iter_mut().enumerate() {
+            for axis in 0..D {
+                point[axis] = found[(row, axis)];
             }
         }
     }

@@ -15,14 +15,14 @@ pub enum CurveSpaceError {
         /// How many were asked for.
         columns: usize,
     },
-    /// The numbers are not a matrix of that width and of an allowed height.
+    /// Fewer points than control points, or too many.
     #[error(
-        "{numbers} numbers are no matrix of {columns} columns and {columns} to {MAX_POINTS} rows: give B row by row, one row for each point"
+        "B has {rows} rows for {columns} control points: give a row for each point, {columns} to {MAX_POINTS} of them"
     )]
     Shape {
-        /// How many numbers came.
-        numbers: usize,
-        /// The control points asked for.
+        /// The number of points.
+        rows: usize,
+        /// The number of control points.
         columns: usize,
     },
     /// A number is NaN or infinite.

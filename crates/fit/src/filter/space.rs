@@ -3,8 +3,8 @@
 use super::error::CurveSpaceError;
 use super::rows::{Rows, vectors};
 use crate::factor::Qr;
-use crate::matrix::Matrix;
 use crate::options::{MAX_ORDER, MAX_POINTS};
+use faer::{Mat, MatRef};
 use std::sync::Arc;
 
 /// The highest condition number of `B`: at it, going to curve coordinates and back loses a millionth, as a
@@ -36,31 +36,27 @@ struct Coordinates {
 }
 
 impl CurveSpace {
-    /// The space of the curves `B s`. `b` is `B` row by row: `N` rows, one for each point, of
-    /// `control_points` numbers, one for each control point.
+    /// The space of the curves `B s`. `b` is `B`: `N` rows, one for each point, and a column for each control point.
     ///
     /// # Errors
     /// No control point or more than 32, fewer points than control points, a number that is not finite, or a
     /// condition number of `B` that no control points can be trusted with.
-    pub fn new(b: &[f64], control_points: usize) -> Result<Self, CurveSpaceError> {
-        let columns = control_points;
+    pub fn new(b: MatRef<'_, f64>) -> Result<Self, CurveSpaceError> {
+        let (rows, columns) = b.shape();
         if !(1..=MAX_ORDER + 1).contains(&columns) {
             return Err(CurveSpaceError::ControlPoints { columns });
         }
-        let rows = b.len() / columns;
-        if !b.len().is_multiple_of(columns) || !(columns..=MAX_POINTS).contains(&rows) {
-            return Err(CurveSpaceError::Shape {
-                numbers: b.len(),
-                columns,
-            });
+        if !(columns..=MAX_POINTS).contains(&rows) {
+            return Err(CurveSpaceError::Shape { rows, columns });
         }
-        if let Some(index) = b.iter().position(|number| !number.is_finite()) {
-            return Err(CurveSpaceError::NotFinite {
-                row: index / columns,
-                column: index % columns,
-            });
+        for row in 0..rows {
+            for column in 0..columns {
+                if !b[(row, column)].is_finite() {
+                    return Err(CurveSpaceError::NotFinite { row, column });
+                }
+            }
         }
-        let factors = Qr::new(&Matrix::from_fn(rows, columns, |i, j| b[i * columns + j]));
+        let factors = Qr::new(b);
         let condition = factors.condition();
         if condition > MAX_CONDITION {
             return Err(CurveSpaceError::IllConditioned {
@@ -68,26 +64,19 @@ impl CurveSpace {
                 limit: MAX_CONDITION,
             });
         }
-        let r = factors.r();
+        let (r, inverse) = (factors.r(), factors.inverse_of_r());
         let scale = (columns as f64 / rows as f64).sqrt();
         let mut to_curve = Rows::square(columns);
         let mut to_control_points = Rows::square(columns);
         for j in 0..columns {
             for i in 0..=j {
                 to_curve.set(j, i, scale * r[(i, j)]);
-            }
-            // Column j of R⁻¹, from the diagonal up; its transpose is a row.
-            for i in (0..=j).rev() {
-                let known: f64 = (i + 1..=j)
-                    .map(|k| r[(i, k)] * scale * to_control_points.get(j, k))
-                    .sum();
-                let right = if i == j { 1.0 } else { 0.0 };
-                to_control_points.set(j, i, (right - known) / (scale * r[(i, i)]));
+                to_control_points.set(j, i, inverse[(i, j)] / scale);
             }
         }
         // Both were filled as transposes of G⁻¹ and G: row j belongs to column j.
         Ok(Self(Arc::new(Coordinates {
-            control_points,
+            control_points: columns,
             points: rows,
             condition,
             size: to_curve.vectors.as_flattened().iter().map(|h| h * h).sum(),
@@ -101,13 +90,12 @@ impl CurveSpace {
     /// # Errors
     /// No control point or more than 32.
     pub fn of_points(control_points: usize) -> Result<Self, CurveSpaceError> {
-        // Past what is allowed the number does not matter any more.
-        let count = control_points.min(MAX_ORDER + 2);
-        let mut identity = vec![0.0; count * count];
-        for number in identity.iter_mut().step_by(count + 1) {
-            *number = 1.0;
+        if control_points > MAX_ORDER + 1 {
+            return Err(CurveSpaceError::ControlPoints {
+                columns: control_points,
+            });
         }
-        Self::new(&identity, control_points)
+        Self::new(Mat::identity(control_points, control_points).as_ref())
     }
 
     /// How many control points a curve has.

@@ -1,13 +1,15 @@
 //! What does not depend on the points: the Bernstein polynomials on the grid, and an orthonormal basis of
 //! what the free control points can reach.
 //!
-//! `B = Q T`, Gram–Schmidt with every column done twice ("twice is enough": L. Giraud et al., *Numerische
-//! Mathematik* 101, 2005). Working in `Q` keeps the normal equations of a weighted curve as
+//! `B = Q T` is the QR of the polynomials on the grid. Working in `Q` keeps the normal equations of a weighted curve as
 //! well-conditioned as its denominator is even, whatever the order; `T⁻¹` comes in only when the control
 //! points are read off.
 
 use super::kernels::padded;
 use crate::bezier::bernstein;
+use crate::factor::Qr;
+use crate::matrix::row_by_row;
+use faer::MatRef;
 
 /// The fixed matrices, each polynomial a row over the grid, padded with zeros.
 pub(super) struct Design {
@@ -39,7 +41,7 @@ impl Design {
             }
         }
         let ends = usize::from(pinned);
-        let (q, t) = orthonormalized(&b[ends * stride..(count - ends) * stride], stride);
+        let (q, t) = orthonormalized(&b[ends * stride..(count - ends) * stride], stride, points);
         Self {
             count,
             points,
@@ -76,25 +78,23 @@ impl Design {
 }
 
 /// `Q` and `T` of these rows.
-fn orthonormalized(b: &[f64], stride: usize) -> (Vec<f64>, Vec<f64>) {
+fn orthonormalized(b: &[f64], stride: usize, points: usize) -> (Vec<f64>, Vec<f64>) {
     let count = b.len() / stride;
-    let mut q = b.to_vec();
-    let mut t = vec![0.0; count * count];
-    for k in 0..count {
-        let (before, rest) = q.split_at_mut(k * stride);
-        let row = &mut rest[..stride];
-        for _ in 0..2 {
-            for (l, other) in before.chunks_exact(stride).enumerate() {
-                let along: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
-                t[l * count + k] += along;
-                super::kernels::add_multiple(row, -along, other);
-            }
-        }
-        let length = row.iter().map(|a| a * a).sum::<f64>().sqrt();
-        t[k * count + k] = length;
-        row.iter_mut().for_each(|number| *number /= length);
+    let mut q = vec![0.0; b.len()];
+    if count == 0 {
+        return (q, Vec::new());
     }
-    (q, t)
+    let factors = Qr::new(
+        MatRef::from_row_major_slice(b, count, stride)
+            .subcols(0, points)
+            .transpose(),
+    );
+    for (k, row) in q.chunks_exact_mut(stride).enumerate() {
+        for (i, number) in row[..points].iter_mut().enumerate() {
+            *number = factors.q()[(i, k)];
+        }
+    }
+    (q, row_by_row(factors.r()))
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
-//! Least squares by Householder QR of the whole weighted matrix, sharing nothing with what it is to judge; and
-//! random numbers.
+//! Least squares by QR of the whole weighted matrix, the definition of what is judged; and random numbers.
 
 use crate::bezier::bernstein;
+use crate::factor::{Qr, least_squares};
+use crate::matrix::row_by_row;
+use faer::Mat;
 use lariat_portable::SplitMix64;
-use nalgebra::DMatrix;
 
 /// The Bernstein polynomials of `count − 1` at each `ρ`, row by row.
 pub(crate) fn bernstein_rows(rho: &[f64], count: usize) -> Vec<f64> {
@@ -21,24 +22,14 @@ pub(crate) fn uniform(points: usize) -> Vec<f64> {
         .collect()
 }
 
-pub(crate) fn matrix(rows: &[f64], width: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(rows.len() / width, width, |i, j| rows[i * width + j])
+pub(crate) fn matrix(rows: &[f64], width: usize) -> Mat<f64> {
+    Mat::from_fn(rows.len() / width, width, |i, j| rows[i * width + j])
 }
 
 /// `R⁻¹` of the QR of `rows`, row by row.
 pub(crate) fn r_inverse(rows: &[f64], width: usize) -> Vec<f64> {
-    let r = matrix(rows, width).qr().r();
-    let mut inverse = vec![0.0; width * width];
-    for column in 0..width {
-        for i in (0..=column).rev() {
-            let right = if i == column { 1.0 } else { 0.0 };
-            let known: f64 = (i + 1..=column)
-                .map(|k| r[(i, k)] * inverse[k * width + column])
-                .sum();
-            inverse[i * width + column] = (right - known) / r[(i, i)];
-        }
-    }
-    inverse
+    let factors = Qr::new(matrix(rows, width).as_ref());
+    row_by_row(factors.inverse_of_r().as_ref())
 }
 
 /// `√λ D`, second differences of control points, row by row.
@@ -89,11 +80,11 @@ pub(crate) fn solve<const D: usize>(
         })
         .chain(penalty.chunks_exact(count).map(|row| (row, 1.0, [0.0; D])))
         .collect();
-    let left = DMatrix::from_fn(rows.len(), free.len(), |i, j| {
+    let left = Mat::from_fn(rows.len(), free.len(), |i, j| {
         rows[i].1 * rows[i].0[free.start + j]
     });
     let ends = [points[0], points[points.len() - 1]];
-    let mut right = DMatrix::from_fn(rows.len(), D, |i, axis| {
+    let right = Mat::from_fn(rows.len(), D, |i, axis| {
         let (row, scale, point) = rows[i];
         let mut right = point[axis];
         if pins {
@@ -101,12 +92,7 @@ pub(crate) fn solve<const D: usize>(
         }
         scale * right
     });
-    let factors = left.qr();
-    factors.q_tr_mul(&mut right);
-    let inner = factors
-        .r()
-        .solve_upper_triangular(&right.rows(0, free.len()))
-        .expect("as many rows as columns that differ");
+    let inner = least_squares(left.as_ref(), right.as_ref());
     let mut control_points: Vec<[f64; D]> = (0..free.len())
         .map(|j| std::array::from_fn(|axis| inner[(j, axis)]))
         .collect();

@@ -1,5 +1,6 @@
 //! What must hold for every family of curves and every option.
 
+use crate::dense::Dense;
 use lariat_fit::{
     Basis, Fit, Fitter, FitterError, Knots, Options, Solver, Weights, bernstein, point_at,
 };
@@ -159,6 +160,7 @@ proptest! {
         let found = fitter.fit(&points).unwrap().control_points.clone();
         let product: Vec<[f64; 2]> = fitter
             .matrix()
+            .row_iter()
             .map(|row| [0, 1].map(|axis| row.iter().zip(&points).map(|(m, c)| m * c[axis]).sum()))
             .collect();
         prop_assert!(largest_difference(&found, &product) < 1e-9 * size(&found));
@@ -237,7 +239,7 @@ fn the_size_is_what_the_points_ask_for() {
     let found = fit(options, &exact);
     assert_eq!(found.basis, Basis::Bezier { order: 3 });
     assert_eq!(found.control_points.len(), 4);
-    assert_eq!(found.covariance_factor.len(), 16);
+    assert_eq!(found.covariance_factor.shape(), (4, 4));
     let named = fit(Options::bezier(3), &exact);
     assert_eq!(found, named);
     // One harmonic of seven.
@@ -338,7 +340,7 @@ fn covariance_holds(options: Options) {
     let stated = &fitter.last().covariance_factor;
     for i in 0..m {
         for j in 0..m {
-            let stated = |i: usize, j: usize| sigma * sigma * stated[i * m + j];
+            let stated = |i: usize, j: usize| sigma * sigma * stated[(i, j)];
             // Relative to the two standard deviations, as a covariance may be 0.
             let scale = (stated(i, i) * stated(j, j)).sqrt();
             let error = (empirical[i * m + j] - stated(i, j)).abs();
@@ -388,7 +390,7 @@ fn the_noise_gain_is_the_largest_standard_deviation() {
     let fit = fitter.last();
     let m = fit.control_points.len();
     let largest = (0..m)
-        .map(|j| fit.covariance_factor[j * m + j])
+        .map(|j| fit.covariance_factor[(j, j)])
         .fold(0.0, f64::max);
     assert_eq!(fit.noise_gain(), largest.sqrt());
     // N equal points tell the mean to 1/√N.
@@ -414,8 +416,8 @@ fn the_condition_is_that_of_what_was_solved() {
     .unwrap();
     // The rows of B that weigh, and their singular values.
     let solved = |from: usize| {
-        let mut row = [0.0; 9];
-        let b = nalgebra::DMatrix::from_fn(120 - from, 9, |i, j| {
+        let b = Dense::from_fn(120 - from, 9, |i, j| {
+            let mut row = [0.0; 9];
             bernstein(8, (from + i) as f64 / 119.0, &mut row);
             row[j]
         });

@@ -2,6 +2,5 @@
 
 mod behaviour;
 mod consistency;
-mod dense;
 mod oracle;
 mod refusals;

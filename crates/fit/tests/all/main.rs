@@ -8,6 +8,7 @@ mod choice;
 mod curve_measure;
 mod curve_shape;
 mod curves;
+mod dense;
 mod families;
 mod filter;
 mod numpy_lstsq;

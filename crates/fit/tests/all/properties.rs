@@ -156,8 +156,9 @@ proptest! {
             let mut fitter = Fitter::new(options).unwrap();
             let product: Vec<[f64; 2]> = fitter
                 .matrix()
+                .row_iter()
                 .map(|row| {
-                    assert_eq!(row.len(), points.len());
+                    assert_eq!(row.ncols(), points.len());
                     [0, 1].map(|axis| row.iter().zip(&points).map(|(m, c)| m * c[axis]).sum())
                 })
                 .collect();

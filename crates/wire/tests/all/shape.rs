@@ -140,7 +140,7 @@ fn fitted(basis: lariat_fit::Basis, change: impl Fn(&mut Options)) -> (Descripto
     let mut message = descriptor(basis, &fit.control_points, &fit.weights, &fit.knots);
     let count = fit.control_points.len();
     message.residual_variance = fit.residual_variance;
-    let factor = fit.covariance_factor.iter();
+    let factor = fit.covariance_factor.row_iter().flat_map(|row| row.iter());
     let whole: Vec<f64> = factor.map(|c| c * fit.residual_variance).collect();
     for j in 0..count {
         let variance = whole[j * (count + 1)];

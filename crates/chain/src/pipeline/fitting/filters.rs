@@ -55,8 +55,9 @@ impl<const D: usize> Filters<D> {
             Noise::Even { variance_px2 }
         } else {
             self.covariance.clear();
-            let factor = fit.covariance_factor.iter();
-            self.covariance.extend(factor.map(|c| variance_px2 * c));
+            for row in fit.covariance_factor.row_iter() {
+                self.covariance.extend(row.iter().map(|c| variance_px2 * c));
+            }
             Noise::Covariance(&self.covariance)
         };
         let filter = self.ropes.of_track(track, exposed_ns, Filter::forget);

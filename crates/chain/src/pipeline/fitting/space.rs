@@ -23,7 +23,7 @@ use anyhow::Result;
 pub use finder::Companion;
 use finder::{Finder, Shown};
 use lariat_camera::Pose;
-use lariat_fit::{Judged, Line, Prediction, Resampler, Spread, Square};
+use lariat_fit::{Fit, Judged, Line, Prediction, Resampler, Spread, Square};
 use lariat_wire::{
     Axes, Centerlines, Curve, Descriptor3, Descriptors3, FitQuality, MAX_CONTROL_POINTS,
     MAX_POINTS, Place, Status,
@@ -378,25 +378,19 @@ impl SpaceFitter {
         let Some(now) = filters.take_in(exposed_ns, track, fitter) else {
             return Ok(());
         };
-        let fit = fitter.last();
-        write_filtered(now, &fit.covariance_factor, fit.residual_variance, to);
+        write_filtered(now, fitter.last(), to);
         Ok(())
     }
 }
 
 /// Replaces control points by the filtered ones; each ellipsoid becomes as much smaller as the filter's variance is.
-fn write_filtered(
-    now: &Prediction<3>,
-    covariance_factor: &[f64],
-    variance: f64,
-    to: &mut Descriptor3,
-) {
+fn write_filtered(now: &Prediction<3>, fit: &Fit<3>, to: &mut Descriptor3) {
     let count = now.control_points.len();
     to.filtered = 1;
     to.control_points[..count].copy_from_slice(&now.control_points);
     to.velocities[..count].copy_from_slice(&now.velocities_px_s);
     for (j, covariance) in to.covariances[..count].iter_mut().enumerate() {
-        let measured = variance * covariance_factor[j * (count + 1)];
+        let measured = fit.residual_variance * fit.covariance_factor[(j, j)];
         let share = now.covariance_px2[j * (count + 1)] / measured;
         if share.is_finite() {
             *covariance = covariance.map(|c| share * c);

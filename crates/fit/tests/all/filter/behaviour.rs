@@ -1,6 +1,6 @@
 //! What a filter does with ropes.
 
-use super::dense::Dense;
+use crate::dense::Dense;
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 
@@ -17,7 +17,7 @@ const AT_REST: FilterOptions = FilterOptions {
 };
 
 fn bezier(order: usize) -> CurveSpace {
-    CurveSpace::new(&Dense::bezier(order, 120).numbers, order + 1).unwrap()
+    CurveSpace::new(Dense::bezier(order, 120).matrix()).unwrap()
 }
 
 fn even(variance_px2: f64) -> Noise<'static> {
@@ -87,7 +87,7 @@ fn moving<const D: usize>(count: usize, t_ns: u64) -> Vec<[f64; D]> {
 
 fn a_steady_rope_is_predicted<const D: usize>(b: &Dense) {
     let count = b.columns;
-    let space = CurveSpace::new(&b.numbers, count).unwrap();
+    let space = CurveSpace::new(b.matrix()).unwrap();
     let mut filter = Filter::<D>::new(32, FilterOptions::default()).unwrap();
     for frame in 0..20 {
         let t_ns = frame * FRAME_NS;

@@ -1,7 +1,7 @@
 //! The filter's covariances are true: over 1,000 ropes that move as it is told they do, its errors are as
 //! large as it says, within the bounds that chance allows (Bar-Shalom, Li, Kirubarajan, 5.4.2).
 
-use super::dense::{Dense, errors, normalized_squared, normals};
+use crate::dense::{Dense, errors, normalized_squared, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 
@@ -131,7 +131,7 @@ struct Means {
 /// Follows a rope over some 20 irregular frames; is a part of it hidden in each, then another one.
 fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means) {
     let random = &mut SplitMix64::new(seed);
-    let space = CurveSpace::new(&b.numbers, M).unwrap();
+    let space = CurveSpace::new(b.matrix()).unwrap();
     let mut filter = Filter::<D>::new(M, OPTIONS).unwrap();
     let mut rope = Rope::new(b, random);
     let mut t_ns = 1_000_000_000;
@@ -222,7 +222,7 @@ fn over_1000_ropes_of_which_parts_are_hidden_the_errors_are_as_large_as_the_filt
 #[test]
 fn a_filter_that_is_told_half_the_noise_is_found_out() {
     let b = Dense::bezier(ORDER, POINTS);
-    let space = CurveSpace::new(&b.numbers, M).unwrap();
+    let space = CurveSpace::new(b.matrix()).unwrap();
     for (noise_scale, expected) in [(0.5, 1.0), (1.0, 1.0), (2.0, 1.0)] {
         // A rope at rest, known to be: all of the innovation is noise. The points err by noise_scale.
         let options = FilterOptions {

@@ -1,7 +1,7 @@
 //! The filter is the textbook's, whatever its coordinates: held to one that is written in control points,
 //! with inverses, full matrices and Joseph's form.
 
-use super::dense::{Dense, normals};
+use crate::dense::{Dense, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;
@@ -82,7 +82,7 @@ proptest! {
     fn it_is_the_textbooks_filter(m in 1usize..=7, extra in 0usize..30, seed in 0u64..1000) {
         let random = &mut SplitMix64::new(seed);
         let b = Dense::bezier(m - 1, (m + extra).max(2));
-        let space = CurveSpace::new(&b.numbers, m).unwrap();
+        let space = CurveSpace::new(b.matrix()).unwrap();
         let options = FilterOptions { gate_sigma: f64::INFINITY, ..FilterOptions::default() };
         let mut filter = Filter::<3>::new(m, options).unwrap();
         let mut textbook: Option<Textbook> = None;
@@ -144,7 +144,7 @@ proptest! {
         });
         let unmix = mix.lower_inverse();
         let bases = [b.clone(), b.times(&unmix)];
-        let spaces = bases.each_ref().map(|b| CurveSpace::new(&b.numbers, m).unwrap());
+        let spaces = bases.each_ref().map(|b| CurveSpace::new(b.matrix()).unwrap());
         let mut filters = [0, 1].map(|_| Filter::<2>::new(m, FilterOptions::default()).unwrap());
         for frame in 1..10u64 {
             let drawn = normals(random, 2 * m);

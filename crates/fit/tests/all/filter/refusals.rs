@@ -1,11 +1,12 @@
 //! What a filter refuses, and in which words; it is then as it was.
 
-use super::dense::Dense;
+use crate::dense::Dense;
+use faer::{Mat, MatRef};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, Noise};
 use proptest::prelude::*;
 
 fn space() -> CurveSpace {
-    CurveSpace::new(&Dense::bezier(2, 20).numbers, 3).unwrap()
+    CurveSpace::new(Dense::bezier(2, 20).matrix()).unwrap()
 }
 
 const SHAPE: [[f64; 2]; 3] = [[0.0, 0.0], [10.0, 5.0], [20.0, 0.0]];
@@ -13,9 +14,10 @@ const EVEN: Noise = Noise::Even { variance_px2: 0.1 };
 
 #[test]
 fn spaces_that_are_none_say_why() {
-    let refusal = |b: &[f64], count| CurveSpace::new(b, count).unwrap_err().to_string();
+    let refusal = |b: MatRef<'_, f64>| CurveSpace::new(b).unwrap_err().to_string();
+    let ones = |rows, columns| Mat::from_fn(rows, columns, |_, _| 1.0);
     assert_eq!(
-        refusal(&[1.0; 33 * 40], 33),
+        refusal(ones(40, 33).as_ref()),
         "a curve cannot have 33 control points: choose from 1 to 32"
     );
     assert_eq!(
@@ -24,20 +26,24 @@ fn spaces_that_are_none_say_why() {
     );
     assert!(CurveSpace::of_points(usize::MAX).is_err());
     assert_eq!(
-        refusal(&[1.0; 10], 3),
-        "10 numbers are no matrix of 3 columns and 3 to 256 rows: give B row by row, one row for each point"
+        refusal(ones(2, 3).as_ref()),
+        "B has 2 rows for 3 control points: give a row for each point, 3 to 256 of them"
     );
-    assert!(CurveSpace::new(&[1.0; 6], 3).is_err());
+    assert!(CurveSpace::new(ones(257, 3).as_ref()).is_err());
     assert_eq!(
-        refusal(&[1.0, 0.0, 0.0, f64::NAN], 2),
+        refusal(MatRef::from_row_major_slice(
+            &[1.0, 0.0, 0.0, f64::NAN],
+            2,
+            2
+        )),
         "row 1 of B has no finite number in column 1: give B as it is evaluated"
     );
     assert_eq!(
-        refusal(&Dense::bezier(31, 32).numbers, 32),
+        refusal(Dense::bezier(31, 32).matrix()),
         "the condition number of B is 2.34e12, and control points can only be trusted up to 4.5e9: choose a lower order"
     );
-    assert!(CurveSpace::new(&[0.0; 8], 2).is_err());
-    assert!(CurveSpace::new(&[0.0; 8], 1).is_err());
+    assert!(CurveSpace::new(Mat::zeros(4, 2).as_ref()).is_err());
+    assert!(CurveSpace::new(Mat::zeros(8, 1).as_ref()).is_err());
 }
 
 #[test]
@@ -139,7 +145,7 @@ fn shapes_that_cannot_be_taken_in_say_why_and_change_nothing() {
 #[test]
 fn a_covariance_that_rounding_has_emptied_is_refused() {
     let b = Dense::bezier(31, 256);
-    let space = CurveSpace::new(&b.numbers, 32).unwrap();
+    let space = CurveSpace::new(b.matrix()).unwrap();
     let mut filter = Filter::<2>::new(32, FilterOptions::default()).unwrap();
     let shape = [[1.0, 2.0]; 32];
     let noise = Noise::Covariance(&[0.0; 32 * 32]);

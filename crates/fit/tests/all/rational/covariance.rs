@@ -1,8 +1,8 @@
 //! How sure a fit is.
 
 use super::sampling::*;
+use crate::dense::Dense;
 use lariat_fit::RationalFitter;
-use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 proptest! {
@@ -18,15 +18,15 @@ proptest! {
         let count = weights.len();
         let mut fitter = RationalFitter::new(count - 1, 40, pinned);
         let weights = fitter.fit(&points).weights.to_vec();
-        let found = fitter.covariance_factor().to_vec();
+        let found = fitter.covariance_factor().to_owned();
         // P, whose row k is control point k by the points, from the textbook's formula.
         let basis = rational_basis(&weights, 40);
         let ends = usize::from(pinned);
-        let r = DMatrix::from_fn(40, count - 2 * ends, |i, k| basis[i][k + ends]);
-        let gram = r.transpose() * &r;
-        let inverse = gram.cholesky().expect("positive definite").inverse();
-        let inner = inverse * r.transpose();
-        let mut p = DMatrix::<f64>::zeros(count, 40);
+        let r = Dense::from_fn(40, count - 2 * ends, |i, k| basis[i][k + ends]);
+        let gram = r.transposed().times(&r);
+        let inverse = gram.inverse();
+        let inner = inverse.times(&r.transposed());
+        let mut p = Dense::from_fn(count, 40, |_, _| 0.0);
         for k in 0..count - 2 * ends {
             for i in 0..40 {
                 p[(k + ends, i)] += inner[(k, i)];
@@ -40,11 +40,11 @@ proptest! {
             p[(0, 0)] = 1.0;
             p[(count - 1, 39)] = 1.0;
         }
-        let expected = &p * p.transpose();
+        let expected = p.times(&p.transposed());
         for k in 0..count {
             for l in 0..count {
                 let scale = (expected[(k, k)] * expected[(l, l)]).sqrt();
-                prop_assert!((found[k * count + l] - expected[(k, l)]).abs() < 1e-7 * scale);
+                prop_assert!((found[(k, l)] - expected[(k, l)]).abs() < 1e-7 * scale);
             }
         }
     }
@@ -65,9 +65,9 @@ fn the_joint_covariance_is_that_of_many_noisy_fits() {
         fitter.fit(&truth);
         // The prior's ridge is that of the noise: the factor is taken of a noisy fit.
         fitter.fit(&with_noise(&truth, deviation, 1));
-        let expected = fitter.joint_covariance_factor().to_vec();
+        let expected = fitter.joint_covariance_factor().to_owned();
         let size = 3 * count;
-        assert_eq!(expected.len(), size * size);
+        assert_eq!(expected.shape(), (size, size));
         let (mut mean, mut products) = (vec![0.0; size], vec![0.0; size * size]);
         for draw in 0..draws {
             let fit = fitter.fit(&with_noise(&truth, deviation, 100 + draw));
@@ -90,13 +90,13 @@ fn the_joint_covariance_is_that_of_many_noisy_fits() {
         for k in 0..size {
             for l in 0..size {
                 let found = (products[k * size + l] - mean[k] * mean[l]) / deviation.powi(2);
-                let scale = (expected[k * size + k] * expected[l * size + l]).sqrt();
+                let scale = (expected[(k, k)] * expected[(l, l)]).sqrt();
                 // A covariance of 8000 draws is known to √(2/8000) = 1.6 %; four times that for the
                 // largest of 144, and the rest for what is not linear.
                 assert!(
-                    (found - expected[k * size + l]).abs() < 0.08 * scale,
+                    (found - expected[(k, l)]).abs() < 0.08 * scale,
                     "{pinned} {k} {l}: {found} {}",
-                    expected[k * size + l]
+                    expected[(k, l)]
                 );
             }
         }
@@ -109,13 +109,13 @@ fn after_a_fit_that_did_not_converge_the_weights_are_known() {
     let mut fitter = RationalFitter::new(3, 30, true);
     points[7][0] = f64::NAN;
     assert!(!fitter.fit(&points).converged);
-    let joint = fitter.joint_covariance_factor().to_vec();
+    let joint = fitter.joint_covariance_factor().to_owned();
     let fixed = fitter.covariance_factor();
     for k in 0..12 {
         for l in 0..12 {
             let known = k < 8 && l < 8 && k % 2 == l % 2;
-            let expected = if known { fixed[k / 2 * 4 + l / 2] } else { 0.0 };
-            assert_eq!(joint[k * 12 + l], expected);
+            let expected = if known { fixed[(k / 2, l / 2)] } else { 0.0 };
+            assert_eq!(joint[(k, l)], expected);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Rational curves and ropes to fit, and what every fit of them keeps.
 
+use crate::dense::Dense;
 use lariat_fit::{Fitter, MAX_WEIGHT, Options, RationalFit, bernstein};
 use lariat_portable::SplitMix64;
-use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 /// Points on the rational curve, `ρᵢ = i/(N − 1)`.
@@ -75,7 +75,7 @@ pub(crate) fn least_sensitivity(
     let basis = rational_basis(weights, points);
     let curve = sampled(control_points, weights, points);
     let count = weights.len();
-    let change = DMatrix::from_fn(2 * points, 3 * count, |row, column| {
+    let change = Dense::from_fn(2 * points, 3 * count, |row, column| {
         let (i, axis, k) = (row / 2, row % 2, column % count);
         match column / count {
             0 => basis[i][k] * (control_points[k][axis] - curve[i][axis]),
@@ -83,9 +83,8 @@ pub(crate) fn least_sensitivity(
             _ => 0.0,
         }
     });
-    let mut values: Vec<f64> = change.singular_values().iter().copied().collect();
-    values.sort_by(f64::total_cmp);
-    values[1]
+    let values = change.singular_values();
+    values[values.len() - 2]
 }
 
 /// Control points like a rope's, and weights.

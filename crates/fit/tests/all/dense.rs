@@ -1,7 +1,8 @@
-//! Dense matrices as the textbook has them: slow, plain, and not the filter's own.
+//! Dense matrices as the textbook has them: slow, plain, and independent of the library's own.
 
 use lariat_portable::SplitMix64;
 
+use faer::MatRef;
 use lariat_fit::bernstein;
 use std::ops::{Index, IndexMut};
 
@@ -57,6 +58,11 @@ impl Dense {
             columns: order + 1,
             numbers,
         }
+    }
+
+    /// The same matrix for the library.
+    pub(crate) fn matrix(&self) -> MatRef<'_, f64> {
+        MatRef::from_row_major_slice(&self.numbers, self.rows, self.columns)
     }
 
     pub(crate) fn transposed(&self) -> Self {
@@ -128,6 +134,42 @@ impl Dense {
     pub(crate) fn inverse(&self) -> Self {
         let l = self.cholesky().expect("positive definite").lower_inverse();
         l.transposed().times(&l)
+    }
+
+    /// The singular values, the largest first, by one-sided Jacobi rotations (G. Golub, C. Van Loan, *Matrix
+    /// Computations*, 8.6.3).
+    pub(crate) fn singular_values(&self) -> Vec<f64> {
+        let mut m = self.clone();
+        let dot = |m: &Self, p: usize, q: usize| -> f64 {
+            (0..m.rows).map(|i| m[(i, p)] * m[(i, q)]).sum()
+        };
+        // Convergence is quadratic: ten sweeps are enough for 32 columns.
+        for _ in 0..60 {
+            let mut is_done = true;
+            for q in 1..m.columns {
+                for p in 0..q {
+                    let (aa, bb, ab) = (dot(&m, p, p), dot(&m, q, q), dot(&m, p, q));
+                    if ab.abs() <= f64::EPSILON * (aa * bb).sqrt() {
+                        continue;
+                    }
+                    is_done = false;
+                    let slope = (bb - aa) / (2.0 * ab);
+                    let tan = slope.signum() / (slope.abs() + slope.hypot(1.0));
+                    let cos = 1.0 / tan.hypot(1.0);
+                    for i in 0..m.rows {
+                        let (a, b) = (m[(i, p)], m[(i, q)]);
+                        m[(i, p)] = cos * (a - tan * b);
+                        m[(i, q)] = cos * (tan * a + b);
+                    }
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+        let mut values: Vec<f64> = (0..m.columns).map(|j| dot(&m, j, j).sqrt()).collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        values
     }
 
     /// The column of one axis.
