@@ -3,7 +3,7 @@
 
 use crate::jpeg::{Coding, encode};
 use lariat_capture::{Mjpeg, RenderOptions, Source, open};
-use lariat_counting::{allocations, bytes, held_bytes};
+use lariat_test_support::{allocations, bytes, held_bytes};
 use lariat_message::Centerlines;
 
 #[test]

@@ -1,7 +1,7 @@
 //! Once warm, no frame allocates.
 
 use crate::drawing::{Rope, Table, extractor};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat};
 
 /// Two ropes that move, one of them through itself.

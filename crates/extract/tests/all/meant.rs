@@ -1,7 +1,7 @@
 //! Only the ropes that are meant.
 
 use crate::drawing::{Rope, Table};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_extract::{Extractor, Image, Options, OptionsError, PixelFormat, Scene, Status};
 
 const SIZE: [usize; 2] = [320, 240];

@@ -1,6 +1,6 @@
 //! Reading allocates for a chunk at most, not for a message.
 
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_record::{Recording, Span};
 use mcap::Compression;
 

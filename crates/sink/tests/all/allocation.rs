@@ -1,6 +1,6 @@
 //! A sink allocates nothing for a message once it is made.
 use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_sink::{FinalCounts, Options, Sink};
 
 #[test]

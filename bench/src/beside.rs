@@ -1,0 +1,24 @@
+//! The program `lariat`, which measurements start as its users do.
+
+use std::env;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+/// The `lariat` in this program's folder, else the one on the path.
+///
+/// # Errors
+/// There is none.
+pub(crate) fn lariat() -> Result<PathBuf> {
+    let path = env::var_os("PATH").unwrap_or_default();
+    let own = env::current_exe().ok();
+    let own = own.and_then(|program| program.parent().map(PathBuf::from));
+    let mut folders = own.into_iter().chain(env::split_paths(&path));
+    let found = folders.find_map(|folder| {
+        let lariat = folder.join("lariat");
+        lariat.is_file().then_some(lariat)
+    });
+    found.context(
+        "lariat is neither in this program's folder nor on the path: `cargo build --release` builds it in a checkout",
+    )
+}

@@ -1,0 +1,128 @@
+//! The command line of `lariat-bench`.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use lariat_chain::{exit, output::Unread};
+
+use crate::{
+    accuracy, compare, confidence, day, families, fit_rivals, hard, latency, methods, network,
+    paper, readers, recording, rivals, servo, space, tracking,
+};
+
+/// The measurements behind the figures that lariat claims (those of single steps are run by `cargo bench`)
+#[derive(Parser)]
+#[command(name = "lariat-bench", version, after_help = exit::CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// How long a frame is under way on this machine, beside its floors and beside others: `lariat bench`
+    Latency(latency::BenchArgs),
+    /// A program that `latency` starts
+    #[command(hide = true)]
+    LatencyPart(latency::PartArgs),
+    /// What got better or worse from one summary.json to another
+    Compare(compare::CompareArgs),
+    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
+    Paper(paper::PaperArgs),
+    /// A simulated rope driven to a shape through the whole chain, and what that depends on
+    Servo(servo::ServoArgs),
+    /// The controller that `servo` starts
+    #[command(hide = true)]
+    Controller(Box<servo::ControllerArgs>),
+    /// How close the extractor's curves are to the truth
+    Accuracy(accuracy::Args),
+    /// What is lost, flipped or exchanged over many frames of moving ropes
+    #[command(alias = "time")]
+    Tracking(tracking::Args),
+    /// How many pictures are right whose ropes are not just what differs from the table, and what is said of the others
+    Hard(hard::Args),
+    /// Ropes in space by a drawn depth camera, against the true axis
+    Space(space::Args),
+    /// The mask network layer by layer, beside the machine's limit and ONNX Runtime
+    Network(network::Args),
+    /// The weights of a curve's confidence, fitted to drawn pictures, and how true it is on others
+    CalibrateConfidence(confidence::Args),
+    /// The chain with each basis and option: its curves against the true rope
+    Families(families::Args),
+    /// A day of frames with the clock turned on by hand: whether the last hour costs what the first did
+    Day(day::Args),
+    /// The same work by OpenCV and scikit-image, side by side with lariat's
+    Rivals(rivals::Args),
+    /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
+    FitRivals(fit_rivals::Args),
+    /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
+    Methods(methods::Args),
+    /// How fast recordings are written, beside dd
+    Recording(recording::Args),
+    /// What reading costs a control loop, and what control loops cost the chain
+    Readers(readers::Args),
+    /// A program that `readers` starts
+    #[command(hide = true)]
+    ReadersPart(readers::PartArgs),
+}
+
+/// Does what the command line asks, and says what went wrong.
+pub fn run() -> ExitCode {
+    Cli::parse().command.run().unwrap_or_else(|error| {
+        if Unread::is_cause_of(&error) {
+            return ExitCode::FAILURE;
+        }
+        eprintln!("lariat-bench: {error:#}");
+        exit::code(&error)
+    })
+}
+
+impl Command {
+    fn run(self) -> Result<ExitCode> {
+        match self {
+            Self::Latency(args) => return latency::run(&args),
+            Self::LatencyPart(args) => return latency::run_part(&args),
+            Self::Compare(args) => return compare::run(&args),
+            Self::Paper(args) => return paper::run(args),
+            Self::Servo(args) => return servo::run(&args),
+            Self::Controller(args) => return servo::run_controller(&args),
+            Self::Accuracy(args) => accuracy::run(&args)?,
+            Self::Tracking(args) => tracking::run(&args)?,
+            Self::Hard(args) => hard::run(&args)?,
+            Self::Space(args) => space::run(&args)?,
+            Self::Network(args) => network::run(&args)?,
+            Self::CalibrateConfidence(args) => confidence::run(&args)?,
+            Self::Families(args) => families::run(&args)?,
+            Self::Day(args) => day::run(&args)?,
+            Self::Rivals(args) => rivals::run(&args)?,
+            Self::FitRivals(args) => fit_rivals::run(&args)?,
+            Self::Methods(args) => methods::run(&args)?,
+            Self::Recording(args) => recording::run(&args)?,
+            Self::Readers(args) => readers::run(&args)?,
+            Self::ReadersPart(args) => readers::part(&args)?,
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// A picture's size, as in `640x480`.
+pub(crate) fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| {
+        let [width, height] = [width, height].map(str::parse::<usize>);
+        Some([width.ok()?, height.ok()?])
+    });
+    let sides = sides.filter(|sides| !sides.contains(&0));
+    sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_size_has_two_sides() {
+        assert_eq!(super::size("640x480"), Ok([640, 480]));
+        for wrong in ["0x480", "640x0", "640", "640x", "640x480x3", "-1x2"] {
+            assert!(super::size(wrong).is_err(), "{wrong}");
+        }
+    }
+}
