@@ -7,7 +7,6 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lariat_fit::{Fitter, Options, Solver};
-use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 
@@ -83,16 +82,6 @@ fn fits(criterion: &mut Criterion) {
             for _ in 0..8 {
                 black_box(fitter.fit(black_box(&rope)).map(|fit| fit.rms_px)).ok();
             }
-        })
-    });
-    // The product alone, by a library: why the fit has a kernel of its own.
-    let p: Vec<&[f64]> = fitter.matrix().collect();
-    let p = DMatrix::from_fn(p.len(), rope.len(), |j, i| p[j][i]);
-    let c = DMatrix::from_fn(rope.len(), 2, |i, axis| rope[i][axis]);
-    let mut s = DMatrix::zeros(p.nrows(), 2);
-    group.bench_function("the product alone, by nalgebra", |bencher| {
-        bencher.iter(|| {
-            black_box(&p).mul_to(black_box(&c), &mut s);
         })
     });
     group.finish();

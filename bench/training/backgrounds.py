@@ -2,7 +2,7 @@
 """Gathers the openly licensed pictures that ropes are drawn over for training.
 
     pip install numpy pillow opencv-python-headless
-    training/backgrounds.py [--out FOLDER] [--clones FOLDER]
+    bench/training/backgrounds.py [--out FOLDER] [--clones FOLDER]
 
 `backgrounds.tsv` beside this file lists the pictures; SOURCES below says where they come from and under which licence.
 They are written to FOLDER as JPEG, with a longer side of 400 to 1200 pixels, and `sources.tsv` beside them: file, source

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Trains the network further on pictures of one's own: own.sh FOLDER WEIGHTS, see README.md.
 set -euo pipefail
-[ $# = 2 ] || { echo "Usage: training/own.sh FOLDER WEIGHTS (FOLDER has images/ and labels/)" >&2; exit 2; }
+[ $# = 2 ] || { echo "Usage: bench/training/own.sh FOLDER WEIGHTS (FOLDER has images/ and labels/)" >&2; exit 2; }
 own=$(realpath "$1") weights=$(realpath "$2")
 cd "$(dirname "$0")"
 source ./prepare.sh
