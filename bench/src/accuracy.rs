@@ -18,7 +18,6 @@ mod labels;
 mod measure;
 mod overlap;
 mod overlay;
-mod paint;
 mod photo;
 mod rendered;
 mod report;

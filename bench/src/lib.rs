@@ -46,6 +46,7 @@ mod compare;
 mod confidence;
 mod day;
 mod elsewhere;
+mod enlarged;
 mod families;
 mod films;
 mod fit_rivals;

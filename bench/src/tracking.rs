@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use image::imageops::{self, FilterType};
+use image::imageops::FilterType;
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
 use crate::Samples;
+use crate::enlarged::Enlarged;
 
 use crate::reliability::Reliability;
 
@@ -408,21 +409,8 @@ pub(crate) fn draw(
     let [width, height] = size.map(|side| side as u32);
     let picture = image::RgbImage::from_raw(width, height, rgb.to_vec())
         .context("a frame has three bytes a pixel")?;
-    let size = (ZOOM * width, ZOOM * height);
-    let mut picture = imageops::resize(&picture, size.0, size.1, FilterType::Nearest);
-    let mut dot = |x: f64, y: f64, reach: i64, color: [u8; 3]| {
-        let zoom = f64::from(ZOOM);
-        let at = [x, y].map(|v| (zoom * (v + 0.5)) as i64);
-        for (dx, dy) in (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy))) {
-            let (x, y) = (at[0] + dx, at[1] + dy);
-            if (0..i64::from(size.0)).contains(&x) && (0..i64::from(size.1)).contains(&y) {
-                picture.put_pixel(x as u32, y as u32, image::Rgb(color));
-            }
-        }
-    };
-    for p in truth {
-        dot(p[0], p[1], 0, [0, 0, 0]);
-    }
+    let mut canvas = Enlarged::new(&picture, ZOOM);
+    canvas.dots(truth, 1.0, [0; 3]);
     for (points, hidden) in curves {
         let n = points.len();
         for (i, (p, &is_hidden)) in points.iter().zip(*hidden).enumerate() {
@@ -432,10 +420,12 @@ pub(crate) fn draw(
             } else {
                 [255 - share, 160, share]
             };
-            dot(p[0].into(), p[1].into(), 2, color);
+            canvas.dots(&[p.map(f64::from)], 5.0, color);
         }
     }
-    picture
+    canvas
+        .canvas
+        .picture
         .save(path)
         .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -15,10 +15,13 @@ use lariat_extract::{Crossing, Curve};
 use super::dataset::Pair;
 use super::labels::Labels;
 use super::measure::Measured;
-use super::paint::{Canvas, SCALE, hue};
 use super::photo;
 use super::spline::{self, Sample};
 use super::whole_file;
+use crate::enlarged::Enlarged;
+
+/// Pixels of an overlay for one of the photograph, along each side.
+const SCALE: u32 = 2;
 
 const OUTLINE: [u8; 3] = [255, 255, 255];
 const EDGE: [u8; 3] = [120, 120, 120];
@@ -66,41 +69,42 @@ fn sheet(thumbnails: &[RgbImage]) -> RgbImage {
 
 /// The photograph, small, with the curves as wide as their ropes.
 fn thumbnail(photo: &RgbImage, measured: &Measured) -> RgbImage {
-    let mut canvas = Canvas::darkened(photo, 1.0);
+    let mut canvas = Enlarged::new(photo, SCALE);
     for curve in &measured.curves {
         for pair in spline::through(curve).windows(2) {
-            let radius_px = f64::from(SCALE) * pair[0].half_px;
-            canvas.line(pair[0].at, pair[1].at, radius_px, hue(pair[0].rho));
+            let width_px = f64::from(2 * SCALE) * pair[0].half_px;
+            canvas.line(&[pair[0].at, pair[1].at], width_px, hue(pair[0].rho));
         }
     }
-    let (width, height) = canvas.picture.dimensions();
-    let height = (height * THUMBNAIL_PX).div_ceil(width);
-    imageops::thumbnail(&canvas.picture, THUMBNAIL_PX, height)
+    let picture = canvas.canvas.picture;
+    let height = (picture.height() * THUMBNAIL_PX).div_ceil(picture.width());
+    imageops::thumbnail(&picture, THUMBNAIL_PX, height)
 }
 
 fn overlay(photo: &RgbImage, label: &Labels, measured: &Measured) -> RgbImage {
-    let mut canvas = Canvas::darkened(photo, 0.6);
-    outline(&mut canvas, label);
+    let mut canvas = Enlarged::new(photo, SCALE);
+    canvas.darken(0.6);
+    outline(&mut canvas.canvas.picture, label);
     let splines: Vec<_> = measured.curves.iter().map(spline::through).collect();
     for samples in &splines {
         edges(&mut canvas, samples);
     }
     for samples in &splines {
         for pair in samples.windows(2) {
-            canvas.line(pair[0].at, pair[1].at, 1.0, hue(pair[0].rho));
+            canvas.line(&[pair[0].at, pair[1].at], 2.0, hue(pair[0].rho));
         }
     }
     for crossing in &measured.crossings {
         mark(&mut canvas, crossing, &measured.curves, &splines);
     }
-    canvas.picture
+    canvas.canvas.picture
 }
 
 /// The borders between the label's ropes and all else, a canvas pixel wide, on the ropes' side.
-fn outline(canvas: &mut Canvas, label: &Labels) {
+fn outline(picture: &mut RgbImage, label: &Labels) {
     let at = |x: u32, y: u32| label.at(i64::from(x / SCALE), i64::from(y / SCALE));
-    for y in 0..canvas.picture.height() {
-        for x in 0..canvas.picture.width() {
+    for y in 0..picture.height() {
+        for x in 0..picture.width() {
             let here = at(x, y);
             let around = [
                 (x.wrapping_sub(1), y),
@@ -109,14 +113,14 @@ fn outline(canvas: &mut Canvas, label: &Labels) {
                 (x, y + 1),
             ];
             if here != 0 && around.iter().any(|&(x, y)| at(x, y) != here) {
-                canvas.picture.put_pixel(x, y, image::Rgb(OUTLINE));
+                picture.put_pixel(x, y, image::Rgb(OUTLINE));
             }
         }
     }
 }
 
 /// Both edges, half a width to the sides of the curve.
-fn edges(canvas: &mut Canvas, samples: &[Sample]) {
+fn edges(canvas: &mut Enlarged, samples: &[Sample]) {
     for side in [-1.0, 1.0] {
         for pair in samples.windows(2) {
             let along = [0, 1].map(|i| pair[1].at[i] - pair[0].at[i]);
@@ -124,14 +128,14 @@ fn edges(canvas: &mut Canvas, samples: &[Sample]) {
             if length > 0.0 {
                 let normal = [-along[1] / length, along[0] / length];
                 let edge = |s: &Sample| [0, 1].map(|i| s.at[i] + side * s.half_px * normal[i]);
-                canvas.line(edge(&pair[0]), edge(&pair[1]), 0.0, EDGE);
+                canvas.line(&[edge(&pair[0]), edge(&pair[1])], 1.0, EDGE);
             }
         }
     }
 }
 
 /// The lower strand black through the crossing, the upper one white over it.
-fn mark(canvas: &mut Canvas, crossing: &Crossing, curves: &[Curve], splines: &[Vec<Sample>]) {
+fn mark(canvas: &mut Enlarged, crossing: &Crossing, curves: &[Curve], splines: &[Vec<Sample>]) {
     let strands = [
         (crossing.under, crossing.under_rho, [0, 0, 0]),
         (crossing.over, crossing.over_rho, [255, 255, 255]),
@@ -143,7 +147,7 @@ fn mark(canvas: &mut Canvas, crossing: &Crossing, curves: &[Curve], splines: &[V
         let reach = f64::from(0.8 * curve.width_px / curve.length_px.max(1.0));
         let near = |s: &Sample| (s.rho - f64::from(rho)).abs() <= reach;
         for pair in samples.windows(2).filter(|pair| near(&pair[0])) {
-            canvas.line(pair[0].at, pair[1].at, 2.0, color);
+            canvas.line(&[pair[0].at, pair[1].at], 4.0, color);
         }
     }
     if crossing.confidence < 0.5 {
@@ -151,15 +155,21 @@ fn mark(canvas: &mut Canvas, crossing: &Crossing, curves: &[Curve], splines: &[V
         let radius = curves
             .get(crossing.over)
             .map_or(8.0, |c| f64::from(c.width_px));
-        for step in 0..120 {
+        let ring = (0..=120).map(|step| {
             let (sin, cos) = (f64::from(step) * std::f64::consts::TAU / 120.0).sin_cos();
-            canvas.disc(
-                [at[0] + radius * cos, at[1] + radius * sin],
-                1.0,
-                [255, 255, 255],
-            );
-        }
+            [at[0] + radius * cos, at[1] + radius * sin]
+        });
+        canvas.line(&ring.collect::<Vec<_>>(), 2.0, [255; 3]);
     }
+}
+
+/// Red, yellow, green, blue, violet: along a rope from its first tip (0) to its last (1).
+pub(super) fn hue(rho: f64) -> [u8; 3] {
+    let sixth = 5.0 * rho.clamp(0.0, 1.0);
+    [5.0, 3.0, 1.0].map(|offset| {
+        let k = (offset + sixth) % 6.0;
+        (255.0 * (1.0 - k.min(4.0 - k).clamp(0.0, 1.0))) as u8
+    })
 }
 
 #[cfg(test)]
@@ -191,5 +201,13 @@ mod tests {
         let thumbnails = vec![RgbImage::new(THUMBNAIL_PX, 30); 13];
         assert_eq!(sheet(&thumbnails).dimensions(), (10 * THUMBNAIL_PX, 60));
         assert_eq!(sheet(&thumbnails[..2]).dimensions(), (2 * THUMBNAIL_PX, 30));
+    }
+
+    #[test]
+    fn the_colours_run_from_red_to_violet() {
+        assert_eq!(hue(0.0), [255, 0, 0]);
+        assert_eq!(hue(0.4), [0, 255, 0]);
+        assert_eq!(hue(0.8), [0, 0, 255]);
+        assert_eq!(hue(1.0), [255, 0, 255]);
     }
 }

@@ -4,15 +4,14 @@
 //! Pictures are made smaller and drawn upon as they come. In the end, when the whole time is known, each gets its strip
 //! with the error, and all become one GIF.
 
+mod dashes;
 mod encode;
-mod palette;
-mod pen;
 mod strip;
 
 use anyhow::Result;
-use image::RgbImage;
+use image::{RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
-use pen::{averaged, dashes};
+use dashes::dashes;
 
 /// The film is at most so wide: pictures that are wider are made smaller by a whole number.
 const WIDTH_PX: usize = 320;
@@ -104,11 +103,14 @@ impl Film {
     /// Adds a shot, later than those before. An image of another size than the film's gives no picture.
     pub(super) fn add(&mut self, shot: &Shot) {
         self.errors.push([shot.at_s, shot.error_px]);
-        let [width, height] = self.size_px;
-        let has_image = shot.rgb.len() == 3 * width * height && !shot.rgb.is_empty();
+        let [width, height] = self.size_px.map(|side| side as u32);
+        let has_image = shot.rgb.len() == 3 * self.size_px.iter().product::<usize>() && !shot.rgb.is_empty();
         if !self.wants(shot.at_s) || !has_image {
             return;
         }
+        let Some(image) = RgbImage::from_raw(width, height, shot.rgb.to_vec()) else {
+            return;
+        };
         self.next_s = match self.pictures.first() {
             // The film's beat goes on from its first picture, whatever the images' own.
             Some(first) => {
@@ -117,7 +119,9 @@ impl Film {
             }
             None => shot.at_s + STEP_S,
         };
-        let mut canvas = Canvas::on(averaged(shot.rgb, self.size_px, self.scale));
+        let scale = self.scale as u32;
+        let small = imageops::thumbnail(&image, width / scale, height / scale);
+        let mut canvas = Canvas::on(small);
         self.draw(&mut canvas, shot.sketch);
         let at_s = shot.at_s;
         let picture = canvas.picture;

@@ -1,13 +1,11 @@
-//! Pictures as a GIF: one palette for all, and of each picture only what has changed.
+//! Pictures as a GIF, in which each picture holds only what has changed.
 //!
 //! A camera's noise changes every pixel. A pixel is drawn again only when it differs from what it was drawn for by more
 //! than [`NOISE`]; else it is transparent, and what was there stays. Long runs of one index are what GIF packs well.
 
 use anyhow::{Context, Result};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use image::{Rgb, RgbImage};
-
-use super::palette::Palette;
+use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
 
 /// Steps of a byte by which a pixel may differ and yet stay.
 const NOISE: u8 = 7;
@@ -15,8 +13,8 @@ const NOISE: u8 = 7;
 const LAST_CS: u16 = 200;
 /// The shortest that players obey.
 const SHORTEST_CS: u16 = 2;
-/// The palette is made of so many pictures.
-const SAMPLED: usize = 8;
+/// Color quantization that takes every third pixel into account, from 1 (all pixels) to 30 (the fastest).
+const SPEED: i32 = 3;
 
 /// A GIF without end of pictures of one size, each from its time on, in seconds.
 ///
@@ -28,15 +26,11 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
         .context("there is no film, as no image came that it could be made of")?;
     let side = |px: u32| u16::try_from(px).context("a film of such large images is no GIF");
     let (width, height) = (side(first.width())?, side(first.height())?);
-    let step = pictures.len().div_ceil(SAMPLED);
-    let sampled = pictures.iter().rev().step_by(step);
-    let mut palette =
-        Palette::of(sampled.flat_map(|(_, picture)| picture.pixels().map(|Rgb(rgb)| rgb)));
-    let colors = palette.bytes();
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, width, height, &colors)?;
+    // Each picture has colors of its own.
+    let mut encoder = Encoder::new(&mut bytes, width, height, &[])?;
     encoder.set_repeat(Repeat::Infinite)?;
-    // What each pixel was drawn for, before the palette.
+    // What each pixel was drawn for.
     let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels().len()];
     for (i, (at_s, picture)) in pictures.iter().enumerate() {
         let delay = match pictures.get(i + 1) {
@@ -44,7 +38,7 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
             None => u64::from(LAST_CS),
         };
         let delay = delay.clamp(SHORTEST_CS.into(), u16::MAX.into()) as u16;
-        let mut frame = changes(picture, &mut shown, &mut palette);
+        let mut frame = changes(picture, &mut shown);
         frame.delay = delay;
         encoder.write_frame(&frame)?;
     }
@@ -58,38 +52,29 @@ fn hundredths(at_s: f64) -> u64 {
 }
 
 /// The smallest rectangle with all pixels that have changed; they are noted as shown.
-fn changes(
-    picture: &RgbImage,
-    shown: &mut [Option<[u8; 3]>],
-    palette: &mut Palette,
-) -> Frame<'static> {
-    let width = picture.width() as usize;
-    let mut indices = vec![palette.transparent(); picture.pixels().len()];
+fn changes(picture: &RgbImage, shown: &mut [Option<[u8; 3]>]) -> Frame<'static> {
+    let mut changed = RgbaImage::new(picture.width(), picture.height());
     // Left, top, right, bottom: of one pixel if none has changed, as a frame cannot be empty.
-    let mut bounds: Option<[usize; 4]> = None;
-    for (i, (&Rgb(pixel), shown)) in picture.pixels().zip(shown).enumerate() {
+    let mut bounds: Option<[u32; 4]> = None;
+    for ((x, y, &Rgb(pixel)), shown) in picture.enumerate_pixels().zip(shown) {
         if shown.is_some_and(|shown| is_near(shown, pixel)) {
             continue;
         }
         *shown = Some(pixel);
-        indices[i] = palette.nearest(pixel);
-        let (x, y) = (i % width, i / width);
+        let [red, green, blue] = pixel;
+        changed.put_pixel(x, y, Rgba([red, green, blue, u8::MAX]));
         let [left, top, right, bottom] = bounds.unwrap_or([x, y, x, y]);
         bounds = Some([left.min(x), top.min(y), right.max(x), bottom.max(y)]);
     }
     let [left, top, right, bottom] = bounds.unwrap_or_default();
-    let rows = indices.chunks_exact(width).skip(top).take(bottom + 1 - top);
-    let buffer: Vec<u8> = rows.flat_map(|row| &row[left..=right]).copied().collect();
+    let (width, height) = (right + 1 - left, bottom + 1 - top);
+    let mut part = imageops::crop_imm(&changed, left, top, width, height).to_image();
     // Not beyond u16: the whole picture is not.
     Frame {
         left: left as u16,
         top: top as u16,
-        width: (right + 1 - left) as u16,
-        height: (bottom + 1 - top) as u16,
-        transparent: Some(palette.transparent()),
         dispose: DisposalMethod::Keep,
-        buffer: buffer.into(),
-        ..Frame::default()
+        ..Frame::from_rgba_speed(width as u16, height as u16, &mut part, SPEED)
     }
 }
 

@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
 
-use super::pen::dashes;
+use super::dashes::dashes;
 use super::{ARROW, WHITE};
 use crate::servo::judge::REACHED_PX;
 

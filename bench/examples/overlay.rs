@@ -6,7 +6,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use image::{Rgb, RgbImage};
+use image::RgbImage;
+use lariat_chain::canvas::Canvas;
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
 
 /// Every point is drawn this many times larger.
@@ -74,29 +75,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
     let (width, height) = picture.dimensions();
     let filter = image::imageops::FilterType::Nearest;
-    let mut out = image::imageops::resize(picture, ZOOM * width, ZOOM * height, filter);
+    let enlarged = image::imageops::resize(picture, ZOOM * width, ZOOM * height, filter);
+    let mut canvas = Canvas::on(enlarged);
+    let place = |at: [f32; 2]| at.map(|c| (f64::from(c) + 0.5) * f64::from(ZOOM) - 0.5);
     for (c, curve) in scene.curves.iter().enumerate() {
         for (i, pair) in curve.points.windows(2).enumerate() {
             let color = ramp(c, i as f32 / curve.points.len() as f32);
-            let steps = 4
-                * ZOOM as usize
-                * (1 + (pair[1][0] - pair[0][0]).abs() as usize
-                    + (pair[1][1] - pair[0][1]).abs() as usize);
-            for k in 0..=steps {
-                let t = k as f32 / steps as f32;
-                let at = [0, 1].map(|i| pair[0][i] + t * (pair[1][i] - pair[0][i]));
-                dot(&mut out, at, 1, color);
-            }
+            let line = [pair[0], pair[1]].map(place);
+            canvas.line(&line, 3.0).ink(color, 1.0);
         }
         if let (Some(&first), Some(&last)) = (curve.points.first(), curve.points.last()) {
-            dot(&mut out, first, 4, [0, 255, 0]);
-            dot(&mut out, last, 4, [255, 0, 0]);
+            canvas.dots(&[place(first)], 9.0).ink([0, 255, 0], 1.0);
+            canvas.dots(&[place(last)], 9.0).ink([255, 0, 0], 1.0);
         }
     }
     for crossing in scene.crossings {
-        dot(&mut out, crossing.at, 2, [255, 255, 255]);
+        canvas.dots(&[place(crossing.at)], 5.0).ink([255; 3], 1.0);
     }
-    out
+    canvas.picture
 }
 
 /// A color that changes along the curve, so that the order through crossings can be seen: from blue
@@ -117,16 +113,4 @@ fn ramp(curve: usize, rho: f32) -> [u8; 3] {
         (1, 2.0 * rho - 1.0)
     };
     std::array::from_fn(|c| (stops[from][c] + t * (stops[from + 1][c] - stops[from][c])) as u8)
-}
-
-fn dot(out: &mut RgbImage, at: [f32; 2], radius: i32, color: [u8; 3]) {
-    let center = at.map(|c| ((c + 0.5) * ZOOM as f32) as i32);
-    for dy in -radius..=radius {
-        for dx in -radius..=radius {
-            let (x, y) = (center[0] + dx, center[1] + dy);
-            if x >= 0 && y >= 0 && (x as u32) < out.width() && (y as u32) < out.height() {
-                out.put_pixel(x as u32, y as u32, Rgb(color));
-            }
-        }
-    }
 }

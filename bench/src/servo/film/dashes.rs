@@ -1,24 +1,6 @@
-//! What is drawn of the film, beside lines and dots.
+//! Dashed lines.
 
-use image::{Rgb, RgbImage};
-
-/// Of an image of red, green and blue: squares of `scale` pixels become the mean of theirs.
-pub(super) fn averaged(rgb: &[u8], [width, height]: [usize; 2], scale: usize) -> RgbImage {
-    let area = (scale * scale) as u32;
-    RgbImage::from_fn((width / scale) as u32, (height / scale) as u32, |x, y| {
-        let (x, y) = (x as usize * scale, y as usize * scale);
-        let mut sums = [area / 2; 3];
-        for row in y..y + scale {
-            let from = 3 * (row * width + x);
-            for rgb in rgb[from..from + 3 * scale].chunks_exact(3) {
-                (0..3).for_each(|k| sums[k] += u32::from(rgb[k]));
-            }
-        }
-        Rgb(sums.map(|sum| (sum / area) as u8))
-    })
-}
-
-/// A line in pieces: so long each, and so far apart.
+/// The dashes of a line: each `on_px` long, and `off_px` apart.
 pub(super) fn dashes(line: &[[f64; 2]], [on_px, off_px]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let mut all = Vec::new();
     let mut dash: Vec<[f64; 2]> = line.first().copied().into_iter().collect();
