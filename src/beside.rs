@@ -36,7 +36,11 @@ pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
 /// There is no such program, or it cannot be started.
 pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
     // It is looked for next to this program, which cargo puts where the profile says.
-    let profile = if cfg!(debug_assertions) { "" } else { " --release" };
+    let profile = if cfg!(debug_assertions) {
+        ""
+    } else {
+        " --release"
+    };
     let how = format!(
         "`cargo build{profile} --manifest-path bench/Cargo.toml` builds it, from a checkout of lariat"
     );

@@ -352,7 +352,8 @@ mod tests {
     fn every_command_in_the_documents_is_understood() {
         let mut count = 0;
         let examples = documents::commands_in(&format!("```{RUN_EXAMPLES}```"));
-        for Command { text, mut words } in documents::commands().into_iter().chain(examples) {
+        let all = documents::commands().into_iter().chain(examples);
+        for Command { text, mut words } in all.filter(|command| command.words[0] == "lariat") {
             // A source may stand in the place of a command.
             if words.get(1).is_some_and(|word| word.contains('.')) {
                 words.insert(1, "run".to_owned());

@@ -118,6 +118,42 @@ pub(crate) fn size(text: &str) -> Result<[usize; 2], String> {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+    use clap::error::ErrorKind;
+    use lariat_test_support::documents;
+
+    use super::Cli;
+
+    #[test]
+    fn every_measurement_in_the_documents_is_understood() {
+        let mut count = 0;
+        for documents::Command { text, mut words } in documents::commands() {
+            match [&words[0][..], words.get(1).map_or("", |word| word)] {
+                ["lariat-bench", _] => {}
+                ["lariat", "bench"] => words[1] = "latency".to_owned(),
+                ["lariat", "compare" | "paper" | "servo"] => {}
+                _ => continue,
+            }
+            count += 1;
+            let parsed = Cli::command().try_get_matches_from(words);
+            // A command may be mentioned without what it takes.
+            let mentioned = [
+                ErrorKind::MissingRequiredArgument,
+                ErrorKind::MissingSubcommand,
+                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand,
+            ];
+            if let Some(error) = parsed.err().filter(|e| !mentioned.contains(&e.kind())) {
+                panic!("{text}: {error}");
+            }
+        }
+        assert!(count > 10, "the documents have {count} measurements only");
+    }
+
+    #[test]
+    fn no_flag_is_defined_twice() {
+        Cli::command().debug_assert();
+    }
+
     #[test]
     fn a_size_has_two_sides() {
         assert_eq!(super::size("640x480"), Ok([640, 480]));

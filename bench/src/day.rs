@@ -4,11 +4,11 @@
 use std::fs;
 use std::time::Instant;
 
+use crate::{Samples, Table, micros, rendered};
 use anyhow::{Context, Result, ensure};
 use lariat_capture::RenderOptions;
 use lariat_extract::Extractor;
 use lariat_fit::{Filter, FilterOptions, Fitter, Noise};
-use crate::{Samples, Table, micros, rendered};
 
 /// How long a day is.
 #[derive(clap::Args)]

@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
 use crate::Table;
+use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
 /// What to measure.

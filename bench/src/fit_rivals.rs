@@ -5,9 +5,9 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::{Samples, Table, micros, multiple};
 use anyhow::Result;
 use lariat_fit::{Basis, Fitter, Knots, Options, Rho, Solver, Weights};
-use crate::{Samples, Table, micros, multiple};
 use serde::Deserialize;
 
 use crate::python::Said;

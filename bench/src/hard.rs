@@ -10,10 +10,10 @@
 
 use std::time::Instant;
 
+use crate::Samples;
 use anyhow::{Result, bail};
 use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene, Status};
-use crate::Samples;
 
 use crate::mask::Mask;
 use crate::reliability::Reliability;

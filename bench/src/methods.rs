@@ -4,11 +4,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::{Samples, Table, millis, rendered, times};
 use anyhow::{Context, Result};
 use lariat_capture::RenderOptions;
 use lariat_clustering::{FuzzyMeans, KMeans, Mixture, Outcome, Pixels, Som, Start, seed_centers};
 use lariat_extract::{Mask, mask_of};
-use crate::{Samples, Table, millis, rendered, times};
 use serde::{Deserialize, Serialize};
 
 use crate::python::Said;

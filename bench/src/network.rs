@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
 use crate::{Samples, Table, micros, millis, multiple};
+use anyhow::{Context, Result, ensure};
 use lariat_network::{LAYERS, Maps, Network, Picture, Workspace};
 use lariat_portable::{ConvolutionKernels, SplitMix64};
 use serde::{Deserialize, Serialize};

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
+use crate::{Samples, Table, rendered};
 use anyhow::{Context, Result, ensure};
 use lariat_capture::RenderOptions;
-use crate::{Samples, Table, rendered};
 use lariat_record::{Compression, Existing, Head, Topic, Writer, encode_image};
 use lariat_wire::{FrameHeader, PixelFormat};
 

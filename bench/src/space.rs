@@ -8,12 +8,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::Table;
 use anyhow::{Context, Result};
 use lariat_chain::pipeline::{Companion, FrameExtractor, FrameView, SpaceFitter};
 use lariat_chain::settings::{self, Settings};
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
 use lariat_fit::{Fitter, Line};
-use crate::Table;
 use lariat_wire::{
     Basis, Centerlines, Descriptor3, Descriptors3, FitQuality, FrameHeader, PixelFormat, Place,
     Shape, Status,

@@ -6,12 +6,12 @@ mod video;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::Samples;
+use crate::enlarged::Enlarged;
 use anyhow::{Context, Result};
 use image::imageops::FilterType;
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, TrueRope, Verdict};
 use lariat_extract::{Curve, Extractor, Image, Mask, Options, PixelFormat, Scene, Status};
-use crate::Samples;
-use crate::enlarged::Enlarged;
 
 use crate::reliability::Reliability;
 

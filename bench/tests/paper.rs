@@ -45,7 +45,10 @@ fn a_page_and_the_numbers_behind_each_figure_are_written() {
         assert!(said.contains(figure), "{said}");
     }
     let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(told, "lariat-bench: the report is report/of/it/report.html\n");
+    assert_eq!(
+        told,
+        "lariat-bench: the report is report/of/it/report.html\n"
+    );
 }
 
 #[test]

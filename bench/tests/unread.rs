@@ -5,7 +5,9 @@ use std::process::{Command, Stdio};
 #[test]
 fn a_measurement_ends_quietly_where_nobody_reads_it_any_more() {
     let mut bench = Command::new(env!("CARGO_BIN_EXE_lariat-bench"))
-        .args(["tracking", "--frames", "2", "--seeds", "1", "--size", "120x90"])
+        .args([
+            "tracking", "--frames", "2", "--seeds", "1", "--size", "120x90",
+        ])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()

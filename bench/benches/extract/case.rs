@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use lariat_extract::{Extractor, Mask, Options, Scene, Step};
 use lariat_bench::{Picture, ReadPass, Samples};
+use lariat_extract::{Extractor, Mask, Options, Scene, Step};
 
 /// Turns that a table has at least.
 const FEWEST_TURNS: usize = 3;

@@ -1,9 +1,9 @@
 //! The normal case, step by step, and the same film in every pixel format.
 
 use anyhow::{Context, Result};
+use lariat_bench::{Picture, Table, converted, micros, multiple, times};
 use lariat_capture::RenderOptions;
 use lariat_extract::{Mask, Options, PixelFormat, pick};
-use lariat_bench::{Picture, Table, converted, micros, multiple, times};
 
 use crate::Effort;
 use crate::case::{Case, Times, WHOLE, measure};

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use anyhow::{Context, Result};
+use lariat_bench::{Picture, Table, micros, multiple, times};
 use lariat_capture::RenderOptions;
 use lariat_extract::{HsvRange, Mask, Options, PixelFormat};
-use lariat_bench::{Picture, Table, micros, multiple, times};
 
 use crate::Effort;
 use crate::case::{Case, Times, measure};

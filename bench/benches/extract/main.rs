@@ -24,8 +24,8 @@ use std::time::Duration;
 
 use anyhow::Result;
 use clap::Parser;
-use lariat_capture::RenderOptions;
 use lariat_bench::{Picture, rendered};
+use lariat_capture::RenderOptions;
 
 /// Times extraction, step by step, beside a pass that only reads the frame
 #[derive(Parser)]

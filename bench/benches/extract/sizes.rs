@@ -1,8 +1,8 @@
 //! Larger pictures: cold, time goes by the pixel; tracked, by the rope's area.
 
 use anyhow::Result;
-use lariat_capture::RenderOptions;
 use lariat_bench::{Table, micros, multiple};
+use lariat_capture::RenderOptions;
 
 use crate::Effort;
 use crate::case::{Case, Times, measure};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use crate::{Samples, Table};
 use anyhow::{Context, Result};
 use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat};
 use lariat_fit::{Basis, Fitter, Line, SteadySize, Tolerance};
-use crate::{Samples, Table};
 
 use super::photo;
 

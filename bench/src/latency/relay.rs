@@ -94,10 +94,7 @@ pub(super) fn measure(
     let out = workplace.path("relay");
     let mut programs = Vec::new();
     for place in (0..PROCESSES).rev() {
-        let mut command = workplace.part(
-            arrangement.placement(place, &workplace.cores),
-            "relay",
-        );
+        let mut command = workplace.part(arrangement.placement(place, &workplace.cores), "relay");
         command.arg("--place").arg(place.to_string());
         command.arg("--fps").arg(fps.to_string());
         command.arg("--count").arg(count.to_string());

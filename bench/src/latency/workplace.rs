@@ -35,7 +35,8 @@ impl Workplace {
             domain: format!("b{}", std::process::id()),
             folder: TempDir::with_prefix("lariat-bench-")
                 .context("no temporary folder could be made")?,
-            itself: std::env::current_exe().context("lariat-bench cannot find its own executable")?,
+            itself: std::env::current_exe()
+                .context("lariat-bench cannot find its own executable")?,
             lariat: crate::beside::lariat()?,
             cores: (0..CpuSet::MAX_CPU)
                 .filter(|&core| cores.is_set(core))

@@ -3,8 +3,8 @@
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
 use crate::{Samples, Table};
+use anyhow::{Context, Result, bail, ensure};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 
@@ -91,7 +91,14 @@ fn run(place: &Place, args: &Args, beside: Beside, round: usize) -> Result<Shown
         .join(format!("{round}-{}", beside as u8));
     let binary = beside::lariat()?;
     let mut chain = Command::new(&binary)
-        .args(["run", "--fps", &args.fps.to_string(), "--duration", &args.seconds.to_string(), "--out"])
+        .args([
+            "run",
+            "--fps",
+            &args.fps.to_string(),
+            "--duration",
+            &args.seconds.to_string(),
+            "--out",
+        ])
         .arg(&out)
         .current_dir(place.folder.path())
         .env("LARIAT_DOMAIN", &place.domain)

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, ensure};
 use crate::Table;
+use anyhow::{Context, Result, ensure};
 use lariat_wire::{Reader, Seen, now_ns};
 
 use super::Place;
@@ -145,9 +145,7 @@ fn in_c(place: &Place, time: Duration) -> Result<String> {
         Command::new("cc")
             .args(["-O2", "-Wall", "-o"])
             .arg(&program)
-            .arg(
-                Path::new(env!("CARGO_MANIFEST_DIR")).join("src/readers/latest.c"),
-            )
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/readers/latest.c"))
             .arg(format!("-I{}", prefix.join("include").display()))
             .arg(format!("-L{}", prefix.join("lib").display()))
             .arg(format!("-Wl,-rpath,{}", prefix.join("lib").display()))

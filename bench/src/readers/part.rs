@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
 use crate::RelaySender;
 use crate::Samples;
+use anyhow::Result;
 use lariat_wire::{
     DESCRIPTORS, Delivery, Descriptor, Descriptors, Domain, Reader, Rig, Writer, now_ns,
 };

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, ensure};
 use crate::RelayReceiver;
 use crate::{Samples, Table};
+use anyhow::{Result, ensure};
 use lariat_wire::{Domain, now_ns};
 
 use super::Place;

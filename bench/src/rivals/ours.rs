@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
+use crate::Samples;
 use anyhow::Result;
 use lariat_extract::{Extractor, Mask, Options};
-use crate::Samples;
 
 use super::pictures::{Pictures, Shown};
 use super::script::Work;

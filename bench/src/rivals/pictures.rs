@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::{Picture, load, opencv_bounds, photographs, rendered};
 use anyhow::{Context, Result, bail};
 use image::{ExtendedColorType, save_buffer};
 use lariat_capture::RenderOptions;
 use lariat_drawn::scenes::Truth;
 use lariat_extract::{HsvRange, PixelFormat, pick};
-use crate::{Picture, load, opencv_bounds, photographs, rendered};
 use serde::Serialize;
 use tempfile::TempDir;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use lariat_drawn::scenes::{SeenCurve, score};
 use crate::{MBEST_MS, STEPS_MS, Samples, Table, millis, times};
+use lariat_drawn::scenes::{SeenCurve, score};
 
 use super::Rival;
 use super::ours::{Measured, Ours};

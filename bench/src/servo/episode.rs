@@ -145,7 +145,13 @@ impl Episode<'_> {
             self.controller_domain,
             self.folder,
         )?;
-        let mut chain = Process::start(beside::lariat()?, "run", &self.chain_arguments(), None, self.folder)?;
+        let mut chain = Process::start(
+            beside::lariat()?,
+            "run",
+            &self.chain_arguments(),
+            None,
+            self.folder,
+        )?;
         let errors = self.judge(&mut sights, &mut [&mut chain, &mut controller], stop)?;
         let doing = controller.end();
         chain.end();

@@ -9,9 +9,9 @@ mod encode;
 mod strip;
 
 use anyhow::Result;
+use dashes::dashes;
 use image::{RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
-use dashes::dashes;
 
 /// The film is at most so wide: pictures that are wider are made smaller by a whole number.
 const WIDTH_PX: usize = 320;
@@ -104,7 +104,8 @@ impl Film {
     pub(super) fn add(&mut self, shot: &Shot) {
         self.errors.push([shot.at_s, shot.error_px]);
         let [width, height] = self.size_px.map(|side| side as u32);
-        let has_image = shot.rgb.len() == 3 * self.size_px.iter().product::<usize>() && !shot.rgb.is_empty();
+        let has_image =
+            shot.rgb.len() == 3 * self.size_px.iter().product::<usize>() && !shot.rgb.is_empty();
         if !self.wants(shot.at_s) || !has_image {
             return;
         }

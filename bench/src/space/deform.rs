@@ -15,10 +15,10 @@ use std::time::Instant;
 
 use super::{Args, Beside, SIZE, header, pickle, settings};
 use crate::tracking;
+use crate::{Samples, Table};
 use anyhow::{Context, Result, ensure};
 use lariat_chain::pipeline::{Companion, FrameExtractor, FrameView, SpaceFitter};
 use lariat_drawn::space::{DepthPainter, DepthSensor, Painter};
-use crate::{Samples, Table};
 use lariat_wire::{Centerlines, Curve, Descriptors3, Status};
 use stage::Stage;
 use tally::Tally;

@@ -3,11 +3,11 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use crate::{Picture, converted};
 use anyhow::{Context, Result};
 use lariat_chain::output::{Existing, Output};
 use lariat_drawn::moving::Film;
 use lariat_extract::PixelFormat;
-use crate::{Picture, converted};
 
 /// Writes so many frames of a film, of an even size.
 pub(super) fn write(mut film: Film, size: [usize; 2], frames: u64, path: &Path) -> Result<()> {

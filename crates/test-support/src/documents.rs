@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub struct Command {
     /// Its text, in one line.
     pub text: String,
-    /// Its words, from `lariat` on, up to a comment or a pipe.
+    /// Its words, from the program's name on, up to a comment or a pipe.
     pub words: Vec<String>,
 }
 
@@ -27,14 +27,15 @@ pub fn commands() -> Vec<Command> {
     texts.flat_map(|text| commands_in(&text)).collect()
 }
 
-/// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on in a block of code.
+/// The commands in a document's text: `lariat …` or `lariat-bench …` in backquotes, or from a line's begin on in a block of code.
 pub fn commands_in(text: &str) -> Vec<Command> {
     let quoted = text.split('`').skip(1).step_by(2);
     let blocks = text.split("```").skip(1).step_by(2);
     let lines = blocks.flat_map(str::lines);
     let lines = lines.map(|line| line.trim_start().trim_start_matches("$ "));
     let all = quoted.chain(lines);
-    let commands = all.filter(|text| text.starts_with("lariat "));
+    let programs = ["lariat ", "lariat-"];
+    let commands = all.filter(|text| programs.iter().any(|name| text.starts_with(name)));
     let command = |text: &str| {
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         let words = words(&text)?;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use lariat_drawn::scenes::{Class, Score};
 use crate::Samples;
+use lariat_drawn::scenes::{Class, Score};
 
 use super::Measured;
 
