@@ -5,7 +5,7 @@
 //! the same with tables.
 #![allow(missing_docs)] // criterion's macros make undocumented functions.
 
-#[path = "../../capture/tests/jpeg/mod.rs"]
+#[path = "../crates/capture/tests/jpeg/mod.rs"]
 mod jpeg;
 
 use criterion::{Criterion, criterion_group, criterion_main};

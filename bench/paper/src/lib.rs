@@ -21,12 +21,12 @@
 //!
 //! # How it works
 //!
-//! `crates/paper`, by `lariat paper`. What each equation and claim of the paper is here: docs/paper.md (`docs/paper.md`).
+//! `bench/paper`, by `lariat paper`. What each equation and claim of the paper is here: docs/paper.md (`docs/paper.md`).
 //!
 //! One experiment is one module (`clusterings`, `fits`, `orders`, `robustness/`, `cost`, `rivals`, `conditioning`, `ordering`, `at_rest`).
 //! Each runs to plain numbers, and from these alone makes its figure, its CSV and the sentences of its caption, so that a
 //! caption cannot say what the numbers do not: tests hand in numbers of both outcomes. `shapes` are the ropes they all share,
-//! drawn or seen in pictures; `family` the curves at an equal number of parameters. `crates/plot` is the style of all charts
+//! drawn or seen in pictures; `family` the curves at an equal number of parameters. `bench/plot` is the style of all charts
 //! (colors, dashes, markers, legends above the plot) and of the page (HTML without script and without anything to fetch),
 //! `overlay` curves over a picture. All randomness is splitmix64 by the seed, a stream for each experiment, so that two runs
 //! differ in their times alone. What a disturbance does to a curve is measured from the same curve without it: the model's own
