@@ -35,7 +35,7 @@ pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
 /// # Errors
 /// There is no such program, or it cannot be started.
 pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
-    // It is looked for next to this program, which cargo puts where the profile says.
+    // It is searched for next to this program, which cargo puts into the folder of its profile.
     let profile = if cfg!(debug_assertions) {
         ""
     } else {
@@ -47,7 +47,7 @@ pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
     hand_over("lariat-bench", Some(command), args, &how)
 }
 
-/// Becomes the program in this one's folder, else the one on the path; `how` says how to get it.
+/// Becomes the program that is in this one's folder or on the path. `how` tells how to get it.
 fn hand_over(file_name: &str, command: Option<&str>, args: &Words, how: &str) -> Result<ExitCode> {
     let beside = std::env::current_exe().ok();
     let beside = beside.map(|program| program.with_file_name(file_name));

@@ -148,16 +148,16 @@ enum Command {
     /// The manual pages, for packages
     #[command(hide = true)]
     Man(ManArgs),
-    /// The experiments of the paper that lariat is built on, again and with numbers, by lariat-bench
+    /// The experiments of the paper that lariat is built on, repeated and with numbers
     #[command(disable_help_flag = true)]
     Paper(Words),
-    /// A simulated rope driven to a shape through the whole chain, and what that depends on, by lariat-bench
+    /// Drives a simulated rope to a shape through the whole chain, and measures how well
     #[command(disable_help_flag = true)]
     Servo(Words),
-    /// How long a frame is under way on this machine, beside its floors and beside others, by lariat-bench
+    /// End-to-end latency on this machine, with its lower bounds and with other systems
     #[command(disable_help_flag = true)]
     Bench(Words),
-    /// What got better or worse from one summary.json to another, by lariat-bench
+    /// Changes from one summary.json to another that exceed the noise
     #[command(disable_help_flag = true)]
     Compare(Words),
 }

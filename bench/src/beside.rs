@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
-/// The `lariat` in this program's folder, else the one on the path.
+/// Finds `lariat` in this program's folder or on the path, in this order.
 ///
 /// # Errors
-/// There is none.
+/// Neither has a `lariat`.
 pub(crate) fn lariat() -> Result<PathBuf> {
     let path = env::var_os("PATH").unwrap_or_default();
     let own = env::current_exe().ok();

@@ -21,36 +21,36 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// How long a frame is under way on this machine, beside its floors and beside others: `lariat bench`
+    /// End-to-end latency on this machine, with its lower bounds and with other systems: `lariat bench`
     Latency(latency::BenchArgs),
     /// A program that `latency` starts
     #[command(hide = true)]
     LatencyPart(latency::PartArgs),
-    /// What got better or worse from one summary.json to another
+    /// Changes from one summary.json to another that exceed the noise
     Compare(compare::CompareArgs),
-    /// The experiments of the paper that lariat is built on, again and with numbers, as one page
+    /// The experiments of the paper that lariat is built on, repeated and with numbers, as one page
     Paper(paper::PaperArgs),
-    /// A simulated rope driven to a shape through the whole chain, and what that depends on
+    /// Drives a simulated rope to a shape through the whole chain, and measures how well
     Servo(servo::ServoArgs),
     /// The controller that `servo` starts
     #[command(hide = true)]
     Controller(Box<servo::ControllerArgs>),
-    /// How close the extractor's curves are to the truth
+    /// Distance of the extracted curves from the truth
     Accuracy(accuracy::Args),
-    /// What is lost, flipped or exchanged over many frames of moving ropes
+    /// Ropes lost, reversed or exchanged over many frames of moving ropes
     #[command(alias = "time")]
     Tracking(tracking::Args),
-    /// How many pictures are right whose ropes are not just what differs from the table, and what is said of the others
+    /// Share of right pictures on grounds and under light that a plain table does not have
     Hard(hard::Args),
     /// Ropes in space by a drawn depth camera, against the true axis
     Space(space::Args),
-    /// The mask network layer by layer, beside the machine's limit and ONNX Runtime
+    /// Time of each layer of the mask network, with the machine's limit and ONNX Runtime
     Network(network::Args),
-    /// The weights of a curve's confidence, fitted to drawn pictures, and how true it is on others
+    /// Fits the weights of a curve's confidence to drawn pictures, and tests them on others
     CalibrateConfidence(confidence::Args),
     /// The chain with each basis and option: its curves against the true rope
     Families(families::Args),
-    /// A day of frames with the clock turned on by hand: whether the last hour costs what the first did
+    /// A day of frames by a simulated clock: the cost of the last hour against that of the first
     Day(day::Args),
     /// The same work by OpenCV and scikit-image, side by side with lariat's
     Rivals(rivals::Args),
@@ -58,16 +58,16 @@ enum Command {
     FitRivals(fit_rivals::Args),
     /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
     Methods(methods::Args),
-    /// How fast recordings are written, beside dd
+    /// Speed of writing recordings, compared with dd
     Recording(recording::Args),
-    /// What reading costs a control loop, and what control loops cost the chain
+    /// Cost of reading for a control loop, and of control loops for the chain
     Readers(readers::Args),
     /// A program that `readers` starts
     #[command(hide = true)]
     ReadersPart(readers::PartArgs),
 }
 
-/// Does what the command line asks, and says what went wrong.
+/// Runs the command line, and reports an error on standard error.
 pub fn run() -> ExitCode {
     Cli::parse().command.run().unwrap_or_else(|error| {
         if Unread::is_cause_of(&error) {
@@ -113,7 +113,7 @@ pub(crate) fn size(text: &str) -> Result<[usize; 2], String> {
         Some([width.ok()?, height.ok()?])
     });
     let sides = sides.filter(|sides| !sides.contains(&0));
-    sides.ok_or_else(|| format!("'{text}' is no size: write it as 640x480"))
+    sides.ok_or_else(|| format!("'{text}' is not a size: write it as 640x480"))
 }
 
 #[cfg(test)]

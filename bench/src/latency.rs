@@ -7,8 +7,8 @@
 //! # How it works
 //!
 //! `lariat bench` (`bench/src/latency/`) measures everything in rounds (`plan`): floors, the chain, rivals, and again, so that what
-//! drifts on a machine drifts for all; a figure is the median of its rounds, a ratio is taken within each round. What it starts
-//! are `lariat`, and parts of this program (`lariat-bench latency-part …`, hidden), in a domain, a folder and a process group of their own.
+//! drifts on a machine drifts for all; a figure is the median of its rounds, a ratio is taken within each round. It starts
+//! `lariat`, and parts of this program (`lariat-bench latency-part …`, hidden), in a domain, a folder and a process group of their own.
 //! Each is started through `latency-part guard` (`guard`), which asks the kernel to end it with the bench, puts it on its core
 //! and under FIFO if so asked, and then becomes it: a Ctrl-C, an error or a `kill -9` of the bench leaves nothing
 //! running.

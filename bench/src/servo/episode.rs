@@ -243,7 +243,7 @@ impl Sights {
     }
 }
 
-/// A command that runs beside this one, and ends with it.
+/// A command that runs alongside this one, and ends with it.
 struct Process {
     name: &'static str,
     program: Guarded,
