@@ -24,7 +24,7 @@ use verdict::{Verdict, verdict};
 
 /// What to compare.
 #[derive(Debug, Clone, Args)]
-pub struct CompareArgs {
+pub(crate) struct CompareArgs {
     /// The summary.json of before, or its folder
     #[arg(value_name = "A")]
     before: PathBuf,

@@ -1,7 +1,7 @@
 //! `lariat-bench families`: the whole chain on the rendered rope with each basis and option, and how far its curves are
 //! from the true rope.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crate::Table;
@@ -84,7 +84,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 fn summary(args: &Args, flags: &[&str], folder: &Path) -> Result<Value> {
     // The run is in a folder of its own, where no settings file is found.
-    let binary = beside::lariat()?;
+    let binary = crate::beside::lariat()?;
     let output = Command::new(&binary)
         .args(["run", "--fps", "max", "--lossless", "--frames"])
         .arg(args.frames.to_string())

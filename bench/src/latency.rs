@@ -74,7 +74,7 @@ use workplace::Workplace;
 
 /// What to measure.
 #[derive(Debug, Clone, Args)]
-pub struct BenchArgs {
+pub(crate) struct BenchArgs {
     /// Write report.html, summary.json and a histogram (.hgrm) of everything into this folder
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -109,7 +109,7 @@ pub struct BenchArgs {
 
 /// A program that a measurement is made of. Not for users.
 #[derive(Debug, Clone, Args)]
-pub struct PartArgs {
+pub(crate) struct PartArgs {
     #[command(subcommand)]
     part: Part,
 }

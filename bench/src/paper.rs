@@ -15,7 +15,7 @@ use std::process::ExitCode;
 ///
 /// Writes report.html, which opens without a network and prints well, and the numbers behind each figure as CSV.
 #[derive(Debug, Args)]
-pub struct PaperArgs {
+pub(crate) struct PaperArgs {
     /// Folder for report.html and the CSVs; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,

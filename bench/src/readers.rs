@@ -7,7 +7,6 @@ mod latest;
 mod part;
 mod wake;
 
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 

@@ -55,7 +55,7 @@ const ENOUGH: f64 = 0.95;
 
 /// What is asked of `lariat servo`.
 #[derive(Debug, Args)]
-pub struct ServoArgs {
+pub(crate) struct ServoArgs {
     /// The shape that is wanted: u, s, line, or a file with its points in pixels, as `lariat fit` reads them
     #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
     target: String,

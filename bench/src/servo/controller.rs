@@ -31,7 +31,7 @@ const METRIC_ROWS: usize = 64;
 
 /// What is asked of the controller.
 #[derive(Debug, Args)]
-pub struct ControllerArgs {
+pub(crate) struct ControllerArgs {
     /// What it is told
     #[arg(long, value_name = "FILE")]
     job: PathBuf,
