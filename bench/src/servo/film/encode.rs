@@ -13,8 +13,8 @@ const NOISE: u8 = 7;
 const LAST_CS: u16 = 200;
 /// The shortest that players obey.
 const SHORTEST_CS: u16 = 2;
-/// Color quantization that takes every third pixel into account, from 1 (all pixels) to 30 (the fastest).
-const SPEED: i32 = 3;
+/// Color quantization that takes every pixel into account: thin lines in rare colors keep them.
+const SPEED: i32 = 1;
 
 /// A GIF without end of pictures of one size, each from its time on, in seconds.
 ///
