@@ -19,7 +19,7 @@
 //! In a checkout `lariat-bench` is `cargo run --release --manifest-path bench/Cargo.toml --`.
 //!
 //! Speed (`benches/`) is printed beside a floor of the same run, so that what counts is the ratio.
-//! What the measurements share is here: frames, the floor, medians, tables.
+//! The measurements share frames, the floor, medians and tables.
 
 #[macro_use]
 extern crate lariat_chain;
