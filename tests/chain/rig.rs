@@ -12,9 +12,12 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// `lariat`, or in the tests of `bench/` `lariat-bench`.
-const PROGRAM: &str = match option_env!("CARGO_BIN_EXE_lariat") {
-    Some(program) => program,
-    None => option_env!("CARGO_BIN_EXE_lariat-bench").expect("cargo names the tested program"),
+const PROGRAM: &str = match (
+    option_env!("CARGO_BIN_EXE_lariat"),
+    option_env!("CARGO_BIN_EXE_lariat-bench"),
+) {
+    (Some(program), _) | (None, Some(program)) => program,
+    (None, None) => panic!("cargo names the tested program"),
 };
 
 /// A domain, and a folder for the files of a test.
