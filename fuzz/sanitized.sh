@@ -9,4 +9,4 @@ export RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address
 export ASAN_OPTIONS=detect_leaks=0
 # Only what is said to be for the target is sanitized: not what runs while it is built.
 target=$(rustc -vV | sed -n 's/^host: //p')
-cargo test --locked -p lariat-hostile --target "$target" --target-dir target/sanitized "$@"
+cargo test --locked -p lariat-test-support --test hostile --target "$target" --target-dir target/sanitized "$@"

@@ -15,19 +15,23 @@ if ! command -v maturin >/dev/null; then
     export PATH=$PATH:$tools/python/bin
 fi
 
-# The product: `bench`, `compare`, `paper` and `servo` measure it, for those who have its sources.
-cargo build --release --locked --package lariat --no-default-features
+# The product, and the program that measures it: they share what is compiled for both.
+cargo build --release --locked
+cargo build --release --locked --manifest-path bench/Cargo.toml
 root=$out/root
 share=$root/usr/share
 lariat=$root/usr/bin/lariat
+bench=$root/usr/bin/lariat-bench
 mkdir -p "${lariat%/*}" "$share"/{man/man1,bash-completion/completions,zsh/vendor-completions,fish/vendor_completions.d,doc/lariat}
 strip -o "$lariat" target/release/lariat
+strip -o "$bench" target/release/lariat-bench
 "$lariat" man "$share/man/man1" --force
 "$lariat" completions bash >"$share/bash-completion/completions/lariat"
 "$lariat" completions zsh >"$share/zsh/vendor-completions/_lariat"
 "$lariat" completions fish >"$share/fish/vendor_completions.d/lariat.fish"
 "$lariat" service install --root "$root"
-packaging/licences.py --notices lariat --no-default-features >"$share/doc/lariat/notices"
+packaging/licences.py --notices lariat >"$share/doc/lariat/notices"
+packaging/licences.py --notices lariat-bench --manifest-path bench/Cargo.toml >"$share/doc/lariat/notices-bench"
 cp CHANGELOG.md "$share/doc/lariat/NEWS"
 gzip -9n "$share"/doc/lariat/*
 cargo deb --locked --no-build --no-strip --output "$out"
@@ -42,12 +46,12 @@ packaging/licences.py --notices lariat-ros2 --manifest-path "$ros2" >"$root/usr/
 gzip -9n "$root"/usr/share/doc/lariat-ros2/*
 cargo deb --locked --no-build --no-strip --manifest-path "$ros2" --output "$out"
 
-# The module, and the command beside it: maturin puts the files of this folder where pip has its scripts. Only here, as who
+# The module, and the commands: maturin puts the files of this folder where pip has its scripts. Only here, as who
 # builds the module from its sources need not build the command.
 scripts=python/lariat._native.data/scripts
 trap 'rm -rf python/lariat._native.data' EXIT
 mkdir -p "$scripts"
-cp "$lariat" "$scripts/"
+cp "$lariat" "$bench" "$scripts/"
 # It runs where glibc is as new as the command needs; maturin sees to it that the module asks for no more.
 glibc=$(objdump -T "$lariat" | grep -o 'GLIBC_2\.[0-9]*' | sort --version-sort | tail -n 1)
 maturin build --release --locked --strip --compatibility "manylinux_2_${glibc#*.}" --manifest-path python/Cargo.toml --out "$out"

@@ -4,7 +4,7 @@
     packaging/licences.py                     complains of those that are not on the list below (part of .ci/run)
     packaging/licences.py --notices PACKAGE   prints the texts that go with its binary, whose licences ask for that
 
-Words behind that are cargo's, such as --no-default-features.
+Words behind that are cargo's, such as --manifest-path.
 """
 
 import json
@@ -84,9 +84,10 @@ def is_allowed(expression):
 
 
 def check():
-    # `lariat-ros2` is locked for itself.
-    both = [crates(words)["packages"] for words in ([], ["--manifest-path", "crates/ros2/Cargo.toml"])]
-    packages = {package["id"]: package for packages in both for package in packages}.values()
+    # Each workspace has a lock file of its own.
+    manifests = ["Cargo.toml", "bench/Cargo.toml", "crates/ros2/Cargo.toml"]
+    locked = [crates(["--manifest-path", manifest])["packages"] for manifest in manifests]
+    packages = {(package["name"], package["version"]): package for packages in locked for package in packages}.values()
     wrong = []
     for package in packages:
         name, licence = f"{package['name']} {package['version']}", package["license"]

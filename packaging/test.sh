@@ -49,6 +49,8 @@ inside "$entry" --version
 inside "$entry" run --frames 100 --fps max --lossless 2>&1 | grep '^100 frames received'
 cp docs/rope.png "$image/srv/"
 inside "$entry" trace /srv/rope.png | grep 'rope.png *0 *ok'
+# It is found, and says what is wrong itself.
+{ inside "$entry" compare /nowhere /nowhere 2>&1 || true; } | grep '/nowhere cannot be read'
 for file in man1/lariat.1.gz man1/lariat-run.1.gz; do gzip -t "$image/usr/share/man/$file"; done
 bash -n "$image/usr/share/bash-completion/completions/lariat"
 chroot "$image" getent passwd lariat
@@ -69,6 +71,7 @@ python3 -m venv "$work/python"
 time "$work/python/bin/pip" install --quiet "$out"/lariat-*.whl
 "$work/python/bin/lariat" --version
 "$work/python/bin/lariat" run --frames 100 --fps max --lossless 2>&1 | grep '^100 frames received'
+{ "$work/python/bin/lariat" compare /nowhere /nowhere 2>&1 || true; } | grep '/nowhere cannot be read'
 "$work/python/bin/python" - <<'PYTHON'
 import lariat
 print(lariat.__file__)
@@ -94,7 +97,7 @@ wait "$chain" || fail "the chain failed: $(cat "$work/chain")"
 
 say "taken away again"
 chroot "$image" dpkg --remove lariat-ros2 lariat
-for path in usr/bin/lariat usr/bin/lariat-ros2 usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
+for path in usr/bin/lariat usr/bin/lariat-bench usr/bin/lariat-ros2 usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
     [ ! -e "$image/$path" ] || fail "$path is left"
 done
 [ -e "$image/etc/lariat/cell.toml" ] || fail "the settings are gone"

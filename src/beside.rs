@@ -1,4 +1,5 @@
-//! `lariat ros2` and `lariat bridge`: each hands over to a program of its own (`crates/ros2`, `crates/bridge`).
+//! Commands that hand over to a program of their own: `lariat ros2` (`crates/ros2`), `lariat bridge` (`crates/bridge`), and the
+//! measurements (`bench/`).
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -20,21 +21,44 @@ pub(crate) struct Words {
     words: Vec<OsString>,
 }
 
-/// Runs `lariat <name>`: this process becomes `lariat-<name>`, which lies beside it, else the one on the path.
+/// Runs `lariat <name>` by `lariat-<name>`.
 ///
 /// # Errors
-/// There is none, or it cannot be started.
+/// There is no such program, or it cannot be started.
 pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
-    let file_name = format!("lariat-{name}");
+    let how = format!("`cargo install --path crates/{name}` builds it");
+    hand_over(&format!("lariat-{name}"), None, args, &how)
+}
+
+/// Runs a measurement by `lariat-bench <command>`.
+///
+/// # Errors
+/// There is no such program, or it cannot be started.
+pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
+    // It is searched for next to this program, which cargo puts into the folder of its profile.
+    let profile = if cfg!(debug_assertions) {
+        ""
+    } else {
+        " --release"
+    };
+    let how = format!(
+        "`cargo build{profile} --manifest-path bench/Cargo.toml` builds it, from a checkout of lariat"
+    );
+    hand_over("lariat-bench", Some(command), args, &how)
+}
+
+/// Becomes the program that is in this one's folder or on the path. `how` tells how to get it.
+fn hand_over(file_name: &str, command: Option<&str>, args: &Words, how: &str) -> Result<ExitCode> {
     let beside = std::env::current_exe().ok();
-    let beside = beside.map(|program| program.with_file_name(&file_name));
+    let beside = beside.map(|program| program.with_file_name(file_name));
     let program = beside.filter(|beside| beside.is_file());
-    let program = program.map_or_else(|| file_name.clone().into(), OsString::from);
-    let error = Command::new(&program).args(&args.words).exec();
+    let program = program.map_or_else(|| file_name.into(), OsString::from);
+    let error = Command::new(&program)
+        .args(command)
+        .args(&args.words)
+        .exec();
     if error.kind() == ErrorKind::NotFound {
-        bail!(
-            "{file_name} is neither beside this program nor on the path: `cargo install --path crates/{name}` builds it"
-        );
+        bail!("{file_name} is neither next to this program nor on the path: {how}");
     }
     Err(error).with_context(|| format!("{} could not be started", program.display()))
 }

@@ -148,9 +148,18 @@ enum Command {
     /// The manual pages, for packages
     #[command(hide = true)]
     Man(ManArgs),
-    #[cfg(feature = "lab")]
-    #[command(flatten)]
-    Lab(lariat_lab::Command),
+    /// The experiments of the paper that lariat is built on, repeated and with numbers
+    #[command(disable_help_flag = true)]
+    Paper(Words),
+    /// Drives a simulated rope to a shape through the whole chain, and measures how well
+    #[command(disable_help_flag = true)]
+    Servo(Words),
+    /// End-to-end latency on this machine, with its lower bounds and with other systems
+    #[command(disable_help_flag = true)]
+    Bench(Words),
+    /// Changes from one summary.json to another that exceed the noise
+    #[command(disable_help_flag = true)]
+    Compare(Words),
 }
 
 /// What is asked of the chain when nothing was asked.
@@ -218,8 +227,10 @@ pub(crate) fn run() -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Some(Command::Man(args)) => man::run(&args, Cli::command()),
-        #[cfg(feature = "lab")]
-        Some(Command::Lab(command)) => command.run(),
+        Some(Command::Paper(words)) => beside::measure("paper", &words),
+        Some(Command::Servo(words)) => beside::measure("servo", &words),
+        Some(Command::Bench(words)) => beside::measure("latency", &words),
+        Some(Command::Compare(words)) => beside::measure("compare", &words),
     }
 }
 
@@ -331,82 +342,18 @@ fn log_to_stderr(level: Option<Level>) {
         .init();
 }
 
-// The documents speak of the laboratory too.
-#[cfg(all(test, feature = "lab"))]
+#[cfg(test)]
 mod tests {
-    use super::*;
-
-    const DOCUMENTS: &[&str] = &[
-        include_str!("../README.md"),
-        include_str!("../CONTRIBUTING.md"),
-        include_str!("../ARCHITECTURE.md"),
-        include_str!("../docs/bridge.md"),
-        include_str!("../docs/cameras.md"),
-        include_str!("../docs/control.md"),
-        include_str!("../docs/curves.md"),
-        include_str!("../docs/domains.md"),
-        include_str!("../docs/figures.md"),
-        include_str!("../docs/install.md"),
-        include_str!("../docs/masks.md"),
-        include_str!("../docs/messages.md"),
-        include_str!("../docs/millimetres.md"),
-        include_str!("../docs/outside.md"),
-        include_str!("../docs/paper.md"),
-        include_str!("../docs/readers.md"),
-        include_str!("../docs/realtime.md"),
-        include_str!("../docs/recordings.md"),
-        include_str!("../docs/ros2.md"),
-        include_str!("../docs/running.md"),
-        include_str!("../docs/service.md"),
-        include_str!("../docs/servo.md"),
-        include_str!("../docs/space.md"),
-        include_str!("../docs/unattended.md"),
-        include_str!("../docs/view.md"),
-    ];
-
-    /// The commands in a document's text: `lariat …` in backquotes, or from a line's begin on in a block of code.
-    fn commands(text: &str) -> impl Iterator<Item = String> {
-        let quoted = text.split('`').skip(1).step_by(2);
-        let blocks = text.split("```").skip(1).step_by(2);
-        let lines = blocks.flat_map(str::lines);
-        let lines = lines.map(|line| line.trim_start().trim_start_matches("$ "));
-        let all = quoted.chain(lines);
-        let commands = all.filter(|text| text.starts_with("lariat "));
-        commands.map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "))
-    }
-
-    /// The words of a command up to a comment or a pipe; `None` where something was left out.
-    fn words(command: &str) -> Option<Vec<String>> {
-        let mut words = Vec::new();
-        for (place, part) in command.split('"').enumerate() {
-            match place % 2 {
-                0 => words.extend(
-                    part.split(' ')
-                        .filter(|word| !word.is_empty())
-                        .map(str::to_owned),
-                ),
-                _ => words.push(part.to_owned()),
-            }
-        }
-        let is_end = |word: &String| ["#", "|", ">", "&"].iter().any(|end| word.starts_with(end));
-        let end = words.iter().position(is_end).unwrap_or(words.len());
-        words.truncate(end);
-        words
-            .iter()
-            .all(|word| !word.contains(['…', '[', '(', '{', '<']))
-            .then_some(words)
-    }
+    use super::{Cli, ErrorKind, RUN_EXAMPLES};
+    use clap::CommandFactory;
+    use lariat_test_support::documents::{self, Command};
 
     #[test]
     fn every_command_in_the_documents_is_understood() {
         let mut count = 0;
-        let examples = format!("```{RUN_EXAMPLES}```");
-        let all = DOCUMENTS.iter().copied().chain([&examples[..]]);
-        let all = all.flat_map(commands);
-        for (command, words) in all.filter_map(|command| {
-            Some((words(&command)?, command)).map(|(words, command)| (command, words))
-        }) {
-            let mut words = words;
+        let examples = documents::commands_in(&format!("```{RUN_EXAMPLES}```"));
+        let all = documents::commands().into_iter().chain(examples);
+        for Command { text, mut words } in all.filter(|command| command.words[0] == "lariat") {
             // A source may stand in the place of a command.
             if words.get(1).is_some_and(|word| word.contains('.')) {
                 words.insert(1, "run".to_owned());
@@ -427,7 +374,7 @@ mod tests {
                 .contains(&error.kind())
             };
             if let Some(error) = parsed.err().filter(|error| !is_understood(error)) {
-                panic!("{command}: {error}");
+                panic!("{text}: {error}");
             }
             count += 1;
         }

@@ -1,4 +1,4 @@
-//! What `lariat --version` says beside the version: whose commit it is, what was built into it, and where it computes here.
+//! What `lariat --version` says besides the version: the commit, and the vector instructions it uses here.
 
 use std::sync::LazyLock;
 
@@ -8,10 +8,9 @@ use lariat_portable::Arch;
 pub(crate) fn long() -> &'static str {
     static LONG: LazyLock<String> = LazyLock::new(|| {
         format!(
-            "{}\ncommit:   {}\nfeatures: {}\nSIMD:     {}",
+            "{}\ncommit: {}\nSIMD:   {}",
             env!("CARGO_PKG_VERSION"),
             env!("LARIAT_COMMIT"),
-            if cfg!(feature = "lab") { "lab" } else { "none" },
             Arch::new()
         )
     });

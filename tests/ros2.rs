@@ -1,55 +1,11 @@
-//! `lariat ros2` and `lariat bridge`: which program each becomes, with which words, and what it says where there is none. The programs themselves are held
-//! by `tests/ros2/run`, and by `crates/bridge/tests` and `tests/bridge/run`. And the package of its messages (`ros/lariat_msgs`), which has none of its own.
+//! The package of the messages of `lariat ros2` (`ros/lariat_msgs`), which has no tests of its own.
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use assert_cmd::Command;
 use lariat_record::{Losses, Record};
 use lariat_wire::{Centerlines, Descriptors, Descriptors3, FrameHeader};
-
-/// A lariat in a folder of its own, so that what lies beside it is this test's.
-fn lariat_in(folder: &Path) -> PathBuf {
-    let lariat = folder.join("lariat");
-    fs::copy(assert_cmd::cargo::cargo_bin!("lariat"), &lariat).expect("a copy");
-    lariat
-}
-
-/// A program that says its name and its words, and ends with 3.
-fn program(folder: &Path, file: &str, name: &str) {
-    let path = folder.join(file);
-    fs::write(&path, format!("#!/bin/sh\necho {name} \"$@\"\nexit 3\n")).expect("a script");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
-}
-
-#[test]
-fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
-    for command in ["ros2", "bridge"] {
-        let [home, path] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
-        let lariat = lariat_in(home.path());
-        let words = ["--rig", "a", "--ros-args", "-r", "__ns:=/cell", "--", "-x"];
-        let run = || {
-            Command::new(&lariat)
-                .arg(command)
-                .args(words)
-                .env("PATH", path.path())
-                .assert()
-        };
-        let refused = run().code(1).get_output().stderr.clone();
-        let said = String::from_utf8(refused).expect("text");
-        let how = format!("cargo install --path crates/{command}");
-        assert!(said.contains(&how), "{said}");
-
-        for (folder, name) in [(&path, "path"), (&home, "beside")] {
-            program(folder.path(), &format!("lariat-{command}"), name);
-            run()
-                .code(3)
-                .stdout(format!("{name} {}\n", words.join(" ")));
-        }
-    }
-}
 
 /// The messages that a schema of lariat's asks for, itself among them.
 fn with_parts(message: &str, into: &mut BTreeSet<String>) {

@@ -99,7 +99,6 @@ fn what_is_printed_fits_a_terminal_and_pipes_get_no_escape_codes() {
             points,
         ],
         &["rendered", "--frames", "40", "--out", "out"],
-        &["compare", "out", "out"],
     ] {
         assert_fits(&bench.run(words), words);
     }

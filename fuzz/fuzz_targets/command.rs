@@ -3,4 +3,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| lariat_hostile::command(data));
+fuzz_target!(|data: &[u8]| lariat_fuzz::hostile::command(data));

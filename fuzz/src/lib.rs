@@ -2,6 +2,8 @@
 //! the decoder of a camera's JPEG frames a few of those, to the readers of videos and recordings a file and a part of it.
 
 mod frame;
+#[path = "../../crates/test-support/tests/hostile/targets/mod.rs"]
+pub mod hostile;
 mod picture;
 pub mod recording;
 mod session;

@@ -11,6 +11,15 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
 
+/// `lariat`, or in the tests of `bench/` `lariat-bench`.
+const PROGRAM: &str = match (
+    option_env!("CARGO_BIN_EXE_lariat"),
+    option_env!("CARGO_BIN_EXE_lariat-bench"),
+) {
+    (Some(program), _) | (None, Some(program)) => program,
+    (None, None) => panic!("cargo names the tested program"),
+};
+
 /// A domain, and a folder for the files of a test.
 pub(crate) struct Bench {
     pub(crate) domain: String,
@@ -32,7 +41,7 @@ impl Bench {
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        self.command_of(env!("CARGO_BIN_EXE_lariat"), arguments)
+        self.command_of(PROGRAM, arguments)
     }
 
     /// A command of a copy of the binary.

@@ -97,7 +97,7 @@
 //! The limits are where rounding would reach a millionth of the control points; a request beyond them is refused with the
 //! number and the largest curve of its family that is allowed. All of the algebra
 //! is our own (`matrix`, `factor`): what a library does depends on the vectors that it finds (see The same bits (`crates/portable/src/lib.rs`)),
-//! and at these sizes (9 × 120) a general product costs several times as much (`cargo bench -p lariat-lab --bench fit`). nalgebra
+//! and at these sizes (9 × 120) a general product costs several times as much (`cargo bench --manifest-path bench/Cargo.toml --bench fit`). nalgebra
 //! is the oracle of its tests. The ridge
 //! is on second differences of the control points, not on the points themselves: a ridge toward the picture's corner would make
 //! a moved rope another shape.

@@ -57,7 +57,7 @@
 //! A picture of 640×480 is 904 million multiply-adds, 2.8 ms on one core of a Sapphire Rapids at 3.0 GHz: 83 % of all that its
 //! two units for `vpdpbusd` can do, 95 % in the layers within. A picture of 320×240 is 0.70 ms, a tile of 96×96 0.10 ms.
 //! With AVX-VNNI it is 6.1 ms, with AVX2 11.7 ms; ONNX Runtime takes 10.0 ms for the same weights
-//! (`cargo run --release -p lariat-lab -- network --python PYTHON`; medians, on a virtual machine that others used too).
+//! (`lariat-bench network --python PYTHON`; medians, on a virtual machine that others used too).
 //!
 //! # The file
 //!

@@ -36,7 +36,7 @@ impl Network {
     /// The picture's sides are filled up to multiples of it.
     pub const MULTIPLE: usize = 16;
 
-    /// The one that lariat brings along: trained on drawn ropes, as `training/README.md` says.
+    /// The one that lariat brings along: trained on drawn ropes, as `bench/training/README.md` says.
     pub fn ropes() -> Arc<Self> {
         static ROPES: LazyLock<Arc<Network>> = LazyLock::new(|| {
             let bytes = include_bytes!("../ropes.weights");

@@ -393,9 +393,9 @@ fn nothing_is_allocated_once_warm() {
         finder.locate(0).expect("a rope in space").len()
     };
     again();
-    let before = lariat_counting::allocations();
+    let before = lariat_test_support::allocations();
     again();
-    assert_eq!(lariat_counting::allocations(), before);
+    assert_eq!(lariat_test_support::allocations(), before);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use proptest::prelude::*;
 
 use super::*;

@@ -3,8 +3,8 @@
 
 use crate::jpeg::{Coding, encode};
 use lariat_capture::{Mjpeg, RenderOptions, Source, open};
-use lariat_counting::{allocations, bytes, held_bytes};
 use lariat_message::Centerlines;
+use lariat_test_support::{allocations, bytes, held_bytes};
 
 #[test]
 fn a_rendered_frame_allocates_nothing_once_warm() {

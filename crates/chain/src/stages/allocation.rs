@@ -70,7 +70,7 @@ fn no_stage_allocates_per_frame_once_warm() {
     let domain = format!("a{}", std::process::id());
     // SAFETY: nothing but the standard library, which locks it, looks at this process's environment.
     unsafe { std::env::set_var("LARIAT_DOMAIN", &domain) };
-    lariat_counting::watch(count);
+    lariat_test_support::watch(count);
     measure_a_loan();
     let mut settings = Settings::default();
     settings.sink.live = false;

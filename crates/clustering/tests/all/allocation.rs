@@ -1,7 +1,7 @@
 //! A clustering allocates nothing once it has seen pixels of a size.
 
 use lariat_clustering::{FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 
 #[test]
 fn no_clustering_allocates_once_warm() {

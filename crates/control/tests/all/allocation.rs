@@ -2,7 +2,7 @@
 
 use crate::support::{World, linear};
 use lariat_control::{Doing, Observation, Options, Servo, Why};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 
 #[test]
 fn a_servo_allocates_nothing_from_exploring_to_arrival() {

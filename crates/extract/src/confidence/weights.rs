@@ -1,7 +1,7 @@
-//! What each clue weighs: made by `cargo run --release -p lariat-lab -- calibrate-confidence --seeds 24 --labelled DIR`, which says
+//! What each clue weighs: made by `lariat-bench calibrate-confidence --seeds 24 --labelled DIR`, which says
 //! how true the confidence is on pictures that it was not fitted to: expected calibration error 0.035 of one's own masks (these are of an
 //! earlier run), 0.022 of the network's, 0.022 of those from elsewhere. DIR is what `lariat-scenes --labelled DIR --seed 900000 --count 1400
-//! --side 480 --photographs BACKGROUNDS` draws (`training/`).
+//! --side 480 --photographs BACKGROUNDS` draws (`bench/training/`).
 
 use super::CLUES;
 

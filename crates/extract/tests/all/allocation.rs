@@ -1,8 +1,8 @@
 //! Once warm, no frame allocates.
 
 use crate::drawing::{Rope, Table, extractor};
-use lariat_counting::allocations;
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat};
+use lariat_test_support::allocations;
 
 /// Two ropes that move, one of them through itself.
 fn film() -> Vec<Vec<u8>> {

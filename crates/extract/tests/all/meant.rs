@@ -1,8 +1,8 @@
 //! Only the ropes that are meant.
 
 use crate::drawing::{Rope, Table};
-use lariat_counting::allocations;
 use lariat_extract::{Extractor, Image, Options, OptionsError, PixelFormat, Scene, Status};
+use lariat_test_support::allocations;
 
 const SIZE: [usize; 2] = [320, 240];
 

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::drawing::{Rope, Table};
 use crate::scored::scored;
-use lariat_counting::allocations;
 use lariat_drawn::scenes::{self, Class, score};
 use lariat_extract::{Extractor, Image, Mask, Network, Options, PixelFormat};
+use lariat_test_support::allocations;
 
 fn extractor() -> Extractor {
     let options = Options {

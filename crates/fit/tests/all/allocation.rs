@@ -1,9 +1,9 @@
 //! A fit allocates nothing, whatever is asked for; nor does a filter or a curve.
-use lariat_counting::allocations;
 use lariat_fit::{
     Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Line, MAX_CONTROL_POINTS,
     Noise, Options, RationalFitter, Resampler, Rho, Solver, SteadySize, Tolerance, Weights,
 };
+use lariat_test_support::allocations;
 
 #[test]
 fn a_fit_allocates_nothing() {

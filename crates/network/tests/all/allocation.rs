@@ -12,7 +12,7 @@ fn nothing_is_allocated_once_the_largest_picture_has_been_seen() {
     let (mut rope, mut seam) = (vec![0; 96 * 80], vec![0; 96 * 80]);
     let mut counts = Vec::with_capacity(8);
     for (width, height) in [(96, 80), (96, 80), (33, 16), (1, 1), (96, 80)] {
-        let before = lariat_counting::allocations();
+        let before = lariat_test_support::allocations();
         let picture = Picture {
             rgb: &rgb,
             width,
@@ -26,7 +26,7 @@ fn nothing_is_allocated_once_the_largest_picture_has_been_seen() {
         };
         let done = network.run(&mut workspace, picture, maps);
         assert_eq!(done, Ok(()));
-        counts.push(lariat_counting::allocations() - before);
+        counts.push(lariat_test_support::allocations() - before);
     }
     assert!(counts[0] > 0);
     assert_eq!(counts[1..], [0, 0, 0, 0]);

@@ -1,7 +1,7 @@
 //! Reading allocates for a chunk at most, not for a message.
 
-use lariat_counting::allocations;
 use lariat_record::{Recording, Span};
+use lariat_test_support::allocations;
 use mcap::Compression;
 
 #[test]

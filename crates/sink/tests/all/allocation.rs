@@ -1,7 +1,7 @@
 //! A sink allocates nothing for a message once it is made.
 use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
-use lariat_counting::allocations;
 use lariat_sink::{FinalCounts, Options, Sink};
+use lariat_test_support::allocations;
 
 #[test]
 fn no_message_allocates() {

@@ -290,12 +290,12 @@ fn counts_are_saved_into_the_same_buffer_without_an_allocation() {
     let mut chain = Chain::default();
     let mut bytes = Vec::with_capacity(512);
     let message = descriptors(chain.frame(None).expect("it arrives"), &[]);
-    let before = lariat_counting::allocations();
+    let before = lariat_test_support::allocations();
     for _ in 0..100 {
         sink.descriptors(&message, received_ns(&message.trace));
         bytes.clear();
         sink.tally().save_counts(&mut bytes);
     }
-    assert_eq!(lariat_counting::allocations(), before);
+    assert_eq!(lariat_test_support::allocations(), before);
     assert!(bytes.len() < 256, "{}", bytes.len());
 }

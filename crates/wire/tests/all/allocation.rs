@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_wire::*;
 
 /// What a controller asks in a tick, summed so that nothing is left out.

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 
 use super::*;
 use crate::pairing::{Paired, Pairing};

@@ -1,5 +1,5 @@
 //! Once warm, recording a frame and all that belongs to it allocates nothing in the thread that reads channels.
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 
 use super::tests::{centerlines, drain_waiting, head, header, options};
 use super::*;

@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use lariat_capture::{LentSlot, SourceError, Woken};
-use lariat_counting::allocations;
+use lariat_test_support::allocations;
 use lariat_wire::{DEPTH, Message, PixelFormat, SourceKind};
 use rustix::event::PollFlags;
 

@@ -1,0 +1,60 @@
+//! Pictures drawn for the bench: ropes along given lines, and patterns without a rope.
+
+use anyhow::{Context, Result};
+use lariat_bench::Picture;
+
+pub(crate) const WIDTH: usize = 640;
+pub(crate) const HEIGHT: usize = 480;
+const ROPE: [u8; 3] = [40, 92, 190];
+const TABLE: [u8; 3] = [226, 221, 210];
+/// Levels of noise either way: a pattern without any is easier than a camera's.
+const NOISE: u64 = 4;
+
+/// A picture whose pixel is rope to the share (0 to 1) that `cover` says; what is more than the rope is darker.
+pub(crate) fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
+    let mut noise = Noise(1);
+    let mut rgb = Vec::with_capacity(3 * WIDTH * HEIGHT);
+    for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
+        let share = cover(x, y);
+        for (table, rope) in TABLE.into_iter().zip(ROPE) {
+            let level = f64::from(table) + share * (f64::from(rope) - f64::from(table));
+            let off = (noise.next() % (2 * NOISE + 1)) as f64 - NOISE as f64;
+            rgb.push((level + off).clamp(0.0, 255.0) as u8);
+        }
+    }
+    Picture::rgb([WIDTH, HEIGHT], &rgb).context("three bytes a pixel are a picture")
+}
+
+/// A picture of ropes along lines: each a function of 0 to 1.
+pub(crate) fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
+    // A sample for each quarter of a pixel of the longest line that is drawn here.
+    const SAMPLES: usize = 40_000;
+    let mut distance_px = vec![f64::INFINITY; WIDTH * HEIGHT];
+    let reach = width_px / 2.0 + 1.0;
+    for line in lines {
+        for [x, y] in (0..=SAMPLES).map(|i| line(i as f64 / SAMPLES as f64)) {
+            let span = |at: f64, end: usize| {
+                let from = (at - reach).max(0.0) as usize;
+                from..((at + reach) as usize + 1).min(end)
+            };
+            for (px, py) in span(y, HEIGHT).flat_map(|py| span(x, WIDTH).map(move |px| (px, py))) {
+                let away = (px as f64 - x).hypot(py as f64 - y);
+                let known = &mut distance_px[py * WIDTH + px];
+                *known = known.min(away);
+            }
+        }
+    }
+    picture(|x, y| (width_px / 2.0 + 0.5 - distance_px[y * WIDTH + x]).clamp(0.0, 1.0))
+}
+
+/// Xorshift: noise that is the same everywhere.
+pub(crate) struct Noise(pub(crate) u64);
+
+impl Noise {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33
+    }
+}

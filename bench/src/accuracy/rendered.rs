@@ -1,0 +1,153 @@
+//! Curves against drawn ropes, whose centerlines are known: a table with a row for each class of picture.
+//!
+//! Every picture is a scene of its own to a fresh extractor with default options (but for the method that was asked for). A picture whose ropes are miscounted
+//! or wrongly connected is in every column all the same: what was missed is measured by its distance from what was seen.
+
+mod overlay;
+mod table;
+
+use std::path::Path;
+
+use super::curve::{self, Curves};
+use anyhow::{Context, Result, bail};
+use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
+use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat, Scene, Status};
+
+/// Which pictures are drawn.
+#[derive(clap::Args)]
+#[group(id = "drawn")]
+pub(crate) struct Args {
+    /// Drawn ropes with known truth: a row for each class of picture
+    #[arg(long)]
+    rendered: bool,
+    /// This class alone (may be given several times)
+    #[arg(long, value_name = "NAME", requires = "rendered")]
+    class: Vec<Class>,
+    /// Pictures of each class
+    #[arg(long, value_name = "N", default_value_t = 50, requires = "rendered")]
+    seeds: u64,
+    /// Seed of the first picture
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rendered")]
+    seed: u64,
+    /// Size of the pictures
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = crate::command::size, requires = "rendered")]
+    size: [usize; 2],
+}
+
+/// One picture's result.
+struct Measured {
+    class: Class,
+    seed: u64,
+    /// Median true width.
+    width_px: f64,
+    score: Score,
+    /// Curves that may be no ropes, as extraction says itself: they are no part of the score.
+    doubtful: usize,
+}
+
+/// Draws, extracts, scores, and prints the table.
+///
+/// # Errors
+/// A picture does not fit the size, or a file cannot be written.
+pub(crate) fn run(
+    args: &Args,
+    method: Method,
+    order: Option<usize>,
+    (csv, overlay): (Option<&Path>, Option<&Path>),
+) -> Result<()> {
+    if args.seeds == 0 {
+        bail!("no pictures were asked for: give --seeds 1 or more");
+    }
+    if let Some(folder) = overlay {
+        let unmade = || format!("cannot make the folder {}", folder.display());
+        std::fs::create_dir_all(folder).with_context(unmade)?;
+    }
+    let classes = if args.class.is_empty() {
+        Class::ALL.to_vec()
+    } else {
+        args.class.clone()
+    };
+    let mut extractor = Extractor::new(Options {
+        method,
+        ..Options::default()
+    })?;
+    let mut curves = Curves::new(order)?;
+    let (mut measured, mut fitted) = (Vec::new(), Vec::new());
+    println!("{}", table::head())?;
+    for class in classes {
+        let first = measured.len();
+        let mut fits = Vec::new();
+        for seed in args.seed..args.seed.saturating_add(args.seeds) {
+            let still = scenes::draw(class, seed, args.size[0], args.size[1])?;
+            extractor.reset();
+            let image = image(&still)?;
+            let scene = extractor.extract(&image);
+            for curve in scene.curves {
+                fits.push(curves.fit(curve)?);
+            }
+            if let Some(folder) = overlay {
+                overlay::write(&folder.join(format!("{class}-{seed}.png")), &still, &scene)?;
+            }
+            measured.push(Measured {
+                class,
+                seed,
+                width_px: still.truth.ropes[0].width_px,
+                score: held_against(&still, &scene),
+                doubtful: scene.curves.iter().filter(|curve| !is_sure(curve)).count(),
+            });
+        }
+        println!("{}", table::row(class, &measured[first..]))?;
+        fitted.push((class.to_string(), fits));
+    }
+    print!("{}", table::foot(&measured))?;
+    let fitted = fitted.iter().map(|(name, fits)| (&name[..], fits.clone()));
+    print!("\n{}", curve::table(fitted))?;
+    if let Some(path) = csv {
+        super::whole_file::write(path, table::csv(&measured).as_bytes())?;
+    }
+    Ok(())
+}
+
+fn is_sure(curve: &Curve) -> bool {
+    curve.status != Status::Doubtful
+}
+
+fn image(still: &Still) -> Result<Image<'_>> {
+    let stride = 3 * still.width;
+    let image = Image::new(
+        &still.rgb,
+        still.width,
+        still.height,
+        stride,
+        PixelFormat::Rgb8,
+    );
+    Ok(image?)
+}
+
+fn held_against(still: &Still, scene: &Scene) -> Score {
+    let sure: Vec<usize> = (0..scene.curves.len())
+        .filter(|&k| is_sure(&scene.curves[k]))
+        .collect();
+    let number = |k: usize| sure.iter().position(|&other| other == k);
+    let curves: Vec<SeenCurve> = sure
+        .iter()
+        .map(|&k| &scene.curves[k])
+        .map(|curve| SeenCurve {
+            points: &curve.points,
+            width_px: curve.width_px,
+            closed: curve.closed,
+        })
+        .collect();
+    let crossings: Vec<SeenCrossing> = scene
+        .crossings
+        .iter()
+        .filter_map(|crossing| {
+            Some(SeenCrossing {
+                at: crossing.at,
+                over: (number(crossing.over)?, crossing.over_rho),
+                under: (number(crossing.under)?, crossing.under_rho),
+            })
+        })
+        .collect();
+    score(&still.truth, &curves, &crossings)
+}

@@ -1,0 +1,270 @@
+//! Figures out of a `summary.json`: that of a bench, or that of one run.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+
+use crate::latency::KIND;
+
+/// What a summary is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Bench,
+    Run,
+}
+
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Bench => "a `lariat bench`",
+            Self::Run => "one `lariat run`",
+        }
+    }
+
+    /// Where the noise is known from.
+    pub(super) fn noise(self) -> &'static str {
+        match self {
+            Self::Bench => "the spread of the rounds",
+            Self::Run => "of single runs only roughly known: `lariat bench` measures it",
+        }
+    }
+}
+
+/// A summary.
+#[derive(Debug)]
+pub(super) struct Summary {
+    pub(super) kind: Kind,
+    pub(super) machine: String,
+    pub(super) measured: Vec<Measured>,
+}
+
+/// One figure, and between which values it lies by its noise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Measured {
+    pub(super) id: String,
+    pub(super) figure: String,
+    pub(super) value: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Rounds that show the noise.
+    pub(super) rounds: usize,
+    /// Whether it is lariat's, and not the machine's or a rival's.
+    pub(super) ours: bool,
+    pub(super) more_is_better: bool,
+    /// The least share that matters.
+    pub(super) least_change: f64,
+    /// The least difference that can be seen.
+    pub(super) resolution: f64,
+}
+
+impl Measured {
+    pub(super) fn spread(&self) -> f64 {
+        let unsure = if self.rounds < 5 { 1.5 } else { 1.0 };
+        unsure * (self.high - self.low).max(0.0)
+    }
+}
+
+/// The noise of a single run's percentile is worked out, not seen in rounds.
+const SINGLE: usize = usize::MAX;
+/// With fewer rounds nothing is known of the noise.
+const LEAST_ROUNDS: usize = 3;
+
+/// The least difference that can be told, by the figure's unit: 0.5 µs is what two stamps differ by; 0.2 % of a core, a
+/// tenth of a MB and a ms are what the kernel's own books leave open; a lost frame is a lost frame.
+fn resolution(figure: &str) -> f64 {
+    match figure {
+        "lost" => 0.5,
+        _ if figure.ends_with("_us") => 0.5,
+        _ if figure.ends_with("_percent") => 0.2,
+        _ if figure.ends_with("_ms") => 1.0,
+        _ if figure.ends_with("_mb") => 0.1,
+        _ => 0.0,
+    }
+}
+
+/// Reads a summary; of a folder, the one in it.
+pub(super) fn summary(path: &Path) -> Result<Summary> {
+    let file = if path.is_dir() {
+        path.join("summary.json")
+    } else {
+        path.to_owned()
+    };
+    let shown = file.display();
+    let text = std::fs::read_to_string(&file).with_context(|| {
+        format!("{shown} cannot be read: name a summary.json of `lariat bench --out DIR` or `lariat run --out DIR`")
+    })?;
+    parse(&text).with_context(|| format!("{shown} is no summary of lariat"))
+}
+
+fn parse(text: &str) -> Result<Summary> {
+    let json: Value = serde_json::from_str(text).context("it is not JSON")?;
+    let schema = json["schema"].as_u64();
+    let (kind, mut measured) = if json["kind"] == KIND {
+        (Kind::Bench, bench(&json))
+    } else if json["latency_us"].is_object() && json["frames"].is_object() {
+        (Kind::Run, run(&json))
+    } else {
+        bail!("it has neither the keys of `lariat bench` nor those of `lariat run`");
+    };
+    // The second version of a run's keys has more of them.
+    let newest = match kind {
+        Kind::Bench => 1,
+        Kind::Run => 2,
+    };
+    if !schema.is_some_and(|schema| (1..=newest).contains(&schema)) {
+        bail!(
+            "its keys are of version {}, and this lariat knows version {newest}",
+            json["schema"]
+        );
+    }
+    if measured.is_empty() {
+        bail!("it holds no figure");
+    }
+    // A percentile that few rounds had enough frames for shows no noise.
+    measured.retain(|figure| figure.rounds >= LEAST_ROUNDS);
+    if measured.is_empty() {
+        bail!(
+            "it has fewer than {LEAST_ROUNDS} rounds, which do not show the noise: measure without --quick"
+        );
+    }
+    let machine = &json["machine"];
+    Ok(Summary {
+        kind,
+        machine: format!(
+            "{}, {} cores",
+            machine["cpu"].as_str().unwrap_or("unknown"),
+            machine["cores"]
+        ),
+        measured,
+    })
+}
+
+/// The figures of a bench that say how good something is: of the longest time one sample decides, and the number of
+/// frames is what was asked for.
+fn bench(json: &Value) -> Vec<Measured> {
+    let items = json["measured"].as_array().into_iter().flatten();
+    let figures = items.flat_map(|item| {
+        let figures = item["figures"].as_object().into_iter().flatten();
+        figures.map(move |(name, figure)| (item, name, figure))
+    });
+    figures
+        .filter(|(item, name, _)| {
+            let id = item["id"].as_str().unwrap_or_default();
+            // At a set rate it is the rate that was set.
+            let is_rate = *name == "rate_per_s" && !id.contains("@max");
+            !is_rate && *name != "max_us" && *name != "frames"
+        })
+        .filter_map(|(item, name, figure)| {
+            Some(Measured {
+                id: item["id"].as_str()?.to_owned(),
+                figure: name.clone(),
+                value: figure["median"].as_f64()?,
+                low: figure["low"].as_f64()?,
+                high: figure["high"].as_f64()?,
+                rounds: figure["rounds"].as_array()?.len(),
+                ours: item["group"] == "chain",
+                more_is_better: name.ends_with("_per_s"),
+                least_change: 0.05,
+                resolution: resolution(name),
+            })
+        })
+        .collect()
+}
+
+fn run(json: &Value) -> Vec<Measured> {
+    let count = json["frames"]["received"].as_f64().unwrap_or(0.0);
+    let rows = json["latency_us"].as_object().into_iter().flatten();
+    let mut found: Vec<Measured> = rows
+        .flat_map(|(row, spread)| {
+            [(0.5, "p50"), (0.99, "p99"), (0.999, "p999")]
+                .into_iter()
+                // A percentile that fewer than ten samples lie beyond is a few samples' own.
+                .filter(move |(quantile, _)| (1.0 - quantile) * count >= 10.0)
+                .filter_map(move |(quantile, name)| percentile(row, spread, quantile, name, count))
+        })
+        .collect();
+    let lost = json["frames"]["lost"].as_object().into_iter().flatten();
+    let lost: f64 = lost.filter_map(|(_, count)| count.as_f64()).sum();
+    found.push(Measured {
+        id: "frames".to_owned(),
+        figure: "lost".to_owned(),
+        value: lost,
+        low: lost,
+        high: lost,
+        rounds: SINGLE,
+        ours: true,
+        more_is_better: false,
+        least_change: 0.1,
+        resolution: resolution("lost"),
+    });
+    found
+}
+
+fn percentile(
+    row: &str,
+    spread: &Value,
+    quantile: f64,
+    name: &str,
+    count: f64,
+) -> Option<Measured> {
+    let value = spread[name].as_f64()?;
+    // Two standard errors of the rank.
+    let reach = 2.0 * (quantile * (1.0 - quantile) / count).sqrt();
+    let high = interpolated(spread, quantile + reach)?.max(value);
+    Some(Measured {
+        id: row.to_owned(),
+        figure: name.to_owned(),
+        value,
+        // Below the median nothing is known; the way up stands for the way down.
+        low: value - (high - value),
+        high,
+        rounds: SINGLE,
+        ours: true,
+        more_is_better: false,
+        least_change: 0.1,
+        resolution: resolution("_us"),
+    })
+}
+
+/// The distribution at any quantile from the median on, between the percentiles that are known: linear in the logarithm
+/// of 1/(1 − q), as plots of it are.
+fn interpolated(spread: &Value, quantile: f64) -> Option<f64> {
+    const KNOWN: [(f64, &str); 4] = [(0.5, "p50"), (0.9, "p90"), (0.99, "p99"), (0.999, "p999")];
+    let nines = |quantile: f64| -(1.0 - quantile).log10();
+    for pair in KNOWN.windows(2) {
+        let [(from, low), (to, high)] = [pair[0], pair[1]];
+        if quantile <= to {
+            let (low, high) = (spread[low].as_f64()?, spread[high].as_f64()?);
+            let share = (nines(quantile) - nines(from)) / (nines(to) - nines(from));
+            return Some(low + share * (high - low));
+        }
+    }
+    spread["max"].as_f64()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_runs_noise_comes_from_its_own_distribution() {
+        let spread = serde_json::json!({"p50": 100.0, "p90": 200.0, "p99": 400.0, "p999": 800.0, "max": 900.0});
+        let wide = percentile("total", &spread, 0.5, "p50", 100.0).expect("a figure");
+        let narrow = percentile("total", &spread, 0.5, "p50", 10_000.0).expect("a figure");
+        assert!(wide.high > narrow.high && narrow.high > 100.0);
+        assert_eq!(interpolated(&spread, 0.9), Some(200.0));
+        assert_eq!(interpolated(&spread, 0.9999), Some(900.0));
+    }
+
+    #[test]
+    fn what_is_no_summary_is_said() {
+        let why = |text: &str| format!("{:#}", parse(text).expect_err("no summary"));
+        assert!(why("{").contains("not JSON"));
+        assert!(why("{}").contains("neither the keys"));
+        let newer = r#"{"kind": "lariat bench", "schema": 2, "measured": []}"#;
+        assert!(why(newer).contains("version 2"));
+        let empty = r#"{"kind": "lariat bench", "schema": 1, "measured": []}"#;
+        assert!(why(empty).contains("no figure"));
+    }
+}

@@ -1,0 +1,7 @@
+//! The program `lariat-bench`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lariat_bench::run()
+}

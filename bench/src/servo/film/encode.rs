@@ -1,0 +1,83 @@
+//! Pictures as a GIF, in which each picture holds only what has changed.
+//!
+//! A camera's noise changes every pixel. A pixel is drawn again only when it differs from what it was drawn for by more
+//! than [`NOISE`]; else it is transparent, and what was there stays. Long runs of one index are what GIF packs well.
+
+use anyhow::{Context, Result};
+use gif::{DisposalMethod, Encoder, Frame, Repeat};
+use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
+
+/// Steps of a byte by which a pixel may differ and yet stay.
+const NOISE: u8 = 7;
+/// How long the last picture stays, in hundredths of a second.
+const LAST_CS: u16 = 200;
+/// The shortest that players obey.
+const SHORTEST_CS: u16 = 2;
+/// Color quantization that takes every pixel into account: thin lines in rare colors keep them.
+const SPEED: i32 = 1;
+
+/// A GIF without end of pictures of one size, each from its time on, in seconds.
+///
+/// # Errors
+/// There is no picture, or it is larger than a GIF can be.
+pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
+    let (_, first) = pictures
+        .first()
+        .context("there is no film, as no image came that it could be made of")?;
+    let side = |px: u32| u16::try_from(px).context("a film of such large images is no GIF");
+    let (width, height) = (side(first.width())?, side(first.height())?);
+    let mut bytes = Vec::new();
+    // Each picture has colors of its own.
+    let mut encoder = Encoder::new(&mut bytes, width, height, &[])?;
+    encoder.set_repeat(Repeat::Infinite)?;
+    // What each pixel was drawn for.
+    let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels().len()];
+    for (i, (at_s, picture)) in pictures.iter().enumerate() {
+        let delay = match pictures.get(i + 1) {
+            Some((next_s, _)) => hundredths(*next_s).saturating_sub(hundredths(*at_s)),
+            None => u64::from(LAST_CS),
+        };
+        let delay = delay.clamp(SHORTEST_CS.into(), u16::MAX.into()) as u16;
+        let mut frame = changes(picture, &mut shown);
+        frame.delay = delay;
+        encoder.write_frame(&frame)?;
+    }
+    drop(encoder);
+    Ok(bytes)
+}
+
+/// Of the film's own beginning, so that what is rounded does not add up.
+fn hundredths(at_s: f64) -> u64 {
+    (100.0 * at_s).round() as u64
+}
+
+/// The smallest rectangle with all pixels that have changed; they are noted as shown.
+fn changes(picture: &RgbImage, shown: &mut [Option<[u8; 3]>]) -> Frame<'static> {
+    let mut changed = RgbaImage::new(picture.width(), picture.height());
+    // Left, top, right, bottom: of one pixel if none has changed, as a frame cannot be empty.
+    let mut bounds: Option<[u32; 4]> = None;
+    for ((x, y, &Rgb(pixel)), shown) in picture.enumerate_pixels().zip(shown) {
+        if shown.is_some_and(|shown| is_near(shown, pixel)) {
+            continue;
+        }
+        *shown = Some(pixel);
+        let [red, green, blue] = pixel;
+        changed.put_pixel(x, y, Rgba([red, green, blue, u8::MAX]));
+        let [left, top, right, bottom] = bounds.unwrap_or([x, y, x, y]);
+        bounds = Some([left.min(x), top.min(y), right.max(x), bottom.max(y)]);
+    }
+    let [left, top, right, bottom] = bounds.unwrap_or_default();
+    let (width, height) = (right + 1 - left, bottom + 1 - top);
+    let mut part = imageops::crop_imm(&changed, left, top, width, height).to_image();
+    // Not beyond u16: the whole picture is not.
+    Frame {
+        left: left as u16,
+        top: top as u16,
+        dispose: DisposalMethod::Keep,
+        ..Frame::from_rgba_speed(width as u16, height as u16, &mut part, SPEED)
+    }
+}
+
+fn is_near(a: [u8; 3], b: [u8; 3]) -> bool {
+    (0..3).all(|k| a[k].abs_diff(b[k]) <= NOISE)
+}
