@@ -14,15 +14,13 @@
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
-//! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
+//! | [`layout`], [`messages`], [`doubts`], [`exit`] | what is said on a terminal, by which process, and the exit code |
 
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 #[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => {{
-        let text = format!($($text)*);
-        let line = format_args!("{}\n", $crate::layout::said(&text));
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), line);
+        $crate::messages::say(&format!($($text)*));
     }};
 }
 
@@ -44,6 +42,7 @@ pub mod inputs;
 pub mod launcher;
 pub mod layout;
 pub mod measured_plane;
+pub mod messages;
 pub mod notify;
 pub mod output;
 pub mod picture;
