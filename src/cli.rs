@@ -35,7 +35,8 @@ use crate::version;
 use crate::view::{self, ViewArgs};
 use lariat_chain::settings::{Flags, Settings, nearest};
 use lariat_chain::stages::Supervision;
-use lariat_chain::{exit, launcher, layout, output, stages};
+use lariat_chain::stop::Stop;
+use lariat_chain::{exit, launcher, layout, messages, output, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
@@ -159,6 +160,9 @@ const SHOW: [&str; 1] = ["--duration=10s"];
 /// Does what the command line asks.
 pub(crate) fn run() -> Result<ExitCode> {
     let words = with_a_command(std::env::args_os().collect());
+    // Before the rest of the work, so that Ctrl-C ends a chain in order however early it comes.
+    let stop = starts_a_chain(&words).then(Stop::on_signals).transpose()?;
+    let chain_stop = || stop.map_or_else(Stop::on_signals, Ok);
     let command = help::fitted(Cli::command(), layout::width());
     let matches = command.try_get_matches_from(&words);
     let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
@@ -169,7 +173,7 @@ pub(crate) fn run() -> Result<ExitCode> {
             let settings = Settings::resolve(&Flags::default())?;
             settings.check_frames()?;
             let words = [&SHOW.map(OsString::from)[..], &verbosity.words()].concat();
-            launcher::run(&Flags::default(), &words, settings)
+            launcher::run(&Flags::default(), &words, settings, &chain_stop()?)
         }
         Some(Command::Run(RunArgs { view, flags })) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
@@ -179,7 +183,7 @@ pub(crate) fn run() -> Result<ExitCode> {
                 true => Some(view::Beside::start(&settings.run.rig)?),
                 false => None,
             };
-            launcher::run(&flags, &verbosity.words(), settings)
+            launcher::run(&flags, &verbosity.words(), settings, &chain_stop()?)
         }
         Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
         Some(Command::Extract(flags)) => stage(&flags, stages::extract::run),
@@ -235,6 +239,11 @@ fn with_a_command(mut words: Vec<OsString>) -> Vec<OsString> {
         words.insert(place, "run".into());
     }
     words
+}
+
+/// Whether these words, which have a command if they name a source, start a chain.
+fn starts_a_chain(words: &[OsString]) -> bool {
+    place_of_command(words).is_none_or(|place| words[place] == "run")
 }
 
 fn place_of_command(words: &[OsString]) -> Option<usize> {
@@ -321,7 +330,7 @@ impl Verbosity {
 
 fn log_to_stderr(level: Option<Level>) {
     tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
+        .with_writer(|| messages::Log)
         .without_time()
         .with_target(false)
         // It would be said where nothing can be said.

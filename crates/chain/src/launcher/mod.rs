@@ -21,7 +21,7 @@
 //! words to find again; started whole, by systemd or a shell's loop, it is there in a quarter of a second.
 //!
 //! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
-//! already), so that `kill -9` of the chain takes them along. A second Ctrl-C ends at once.
+//! already), so that `kill -9` of the chain takes them along. A second Ctrl-C, 0.1 s later or more, ends at once.
 
 mod changes;
 mod child;
@@ -39,9 +39,11 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use anyhow::Context;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::control::Control;
+use crate::messages::Relay;
 use crate::run_files::RunFiles;
 use crate::settings::{Flags, Settings};
 use crate::stages::arrangement::{self, Lacks};
@@ -66,15 +68,26 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// `flags` are those of `lariat run`, which with `words` go to every stage, which takes what concerns it; `settings` are theirs.
 ///
 /// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
-pub fn run(flags: &Flags, words: &[OsString], settings: Settings) -> anyhow::Result<ExitCode> {
+///
+/// `stop` listens to signals since the process began, so that one that comes before the chain is up ends it in order, too.
+pub fn run(
+    flags: &Flags,
+    words: &[OsString],
+    settings: Settings,
+    stop: &Stop,
+) -> anyhow::Result<ExitCode> {
     arrangement::check(&settings.run.arrangement)?;
+    let _relay = Relay::start().context("the messages of the stages cannot be relayed")?;
     // Before anything is started: what cannot be written at the end is said now.
     let _files = RunFiles::open_all(&settings)?;
-    let stop = Stop::on_signals()?;
     let mut chain = Chain::new(flags, words, settings)?;
     for part in chain.parts() {
+        if stop.asked() {
+            chain.stop_in_order(true);
+            return Ok(chain.verdict());
+        }
         chain.start(part)?;
-        if !chain.wait_until_ready(part, &stop)? {
+        if !chain.wait_until_ready(part, stop)? {
             chain.stop_in_order(true);
             return Ok(chain.verdict());
         }
@@ -90,7 +103,7 @@ pub fn run(flags: &Flags, words: &[OsString], settings: Settings) -> anyhow::Res
         eprintln!("{}", chain.introduce());
     }
     chain.begin();
-    chain.watch(&stop)?;
+    chain.watch(stop)?;
     chain.stop_in_order(false);
     Ok(chain.verdict())
 }
@@ -334,6 +347,8 @@ impl Chain {
         let (ending, is_done) = (child.ending(), child.is_done());
         let is_wished = match ending {
             Some(Ending::Well) => is_done || child.was_told_to_stop(),
+            // It was told before it listened to signals.
+            Some(Ending::Killed(15)) => child.was_told_to_stop() && !child.is_ready(),
             Some(_) => false,
             None => !child.was_told_by_another(),
         };

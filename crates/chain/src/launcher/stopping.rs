@@ -140,11 +140,16 @@ impl Chain {
 
     /// How it went. Sweeps up after a stage that was killed.
     pub(super) fn verdict(&self) -> ExitCode {
-        if self.fallen.is_none() && !self.recording_lost {
+        let is_good = self.fallen.is_none() && !self.recording_lost;
+        let is_killed = |child: &Child| matches!(child.ending(), Some(Ending::Killed(_)));
+        if is_good && !self.stages().any(is_killed) {
             return ExitCode::SUCCESS;
         }
         if let Ok(domain) = Domain::open() {
             domain.sweep();
+        }
+        if is_good {
+            return ExitCode::SUCCESS;
         }
         let fallen = self.fallen.and_then(|part| self.child(part));
         if let Some(fallen) = fallen
