@@ -27,6 +27,7 @@ mod changes;
 mod child;
 mod hanging;
 mod herald;
+mod occupied;
 mod part;
 mod restarts;
 mod stopping;
@@ -78,10 +79,11 @@ pub fn run(
 ) -> anyhow::Result<ExitCode> {
     arrangement::check(&settings.run.arrangement)?;
     let _relay = Relay::start().context("the messages of the stages cannot be relayed")?;
+    occupied::check(&settings, parts(&settings))?;
     // Before anything is started: what cannot be written at the end is said now.
     let _files = RunFiles::open_all(&settings)?;
     let mut chain = Chain::new(flags, words, settings)?;
-    for part in chain.parts() {
+    for part in parts(&chain.settings) {
         if stop.asked() {
             chain.stop_in_order(true);
             return Ok(chain.verdict());
@@ -106,6 +108,20 @@ pub fn run(
     chain.watch(stop)?;
     chain.stop_in_order(false);
     Ok(chain.verdict())
+}
+
+/// What is started, in this order.
+fn parts(settings: &Settings) -> impl Iterator<Item = Part> + use<> {
+    let has_recorder = settings.run.record.is_some();
+    let is_external = settings.capture.is_external();
+    Part::START_ORDER
+        .into_iter()
+        .filter(move |part| match part {
+            Part::Recorder => has_recorder,
+            // Frames are written by a process of the user's.
+            Part::Capture => !is_external,
+            Part::Extract | Part::Fit | Part::Sink => true,
+        })
 }
 
 struct Chain {
@@ -161,20 +177,6 @@ impl Chain {
             is_stopping: false,
             recording_lost: false,
         })
-    }
-
-    /// What is started, in this order.
-    fn parts(&self) -> impl Iterator<Item = Part> + use<> {
-        let has_recorder = self.settings.run.record.is_some();
-        let is_external = self.settings.capture.is_external();
-        Part::START_ORDER
-            .into_iter()
-            .filter(move |part| match part {
-                Part::Recorder => has_recorder,
-                // Frames are written by a process of the user's.
-                Part::Capture => !is_external,
-                Part::Extract | Part::Fit | Part::Sink => true,
-            })
     }
 
     /// Starts a part, for the first time or anew.
