@@ -413,7 +413,7 @@ fn a_stage_is_started_anew_when_that_is_asked_for() {
         wait_for(stage, || another(&bench, stage, chain.ids[place]));
     }
     let unknown = bench.run(&["restart", "fitt"]);
-    assert_eq!(unknown.status.code(), Some(1));
+    assert_eq!(unknown.status.code(), Some(2));
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
