@@ -170,14 +170,14 @@ pub(crate) fn run() -> Result<ExitCode> {
     log_to_stderr(verbosity.level());
     match command {
         None => {
-            let settings = Settings::resolve(&Flags::default())?;
+            let settings = Settings::of_chain(&Flags::default())?;
             settings.check_frames()?;
             let words = [&SHOW.map(OsString::from)[..], &verbosity.words()].concat();
             launcher::run(&Flags::default(), &words, settings, &chain_stop()?)
         }
         Some(Command::Run(RunArgs { view, flags })) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
-            let settings = Settings::resolve(&flags)?;
+            let settings = Settings::of_chain(&flags)?;
             settings.check_frames()?;
             let _page = match view {
                 true => Some(view::Beside::start(&settings.run.rig)?),
@@ -254,7 +254,9 @@ fn place_of_command(words: &[OsString]) -> Option<usize> {
 /// Whether this is no command, but what frames come from.
 fn is_a_source(word: &OsStr) -> bool {
     let path = Path::new(word);
-    let is_command = word == "help" || Cli::command().find_subcommand(word).is_some();
+    // The most frequent one first, as the table of commands takes milliseconds to build.
+    let is_command = ["run", "help"].iter().any(|name| word == *name)
+        || Cli::command().find_subcommand(word).is_some();
     let is_named = ["rendered", "simulated", "external", "-"]
         .iter()
         .any(|name| word == *name);
