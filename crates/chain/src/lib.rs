@@ -11,6 +11,7 @@
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
+//! | [`load`] | how busy the machine is |
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
@@ -41,6 +42,7 @@ pub mod exit;
 pub mod inputs;
 pub mod launcher;
 pub mod layout;
+pub mod load;
 pub mod measured_plane;
 pub mod messages;
 pub mod notify;
