@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use lariat_sink::FinalCounts;
 use lariat_wire::Domain;
+use rustix::param::clock_ticks_per_second;
 
 use super::child::{Child, Ending};
 use super::{Chain, Part, START_TIMEOUT};
@@ -14,8 +15,10 @@ use crate::stages::status::{LastWord, Sent};
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
 /// A lossless one waits so long itself for a reader that stands still.
 const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
-/// How long it may take in all.
+/// How long it may take in all, by the time that it has had a core for.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// How many times longer it may take by the clock, on a machine whose cores others use, too.
+const STARVED: u32 = 3;
 /// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
@@ -91,10 +94,11 @@ impl Chain {
         }
     }
 
-    /// Whether a part ends, or is not there, within `most`, and without doing nothing for so long as `patience`.
+    /// Whether a part ends, or is not there, within `most` of a core's time, and without doing nothing for `patience`.
     pub(super) fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
         let begin = Instant::now();
         let (mut ticks, mut busy) = (None, begin);
+        let ticks_before = self.child(part).and_then(Child::ticks);
         loop {
             let Some(child) = self.child(part).filter(|child| child.ending().is_none()) else {
                 return true;
@@ -104,7 +108,15 @@ impl Chain {
             if used != ticks {
                 (ticks, busy) = (used, now);
             }
-            let end = (begin + most).min(busy + patience);
+            let has_had = used.zip(ticks_before).map(|(used, before)| {
+                Duration::from_secs(used.saturating_sub(before)) / clock_ticks_per_second() as u32
+            });
+            // A thread, and a process of which the kernel does not say it, have so long by the clock.
+            let by_clock = match has_had {
+                Some(has_had) if has_had < most => most * STARVED,
+                _ => most,
+            };
+            let end = (begin + by_clock).min(busy + patience);
             if now >= end {
                 return false;
             }
