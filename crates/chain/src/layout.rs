@@ -88,7 +88,10 @@ fn end_of(text: &str, width: usize) -> Cow<'_, str> {
 fn columns(text: &str) -> usize {
     let mut parts = text.split("\x1b[");
     let first = parts.next().map_or(0, |part| part.chars().count());
-    let shown = |part: &str| part.split_once('m').map_or(0, |(_, rest)| rest.chars().count());
+    let shown = |part: &str| {
+        part.split_once('m')
+            .map_or(0, |(_, rest)| rest.chars().count())
+    };
     first + parts.map(shown).sum::<usize>()
 }
 
