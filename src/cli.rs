@@ -241,7 +241,7 @@ fn with_a_command(mut words: Vec<OsString>) -> Vec<OsString> {
     words
 }
 
-/// Whether these words, which have a command if they name a source, start a chain.
+/// Returns true if these words, with `run` before a bare source, start a chain.
 fn starts_a_chain(words: &[OsString]) -> bool {
     place_of_command(words).is_none_or(|place| words[place] == "run")
 }

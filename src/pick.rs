@@ -33,7 +33,7 @@ pub(crate) struct PickArgs {
     force: bool,
 }
 
-/// What one `--at` says.
+/// The positions of one `--at`.
 #[derive(Debug, Clone)]
 struct Positions(Vec<[f32; 2]>);
 

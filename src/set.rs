@@ -26,7 +26,7 @@ pub(crate) struct SetArgs {
     changes: Vec<String>,
 }
 
-/// What can be started again.
+/// The parts of a chain that can be started again.
 const PARTS: [&str; 5] = ["capture", "extract", "fit", "sink", "recorder"];
 
 /// What is asked of `lariat restart`.

@@ -11,7 +11,7 @@ use lariat_chain::layout::wrapped;
 const LONG_INDENT: usize = 10;
 const LEAST: usize = 30;
 
-/// The commands by what they are for, with a few words about each.
+/// The commands, grouped by purpose, with a few words about each.
 pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
     (
         "Run",
@@ -43,10 +43,7 @@ pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
                 "record, replay",
                 "record a chain; compute a recording again",
             ),
-            (
-                "export, info",
-                "its contents as a table, JSON, video; a list",
-            ),
+            ("export, info", "its contents as a table, JSON or video"),
         ],
     ),
     (

@@ -6,11 +6,11 @@
 //! | 1 | it ran, and the answer is no, or something failed or was lost |
 //! | 2 | wrong use: the command line or the settings make no sense |
 //!
-//! An error is wrong use if [`is_wrong_use`] finds it so: a [`WrongUse`] or [`Problems`] anywhere in its chain, or a name for a
-//! rig or domain that cannot be one. A file to be read that is missing, a camera, a rig or a chain that is not there, and a file
-//! that is not to be overwritten are no wrong use (1): the same words may work a moment later. A settings file that cannot be
-//! read is (2), as no setting is known then. Where a running chain refuses a change as wrong use, it says so, and the client
-//! exits as if it had found it itself (`control.rs`).
+//! [`is_wrong_use`] decides between 1 and 2. Wrong use is a [`WrongUse`] or [`Problems`] anywhere in an error's chain, or an
+//! invalid name for a rig or a domain. The same words may work a moment later if an input file, a camera, a rig or a chain is
+//! missing, or if an output file exists already: the code is 1. A settings file that cannot be read leaves every setting
+//! unknown: the code is 2. A running chain marks its refusal of a change as wrong use, and the client exits with that code
+//! (`control.rs`).
 
 use crate::settings::Problems;
 use lariat_wire::WireError;
@@ -42,11 +42,11 @@ macro_rules! wrong_use {
 }
 pub use crate::wrong_use;
 
-/// Whether an error is the user's, in what was typed or set.
+/// Returns true for an error in the command line or in the settings.
 pub fn is_wrong_use(error: &anyhow::Error) -> bool {
     let names =
         |cause: &WireError| matches!(cause, WireError::RigName(_) | WireError::DomainName(_));
-    // A context that was added to an error is not in its chain by its own type, but can be had this way.
+    // A context is in the chain under another type, and only the error itself can be downcast to it.
     let has_context = error.downcast_ref::<WrongUse>().is_some();
     let is_one = |cause: &(dyn std::error::Error + 'static)| {
         cause.is::<WrongUse>() || cause.is::<Problems>() || cause.downcast_ref().is_some_and(names)

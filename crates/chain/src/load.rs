@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 /// The kernel's load average over the last minute, next to the cores that share it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// How many threads ran or waited for a core, on average.
+    /// Average number of threads that ran or waited for a core.
     pub average: f64,
     /// Cores that this process may use.
     pub cores: usize,
@@ -23,8 +23,8 @@ impl Load {
         })
     }
 
-    /// Whether less than one core was idle, on average: a chain that wakes then waits for one. A single core counts as busy
-    /// from a half on.
+    /// Returns true if less than one core was idle on average: a chain that wakes then waits for a core. A single core counts
+    /// as busy from a half on.
     pub fn is_busy(self) -> bool {
         self.average > (self.cores as f64 - 1.0).max(0.5)
     }

@@ -3,8 +3,8 @@
 //! The terminal takes each `write` as a whole. A message that clears the live line first, in the same `write`, therefore never
 //! mixes with it; the live line is redrawn below the message.
 //!
-//! `lariat run` alone writes to standard error. That of its stages is a pipe, which a thread empties into a queue
-//! ([`Relay`]); another thread writes the queue. So a stage never waits for a terminal that stands still, and whatever a stage
+//! `lariat run` alone writes to standard error. Each stage writes into a pipe, which a thread empties into a queue
+//! ([`Intake`]); another thread writes the queue ([`Relay`]). So a stage never waits for a terminal that stands still, and whatever a stage
 //! wrote before it died is still shown. The queue is bounded: messages beyond it are counted and not kept.
 
 use std::borrow::Cow;
@@ -28,7 +28,7 @@ const CAPACITY: usize = 1 << 20;
 /// Stack of a thread that only copies bytes.
 const STACK: usize = 128 << 10;
 
-/// Whether a live line may be on the terminal.
+/// Set once a live line may be on the terminal.
 static HAS_LIVE_LINE: AtomicBool = AtomicBool::new(false);
 static QUEUE: Mutex<Queue> = Mutex::new(Queue::EMPTY);
 static CHANGED: Condvar = Condvar::new();
@@ -39,7 +39,7 @@ struct Queue {
     bytes: usize,
     /// Messages that found no room.
     dropped: u64,
-    /// Whether there is a thread that writes them.
+    /// Set while a thread writes them.
     is_open: bool,
 }
 
@@ -78,7 +78,7 @@ fn queue() -> MutexGuard<'static, Queue> {
     QUEUE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether messages of this process end up on a terminal.
+/// Returns true if messages of this process end up on a terminal.
 pub fn is_terminal() -> bool {
     stderr().is_terminal() || std::env::var_os(TERMINAL).is_some()
 }
@@ -144,7 +144,7 @@ impl Relay {
     /// Starts it.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// The thread cannot be started.
     pub fn start() -> io::Result<Self> {
         expect_live_line();
         queue().is_open = true;
@@ -203,7 +203,7 @@ impl Intake {
     /// Takes in the messages of the process at the other end.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// The thread cannot be started.
     pub fn of(pipe: impl Read + Send + 'static) -> io::Result<Self> {
         let take_in = move || take_in(pipe, |message| send(cleared(message)));
         Ok(Self(thread("intake").spawn(take_in)?))

@@ -78,7 +78,7 @@ pub struct Settings {
     pub file: Option<PathBuf>,
     /// 0 for those that a chain begins with, one more for each change since.
     pub version: u32,
-    /// Whether the curve is the drawn rope's own, which nobody has asked for.
+    /// Set while the curve is the default of the drawn rope and not the user's choice.
     pub has_curve_of_source: bool,
 }
 
@@ -105,8 +105,8 @@ impl Settings {
         Ok(Resolved::new(flags)?.settings)
     }
 
-    /// Those of a chain that is started whole: as [`resolve`](Self::resolve) has them, but that the drawn rope has a curve of a
-    /// fixed size if no other is asked for.
+    /// Resolves the settings of a whole chain: as [`resolve`](Self::resolve), except that the drawn rope gets a curve of a fixed
+    /// size unless the user chooses one.
     ///
     /// # Errors
     /// As there.

@@ -113,7 +113,7 @@ impl AsFd for Stop {
     }
 }
 
-/// Whether a signal at this moment is another wish than the first signal's, whose moment is noted.
+/// Returns true for a signal that comes long enough after the first one, and notes the moment of the first.
 fn is_another(first_ns: &AtomicU64, now_ns: u64) -> bool {
     let noted = first_ns.compare_exchange(0, now_ns, Ordering::Relaxed, Ordering::Relaxed);
     noted.is_err_and(|first_ns| now_ns.saturating_sub(first_ns) >= SAME_NS)

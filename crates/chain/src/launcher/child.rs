@@ -323,7 +323,7 @@ impl Child {
         self.ending = Some(match &mut self.host {
             Host::Process { process, messages } => {
                 let ended = process.wait().map_or(Ending::Failed(-1), ending);
-                // The reason that it gave comes before what is said of its end.
+                // Its own messages come before the message about its end.
                 if let Some(messages) = messages.take() {
                     messages.finish();
                 }

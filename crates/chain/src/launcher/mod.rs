@@ -110,7 +110,7 @@ pub fn run(
     Ok(chain.verdict())
 }
 
-/// What is started, in this order.
+/// The parts that a chain starts, in this order.
 fn parts(settings: &Settings) -> impl Iterator<Item = Part> + use<> {
     let has_recorder = settings.run.record.is_some();
     let is_external = settings.capture.is_external();
@@ -349,7 +349,7 @@ impl Chain {
         let (ending, is_done) = (child.ending(), child.is_done());
         let is_wished = match ending {
             Some(Ending::Well) => is_done || child.was_told_to_stop(),
-            // It was told before it listened to signals.
+            // The signal reached it before its handler was registered.
             Some(Ending::Killed(15)) => child.was_told_to_stop() && !child.is_ready(),
             Some(_) => false,
             None => !child.was_told_by_another(),

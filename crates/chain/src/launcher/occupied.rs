@@ -14,7 +14,7 @@ use crate::settings::Settings;
 /// Refuses a rig that has a writer of a channel that this chain is to write.
 ///
 /// # Errors
-/// It has one: the sentence names the process and says for how long it has run. Or there is no such domain.
+/// It has one: the sentence names the process and the time that it has run for. Or `LARIAT_DOMAIN` is invalid.
 pub(super) fn check(settings: &Settings, parts: impl Iterator<Item = Part>) -> Result<()> {
     let rig = &settings.run.rig;
     let writers = [Part::Capture, Part::Extract, Part::Fit];
@@ -42,7 +42,7 @@ struct Process {
 }
 
 impl Process {
-    /// The chain that a stage belongs to: its parent, if that is the same program, else the stage itself.
+    /// The chain that a stage belongs to: the parent if it is the same program, otherwise the stage.
     fn that_started(stage: u32) -> Option<Self> {
         let stage = Self::read(stage)?;
         let parent = Self::read(stage.parent).filter(|parent| parent.name == stage.name);
@@ -55,7 +55,7 @@ impl Process {
         Self::of(&stat, &uptime, clock_ticks_per_second())
     }
 
-    /// Of the text of its `stat` and of `/proc/uptime` (proc(5)).
+    /// Parses the text of its `stat` and of `/proc/uptime` (proc(5)).
     fn of(stat: &str, uptime: &str, ticks_per_s: u64) -> Option<Self> {
         // The name, in parentheses, may hold anything.
         let (pid, rest) = stat.split_once(" (")?;

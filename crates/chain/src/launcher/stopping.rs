@@ -15,10 +15,10 @@ use crate::stages::status::{LastWord, Sent};
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
 /// A lossless one waits so long itself for a reader that stands still.
 const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
-/// How long it may take in all, by the time that it has had a core for.
+/// Core time that a stage may use to end.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-/// How many times longer it may take by the clock, on a machine whose cores others use, too.
-const STARVED: u32 = 3;
+/// Factor by which a stage that shares its core may take longer by the clock.
+const STARVED: u32 = 10;
 /// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
@@ -94,7 +94,7 @@ impl Chain {
         }
     }
 
-    /// Whether a part ends, or is not there, within `most` of a core's time, and without doing nothing for `patience`.
+    /// Returns true once a part has ended or is missing; false after `most` of a core's time, or after `patience` without work.
     pub(super) fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
         let begin = Instant::now();
         let (mut ticks, mut busy) = (None, begin);
@@ -111,7 +111,7 @@ impl Chain {
             let has_had = used.zip(ticks_before).map(|(used, before)| {
                 Duration::from_secs(used.saturating_sub(before)) / clock_ticks_per_second() as u32
             });
-            // A thread, and a process of which the kernel does not say it, have so long by the clock.
+            // The core time of a thread is unknown: the clock counts.
             let by_clock = match has_had {
                 Some(has_had) if has_had < most => most * STARVED,
                 _ => most,

@@ -166,7 +166,7 @@ impl Capture {
         self.source[..] == [PathBuf::from("simulated")]
     }
 
-    /// Whether the source is the rope that lariat draws.
+    /// Returns true if the source is the rope that lariat draws.
     pub fn is_rendered(&self) -> bool {
         self.source[..] == [PathBuf::from("rendered")]
     }

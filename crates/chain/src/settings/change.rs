@@ -133,7 +133,7 @@ impl Settings {
     /// What makes no sense in them, or of all settings together.
     pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
         let mut before = self.clone();
-        // Who asks for a basis or an order asks for a curve, of which the one that nobody asked for has no part.
+        // A basis or an order from the user replaces the whole default of the drawn rope.
         let has_curve_of_source = self.has_curve_of_source
             && !["basis", "order"]
                 .iter()

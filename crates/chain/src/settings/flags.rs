@@ -119,7 +119,7 @@ impl Flags {
         Ok(flags)
     }
 
-    /// Whether they set this.
+    /// Returns true if they set this.
     pub(super) fn set(&self, section: &str, name: &str) -> bool {
         let key = keys::position(section, name);
         self.given.iter().any(|given| Some(given.key) == key)

@@ -32,7 +32,7 @@ impl Resolved {
         Self::read(flags)?.with_a_fitter()
     }
 
-    /// Of a chain that is started whole: as [`new`](Self::new), with the curve that suits its source.
+    /// Resolves the settings of a whole chain: as [`new`](Self::new), with the curve that suits the source.
     ///
     /// # Errors
     /// As there.
@@ -40,10 +40,11 @@ impl Resolved {
         Ok(Self::new(flags)?.with_curve_of_source())
     }
 
-    /// The drawn rope is the same one on every machine. It gets a curve of a fixed size that follows it wherever it moves, unless
-    /// another curve is asked for: so its descriptor has the same length in every frame.
+    /// Gives the drawn rope, which is the same on every machine, a curve of a fixed size that fits it wherever it moves. Its
+    /// descriptor then has the same length in every frame. A curve that the user chooses is kept.
     ///
-    /// As the settings of one command, such as `lariat trace`, name no source, only a chain may ask for this.
+    /// Only a chain may call this: the settings of `lariat trace` and others name the drawn rope by default, too, and do not
+    /// read it.
     pub(super) fn with_curve_of_source(mut self) -> Self {
         let keys = ["basis", "order"].map(|name| keys::position("fit", name));
         let Settings {
@@ -53,7 +54,7 @@ impl Resolved {
             ..
         } = &mut self.settings;
         let is_flag = |key: usize| matches!(self.origins[key], Origin::Flag(_));
-        // A new file names the basis "auto", which is no wish.
+        // A new file contains the basis "auto", and nobody chose it.
         let is_asked_for = keys.into_iter().flatten().any(is_flag)
             || fit.basis != Family::Auto
             || fit.order.is_some()
