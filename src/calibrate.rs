@@ -2,7 +2,7 @@
 
 mod points;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use lariat_camera::{Camera, Pair};
 use lariat_chain::calibrated::read_camera;
@@ -116,12 +116,17 @@ fn size(args: &PlaneArgs, camera: Option<&Camera>) -> Result<[u32; 2]> {
             Err(why) => wrong_use!("--size {text}: {why}"),
         };
         if let Some([width, height]) = of_picture.filter(|picture| *picture != said) {
-            bail!("--size {text}: the picture has {width}×{height} pixels: leave --size out");
+            wrong_use!("--size {text}: the picture has {width}×{height} pixels: leave --size out");
         }
         return Ok(said);
     }
     let known = of_picture.or(camera.and_then(Camera::size));
-    known.context("say how large the images are in which the points were read: name the picture, or --size 640x480")
+    let Some(known) = known else {
+        wrong_use!(
+            "say how large the images are in which the points were read: name the picture, or --size 640x480"
+        );
+    };
+    Ok(known)
 }
 
 /// How well the points agree, and how large a pixel is.

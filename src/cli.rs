@@ -35,7 +35,8 @@ use crate::version;
 use crate::view::{self, ViewArgs};
 use lariat_chain::settings::{Flags, Settings, nearest};
 use lariat_chain::stages::Supervision;
-use lariat_chain::{exit, launcher, layout, output, stages};
+use lariat_chain::stop::Stop;
+use lariat_chain::{exit, launcher, layout, messages, output, stages};
 
 /// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
 ///
@@ -168,6 +169,9 @@ const SHOW: [&str; 1] = ["--duration=10s"];
 /// Does what the command line asks.
 pub(crate) fn run() -> Result<ExitCode> {
     let words = with_a_command(std::env::args_os().collect());
+    // Before the rest of the work, so that Ctrl-C ends a chain in order however early it comes.
+    let stop = starts_a_chain(&words).then(Stop::on_signals).transpose()?;
+    let chain_stop = || stop.map_or_else(Stop::on_signals, Ok);
     let command = help::fitted(Cli::command(), layout::width());
     let matches = command.try_get_matches_from(&words);
     let cli = matches.and_then(|matches| Cli::from_arg_matches(&matches));
@@ -175,20 +179,20 @@ pub(crate) fn run() -> Result<ExitCode> {
     log_to_stderr(verbosity.level());
     match command {
         None => {
-            let settings = Settings::resolve(&Flags::default())?;
+            let settings = Settings::of_chain(&Flags::default())?;
             settings.check_frames()?;
             let words = [&SHOW.map(OsString::from)[..], &verbosity.words()].concat();
-            launcher::run(&Flags::default(), &words, settings)
+            launcher::run(&Flags::default(), &words, settings, &chain_stop()?)
         }
         Some(Command::Run(RunArgs { view, flags })) => {
             // Resolved here too, so that a mistake is told once and not by four processes.
-            let settings = Settings::resolve(&flags)?;
+            let settings = Settings::of_chain(&flags)?;
             settings.check_frames()?;
             let _page = match view {
                 true => Some(view::Beside::start(&settings.run.rig)?),
                 false => None,
             };
-            launcher::run(&flags, &verbosity.words(), settings)
+            launcher::run(&flags, &verbosity.words(), settings, &chain_stop()?)
         }
         Some(Command::Capture(flags)) => stage(&flags, stages::capture::run),
         Some(Command::Extract(flags)) => stage(&flags, stages::extract::run),
@@ -248,6 +252,11 @@ fn with_a_command(mut words: Vec<OsString>) -> Vec<OsString> {
     words
 }
 
+/// Returns true if these words, with `run` before a bare source, start a chain.
+fn starts_a_chain(words: &[OsString]) -> bool {
+    place_of_command(words).is_none_or(|place| words[place] == "run")
+}
+
 fn place_of_command(words: &[OsString]) -> Option<usize> {
     let is_flag = |word: &OsString| word.as_encoded_bytes().starts_with(b"-") && word != "-";
     (1..words.len()).find(|&place| !is_flag(&words[place]))
@@ -256,7 +265,9 @@ fn place_of_command(words: &[OsString]) -> Option<usize> {
 /// Whether this is no command, but what frames come from.
 fn is_a_source(word: &OsStr) -> bool {
     let path = Path::new(word);
-    let is_command = word == "help" || Cli::command().find_subcommand(word).is_some();
+    // The most frequent one first, as the table of commands takes milliseconds to build.
+    let is_command = ["run", "help"].iter().any(|name| word == *name)
+        || Cli::command().find_subcommand(word).is_some();
     let is_named = ["rendered", "simulated", "external", "-"]
         .iter()
         .any(|name| word == *name);
@@ -332,7 +343,7 @@ impl Verbosity {
 
 fn log_to_stderr(level: Option<Level>) {
     tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
+        .with_writer(|| messages::Log)
         .without_time()
         .with_target(false)
         // It would be said where nothing can be said.

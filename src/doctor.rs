@@ -21,6 +21,7 @@ use rustix::thread::{CpuSet, sched_getaffinity};
 use serde::Serialize;
 
 use checks::{Finding, Verdict};
+use lariat_chain::load::Load;
 use lariat_chain::output::print;
 
 /// Say what of this machine makes lariat slower than it could be, and what to type
@@ -66,8 +67,11 @@ pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     })
 }
 
-/// All that can be looked at here, in the order of its weight.
+/// All that can be looked at here: first how busy the machine is, which everything that is measured depends on; then in the
+/// order of its weight.
 fn examine(clean: bool) -> Vec<Finding> {
+    // Before this command itself adds to it.
+    let load = Load::now();
     // Both before the domain is joined, which sweeps it, and adds files of this process.
     let leftover = leftover(clean);
     let rights = rights();
@@ -84,6 +88,7 @@ fn examine(clean: bool) -> Vec<Finding> {
     let commands = read("/proc/cmdline");
     let cpu = |file: &str| read(&format!("/sys/devices/system/cpu/{file}"));
     vec![
+        checks::load(load),
         checks::shared_memory(space.ok()),
         checks::domain(domain.err().map(|cause| cause.to_string())),
         rights,

@@ -6,7 +6,7 @@ use image::GrayImage;
 use image::codecs::png::PngEncoder;
 use lariat_chain::output::{Existing, Output, print};
 use lariat_chain::picture::Picture;
-use lariat_chain::settings::mask_text;
+use lariat_chain::settings::{image_positions, mask_text};
 use lariat_extract::{Mask, doubt_pick, mask_of, pick};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -20,10 +20,10 @@ pub(crate) struct PickArgs {
     /// Picture: PNG, JPEG, WebP, TIFF or BMP
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
-    /// A point on the rope, in pixels from the top left; once more for each other colour that it has, or for its colour in
-    /// light and in shade (default: the ropes that stand out by themselves)
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
-    at: Vec<[f32; 2]>,
+    /// Positions on the rope, in pixels from the top left, as in `lariat run --at`: one for each colour that it has, or for its
+    /// colour in light and in shade (default: the ropes that stand out by themselves)
+    #[arg(long, value_name = "X,Y,…", value_parser = positions, allow_hyphen_values = true)]
+    at: Vec<Positions>,
     /// Where to write the picture of the mask, white for rope; - for standard output (default: the picture's name with
     /// -mask.png in this folder)
     #[arg(long, value_name = "FILE.png")]
@@ -33,12 +33,12 @@ pub(crate) struct PickArgs {
     force: bool,
 }
 
-fn point(text: &str) -> Result<[f32; 2], String> {
-    let numbers: Vec<Option<f32>> = text.split(',').map(|c| c.trim().parse().ok()).collect();
-    match numbers[..] {
-        [Some(x), Some(y)] if x.is_finite() && y.is_finite() => Ok([x, y]),
-        _ => Err("a point is two numbers of pixels, such as 320,240".to_owned()),
-    }
+/// The positions of one `--at`.
+#[derive(Debug, Clone)]
+struct Positions(Vec<[f32; 2]>);
+
+fn positions(text: &str) -> Result<Positions, String> {
+    image_positions(text).map(Positions)
 }
 
 /// Runs `lariat pick`.
@@ -53,8 +53,9 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     };
     let picture = Picture::load(&args.image)?;
     let image = picture.image().with_context(|| shown.to_string())?;
-    let picked = pick(&image, &args.at).with_context(|| shown.to_string())?;
-    let doubt = doubt_pick(&image, &picked.ranges, &args.at);
+    let at: Vec<[f32; 2]> = args.at.iter().flat_map(|at| at.0.clone()).collect();
+    let picked = pick(&image, &at).with_context(|| shown.to_string())?;
+    let doubt = doubt_pick(&image, &picked.ranges, &at);
     let mask = Mask::Hsv(picked.ranges);
     let pixels = mask_of(&image, &mask);
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;

@@ -6,13 +6,14 @@ use anyhow::Result;
 use clap::Args;
 use lariat_chain::control::{Asked, ask};
 use lariat_chain::output::print;
+use lariat_chain::settings::Flags;
 
 /// The rig whose chain is told.
 #[derive(Debug, Args)]
 struct Rig {
     /// Name of the chain
     #[arg(long, value_name = "NAME", default_value = "default")]
-    rig: String,
+    rig: lariat_wire::Rig,
 }
 
 /// What is asked of `lariat set`.
@@ -25,12 +26,16 @@ pub(crate) struct SetArgs {
     changes: Vec<String>,
 }
 
+/// The parts of a chain that can be started again.
+const PARTS: [&str; 5] = ["capture", "extract", "fit", "sink", "recorder"];
+
 /// What is asked of `lariat restart`.
 #[derive(Debug, Args)]
 pub(crate) struct RestartArgs {
     #[command(flatten)]
     rig: Rig,
-    /// capture, extract, fit, sink or recorder
+    /// The stage, or the recorder
+    #[arg(value_parser = PARTS)]
     stage: String,
 }
 
@@ -39,11 +44,15 @@ pub(crate) struct RestartArgs {
 /// # Errors
 /// No chain runs, or it refuses.
 pub(crate) fn run(args: &SetArgs) -> Result<ExitCode> {
+    // Told at once, whether a chain runs or not.
+    for change in &args.changes {
+        Flags::default().with_change(change)?;
+    }
     let asked = match args.changes.is_empty() {
         true => Asked::Settings,
         false => Asked::Set(args.changes.clone()),
     };
-    print(&ask(&args.rig.rig, &asked)?)?;
+    print(&ask(args.rig.rig.as_str(), &asked)?)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -52,6 +61,9 @@ pub(crate) fn run(args: &SetArgs) -> Result<ExitCode> {
 /// # Errors
 /// No chain runs, or it has no such stage.
 pub(crate) fn restart(args: &RestartArgs) -> Result<ExitCode> {
-    print(&ask(&args.rig.rig, &Asked::Restart(args.stage.clone()))?)?;
+    print(&ask(
+        args.rig.rig.as_str(),
+        &Asked::Restart(args.stage.clone()),
+    )?)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -8,6 +8,7 @@ use std::process::{Child, Command, ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use lariat_chain::messages::Intake;
 use lariat_chain::stop::Stop;
 use lariat_view::{Options, Server, Shown};
 use lariat_wire::Rig;
@@ -84,7 +85,10 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
 }
 
 /// A `lariat view` beside a chain. Dropped, it ends.
-pub(crate) struct Beside(Child);
+pub(crate) struct Beside {
+    process: Child,
+    messages: Option<Intake>,
+}
 
 impl Beside {
     /// Starts one for the rig.
@@ -93,22 +97,29 @@ impl Beside {
     /// It cannot be started.
     pub(crate) fn start(rig: &str) -> Result<Self> {
         let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
-        let child = Command::new(itself)
+        let mut command = Command::new(itself);
+        command
             .args(["view", "--rig", rig, "--beside"])
             .arg(std::process::id().to_string())
             // Ctrl-C is the chain's, whose last frames it still shows.
-            .process_group(0)
+            .process_group(0);
+        let mut process = Intake::prepare(&mut command)
             .spawn()
             .context("the page cannot be served")?;
-        Ok(Self(child))
+        let messages = process.stderr.take().map(Intake::of).transpose()?;
+        Ok(Self { process, messages })
     }
 }
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        if let Some(pid) = i32::try_from(self.0.id()).ok().and_then(Pid::from_raw) {
+        let pid = i32::try_from(self.process.id()).ok();
+        if let Some(pid) = pid.and_then(Pid::from_raw) {
             let _ = kill_process(pid, Signal::TERM);
         }
-        let _ = self.0.wait();
+        let _ = self.process.wait();
+        if let Some(messages) = self.messages.take() {
+            messages.finish();
+        }
     }
 }

@@ -86,11 +86,21 @@ fn a_point_chooses_one_rope() {
 fn several_points_choose_several_colors() {
     let folder = TempDir::new().unwrap();
     save_bars(&folder);
-    let args = ["pick", "bars.png", "--at", "100,45", "--at", "60,114"];
-    let output = lariat(&folder, &args);
-    assert!(output.status.success(), "{output:?}");
     let bars: Vec<u32> = (40..51).chain(110..121).collect();
-    assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
+    for at in [
+        &["--at", "100,45", "--at", "60,114"][..],
+        &["--at", "100,45,60,114"],
+    ] {
+        let args = ["pick", "bars.png", "--force"];
+        let output = lariat(&folder, &[&args, at].concat());
+        assert!(output.status.success(), "{output:?}");
+        assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
+        // As the chain takes it.
+        let traced = lariat(&folder, &[&["trace", "bars.png", "--json"], at].concat());
+        assert!(traced.status.success(), "{traced:?}");
+        let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
+        assert_eq!(report["curves"].as_array().unwrap().len(), 2);
+    }
 }
 
 #[test]
@@ -188,7 +198,7 @@ fn what_cannot_be_picked_is_said_in_a_sentence() {
         (&["missing.png"], "cannot open the picture missing.png"),
         (
             &["bars.png", "--at", "middle"],
-            "a point is two numbers of pixels, such as 320,240",
+            "positions are two numbers of pixels each",
         ),
     ] {
         let output = lariat(&folder, &[&["pick"], args].concat());

@@ -24,11 +24,11 @@ fn ask(program: &str, words: &[&str], bench: &Bench) -> Option<Output> {
 /// The commands in the help.
 fn commands(bench: &Bench) -> Vec<String> {
     let help = text(&bench.run(&["-h"]));
-    let list = help.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let entries = list.take_while(|line| !line.is_empty());
-    let names = entries.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    let names = names.map(|line| line.split_whitespace().next().expect("a name").to_owned());
-    names.filter(|name| name != "help").collect()
+    let list = help.lines().skip_while(|line| !line.starts_with("Run "));
+    let list = list.take_while(|line| !line.is_empty());
+    // A group's title, names with commas between them, and a few words.
+    let names = list.flat_map(|line| line[9..37].trim_end().split(", "));
+    names.map(str::to_owned).collect()
 }
 
 #[test]

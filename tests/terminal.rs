@@ -24,13 +24,13 @@ fn assert_fits(output: &Output, of: &[&str]) {
 fn commands(bench: &Bench) -> Vec<String> {
     let help = bench.run(&["-h"]);
     let text = String::from_utf8(help.stdout).expect("text");
-    let list = text.lines().skip_while(|line| *line != "Commands:").skip(1);
-    let entries = list.take_while(|line| !line.is_empty());
-    // What an entry says may take several lines.
-    let names = entries.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    names
-        .map(|line| line.split_whitespace().next().expect("a name").to_owned())
-        .collect()
+    let list = text
+        .lines()
+        .skip_while(|line| !line.starts_with("Run "))
+        .take_while(|line| !line.is_empty());
+    // A group's title, names with commas between them, and a few words.
+    let names = list.flat_map(|line| line[9..37].trim_end().split(", "));
+    names.map(str::to_owned).collect()
 }
 
 #[test]
@@ -38,6 +38,9 @@ fn all_help_fits_a_terminal() {
     let bench = Bench::new();
     let commands = commands(&bench);
     assert!(commands.len() > 20, "{commands:?}");
+    let overview = bench.run(&["--help"]).stdout;
+    assert_eq!(overview, bench.run(&["-h"]).stdout);
+    assert_eq!(overview, bench.run(&["help"]).stdout);
     for command in commands.iter().filter(|command| *command != "help") {
         for flag in ["-h", "--help"] {
             let words = [command.as_str(), flag];
@@ -141,6 +144,8 @@ fn what_a_running_chain_says_fits_a_terminal() {
 #[test]
 fn the_exit_code_is_2_where_nothing_began_and_1_where_it_failed() {
     let bench = Bench::new();
+    std::fs::write(bench.path("bytes.toml"), b"\xff").expect("written");
+    std::fs::write(bench.path("text.toml"), "fit").expect("written");
     for (words, code) in [
         (&["config", "show"][..], 0),
         (&["trace", PICTURE], 0),
@@ -156,10 +161,39 @@ fn the_exit_code_is_2_where_nothing_began_and_1_where_it_failed() {
         (&["replay", GOLDEN], 2),
         (&["snapshot", "picture.jpg"], 2),
         (&["calibrate", "plane", "--size", "640x480"], 2),
+        (&["set", "fit.order=6"], 1),
+        (&["set", "order=12"], 2),
+        (&["set", "fit.order"], 2),
+        (&["set", "--rig", "Not A Name"], 2),
+        (&["restart", "fit"], 1),
+        (&["restart", "banana"], 2),
+        (&["run", "--config", "missing.toml"], 2),
+        (&["run", "--config", "bytes.toml"], 2),
+        (&["config", "check", "text.toml"], 2),
+        (&["trace", PICTURE, "--at", "1,2,3"], 2),
+        (&["pick", PICTURE, "--at", "1,2,3"], 2),
     ] {
         let output = bench.run(words);
         assert_eq!(output.status.code(), Some(code), "{words:?}: {output:?}");
     }
+}
+
+#[test]
+fn a_running_chain_refuses_wrong_use_with_2_and_all_else_with_1() {
+    let bench = Bench::new();
+    let chain = bench.start(&["rendered"]);
+    for (words, code) in [
+        (&["set", "fit.tolerance=0.2"][..], 0),
+        (&["set", "order=12"], 2),
+        (&["set", "fit.order=99"], 2),
+        (&["set", "run.rig=other"], 1),
+        (&["restart", "recorder"], 1),
+    ] {
+        let output = bench.run(words);
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {output:?}");
+    }
+    chain.signal_chain(rustix::process::Signal::INT);
+    assert!(chain.end().status.success());
 }
 
 #[test]

@@ -4,16 +4,100 @@
 //! wraps all else.
 
 use clap::{Arg, ArgAction, Command};
+use lariat_chain::exit;
 use lariat_chain::layout::wrapped;
 
 /// Where a line of `--help` begins below its flag, and the least room for a line of `-h` beside it.
 const LONG_INDENT: usize = 10;
 const LEAST: usize = 30;
 
-/// The command with the texts of its help, and of all commands under it, wrapped.
+/// The commands, grouped by purpose, with a few words about each.
+pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
+    (
+        "Run",
+        &[
+            ("run", "the whole chain, on a camera or on files"),
+            ("capture, extract, fit, sink", "one of its stages alone"),
+            ("set, restart", "change a running chain; restart a stage"),
+            (
+                "service, ros2, bridge",
+                "by systemd; in ROS 2; on another machine",
+            ),
+        ],
+    ),
+    (
+        "Look",
+        &[
+            ("top, view", "a running chain in the terminal or browser"),
+            ("topic", "the messages on its channels"),
+            (
+                "trace, snapshot",
+                "the ropes in pictures; a frame of a camera",
+            ),
+        ],
+    ),
+    (
+        "Record",
+        &[
+            (
+                "record, replay",
+                "record a chain; compute a recording again",
+            ),
+            ("export, info", "its contents as a table, JSON or video"),
+        ],
+    ),
+    (
+        "Set up",
+        &[
+            (
+                "doctor, devices",
+                "what slows this machine down; its cameras",
+            ),
+            ("pick, calibrate", "the ropes' colours; the table's place"),
+            (
+                "config, completions",
+                "the file lariat.toml; completion in shells",
+            ),
+        ],
+    ),
+    (
+        "Measure",
+        &[
+            ("bench, compare", "latency on this machine; two results"),
+            ("paper, servo", "the paper's experiments; a closed loop"),
+        ],
+    ),
+];
+
+/// The help of `lariat` itself, which fits a terminal of 24 lines of 80 columns.
+pub(super) fn overview() -> String {
+    let mut text = "\
+lariat sees ropes, cables and hoses through a camera, and gives a control loop
+their shape through shared memory. Without a command it shows a drawn rope.
+
+Usage: lariat [OPTIONS] [COMMAND or SOURCE]
+
+"
+    .to_owned();
+    for (group, commands) in GROUPS {
+        let titles = std::iter::once(group).chain(std::iter::repeat(""));
+        for (title, (names, about)) in titles.zip(commands) {
+            text += &format!("{title:<8} {names:<28} {about}\n");
+        }
+    }
+    text += "
+Options: -q, --quiet; -v, --verbose (-vv: everything); -V, --version; -h, --help
+`lariat COMMAND --help` explains a command and its options.
+";
+    text += exit::CODES;
+    text.push('\n');
+    text
+}
+
+/// The command with the overview as its help, and the help of all commands under it wrapped.
 pub(super) fn fitted(command: Command, width: usize) -> Command {
     let of_all = widest(&command);
-    fitted_below(command, width, width, of_all)
+    fitted_below(command, width, width, of_all).override_help(overview())
 }
 
 /// `listed`: the room for what it says of itself among its neighbours. `of_all`: the widest flag that every command has.
@@ -108,4 +192,40 @@ fn paragraphs(text: &str, width: usize) -> String {
         .split("\n\n")
         .map(|paragraph| wrapped(paragraph, width));
     each.collect::<Vec<_>>().join("\n\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_overview_fits_a_terminal_of_24_lines_of_80_columns() {
+        let text = overview();
+        // The prompt needs the last line.
+        assert!(text.lines().count() < 24, "{text}");
+        for line in text.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+    }
+
+    #[test]
+    fn the_overview_lists_each_command_once() {
+        let listed = |group: &[(&'static str, &str)]| -> Vec<&str> {
+            let names = group.iter().flat_map(|(names, _)| names.split(", "));
+            names.collect()
+        };
+        let mut all: Vec<&str> = GROUPS.iter().flat_map(|(_, group)| listed(group)).collect();
+        all.sort_unstable();
+        let cli = <super::super::Cli as clap::CommandFactory>::command();
+        let visible = cli
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set());
+        let mut visible: Vec<&str> = visible.map(Command::get_name).collect();
+        // A program of its own measures, and may be missing.
+        let (_, measure) = GROUPS[GROUPS.len() - 1];
+        visible.extend(listed(measure));
+        visible.sort_unstable();
+        visible.dedup();
+        assert_eq!(all, visible);
+    }
 }

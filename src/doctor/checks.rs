@@ -9,6 +9,7 @@ use serde::Serialize;
 pub(super) use rig::{leftover, rights, versions};
 
 use lariat_chain::layout::{self, hanging};
+use lariat_chain::load::Load;
 use lariat_chain::stages::arrangement::core_list;
 
 /// How a thing is.
@@ -75,6 +76,22 @@ fn bad(name: &'static str, found: impl Into<String>, advice: impl Into<String>) 
         verdict: Verdict::Bad,
         ..better(name, found, advice)
     }
+}
+
+/// How busy the machine is; `None` if the kernel does not report it.
+pub(super) fn load(load: Option<Load>) -> Finding {
+    const NAME: &str = "load";
+    let Some(load) = load else {
+        return ok(NAME, "the kernel does not report it");
+    };
+    let idle = || ok(NAME, format!("{load}: a core is idle"));
+    load.warning().map_or_else(idle, |warning| {
+        better(
+            NAME,
+            warning,
+            "end what else runs here before anything is measured: `top` shows it",
+        )
+    })
 }
 
 /// What the channels of one rig take at 640×480, three bytes a pixel: 60 MB, measured.

@@ -45,6 +45,43 @@ fn every_basis_and_option_describes_the_rope() {
     }
 }
 
+/// A regression: the first command that a user types warned that its curve did not fit, and changed the length of its vector.
+#[test]
+fn the_drawn_rope_keeps_its_vector_and_warns_of_nothing() {
+    let bench = Bench::new();
+    let ended = bench
+        .start(&[
+            "--lossless",
+            "--fps",
+            "max",
+            "--frames",
+            "900",
+            "--record",
+            "run.mcap",
+            "--images",
+            "none",
+        ])
+        .end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    assert!(!ended.stderr.contains("WARN"), "{}", ended.stderr);
+    let table = bench.run(&["export", "--format", "csv", "--out", "-", "run.mcap"]);
+    let table = String::from_utf8(table.stdout).expect("text");
+    let mut rows = table
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = rows.next().expect("a head");
+    let column = |name: &str| heads.iter().position(|head| *head == name);
+    let [basis, fit, last] = ["basis", "fit", "y19"].map(|name| column(name).expect(name));
+    assert_eq!(column("x20"), None);
+    let mut count = 0;
+    for row in rows {
+        assert_eq!((row[basis], row[fit]), ("bspline", "good"), "{row:?}");
+        assert!(!row[last].is_empty(), "{row:?}");
+        count += 1;
+    }
+    assert_eq!(count, 900);
+}
+
 #[test]
 fn a_curve_that_cannot_be_is_refused_before_anything_starts() {
     let bench = Bench::new();

@@ -1,5 +1,7 @@
 //! What happens when a process dies, by a signal it can catch and by one it cannot.
 
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Sender};
@@ -9,7 +11,7 @@ use std::time::{Duration, Instant};
 use lariat_wire::{Domain, Receiver, Rig};
 use rustix::process::Signal;
 
-use crate::rig::{Bench, wait_until_gone};
+use crate::rig::{Bench, send, wait_until_gone};
 
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 
@@ -78,6 +80,45 @@ fn a_signal_to_the_chain_ends_it_in_order_with_its_report() {
             ended.stdout
         );
         bench.assert_every_frame_is_accounted_for("out");
+        bench.assert_nothing_is_left();
+    }
+}
+
+#[test]
+fn two_signals_at_once_are_one() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
+    chain.wait_for_frames();
+    // As `timeout -s INT` does, which signals the process and then its group; TERM is delivered first, so that the two do not
+    // merge.
+    chain.signal_chain(Signal::TERM);
+    chain.signal_chain(Signal::INT);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_chain_that_is_told_to_end_before_it_is_up_ends_in_order() {
+    for more in [&[][..], &["--fuse"]] {
+        let bench = Bench::new();
+        let mut process = bench
+            .command(&[&["run", "-v", "--order", "5"], more].concat())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        let mut stderr = BufReader::new(process.stderr.take().expect("piped"));
+        let mut first = String::new();
+        stderr.read_line(&mut first).expect("readable");
+        // The first that is started says so before it is ready.
+        assert!(first.contains("sink: "), "{first}");
+        send(process.id() as i32, Signal::INT);
+        let mut rest = String::new();
+        stderr.read_to_string(&mut rest).expect("readable");
+        let status = process.wait().expect("waited for");
+        assert_eq!(status.code(), Some(0), "{rest}");
         bench.assert_nothing_is_left();
     }
 }

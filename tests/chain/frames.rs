@@ -253,10 +253,15 @@ fn a_second_capture_on_a_rig_is_refused_and_the_first_goes_on() {
         message.contains("lariat/default/frames already has a writer"),
         "{message}"
     );
-    let whole = bench.run(&["run", "--frames", "10"]);
-    assert!(!whole.status.success());
+    let whole = bench.run(&["run", "--frames", "10", "--record", "second.mcap"]);
+    assert_eq!(whole.status.code(), Some(1));
     let message = String::from_utf8_lossy(&whole.stderr);
-    assert!(message.contains("already has a writer"), "{message}");
+    let who = format!(
+        "rig default is in use by process {} (lariat), which has run for ",
+        chain.process.id()
+    );
+    assert!(message.contains(&who), "{message}");
+    assert!(!bench.path("second.mcap").exists());
     chain.signal_chain(Signal::INT);
     let ended = chain.end();
     assert!(ended.status.success(), "{}", ended.stderr);

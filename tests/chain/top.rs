@@ -1,86 +1,17 @@
-//! `lariat top` in a real terminal, which tmux plays. Without tmux these tests say so and do nothing; `.ci/run` installs
-//! it.
+//! `lariat top` in a real terminal.
 
-use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 
 use crate::rig::{Bench, send};
-
-/// A terminal of 80 columns and 24 rows in which a shell has started `lariat top`.
-struct Screen {
-    socket: String,
-}
+use crate::screen::{Screen, is_tmux_here, run};
 
 /// What the shell does: something to see before and after, and whether the terminal is as it was.
 const SHELL: &str =
     "echo before; \"$LARIAT\" top; echo left with $?; stty -a | tr ';' '\\n' | grep icanon; cat";
 
-fn is_tmux_here() -> bool {
-    let is_here = Command::new("tmux").arg("-V").output().is_ok();
-    if !is_here {
-        eprintln!("tmux is not on this machine: lariat top is not tested in a terminal");
-    }
-    is_here
-}
-
 impl Screen {
-    fn open(bench: &Bench) -> Self {
-        let screen = Self {
-            socket: format!("lariat-{}", bench.domain),
-        };
-        let mut tmux = screen.tmux(&[
-            "-f",
-            "/dev/null",
-            "new-session",
-            "-d",
-            "-x",
-            "80",
-            "-y",
-            "24",
-        ]);
-        let domain = format!("LARIAT_DOMAIN={}", bench.domain);
-        let lariat = format!("LARIAT={}", env!("CARGO_BIN_EXE_lariat"));
-        tmux.args(["env", &domain, &lariat, "sh", "-c", SHELL]);
-        run(tmux);
-        screen
-    }
-
-    fn tmux(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new("tmux");
-        // -u: it may draw whatever characters there are.
-        command.args(["-u", "-L", &self.socket]).args(arguments);
-        command.env("LC_ALL", "C.UTF-8").env_remove("TMUX");
-        command
-    }
-
-    fn text(&self) -> String {
-        let output = run(self.tmux(&["capture-pane", "-p"]));
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    }
-
-    /// Waits until the screen is as it should be.
-    fn wait_for(&self, what: &str, is_so: impl Fn(&str) -> bool) -> String {
-        let deadline = Instant::now() + Duration::from_secs(60);
-        loop {
-            let text = self.text();
-            if is_so(&text) {
-                return text;
-            }
-            assert!(Instant::now() < deadline, "{what} never came:\n{text}");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    fn wait_for_text(&self, text: &str) -> String {
-        self.wait_for(text, |screen| screen.contains(text))
-    }
-
-    fn keys(&self, keys: &str) {
-        run(self.tmux(&["send-keys", keys]));
-    }
-
     /// The process of `lariat top`.
     fn top(&self) -> i32 {
         let shell = run(self.tmux(&["display-message", "-p", "#{pane_pid}"]));
@@ -104,29 +35,13 @@ impl Screen {
     }
 }
 
-impl Drop for Screen {
-    fn drop(&mut self) {
-        let _ = self.tmux(&["kill-server"]).output();
-    }
-}
-
-fn run(mut command: Command) -> Output {
-    let output = command.output().expect("tmux runs");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    output
-}
-
 #[test]
 fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     if !is_tmux_here() {
         return;
     }
     let bench = Bench::new();
-    let screen = Screen::open(&bench);
+    let screen = Screen::open(&bench, SHELL);
     screen.wait_for_text("No chain is running here");
 
     let chain = bench.start(&["--fps", "100", "--duration", "120"]);
@@ -190,7 +105,7 @@ fn told_to_end_top_gives_the_terminal_back_too() {
         return;
     }
     let bench = Bench::new();
-    let screen = Screen::open(&bench);
+    let screen = Screen::open(&bench, SHELL);
     screen.wait_for_text("No chain is running here");
     send(screen.top(), Signal::TERM);
     screen.assert_it_was_given_back();
@@ -203,7 +118,7 @@ fn a_terminal_that_is_closed_ends_top() {
         return;
     }
     let bench = Bench::new();
-    let screen = Screen::open(&bench);
+    let screen = Screen::open(&bench, SHELL);
     screen.wait_for_text("No chain is running here");
     let top = format!("/proc/{}", screen.top());
     drop(screen);

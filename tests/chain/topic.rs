@@ -91,7 +91,7 @@ fn a_chain_is_listed_measured_and_echoed_by_whoever_asks() {
         shapes[0]["curves"][0]["control_points"]
             .as_array()
             .map(Vec::len),
-        Some(9)
+        Some(20)
     );
     let frame = text(&bench.run(&["topic", "echo", "frames", "--once"]).stdout);
     assert!(frame.contains("640×480 rgb8 from rendered"), "{frame}");

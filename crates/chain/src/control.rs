@@ -2,7 +2,7 @@
 //! owner can open.
 //!
 //! The client writes one request, and ends its side: `settings`, `file`, `restart STAGE`, or `set` and a line `section.name=value` for each
-//! change. The chain answers `ok` or `refused`, and what it has to say from the second line on. Both are small, and wait a
+//! change. The chain answers `ok`, `refused` or `wrong` (use), and what it has to say from the second line on. Both are small, and wait a
 //! second for each other at most.
 
 use std::fmt::Write as _;
@@ -14,6 +14,7 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::exit::{is_wrong_use, wrong_use};
 use anyhow::{Context, Result, bail};
 use lariat_wire::{Rig, control_socket};
 
@@ -95,6 +96,7 @@ pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
     match answer.split_once('\n') {
         Some(("ok", said)) => Ok(said.to_owned()),
         Some(("refused", why)) => bail!("{}", why.trim_end()),
+        Some(("wrong", why)) => wrong_use!("{}", why.trim_end()),
         _ => bail!("the chain of rig {rig} ended before it answered"),
     }
 }
@@ -198,6 +200,7 @@ impl Client {
     pub fn answer(mut self, answer: Result<String>) {
         let text = match answer {
             Ok(said) => format!("ok\n{said}"),
+            Err(why) if is_wrong_use(&why) => format!("wrong\n{why:#}\n"),
             Err(why) => format!("refused\n{why:#}\n"),
         };
         // One that is gone need not be told.

@@ -3,9 +3,10 @@
 //! Where standard output is no terminal a line has 80 columns, or as many as `COLUMNS` says: what people read in a pipe or
 //! a log is as narrow, and programs have `--json`.
 
+use crate::messages::is_terminal;
 use rustix::termios::tcgetwinsize;
 use std::borrow::Cow;
-use std::io::{IsTerminal, stderr, stdout};
+use std::io::stdout;
 
 /// Columns where nobody says how many there are.
 const USUAL_WIDTH: usize = 80;
@@ -27,7 +28,7 @@ pub fn width() -> usize {
 /// Whether colours may be written to standard error.
 pub fn has_colours() -> bool {
     let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|text| !text.is_empty());
-    stderr().is_terminal() && !is_unwanted
+    is_terminal() && !is_unwanted
 }
 
 /// A paragraph in lines of at most `width` columns, if its words let it.
@@ -37,7 +38,7 @@ pub fn wrapped(text: &str, width: usize) -> String {
 
 /// What is said on standard error: its long lines are folded where that is a terminal, which would break them within words.
 pub fn said(text: &str) -> Cow<'_, str> {
-    if !stderr().is_terminal() {
+    if !is_terminal() {
         return text.into();
     }
     let width = width();
@@ -83,8 +84,15 @@ fn end_of(text: &str, width: usize) -> Cow<'_, str> {
     }
 }
 
+/// Columns that a text takes. Escape codes for colours, `ESC [ … m`, take none.
 fn columns(text: &str) -> usize {
-    text.chars().count()
+    let mut parts = text.split("\x1b[");
+    let first = parts.next().map_or(0, |part| part.chars().count());
+    let shown = |part: &str| {
+        part.split_once('m')
+            .map_or(0, |(_, rest)| rest.chars().count())
+    };
+    first + parts.map(shown).sum::<usize>()
 }
 
 /// A column of a table.

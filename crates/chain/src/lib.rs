@@ -11,18 +11,17 @@
 //! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
 //! | [`output`], [`run_files`] | files written whole or not at all |
 //! | [`inputs`], [`picture`] | the pictures that a user named |
+//! | [`load`] | how busy the machine is |
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
-//! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
+//! | [`layout`], [`messages`], [`doubts`], [`exit`] | what is said on a terminal, by which process, and the exit code |
 
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 #[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => {{
-        let text = format!($($text)*);
-        let line = format_args!("{}\n", $crate::layout::said(&text));
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), line);
+        $crate::messages::say(&format!($($text)*));
     }};
 }
 
@@ -43,7 +42,9 @@ pub mod exit;
 pub mod inputs;
 pub mod launcher;
 pub mod layout;
+pub mod load;
 pub mod measured_plane;
+pub mod messages;
 pub mod notify;
 pub mod output;
 pub mod picture;

@@ -35,7 +35,7 @@ pub use extract::Extract;
 pub use flags::Flags;
 pub use keep::with_changes;
 pub use keys::template;
-pub use meaning::{image_size, mask_text, nearest, number_text};
+pub use meaning::{image_positions, image_size, mask_text, nearest, number_text};
 pub use problem::Problems;
 pub use recording::{COMPRESSIONS, IMAGES, Recording};
 pub use resolve::Resolved;
@@ -78,6 +78,8 @@ pub struct Settings {
     pub file: Option<PathBuf>,
     /// 0 for those that a chain begins with, one more for each change since.
     pub version: u32,
+    /// Set while the curve is the default of the drawn rope and not the user's choice.
+    pub has_curve_of_source: bool,
 }
 
 /// `[sink]`: what is shown.
@@ -101,6 +103,15 @@ impl Settings {
     /// All that is wrong with the file and the flags, a sentence each.
     pub fn resolve(flags: &Flags) -> Result<Self> {
         Ok(Resolved::new(flags)?.settings)
+    }
+
+    /// Resolves the settings of a whole chain: as [`resolve`](Self::resolve), except that the drawn rope gets a curve of a fixed
+    /// size unless the user chooses one.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of_chain(flags: &Flags) -> Result<Self> {
+        Ok(Resolved::of_chain(flags)?.settings)
     }
 
     /// The source that frames come from.
@@ -179,7 +190,9 @@ impl Settings {
                 Self::of_text(&text)
             }
             // The chain has seen to it that there is a fitter.
-            Err(_) if std::env::var_os(CHAIN_PID).is_some() => Ok(Resolved::read(flags)?.settings),
+            Err(_) if std::env::var_os(CHAIN_PID).is_some() => {
+                Ok(Resolved::read(flags)?.with_curve_of_source().settings)
+            }
             Err(_) => Self::resolve(flags),
         }
     }

@@ -1,15 +1,20 @@
+#![allow(unsafe_code)] // A handler of signals is registered.
 //! SIGINT, SIGTERM and SIGHUP as a flag to look at and a descriptor to be woken by.
 
 use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use anyhow::Context;
 use lariat_wire::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+
+/// A signal this soon after the first is the same wish: `timeout -s INT` signals the process and then its group, and a
+/// terminal's Ctrl-C may arrive along with a parent's SIGINT. Nobody presses Ctrl-C twice within a tenth of a second.
+const SAME_NS: u64 = 100_000_000;
 
 /// The wish of a signal that this process come to its end; or of a [`Stopper`] that a thread of it does.
 pub struct Stop {
@@ -20,19 +25,24 @@ pub struct Stop {
 
 impl Stop {
     /// From now on the signals are a wish: Ctrl-C, SIGTERM, and a closed terminal's SIGHUP, unless that was ignored, as `nohup`
-    /// does. Ctrl-C a second time ends the process at once.
+    /// does. Ctrl-C a second time, 0.1 s after the first signal or later, ends the process at once.
     pub fn on_signals() -> anyhow::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
+        let first_ns = Arc::new(AtomicU64::new(0));
         let (pipe, write) = UnixStream::pair().context("no pipe for signals could be made")?;
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let hang_up = (!is_ignored(SIGHUP, &status)).then_some(SIGHUP);
         for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
             let register = || -> std::io::Result<()> {
-                if signal == SIGINT {
-                    // Before the flag is registered, so that the first signal finds it unset.
-                    signal_hook::flag::register_conditional_shutdown(signal, 130, asked.clone())?;
-                }
-                signal_hook::flag::register(signal, asked.clone())?;
+                let (asked, first_ns) = (asked.clone(), first_ns.clone());
+                let handle = move || {
+                    asked.store(true, Ordering::Relaxed);
+                    if is_another(&first_ns, now_ns()) && signal == SIGINT {
+                        signal_hook::low_level::exit(130);
+                    }
+                };
+                // SAFETY: stores to atomics, `clock_gettime` and `_exit`, all of which a handler may do (signal-safety(7)).
+                unsafe { signal_hook::low_level::register(signal, handle)? };
                 signal_hook::low_level::pipe::register(signal, write.try_clone()?)?;
                 Ok(())
             };
@@ -103,6 +113,12 @@ impl AsFd for Stop {
     }
 }
 
+/// Returns true for a signal that comes long enough after the first one, and notes the moment of the first.
+fn is_another(first_ns: &AtomicU64, now_ns: u64) -> bool {
+    let noted = first_ns.compare_exchange(0, now_ns, Ordering::Relaxed, Ordering::Relaxed);
+    noted.is_err_and(|first_ns| now_ns.saturating_sub(first_ns) >= SAME_NS)
+}
+
 /// Whether a process ignores a signal, as the kernel says in its `status`.
 fn is_ignored(signal: i32, status: &str) -> bool {
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -113,6 +129,14 @@ fn is_ignored(signal: i32, status: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_second_signal_at_once_is_the_same_and_a_later_one_is_another() {
+        let first_ns = AtomicU64::new(0);
+        let times = [5, 5, SAME_NS, 4 + SAME_NS, 5 + SAME_NS, 6 + SAME_NS];
+        let are_others = times.map(|now_ns| is_another(&first_ns, now_ns));
+        assert_eq!(are_others, [false, false, false, false, true, true]);
+    }
 
     #[test]
     fn a_signal_that_is_ignored_is_told_from_the_others() {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::watch::Watch;
 use super::{Chain, Part};
 use crate::control::{Asked, Control};
+use crate::exit::wrong_use;
 use crate::pipeline::{CurveFitter, FrameExtractor};
 use crate::settings::{FILE_NAME, Flags, Settings};
 
@@ -63,7 +64,7 @@ impl Chain {
         if !self.file.as_mut().is_some_and(Watch::has_changed) {
             return;
         }
-        match Settings::resolve(&self.flags).and_then(|settings| self.change(settings, false)) {
+        match Settings::of_chain(&self.flags).and_then(|settings| self.change(settings, false)) {
             Ok(answer) => eprintln!("lariat: {}", answer.trim_end()),
             Err(cause) => tracing::warn!("the settings stay as they are: {cause:#}"),
         }
@@ -144,6 +145,11 @@ impl Chain {
     pub(super) fn renew_by_name(&mut self, name: &str) -> anyhow::Result<String> {
         let part = Part::ALL.into_iter().find(|part| part.name() == name);
         let Some(part) = part.filter(|part| self.child(*part).is_some()) else {
+            if Part::ALL.iter().all(|part| part.name() != name) {
+                wrong_use!(
+                    "no part of a chain is called {name}: name capture, extract, fit or sink"
+                );
+            }
             anyhow::bail!("this chain has no {name}: name capture, extract, fit or sink");
         };
         if self.settings.run.fuse && part.fused().is_some() {

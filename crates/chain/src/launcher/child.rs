@@ -19,6 +19,7 @@ use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::Part;
+use crate::messages::Intake;
 use crate::settings::{SETTINGS_FD, Settings};
 use crate::stages::Supervision;
 use crate::stages::arrangement::Lacks;
@@ -67,7 +68,11 @@ pub(super) type Run = fn(&Settings, Supervision) -> anyhow::Result<()>;
 
 /// What a stage runs in.
 enum Host {
-    Process(std::process::Child),
+    Process {
+        process: std::process::Child,
+        /// `None` once all that it said was taken in.
+        messages: Option<Intake>,
+    },
     /// A thread of this process. Its outcome is `None` once it was asked for.
     Thread {
         outcome: Option<JoinHandle<anyhow::Result<()>>>,
@@ -142,7 +147,7 @@ impl Child {
             fcntl_setfd(fd, FdFlags::empty()).with_context(starting)?;
             command.env(name, fd.as_raw_fd().to_string());
         }
-        let process = command
+        let process = Intake::prepare(&mut command)
             .env(CHAIN_PID, std::process::id().to_string())
             .stdin(match part.is_told_the_last_word() {
                 true => Stdio::piped(),
@@ -154,7 +159,10 @@ impl Child {
         for (_, fd) in inherited() {
             fcntl_setfd(fd, FdFlags::CLOEXEC).with_context(starting)?;
         }
-        let host = Host::Process(process.with_context(starting)?);
+        let mut process = process.with_context(starting)?;
+        let messages = process.stderr.take().map(Intake::of);
+        let messages = messages.transpose().with_context(starting)?;
+        let host = Host::Process { process, messages };
         Ok(Self::new(part, host, line, orders))
     }
 
@@ -221,7 +229,7 @@ impl Child {
     /// The id of its process.
     pub(super) fn id(&self) -> u32 {
         match &self.host {
-            Host::Process(process) => process.id(),
+            Host::Process { process, .. } => process.id(),
             Host::Thread { .. } => std::process::id(),
         }
     }
@@ -313,7 +321,14 @@ impl Child {
         self.take_note();
         self.line = None;
         self.ending = Some(match &mut self.host {
-            Host::Process(process) => process.wait().map_or(Ending::Failed(-1), ending),
+            Host::Process { process, messages } => {
+                let ended = process.wait().map_or(Ending::Failed(-1), ending);
+                // Its own messages come before the message about its end.
+                if let Some(messages) = messages.take() {
+                    messages.finish();
+                }
+                ended
+            }
             Host::Thread { outcome, .. } => outcome.take().map_or(Ending::Well, ending_of_thread),
         });
     }
@@ -346,7 +361,7 @@ impl Child {
 
     /// How much of a core's time its process has used, in the kernel's ticks; `None` of a thread, and if the kernel does not say.
     pub(super) fn ticks(&self) -> Option<u64> {
-        let Host::Process(process) = &self.host else {
+        let Host::Process { process, .. } = &self.host else {
             return None;
         };
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id())).ok()?;
@@ -359,7 +374,7 @@ impl Child {
 
     /// Writes to its standard input and closes it.
     pub(super) fn tell(&mut self, word: &str) {
-        let Host::Process(process) = &mut self.host else {
+        let Host::Process { process, .. } = &mut self.host else {
             return;
         };
         if let Some(mut stdin) = process.stdin.take() {
@@ -372,7 +387,7 @@ impl Child {
     pub(super) fn tell_to_stop(&mut self) {
         self.told_to_stop |= self.ending.is_none();
         match &mut self.host {
-            Host::Process(_) => self.signal(Signal::TERM),
+            Host::Process { .. } => self.signal(Signal::TERM),
             Host::Thread { stopper, .. } => stopper.stop(),
         }
     }
@@ -386,13 +401,13 @@ impl Child {
     pub(super) fn kill(&mut self) {
         self.given_up = true;
         match &self.host {
-            Host::Process(_) => self.signal(Signal::KILL),
+            Host::Process { .. } => self.signal(Signal::KILL),
             Host::Thread { .. } => self.ending = Some(Ending::Killed(9)),
         }
     }
 
     fn signal(&self, signal: Signal) {
-        let Host::Process(process) = &self.host else {
+        let Host::Process { process, .. } = &self.host else {
             return;
         };
         // Not waited for yet, so the number is still this process's.

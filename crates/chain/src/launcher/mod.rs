@@ -21,12 +21,13 @@
 //! words to find again; started whole, by systemd or a shell's loop, it is there in a quarter of a second.
 //!
 //! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
-//! already), so that `kill -9` of the chain takes them along. A second Ctrl-C ends at once.
+//! already), so that `kill -9` of the chain takes them along. A second Ctrl-C, 0.1 s later or more, ends at once.
 
 mod changes;
 mod child;
 mod hanging;
 mod herald;
+mod occupied;
 mod part;
 mod restarts;
 mod stopping;
@@ -39,9 +40,11 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use anyhow::Context;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::control::Control;
+use crate::messages::Relay;
 use crate::run_files::RunFiles;
 use crate::settings::{Flags, Settings};
 use crate::stages::arrangement::{self, Lacks};
@@ -66,15 +69,27 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// `flags` are those of `lariat run`, which with `words` go to every stage, which takes what concerns it; `settings` are theirs.
 ///
 /// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
-pub fn run(flags: &Flags, words: &[OsString], settings: Settings) -> anyhow::Result<ExitCode> {
+///
+/// `stop` listens to signals since the process began, so that one that comes before the chain is up ends it in order, too.
+pub fn run(
+    flags: &Flags,
+    words: &[OsString],
+    settings: Settings,
+    stop: &Stop,
+) -> anyhow::Result<ExitCode> {
     arrangement::check(&settings.run.arrangement)?;
+    let _relay = Relay::start().context("the messages of the stages cannot be relayed")?;
+    occupied::check(&settings, parts(&settings))?;
     // Before anything is started: what cannot be written at the end is said now.
     let _files = RunFiles::open_all(&settings)?;
-    let stop = Stop::on_signals()?;
     let mut chain = Chain::new(flags, words, settings)?;
-    for part in chain.parts() {
+    for part in parts(&chain.settings) {
+        if stop.asked() {
+            chain.stop_in_order(true);
+            return Ok(chain.verdict());
+        }
         chain.start(part)?;
-        if !chain.wait_until_ready(part, &stop)? {
+        if !chain.wait_until_ready(part, stop)? {
             chain.stop_in_order(true);
             return Ok(chain.verdict());
         }
@@ -90,9 +105,23 @@ pub fn run(flags: &Flags, words: &[OsString], settings: Settings) -> anyhow::Res
         eprintln!("{}", chain.introduce());
     }
     chain.begin();
-    chain.watch(&stop)?;
+    chain.watch(stop)?;
     chain.stop_in_order(false);
     Ok(chain.verdict())
+}
+
+/// The parts that a chain starts, in this order.
+fn parts(settings: &Settings) -> impl Iterator<Item = Part> + use<> {
+    let has_recorder = settings.run.record.is_some();
+    let is_external = settings.capture.is_external();
+    Part::START_ORDER
+        .into_iter()
+        .filter(move |part| match part {
+            Part::Recorder => has_recorder,
+            // Frames are written by a process of the user's.
+            Part::Capture => !is_external,
+            Part::Extract | Part::Fit | Part::Sink => true,
+        })
 }
 
 struct Chain {
@@ -148,20 +177,6 @@ impl Chain {
             is_stopping: false,
             recording_lost: false,
         })
-    }
-
-    /// What is started, in this order.
-    fn parts(&self) -> impl Iterator<Item = Part> + use<> {
-        let has_recorder = self.settings.run.record.is_some();
-        let is_external = self.settings.capture.is_external();
-        Part::START_ORDER
-            .into_iter()
-            .filter(move |part| match part {
-                Part::Recorder => has_recorder,
-                // Frames are written by a process of the user's.
-                Part::Capture => !is_external,
-                Part::Extract | Part::Fit | Part::Sink => true,
-            })
     }
 
     /// Starts a part, for the first time or anew.
@@ -334,6 +349,8 @@ impl Chain {
         let (ending, is_done) = (child.ending(), child.is_done());
         let is_wished = match ending {
             Some(Ending::Well) => is_done || child.was_told_to_stop(),
+            // The signal reached it before its handler was registered.
+            Some(Ending::Killed(15)) => child.was_told_to_stop() && !child.is_ready(),
             Some(_) => false,
             None => !child.was_told_by_another(),
         };

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use lariat_sink::FinalCounts;
 use lariat_wire::Domain;
+use rustix::param::clock_ticks_per_second;
 
 use super::child::{Child, Ending};
 use super::{Chain, Part, START_TIMEOUT};
@@ -14,8 +15,10 @@ use crate::stages::status::{LastWord, Sent};
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
 /// A lossless one waits so long itself for a reader that stands still.
 const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
-/// How long it may take in all.
+/// Core time that a stage may use to end.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
+/// Factor by which a stage that shares its core may take longer by the clock.
+const STARVED: u32 = 10;
 /// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
@@ -91,10 +94,11 @@ impl Chain {
         }
     }
 
-    /// Whether a part ends, or is not there, within `most`, and without doing nothing for so long as `patience`.
+    /// Returns true once a part has ended or is missing; false after `most` of a core's time, or after `patience` without work.
     pub(super) fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
         let begin = Instant::now();
         let (mut ticks, mut busy) = (None, begin);
+        let ticks_before = self.child(part).and_then(Child::ticks);
         loop {
             let Some(child) = self.child(part).filter(|child| child.ending().is_none()) else {
                 return true;
@@ -104,7 +108,15 @@ impl Chain {
             if used != ticks {
                 (ticks, busy) = (used, now);
             }
-            let end = (begin + most).min(busy + patience);
+            let has_had = used.zip(ticks_before).map(|(used, before)| {
+                Duration::from_secs(used.saturating_sub(before)) / clock_ticks_per_second() as u32
+            });
+            // The core time of a thread is unknown: the clock counts.
+            let by_clock = match has_had {
+                Some(has_had) if has_had < most => most * STARVED,
+                _ => most,
+            };
+            let end = (begin + by_clock).min(busy + patience);
             if now >= end {
                 return false;
             }
@@ -140,11 +152,16 @@ impl Chain {
 
     /// How it went. Sweeps up after a stage that was killed.
     pub(super) fn verdict(&self) -> ExitCode {
-        if self.fallen.is_none() && !self.recording_lost {
+        let is_good = self.fallen.is_none() && !self.recording_lost;
+        let is_killed = |child: &Child| matches!(child.ending(), Some(Ending::Killed(_)));
+        if is_good && !self.stages().any(is_killed) {
             return ExitCode::SUCCESS;
         }
         if let Ok(domain) = Domain::open() {
             domain.sweep();
+        }
+        if is_good {
+            return ExitCode::SUCCESS;
         }
         let fallen = self.fallen.and_then(|part| self.child(part));
         if let Some(fallen) = fallen

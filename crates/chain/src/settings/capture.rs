@@ -166,6 +166,11 @@ impl Capture {
         self.source[..] == [PathBuf::from("simulated")]
     }
 
+    /// Returns true if the source is the rope that lariat draws.
+    pub fn is_rendered(&self) -> bool {
+        self.source[..] == [PathBuf::from("rendered")]
+    }
+
     /// Whether the source is standard input.
     pub fn is_piped(&self) -> bool {
         self.source[..] == [PathBuf::from("-")]
@@ -178,7 +183,7 @@ impl Capture {
 
     /// Whether frames are pictures in files.
     pub fn is_of_pictures(&self) -> bool {
-        let is_drawn = self.is_simulated() || self.source[..] == [PathBuf::from("rendered")];
+        let is_drawn = self.is_simulated() || self.is_rendered();
         let is_video = |path: &PathBuf| {
             let ending = path.extension();
             ending.is_some_and(|ending| ending.eq_ignore_ascii_case("y4m"))

@@ -1,10 +1,11 @@
 //! Settings that change while a chain runs: how a change is written, which stages it concerns, and how they come to know of it.
 
+use crate::exit::{WrongUse, wrong_use};
 use crate::settings::file;
 use crate::settings::keys::{self, KEYS};
 use crate::settings::kind::Takes;
 use crate::settings::meaning;
-use crate::settings::{FILE_NAME, Flags, Problems, Resolved, Settings, Stage};
+use crate::settings::{FILE_NAME, Family, Flags, Problems, Resolved, Settings, Stage};
 use anyhow::{Result, bail};
 use lariat_capture::Source;
 use lariat_extract::Mask;
@@ -131,10 +132,22 @@ impl Settings {
     /// # Errors
     /// What makes no sense in them, or of all settings together.
     pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
+        let mut before = self.clone();
+        // A basis or an order from the user replaces the whole default of the drawn rope.
+        let has_curve_of_source = self.has_curve_of_source
+            && !["basis", "order"]
+                .iter()
+                .any(|name| changes.set("fit", name));
+        if self.has_curve_of_source && !has_curve_of_source {
+            (before.fit.basis, before.fit.order) = (Family::Auto, None);
+        }
         let mut problems = Problems::default();
-        let entries = file::entries(Path::new(FILE_NAME), &self.text(), &mut problems);
+        let entries = file::entries(Path::new(FILE_NAME), &before.text(), &mut problems);
         let resolved = Resolved::of(entries, self.file.clone(), changes, problems)?;
-        Ok(resolved.with_a_fitter()?.settings)
+        Ok(Self {
+            has_curve_of_source,
+            ..resolved.with_a_fitter()?.settings
+        })
     }
 
     /// The settings of a [`text`](Self::text): whether there is a fitter for them was seen by who wrote it.
@@ -180,7 +193,7 @@ pub fn version_of(text: &str) -> u32 {
 /// A sentence on what is wrong with it.
 pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
     let Some((name, typed)) = text.split_once('=') else {
-        bail!("{text}: write SECTION.SETTING=VALUE, such as fit.order=6");
+        wrong_use!("{text}: write SECTION.SETTING=VALUE, such as fit.order=6");
     };
     let (name, typed) = (name.trim(), typed.trim());
     let known = name.split_once('.');
@@ -189,26 +202,29 @@ pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
             .iter()
             .map(|key| format!("{}.{}", key.section, key.name))
             .collect();
-        let like = meaning::nearest(name, names.iter().map(String::as_str));
+        let same = KEYS.iter().position(|key| key.name == name);
+        let like = same
+            .map(|key| &names[key][..])
+            .or_else(|| meaning::nearest(name, names.iter().map(String::as_str)));
         let guess = like.map_or_else(
             || "`lariat config show` lists them".to_owned(),
             |like| format!("did you mean {like}?"),
         );
-        bail!("there is no setting {name}: {guess}");
+        wrong_use!("there is no setting {name}: {guess}");
     };
     let takes = (KEYS[key].takes)();
     let is_toml = typed.starts_with(['[', '{', '"']) || matches!(takes, Takes::Nothing);
     let takes = if is_toml { Takes::Toml } else { takes };
     let value = takes
         .value(typed)
-        .map_err(|why| anyhow::anyhow!("{name}={typed}: {why}"))?;
+        .map_err(|why| WrongUse(format!("{name}={typed}: {why}")))?;
     Ok((key, value))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Restart;
+    use crate::settings::{Order, Restart};
 
     fn changed(changes: &[&str]) -> Settings {
         let flags = changes
@@ -290,6 +306,53 @@ mod tests {
         assert_eq!(
             refuse("fit.order"),
             "fit.order: write SECTION.SETTING=VALUE, such as fit.order=6"
+        );
+    }
+
+    #[test]
+    fn an_order_alone_replaces_the_curve_that_the_drawn_rope_has_by_itself() {
+        let own = Resolved::of_chain(&Flags::default()).unwrap().settings;
+        let curve = |settings: &Settings| (settings.fit.basis, settings.fit.order);
+        let named = |basis, order| (Family::Named(basis), Some(Order::Named(order)));
+        assert_eq!(curve(&own), named(lariat_wire::Basis::BSpline, 19));
+        let change = |settings: &Settings, text| {
+            let flags = Flags::default().with_change(text).unwrap();
+            settings.changed_by(&flags).unwrap()
+        };
+        let filtered = change(&own, "fit.filter=true");
+        assert_eq!(curve(&filtered), curve(&own));
+        for settings in [&own, &filtered] {
+            let changed = change(settings, "fit.order=6");
+            assert_eq!(curve(&changed), named(lariat_wire::Basis::Bezier, 6));
+            let changed = change(settings, "fit.basis=auto");
+            assert_eq!(curve(&changed), (Family::Auto, None));
+        }
+    }
+
+    #[test]
+    fn a_drawn_rope_has_a_curve_of_its_own_only_if_no_other_is_asked_for() {
+        let curve = |changes: &[&str]| {
+            let mut flags = Flags::default();
+            for change in changes {
+                flags = flags.with_change(change).unwrap();
+            }
+            let fit = Resolved::of_chain(&flags).unwrap().settings.fit;
+            (fit.basis, fit.order)
+        };
+        for changes in [
+            &["fit.basis=auto"][..],
+            &["extract.points=20"],
+            &["capture.source=simulated"],
+        ] {
+            assert_eq!(curve(changes), (Family::Auto, None), "{changes:?}");
+        }
+        let asked = curve(&["fit.basis=points", "fit.order=4"]);
+        assert_eq!(
+            asked,
+            (
+                Family::Named(lariat_wire::Basis::FeaturePoints),
+                Some(Order::Named(4))
+            )
         );
     }
 

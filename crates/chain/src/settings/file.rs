@@ -1,5 +1,6 @@
 //! Reading `lariat.toml`: which settings it has, on which lines, and what in it is no setting.
 
+use crate::exit::WrongUse;
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::{Origin, Problems};
 use crate::settings::{FILE_NAME, meaning};
@@ -29,10 +30,10 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
 /// The file cannot be read.
 pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
     let text = crate::bounded::read_text(path).with_context(|| {
-        format!(
+        WrongUse(format!(
             "cannot read the settings file {}: `lariat config init` writes one",
             path.display()
-        )
+        ))
     })?;
     Ok(entries(path, &text, problems))
 }

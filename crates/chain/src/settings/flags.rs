@@ -119,6 +119,12 @@ impl Flags {
         Ok(flags)
     }
 
+    /// Returns true if they set this.
+    pub(super) fn set(&self, section: &str, name: &str) -> bool {
+        let key = keys::position(section, name);
+        self.given.iter().any(|given| Some(given.key) == key)
+    }
+
     /// Whether they set anything of a section.
     pub fn set_any_of(&self, section: &str) -> bool {
         self.given
@@ -175,6 +181,13 @@ impl Flags {
                     all.map(|Typed(text, value)| (text, value)).unzip();
                 if !paths.is_empty() {
                     give(typed, Value::Array(paths));
+                }
+            }
+            Takes::Positions => {
+                let typed: Vec<_> = of(id).map(|Typed(text, _)| text).collect();
+                if !typed.is_empty() {
+                    let text = typed.join(",");
+                    give(vec![text.clone()], Value::String(text));
                 }
             }
             _ => of(id).for_each(|Typed(text, value)| give(vec![text], value)),
@@ -271,11 +284,11 @@ impl Flag {
         };
         let arg = arg.value_name(value_name).allow_hyphen_values(matches!(
             takes,
-            Takes::Whole | Takes::Number | Takes::Numbers
+            Takes::Whole | Takes::Number | Takes::Numbers | Takes::Positions
         ));
         let arg = match takes {
             Takes::Paths => arg.num_args(1..).action(ArgAction::Append),
-            Takes::Control => arg.action(ArgAction::Append),
+            Takes::Control | Takes::Positions => arg.action(ArgAction::Append),
             _ => arg.action(ArgAction::Set),
         };
         arg.value_parser(move |text: &str| typed(&takes, text))

@@ -277,6 +277,8 @@ pub(super) enum Takes {
     Number,
     /// Several numbers, with commas between them.
     Numbers,
+    /// Positions `X,Y`, with commas between them or a flag for each.
+    Positions,
     /// A time, for a setting in this unit, of which so many make a second.
     Time(f64),
     /// Bytes, for a setting in MB.
@@ -293,7 +295,12 @@ impl Takes {
     pub(super) fn value(&self, text: &str) -> Result<Value, String> {
         let word = || Value::String(text.to_owned());
         Ok(match self {
-            Self::Nothing | Self::Text | Self::Name(_) | Self::Numbers | Self::Paths => word(),
+            Self::Nothing
+            | Self::Text
+            | Self::Name(_)
+            | Self::Numbers
+            | Self::Positions
+            | Self::Paths => word(),
             Self::Whole => text.parse().map_or_else(|_| word(), Value::Integer),
             Self::Number => text.parse().map_or_else(|_| word(), Value::Float),
             Self::Time(per_s) => Value::Float(per_s * duration::parse(text)?.as_secs_f64()),

@@ -239,6 +239,11 @@ pub(super) fn positions(value: &Value) -> Result<Vec<[f32; 2]>, String> {
     })
 }
 
+/// Positions in an image, as a flag has them: `X,Y`, or several with commas between them.
+pub fn image_positions(text: &str) -> Result<Vec<[f32; 2]>, String> {
+    positions(&Value::String(text.to_owned()))
+}
+
 pub(super) fn positions_value(positions: &[[f32; 2]]) -> Value {
     Value::Array(positions.iter().map(position_value).collect())
 }

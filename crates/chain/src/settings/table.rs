@@ -262,7 +262,7 @@ pub(super) const KEYS: &[Key] = keys! {
         "A rope's first point in the first frame is the end nearest to this position [x, y], in pixels; if not\n\
          set, the end nearest to the top left.",
         "--start X,Y", SEEN, "Rope", "A rope's first end is the one nearest to this";
-    extract.at: By(meaning::positions, |at| meaning::positions_value(at), Takes::Numbers),
+    extract.at: By(meaning::positions, |at| meaning::positions_value(at), Takes::Positions),
         "The ropes that are meant, each by a position [x, y] on it in the first frame in which it is found; others are not\n\
          reported. [] means all.",
         "--at X,Y,…", SEEN, "Rope", "Only the ropes that lie here";

@@ -1,10 +1,11 @@
 //! `[camera]`: where what a camera sees lies; and which part of its images is looked at.
 
 use crate::calibrated::Calibrated;
+use crate::exit::wrong_use;
 use crate::inputs;
 use crate::picture::Picture;
 use crate::settings::Settings;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use lariat_extract::Region;
 use lariat_wire::Unit as Sent;
 use std::fmt;
@@ -101,7 +102,7 @@ impl Settings {
             return Ok(());
         }
         if self.camera.is_simulated() && !self.capture.is_simulated() {
-            bail!(
+            wrong_use!(
                 "depth = \"simulated\" is the simulated rope, lifted: take that source (--source simulated), or name a file of this name by \
                  its folder, too (./simulated)"
             );
@@ -115,7 +116,7 @@ impl Settings {
         if let Some(Region { x, y, .. }) = self.extract.roi
             && (x >= size[0] as usize || y >= size[1] as usize)
         {
-            bail!(
+            wrong_use!(
                 "the region begins at {x}, {y} and the image has {}×{} pixels: nothing of it is left",
                 size[0],
                 size[1]

@@ -19,6 +19,7 @@ use super::heirloom::Heirloom;
 use super::status::{LastWord, Sent, Word};
 use super::{Station, Supervision};
 use crate::layout;
+use crate::messages;
 use crate::run_files::RunFiles;
 use crate::settings::{Settings, Stage};
 use heirloom::Left;
@@ -272,10 +273,13 @@ struct LiveLine {
 impl LiveLine {
     fn new(wanted: bool, on_stderr: bool) -> Self {
         let in_place = if on_stderr {
-            io::stderr().is_terminal()
+            messages::is_terminal()
         } else {
             io::stdout().is_terminal()
         };
+        if wanted && in_place {
+            messages::expect_live_line();
+        }
         Self {
             wanted,
             in_place,
@@ -326,13 +330,14 @@ impl LiveLine {
     }
 
     fn say(&mut self, text: fmt::Arguments) {
+        // In one piece, so that no message of another process comes between.
+        let text = text.to_string();
         if self.on_stderr {
-            // There is nowhere to say that it cannot be said.
-            let _ = io::stderr().write_fmt(text);
+            messages::show(&text);
             return;
         }
         let mut out = io::stdout().lock();
-        match out.write_fmt(text).and_then(|()| out.flush()) {
+        match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Ok(()) => {}
             Err(cause) => {
                 self.unread |= cause.kind() == ErrorKind::BrokenPipe;
