@@ -33,7 +33,7 @@ pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
     let error = Command::new(&program).args(&args.words).exec();
     if error.kind() == ErrorKind::NotFound {
         bail!(
-            "{file_name} is neither beside this program nor on the path: `cargo install --path crates/{name}` builds it"
+            "{file_name} is neither beside this program nor on the path: `cargo install --locked --path crates/{name}` builds it"
         );
     }
     Err(error).with_context(|| format!("{} could not be started", program.display()))

@@ -39,7 +39,7 @@ fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_
         };
         let refused = run().code(1).get_output().stderr.clone();
         let said = String::from_utf8(refused).expect("text");
-        let how = format!("cargo install --path crates/{command}");
+        let how = format!("cargo install --locked --path crates/{command}");
         assert!(said.contains(&how), "{said}");
 
         for (folder, name) in [(&path, "path"), (&home, "beside")] {
