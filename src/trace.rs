@@ -15,6 +15,7 @@ use anyhow::Result;
 use clap::Args;
 use lariat_chain::exit::wrong_use;
 use lariat_chain::inputs;
+use lariat_chain::layout;
 use lariat_chain::output::Existing;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_wire::Unit;
@@ -183,7 +184,7 @@ impl Printer {
         let names: Vec<PathBuf> = names.collect();
         Self {
             json,
-            table: Table::new(&names, unit.name()),
+            table: Table::new(&names, unit.name(), layout::has_colours(&io::stdout())),
             output: io::BufWriter::new(io::stdout().lock()),
         }
     }

@@ -14,7 +14,7 @@
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
-//! | [`layout`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
+//! | [`layout`], [`confidence`], [`doubts`], [`exit`] | what is said on a terminal, and the exit code |
 
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 #[macro_export]
@@ -37,6 +37,7 @@ macro_rules! eprint {
 pub mod bounded;
 pub mod calibrated;
 pub mod canvas;
+pub mod confidence;
 pub mod control;
 pub mod doubts;
 pub mod exit;
