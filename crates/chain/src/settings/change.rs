@@ -4,7 +4,7 @@ use crate::settings::file;
 use crate::settings::keys::{self, KEYS};
 use crate::settings::kind::Takes;
 use crate::settings::meaning;
-use crate::settings::{FILE_NAME, Flags, Problems, Resolved, Settings, Stage};
+use crate::settings::{FILE_NAME, Flags, Problems, Resolved, Settings, Stage, renamed};
 use anyhow::{Result, bail};
 use lariat_capture::Source;
 use lariat_extract::Mask;
@@ -180,7 +180,7 @@ pub fn version_of(text: &str) -> u32 {
 /// A sentence on what is wrong with it.
 pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
     let Some((name, typed)) = text.split_once('=') else {
-        bail!("{text}: write SECTION.SETTING=VALUE, such as fit.order=6");
+        bail!("{text}: write SECTION.SETTING=VALUE, such as fit.control_points=7");
     };
     let (name, typed) = (name.trim(), typed.trim());
     let known = name.split_once('.');
@@ -194,6 +194,15 @@ pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
             || "`lariat config show` lists them".to_owned(),
             |like| format!("did you mean {like}?"),
         );
+        if let Some((section, name)) = known
+            && let Some(value) = Takes::Whole.value(typed).ok()
+            && let Some(instead) = renamed::instead(section, name, &value)
+        {
+            bail!(
+                "there is no setting {section}.{name} any more: write {section}.{}",
+                instead.replace(" = ", "=")
+            );
+        }
         bail!("there is no setting {name}: {guess}");
     };
     let takes = (KEYS[key].takes)();
@@ -238,7 +247,7 @@ mod tests {
             anew: of(stages),
             ..Concerned::default()
         };
-        let here = concerned(&["fit.order=6", "extract.min_confidence=0.25"]).unwrap();
+        let here = concerned(&["fit.control_points=7", "extract.min_confidence=0.25"]).unwrap();
         assert_eq!(here, live(&[Stage::Extract, Stage::Fit]));
         assert_eq!(concerned(&[]).unwrap(), Concerned::default());
         assert_eq!(
@@ -285,21 +294,25 @@ mod tests {
         let refuse = |text| parse(text).unwrap_err().to_string();
         assert_eq!(
             refuse("fit.odrer=3"),
-            "there is no setting fit.odrer: did you mean fit.order?"
+            "there is no setting fit.degre: did you mean fit.degree?"
         );
         assert_eq!(
-            refuse("fit.order"),
-            "fit.order: write SECTION.SETTING=VALUE, such as fit.order=6"
+            refuse("fit.degree"),
+            "fit.degree: write SECTION.SETTING=VALUE, such as fit.control_points=7"
         );
     }
 
     #[test]
     fn a_versioned_text_gives_the_same_settings() {
-        let mut settings = changed(&["fit.order=6", "run.rig=left", "extract.roi=[1, 2, 30, 40]"]);
+        let mut settings = changed(&[
+            "fit.control_points=7",
+            "run.rig=left",
+            "extract.roi=[1, 2, 30, 40]",
+        ]);
         for version in [0, 7] {
             settings.version = version;
             assert_eq!(Settings::of_text(&settings.text()).unwrap(), settings);
         }
-        assert!(Settings::of_text("[fit]\norder = \"many\"\n").is_err());
+        assert!(Settings::of_text("[fit]\ncontrol_points = \"many\"\n").is_err());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::settings::keys::{self, KEYS, Key};
 use crate::settings::kind::Takes;
-use crate::settings::{STAGES, Settings, change};
+use crate::settings::{STAGES, Settings, change, renamed};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -212,6 +212,12 @@ impl Args for Flags {
             .fold(command, |command, (key, flag)| {
                 command.arg(flag.arg(&KEYS[key]))
             });
+        if command
+            .get_arguments()
+            .any(|arg| arg.get_id() == "control-points")
+        {
+            command = command.arg(renamed_order());
+        }
         if ["run", "show", "capture"].contains(&&name[..]) {
             let bare = Arg::new(BARE_SOURCE)
                 .num_args(1..)
@@ -280,6 +286,15 @@ impl Flag {
         };
         arg.value_parser(move |text: &str| typed(&takes, text))
     }
+}
+
+/// The flag that named a curve by its order: it says what to write now.
+fn renamed_order() -> Arg {
+    Arg::new(renamed::ORDER)
+        .long(renamed::ORDER)
+        .hide(true)
+        .allow_hyphen_values(true)
+        .value_parser(|typed: &str| Err::<String, _>(renamed::refused_flag(typed)))
 }
 
 fn typed(takes: &Takes, text: &str) -> Result<Typed, String> {

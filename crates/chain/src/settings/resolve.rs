@@ -2,7 +2,9 @@
 
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
-use crate::settings::{Family, Flags, Order, Problems, Restart, Settings, curve, file, range};
+use crate::settings::{
+    ControlPoints, Family, Flags, Problems, Restart, Settings, curve, file, range,
+};
 use anyhow::Result;
 use file::Entry;
 use lariat_fit::Fitter;
@@ -95,32 +97,53 @@ impl Resolved {
         }
     }
 
-    /// Which of basis and order holds, where one of them leaves no room for the other: what was said later. A flag is later
+    /// Which of basis and control points holds, where one of them leaves no room for the other: what was said later. A flag is later
     /// than the file.
     fn settle_fit(&mut self, problems: &mut Problems) {
-        let keys = ["basis", "order"].map(|name| keys::position("fit", name));
-        let [Some(basis_key), Some(order_key)] = keys else {
+        let keys = ["basis", "control_points"].map(|name| keys::position("fit", name));
+        let [Some(basis_key), Some(count_key)] = keys else {
             return;
         };
-        let [basis, order] = [basis_key, order_key].map(|key| self.origins[key].clone());
+        let [basis, count] = [basis_key, count_key].map(|key| self.origins[key].clone());
         let rank = |origin: &Origin| match origin {
             Origin::Default => 0,
             Origin::File { .. } => 1,
             Origin::Flag(_) => 2,
         };
         let fit = &mut self.settings.fit;
-        match (fit.basis, fit.order) {
-            (Family::Auto, Some(_)) if rank(&basis) < rank(&order) => {
+        match (fit.basis, fit.control_points) {
+            (Family::Auto, Some(_)) if rank(&basis) < rank(&count) => {
                 fit.basis = Family::Named(lariat_wire::Basis::Bezier);
-                self.origins[basis_key] = order;
+                self.origins[basis_key] = count;
             }
-            (Family::Auto, Some(_)) if rank(&basis) > rank(&order) => fit.order = None,
+            (Family::Auto, Some(_)) if rank(&basis) > rank(&count) => fit.control_points = None,
             (Family::Auto, Some(_)) => problems.add(
-                &order,
-                "the basis \"auto\" chooses the order itself: leave the order out, or name another basis".to_owned(),
+                &count,
+                "the basis \"auto\" chooses the control points itself: leave their number out, or name another basis".to_owned(),
             ),
             (Family::Auto, None) | (_, Some(_)) => {}
-            (_, None) => fit.order = Some(Order::Named(curve::DEFAULT_ORDER)),
+            (_, None) => fit.control_points = Some(ControlPoints::Named(curve::DEFAULT_CONTROL_POINTS)),
+        }
+        self.check_degree(problems);
+    }
+
+    /// Refuses a degree on the command line without a B-spline: the user may mean a Bezier curve's.
+    fn check_degree(&self, problems: &mut Problems) {
+        let Some(key) = keys::position("fit", "degree") else {
+            return;
+        };
+        let origin = &self.origins[key];
+        let is_spline = self.settings.fit.basis == Family::Named(lariat_wire::Basis::BSpline);
+        if !is_spline && matches!(origin, Origin::Flag(_)) {
+            let count = self.settings.fit.degree + 1;
+            problems.add(
+                origin,
+                format!(
+                    "only a B-spline's degree is set: add --basis bspline, or write --control-points {count} for a Bezier \
+                     curve of degree {}",
+                    self.settings.fit.degree
+                ),
+            );
         }
     }
 

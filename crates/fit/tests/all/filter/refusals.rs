@@ -34,7 +34,7 @@ fn spaces_that_are_none_say_why() {
     );
     assert_eq!(
         refusal(&Dense::bezier(31, 32).numbers, 32),
-        "the condition number of B is 2.34e12, and control points can only be trusted up to 4.5e9: choose a lower order"
+        "the condition number of B is 2.34e12, and control points can only be trusted up to 4.5e9: choose fewer control points"
     );
     assert!(CurveSpace::new(&[0.0; 8], 2).is_err());
     assert!(CurveSpace::new(&[0.0; 8], 1).is_err());
@@ -147,7 +147,7 @@ fn a_covariance_that_rounding_has_emptied_is_refused() {
     assert!(
         refusal
             .to_string()
-            .ends_with("give Noise::Even, or choose a lower order")
+            .ends_with("give Noise::Even, or choose fewer control points")
     );
     assert!(filter.update(1, &space, &shape, EVEN).is_ok());
 }
