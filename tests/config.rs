@@ -395,6 +395,27 @@ fn settings_that_do_not_go_together_are_refused() {
 }
 
 #[test]
+fn the_old_names_of_a_curve_s_size_say_what_to_write_now() {
+    for (text, now) in [
+        ("[fit]\norder = 12\n", "write control_points = 13\n"),
+        (
+            "[fit]\norder = \"auto\"\n",
+            "write control_points = \"auto\"\n",
+        ),
+        ("[fit]\nmax_order = 16\n", "write max_control_points = 17\n"),
+    ] {
+        let said = complaint(text);
+        assert!(said.ends_with(now) && said.lines().count() == 1, "{said}");
+    }
+    let folder = TempDir::new().unwrap();
+    for flags in [["--order", "12"], ["--degree", "12"]] {
+        let said = outcome(&folder, &[&["config", "show"][..], &flags].concat()).unwrap_err();
+        assert!(said.contains("write --control-points 13"), "{said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
 fn basis_and_control_points_are_what_was_said_last() {
     let folder = TempDir::new().unwrap();
     let shown = |flags: &[&str]| {

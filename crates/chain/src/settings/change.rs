@@ -293,7 +293,7 @@ mod tests {
         assert_eq!(settings.extract.keep_lost.as_secs(), 2);
         let refuse = |text| parse(text).unwrap_err().to_string();
         assert_eq!(
-            refuse("fit.odrer=3"),
+            refuse("fit.degre=3"),
             "there is no setting fit.degre: did you mean fit.degree?"
         );
         assert_eq!(

@@ -148,7 +148,7 @@ impl Fit {
             None => DEFAULT_CONTROL_POINTS,
         };
         // The degree of a Bezier curve.
-        let order = control_points - 1;
+        let order = control_points.saturating_sub(1);
         let auto = Options::auto(points, closed);
         let family = self.family();
         let basis = match family {

@@ -3,6 +3,7 @@
 use crate::settings::keys::{self, KEYS, Key};
 use crate::settings::kind::Takes;
 use crate::settings::{STAGES, Settings, change, renamed};
+use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -246,6 +247,10 @@ impl FromArgMatches for Flags {
             config: matches.get_one("config").cloned(),
             given: Vec::new(),
         };
+        if let Ok(Some(order)) = matches.try_get_one::<String>(renamed::ORDER) {
+            let why = format!("--order: {order}: {}\n", renamed::refused_flag(order));
+            return Err(clap::Error::raw(ErrorKind::ValueValidation, why));
+        }
         for (key, flag) in self::flags() {
             flags.take(key, flag, matches);
         }
@@ -294,7 +299,7 @@ fn renamed_order() -> Arg {
         .long(renamed::ORDER)
         .hide(true)
         .allow_hyphen_values(true)
-        .value_parser(|typed: &str| Err::<String, _>(renamed::refused_flag(typed)))
+        .value_name("N")
 }
 
 fn typed(takes: &Takes, text: &str) -> Result<Typed, String> {

@@ -117,19 +117,19 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
     };
     for (fit, quality) in [
         (settings::Fit::default(), FitQuality::Good),
-        (named(Family::Named(Basis::Bezier), 4), FitQuality::Coarse),
-        (named(Family::Named(Basis::BSpline), 5), FitQuality::Coarse),
-        (named(Family::Named(Basis::BSpline), 16), FitQuality::Good),
+        (named(Family::Named(Basis::Bezier), 5), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 6), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 17), FitQuality::Good),
         (
-            named(Family::Named(Basis::RationalBezier), 4),
+            named(Family::Named(Basis::RationalBezier), 5),
             FitQuality::Coarse,
         ),
         (
-            named(Family::Named(Basis::FeaturePoints), 31),
+            named(Family::Named(Basis::FeaturePoints), 32),
             FitQuality::Good,
         ),
         (
-            named(Family::Named(Basis::CenterOfMass), 1),
+            named(Family::Named(Basis::CenterOfMass), 2),
             FitQuality::Coarse,
         ),
     ] {
@@ -140,7 +140,7 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
     let mut covered = winding(0.0);
     covered.set_hidden((0..MAX_POINTS).map(|i| i == 60));
     covered.points[60][1] += 20.0;
-    let descriptor = described(&named(Family::Named(Basis::Bezier), 3), &covered);
+    let descriptor = described(&named(Family::Named(Basis::Bezier), 4), &covered);
     assert_eq!(descriptor.fit(), Some(FitQuality::Good));
 }
 
