@@ -26,7 +26,7 @@ pub(crate) struct Words {
 /// # Errors
 /// There is no such program, or it cannot be started.
 pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
-    let how = format!("`cargo install --path crates/{name}` builds it");
+    let how = format!("`cargo install --locked --path crates/{name}` builds it");
     hand_over(&format!("lariat-{name}"), None, args, &how)
 }
 

@@ -72,7 +72,7 @@ struct RunArgs {
 }
 
 const SET_EXAMPLES: &str = "Examples:
-  lariat set fit.order=6                       of the rig default
+  lariat set fit.control_points=7              of the rig default
   lariat set --rig cell extract.ropes=2 capture.fps=60
   lariat set                                   what holds now";
 
@@ -348,7 +348,7 @@ fn log_to_stderr(level: Option<Level>) {
         .with_target(false)
         // It would be said where nothing can be said.
         .log_internal_errors(false)
-        .with_ansi(layout::has_colours())
+        .with_ansi(layout::has_colours(lariat_chain::messages::is_terminal()))
         .with_max_level(level.map_or(tracing::level_filters::LevelFilter::OFF, Into::into))
         .init();
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Descriptor {
     pub(crate) basis: &'static str,
-    pub(crate) order: usize,
+    pub(crate) degree: usize,
     pub(crate) control_points: Vec<[f64; 2]>,
     /// Of the control points: of rational curves only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -70,7 +70,7 @@ impl Descriptor {
     pub(crate) fn of(fit: &Fit) -> Self {
         Self {
             basis: fit.basis.name(),
-            order: fit.basis.order(),
+            degree: fit.basis.order(),
             control_points: fit.control_points.clone(),
             weights: fit.weights.clone(),
             knots: fit.knots.clone(),

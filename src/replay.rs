@@ -59,7 +59,7 @@ pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode> {
         (_, true) => compare::run(&args),
         _ => wrong_use!(
             "say what to do with the recording: --check computes everything again and compares it with what was recorded, \
-             --compare shows what other settings change (--config FILE, or flags such as --order 6). To see it run, \
+             --compare shows what other settings change (--config FILE, or flags such as --control-points 7). To see it run, \
              `lariat run --source {0}`; for its figures, `lariat info {0}`",
             args.recording.file.display()
         ),

@@ -15,10 +15,11 @@ use anyhow::Result;
 use clap::Args;
 use lariat_chain::exit::wrong_use;
 use lariat_chain::inputs;
+use lariat_chain::layout;
 use lariat_chain::output::Existing;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_wire::Unit;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -183,7 +184,11 @@ impl Printer {
         let names: Vec<PathBuf> = names.collect();
         Self {
             json,
-            table: Table::new(&names, unit.name()),
+            table: Table::new(
+                &names,
+                unit.name(),
+                layout::has_colours(io::stdout().is_terminal()),
+            ),
             output: io::BufWriter::new(io::stdout().lock()),
         }
     }

@@ -25,7 +25,7 @@ fn program(folder: &Path, file: &str, name: &str) {
 #[test]
 fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
     let [ros2, bridge] =
-        ["ros2", "bridge"].map(|name| format!("cargo install --path crates/{name}"));
+        ["ros2", "bridge"].map(|name| format!("cargo install --locked --path crates/{name}"));
     let bench = "--manifest-path bench/Cargo.toml".to_owned();
     for (command, file, first, how) in [
         ("ros2", "lariat-ros2", "", ros2),

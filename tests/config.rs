@@ -68,7 +68,7 @@ fn the_examples_in_a_new_file_are_good() {
     let folder = TempDir::new().unwrap();
     outcome(&folder, &["config", "init"]).unwrap();
     let path = folder.path().join("lariat.toml");
-    // What needs files that are not there, and the order that the basis "auto" has no room for.
+    // What needs files that are not there, and the control points that the basis "auto" has no room for.
     let others = [
         "topic",
         "calibration",
@@ -80,7 +80,7 @@ fn the_examples_in_a_new_file_are_good() {
         "pose",
         "depth_images",
         "depth_source",
-        "order",
+        "control_points",
     ];
     let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     let example = |line: &&str| {
@@ -114,13 +114,13 @@ fn the_examples_in_a_new_file_are_good() {
 #[test]
 fn a_file_that_is_there_is_kept_unless_force_is_said() {
     let folder = TempDir::new().unwrap();
-    write(&folder, "[fit]\norder = 5\n");
+    write(&folder, "[fit]\ncontrol_points = 6\n");
     let complaint = outcome(&folder, &["config", "init"]).unwrap_err();
     assert!(complaint.contains("--force"), "{complaint}");
     assert!(
         outcome(&folder, &["config", "show"])
             .unwrap()
-            .contains("order = 5")
+            .contains("control_points = 6")
     );
     outcome(&folder, &["config", "init", "--force"]).unwrap();
     assert!(
@@ -135,14 +135,14 @@ fn a_file_that_is_there_is_kept_unless_force_is_said() {
 #[test]
 fn flags_win_over_the_file_and_the_file_over_the_defaults() {
     let folder = TempDir::new().unwrap();
-    write(&folder, "[fit]\norder = 5\nsolver = \"qr\"\n");
+    write(&folder, "[fit]\ncontrol_points = 6\nsolver = \"qr\"\n");
     let shown = outcome(
         &folder,
         &[
             "config",
             "show",
-            "--order",
-            "6",
+            "--control-points",
+            "7",
             "--fps",
             "max",
             "--source",
@@ -170,7 +170,7 @@ fn flags_win_over_the_file_and_the_file_over_the_defaults() {
     )
     .unwrap();
     for line in [
-        "order = 6  # --order",
+        "control_points = 7  # --control-points",
         "solver = \"qr\"  # lariat.toml, line 3",
         "fps = \"max\"  # --fps",
         "source = [\"a.png\", \"b\"]  # --source",
@@ -193,10 +193,17 @@ fn flags_win_over_the_file_and_the_file_over_the_defaults() {
 #[test]
 fn another_file_is_read_where_one_is_named() {
     let folder = TempDir::new().unwrap();
-    write(&folder, "[fit]\norder = 5\n");
-    std::fs::write(folder.path().join("other.toml"), "[fit]\norder = 3\n").unwrap();
+    write(&folder, "[fit]\ncontrol_points = 6\n");
+    std::fs::write(
+        folder.path().join("other.toml"),
+        "[fit]\ncontrol_points = 4\n",
+    )
+    .unwrap();
     let shown = outcome(&folder, &["config", "show", "--config", "other.toml"]).unwrap();
-    assert!(shown.contains("order = 3  # other.toml, line 2"), "{shown}");
+    assert!(
+        shown.contains("control_points = 4  # other.toml, line 2"),
+        "{shown}"
+    );
     let missing = outcome(&folder, &["config", "show", "--config", "none.toml"]).unwrap_err();
     assert!(missing.contains("none.toml"), "{missing}");
 }
@@ -210,8 +217,8 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
     );
     for (text, why) in [
         (
-            "[fit]\noder = 7\n",
-            "[fit] has no key \"oder\". Did you mean \"order\"? Its keys are basis, order, max_order, ",
+            "[fit]\ndegre = 7\n",
+            "[fit] has no key \"degre\". Did you mean \"degree\"? Its keys are basis, control_points, max_control_points, ",
         ),
         (
             "[run]\nduration = 7\n",
@@ -219,7 +226,7 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
         ),
         (
             "[fit]\npoints = 7\n",
-            "[fit] has no key \"points\". It belongs in [extract]. Its keys are basis, order, max_order, ",
+            "[fit] has no key \"points\". It belongs in [extract]. Its keys are basis, control_points, max_control_points, ",
         ),
     ] {
         let said = complaint(text);
@@ -232,8 +239,8 @@ fn an_unknown_key_is_named_with_its_line_and_its_neighbours() {
          [run], [capture], [simulation], [camera], [extract], [fit], [sink], [record]\n"
     );
     assert_eq!(
-        complaint("order = 8\n"),
-        "lariat: lariat.toml, line 1: \"order\" stands outside any section: put it below a line [fit]\n"
+        complaint("control_points = 9\n"),
+        "lariat: lariat.toml, line 1: \"control_points\" stands outside any section: put it below a line [fit]\n"
     );
     assert_eq!(
         complaint("[extract]\nmask = [{ hue = [1, 2] }]\n"),
@@ -262,7 +269,10 @@ fn a_wrong_unit_is_converted() {
             "[extract]\nmask = [{ hue_deg = [100, 130], saturation = [50, 255] }]",
             "OpenCV's 0 to 255 is divided by 255, so write saturation = [0.2, 1]",
         ),
-        ("[fit]\norder = \"8\"", "write the number without quotes: 8"),
+        (
+            "[fit]\ncontrol_points = \"8\"",
+            "write the number without quotes: 8",
+        ),
     ] {
         let complaint = complaint(text);
         assert!(complaint.contains("lariat.toml, line 2: "), "{complaint}");
@@ -331,11 +341,11 @@ fn values_that_cannot_be_are_refused() {
         "[extract]\nropes = 0",
         "[extract]\nstart = [1]",
         "[extract]\nstart = [nan, 1]",
-        "[fit]\norder = 0",
-        "[fit]\norder = 32",
-        "[fit]\norder = 8.5",
+        "[fit]\ncontrol_points = 1",
+        "[fit]\ncontrol_points = 33",
+        "[fit]\ncontrol_points = 8.5",
         "[fit]\nsolver = \"svd\"",
-        "[fit]\norder = \"best\"",
+        "[fit]\ncontrol_points = \"best\"",
         "[fit]\nbasis = \"spline\"",
         "[fit]\nknots = 3",
         "[fit]\nrho = \"odd\"",
@@ -369,54 +379,76 @@ fn values_that_cannot_be_are_refused() {
 #[test]
 fn settings_that_do_not_go_together_are_refused() {
     assert_eq!(
-        complaint("[extract]\npoints = 5\n[fit]\norder = 8\n"),
-        "lariat: lariat.toml, line 4: 5 points cannot fix the 9 control points of a Bezier curve of order 8: \
-         give at least 9 points, or choose a Bezier curve of order 4\n"
+        complaint("[extract]\npoints = 5\n[fit]\ncontrol_points = 9\n"),
+        "lariat: lariat.toml, line 4: 5 points cannot fix a Bezier curve of 9 control points: \
+         give at least 9 points, or choose a Bezier curve of 5 control points
+"
     );
     let folder = TempDir::new().unwrap();
-    write(&folder, "[fit]\norder = 24\n");
+    write(&folder, "[fit]\ncontrol_points = 25\n");
     outcome(&folder, &["config", "check"]).unwrap();
     let complaint = outcome(&folder, &["config", "show", "--solver", "cholesky"]).unwrap_err();
     assert!(
-        complaint.starts_with("lariat: --solver: for a Bezier curve of order 24"),
+        complaint.starts_with("lariat: --solver: for a Bezier curve of 25 control points"),
         "{complaint}"
     );
 }
 
 #[test]
-fn basis_and_order_are_what_was_said_last() {
+fn the_old_names_of_a_curve_s_size_say_what_to_write_now() {
+    for (text, now) in [
+        ("[fit]\norder = 12\n", "write control_points = 13\n"),
+        (
+            "[fit]\norder = \"auto\"\n",
+            "write control_points = \"auto\"\n",
+        ),
+        ("[fit]\nmax_order = 16\n", "write max_control_points = 17\n"),
+    ] {
+        let said = complaint(text);
+        assert!(said.ends_with(now) && said.lines().count() == 1, "{said}");
+    }
+    let folder = TempDir::new().unwrap();
+    for flags in [["--order", "12"], ["--degree", "12"]] {
+        let said = outcome(&folder, &[&["config", "show"][..], &flags].concat()).unwrap_err();
+        assert!(said.contains("write --control-points 13"), "{said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn basis_and_control_points_are_what_was_said_last() {
     let folder = TempDir::new().unwrap();
     let shown = |flags: &[&str]| {
         let shown = outcome(&folder, &[&["config", "show"], flags].concat()).unwrap();
         let fit = values(&shown)["fit"].clone();
-        let order = fit
-            .get("order")
-            .map_or("none".to_owned(), |order| order.to_string());
-        format!("{} {order}", fit["basis"].as_str().unwrap())
+        let count = fit
+            .get("control_points")
+            .map_or("none".to_owned(), |count| count.to_string());
+        format!("{} {count}", fit["basis"].as_str().unwrap())
     };
     assert_eq!(shown(&[]), "auto none");
-    assert_eq!(shown(&["--order", "12"]), "bezier 12");
-    assert_eq!(shown(&["--basis", "bspline"]), "bspline 8");
+    assert_eq!(shown(&["--control-points", "13"]), "bezier 13");
+    assert_eq!(shown(&["--basis", "bspline"]), "bspline 9");
     assert_eq!(
-        shown(&["--basis", "bspline", "--order", "12"]),
-        "bspline 12"
+        shown(&["--basis", "bspline", "--control-points", "13"]),
+        "bspline 13"
     );
     write(&folder, "[fit]\nbasis = \"auto\"\n");
-    assert_eq!(shown(&["--order", "12"]), "bezier 12");
-    write(&folder, "[fit]\norder = 6\n");
-    assert_eq!(shown(&[]), "bezier 6");
+    assert_eq!(shown(&["--control-points", "13"]), "bezier 13");
+    write(&folder, "[fit]\ncontrol_points = 7\n");
+    assert_eq!(shown(&[]), "bezier 7");
     assert_eq!(shown(&["--basis", "auto"]), "auto none");
     write(&folder, "");
     for said in [
         outcome(
             &folder,
-            &["config", "show", "--basis", "auto", "--order", "8"],
+            &["config", "show", "--basis", "auto", "--control-points", "9"],
         )
         .unwrap_err(),
-        complaint("[fit]\nbasis = \"auto\"\norder = 8\n"),
+        complaint("[fit]\nbasis = \"auto\"\ncontrol_points = 9\n"),
     ] {
         assert!(
-            said.contains("the basis \"auto\" chooses the order itself"),
+            said.contains("the basis \"auto\" chooses the control points itself"),
             "{said}"
         );
     }
@@ -449,7 +481,8 @@ fn cores_are_shown_as_they_were_given() {
 
 #[test]
 fn everything_that_is_wrong_is_said_at_once_in_the_order_of_lines() {
-    let complaint = complaint("[fit]\nsolver = \"x\"\norder = 99\n[capture]\nfps = 0\nfsp = 1\n");
+    let complaint =
+        complaint("[fit]\nsolver = \"x\"\ncontrol_points = 100\n[capture]\nfps = 0\nfsp = 1\n");
     let lines: Vec<_> = complaint
         .lines()
         .map(|line| {
@@ -473,9 +506,9 @@ fn everything_that_is_wrong_is_said_at_once_in_the_order_of_lines() {
 #[test]
 fn what_is_no_toml_is_said_with_its_line() {
     for text in [
-        "[fit]\norder = \n",
-        "[fit\norder = 8",
-        "[fit]\norder = 8\norder = 9\n",
+        "[fit]\ncontrol_points = \n",
+        "[fit\ncontrol_points = 9",
+        "[fit]\ncontrol_points = 9\ncontrol_points = 10\n",
     ] {
         let complaint = complaint(text);
         assert!(complaint.contains("line "), "{complaint}");
@@ -489,8 +522,8 @@ fn a_flag_that_makes_no_sense_is_named() {
     for (flag, value) in [
         ("--fps", "30 Hz"),
         ("--fps", "-1"),
-        ("--order", "0"),
-        ("--order", "-1"),
+        ("--control-points", "1"),
+        ("--control-points", "-1"),
         ("--points", "1000"),
         ("--duration", "5parsec"),
         ("--deadline", "0"),
@@ -499,7 +532,7 @@ fn a_flag_that_makes_no_sense_is_named() {
         ("--rig", "A"),
         ("--solver", "svd"),
         ("--basis", "spline"),
-        ("--order", "best"),
+        ("--control-points", "best"),
         ("--ridge", "-1"),
         ("--degree", "0"),
         ("--frames", "0"),

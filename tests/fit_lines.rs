@@ -63,7 +63,7 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
         assert_eq!(answer["rms"], expected.rms_px);
         assert_eq!(answer["max"], expected.max_px);
         assert_eq!(answer["basis"], "bezier");
-        assert_eq!(answer["order"], 8);
+        assert_eq!(answer["degree"], 8);
         let condition = answer["condition"].as_f64().unwrap();
         assert_eq!(condition, fitter.last().condition);
     }
@@ -85,14 +85,14 @@ fn a_line_that_says_how_wide_its_rope_is_hears_whether_the_curve_lies_on_it() {
         assert!(output.status.success(), "{output:?}");
         answers(&output.stdout).remove(0)
     };
-    let (chosen, named) = (one(&[]), one(&["--order", "4"]));
+    let (chosen, named) = (one(&[]), one(&["--control-points", "5"]));
     assert_eq!([&chosen["fit"], &named["fit"]], ["good", "coarse"]);
     assert!(chosen["rms_widths"].as_f64().unwrap() < 0.125);
     assert!(named["worst_widths"].as_f64().unwrap() > 0.5);
 }
 
 #[test]
-fn a_named_file_is_read_with_the_order_and_solver_that_are_asked_for() {
+fn a_named_file_is_read_with_the_control_points_and_solver_that_are_asked_for() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("ropes.jsonl");
     // Other keys, blank lines and a last line without its end are all right.
@@ -105,8 +105,8 @@ fn a_named_file_is_read_with_the_order_and_solver_that_are_asked_for() {
     for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
         let args = [
             "ropes.jsonl",
-            "--order",
-            "4",
+            "--control-points",
+            "5",
             "--solver",
             &solver.to_string(),
         ];
@@ -139,7 +139,7 @@ fn a_bad_line_is_named_and_the_others_are_answered() {
         ("{\"points\":[[1,2]]}", "1 points"),
         (
             "{\"points\":[[1,2],[3,4],[5,6]]}",
-            "choose a Bezier curve of order 2",
+            "choose a Bezier curve of 3 control points",
         ),
         (&line(&rope(300)), "300 points are too many"),
         (
@@ -153,7 +153,7 @@ fn a_bad_line_is_named_and_the_others_are_answered() {
     ];
     for (text, why) in bad {
         let input = format!("{good}{}\n{good}", text.trim_end());
-        let output = fit(&folder, &["--order", "8"])
+        let output = fit(&folder, &["--control-points", "9"])
             .write_stdin(input)
             .output()
             .unwrap();

@@ -250,7 +250,7 @@ fn every_field_of_a_message_is_read_in_its_place() {
     integers!(Descriptors, message, 0; width, height, count, unit);
     for (i, rope) in message.curves.iter().enumerate() {
         let at = offset_of!(Descriptors, curves) + i * size_of::<Descriptor>();
-        integers!(Descriptor, rope, at; track, status, basis, order, count, samples, closed, border, age_ns, hidden,
+        integers!(Descriptor, rope, at; track, status, basis, degree, count, samples, closed, border, age_ns, hidden,
             filtered, fit);
         assert_eq!(
             f64::from(rope.confidence),

@@ -65,14 +65,14 @@ fn settings_are_never_overwritten_and_outlive_the_unit() {
     let root = TempDir::new().expect("a folder");
     let settings = root.path().join("etc/lariat/cell.toml");
     fs::create_dir_all(settings.parent().expect("a folder")).expect("made");
-    fs::write(&settings, "[fit]\norder = 5\n").expect("written");
+    fs::write(&settings, "[fit]\ncontrol_points = 6\n").expect("written");
     for words in [
         &["install", "--rig", "cell"],
         &["uninstall", "--rig", "cell"],
     ] {
         let said = service(root.path(), words).expect("done");
         assert!(said.contains("kept"), "{said}");
-        assert_eq!(read(&settings), "[fit]\norder = 5\n");
+        assert_eq!(read(&settings), "[fit]\ncontrol_points = 6\n");
     }
     assert!(!root.path().join(UNIT).exists());
     let said = service(root.path(), &["uninstall"]).expect_err("nothing is there");

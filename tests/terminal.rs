@@ -155,15 +155,15 @@ fn the_exit_code_is_2_where_nothing_began_and_1_where_it_failed() {
         (&["topic", "list"], 1),
         (&["no-such-command"], 2),
         (&["run", "--no-such-flag"], 2),
-        (&["run", "--order", "99"], 2),
+        (&["run", "--control-points", "100"], 2),
         (&["trace", PICTURE, "--basis", "spline"], 2),
         (&["topic", "list", "--rig", "Not A Name"], 2),
         (&["replay", GOLDEN], 2),
         (&["snapshot", "picture.jpg"], 2),
         (&["calibrate", "plane", "--size", "640x480"], 2),
-        (&["set", "fit.order=6"], 1),
+        (&["set", "fit.control_points=7"], 1),
         (&["set", "order=12"], 2),
-        (&["set", "fit.order"], 2),
+        (&["set", "fit.control_points"], 2),
         (&["set", "--rig", "Not A Name"], 2),
         (&["restart", "fit"], 1),
         (&["restart", "banana"], 2),
@@ -185,7 +185,7 @@ fn a_running_chain_refuses_wrong_use_with_2_and_all_else_with_1() {
     for (words, code) in [
         (&["set", "fit.tolerance=0.2"][..], 0),
         (&["set", "order=12"], 2),
-        (&["set", "fit.order=99"], 2),
+        (&["set", "fit.control_points=99"], 2),
         (&["set", "run.rig=other"], 1),
         (&["restart", "recorder"], 1),
     ] {
@@ -240,7 +240,7 @@ fn a_word_that_is_neither_command_nor_file_is_told_what_it_may_have_been() {
 fn a_stage_has_no_flag_that_it_would_ignore() {
     let bench = Bench::new();
     for words in [
-        ["sink", "--order=3"],
+        ["sink", "--control-points=4"],
         ["sink", "--loop"],
         ["extract", "--frames=3"],
         ["fit", "--duration=3s"],
@@ -279,17 +279,22 @@ fn a_sink_by_hand_says_what_it_waits_for_and_ends_when_it_was_told_to() {
 fn more_and_less_is_said_of_all_stages_as_is_asked() {
     let bench = Bench::new();
     let said = |words: &[&str], level: Option<&str>| {
-        let mut command =
-            bench.command(&[&["run", "rendered", "--frames", "2", "--order", "5"], words].concat());
+        let mut command = bench.command(
+            &[
+                &["run", "rendered", "--frames", "2", "--control-points", "6"],
+                words,
+            ]
+            .concat(),
+        );
         command.env("RUST_LOG", level.unwrap_or_default());
         let output = command.output().expect("runs");
         assert!(output.status.success(), "{output:?}");
         String::from_utf8(output.stderr).expect("text")
     };
     assert_eq!(said(&["-q"], None), "");
-    assert!(!said(&[], None).contains("fit.order = 5"));
+    assert!(!said(&[], None).contains("fit.control_points = 6"));
     for verbose in [said(&["-v"], None), said(&[], Some("warn,lariat=debug"))] {
-        assert!(verbose.contains("fit: fit.order = 5"), "{verbose}");
+        assert!(verbose.contains("fit: fit.control_points = 6"), "{verbose}");
         assert!(!verbose.contains("frames 1 in hand"), "{verbose}");
     }
     assert!(said(&["-vv"], None).contains("frames 1 in hand"));

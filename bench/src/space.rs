@@ -411,7 +411,7 @@ fn judge_covariances(
     let line = Line::of(&even);
     for size in 0..fitter.sizes() {
         let fit = fitter.fit_at(size, &line)?;
-        let inner = one.order as usize + 1;
+        let inner = one.degree as usize + 1;
         let is_same = fit.control_points.len() == one.control_points().len()
             && one.basis() == Some(Basis::BSpline)
             && fit.knots.get(inner..one.count as usize) == Some(one.inner_knots());

@@ -43,7 +43,7 @@ class Bytes(ctypes.Structure):
 
     @staticmethod
     def type_name() -> str:
-        return "lariat.Descriptors.v8"
+        return "lariat.Descriptors.v9"
 
 
 class OverCtypes:

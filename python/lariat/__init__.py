@@ -3,7 +3,7 @@
 Pictures and points, without anything else running::
 
     scene = lariat.trace(image)              # ropes in a NumPy array: centerlines, widths, crossings
-    fit = lariat.fit(scene.curves[0])        # a Bezier curve through one: control points, covariance
+    fit = lariat.fit(scene.curves[0])        # a curve through one: control points, covariance
 
 In a control loop, beside a running chain (``lariat run``)::
 
@@ -64,6 +64,7 @@ from lariat._native import (
     Tracer,
     Track,
     Unsure,
+    __version__,
     pick,
     take_short_slices,
 )
@@ -118,6 +119,7 @@ __all__ = [
     "UnitName",
     "Unsure",
     "Writer",
+    "__version__",
     "fit",
     "pick",
     "take_short_slices",

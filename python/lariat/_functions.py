@@ -83,12 +83,13 @@ def trace(
 
 def fit(
     points: ArrayLike | Curve,
-    order: int | Literal["auto"] = 8,
-    basis: BasisName = "bezier",
+    control_points: int | Literal["auto"] | None = None,
+    basis: BasisName | Literal["auto"] = "auto",
     *,
     weights: ArrayLike | None = None,
     closed: bool | None = None,
-    max_order: int = 16,
+    width: float | None = None,
+    max_control_points: int = 17,
     degree: int = 3,
     knots: KnotsName = "uniform",
     solver: SolverName = "pinv",
@@ -99,22 +100,29 @@ def fit(
 ) -> Fit:
     """The curve nearest to points in the least-squares sense (F. Chen, arXiv 2312.16502).
 
+    Without a setting it is the curve of the fewest control points that lies on the points, as ``lariat fit`` and the chain
+    choose it: a cubic Bezier curve or a cubic B-spline. It lies on them if 95 % of them are within an eighth of the rope's
+    width, and 2 px at most, and all of them within half a width.
+
     For centerline after centerline of as many points take a :class:`Fitter`, which computes its algebra once.
 
     Args:
         points: Rows of x and y along the curve, 2 to 256, evenly spaced by arc length unless that is measured; or a
             :class:`Curve` of a scene.
-        order: The curve has one control point more, of whatever basis (a closed one at most as many numbers).
-            ``"auto"`` takes the least that keeps 95 % of the points within 2 px of the curve, and all within 8.
-        basis: The family of open curves.
+        control_points: How many, 2 to 32 (a closed curve has as many coefficients, or one fewer). Without a basis they are a
+            Bezier curve's, the paper's; a basis without them has 9. ``"auto"`` takes as few as lie on the points.
+        basis: The family of open curves; ``"auto"`` chooses it, too.
         weights: How much each point counts: 0 for one that is not seen.
         closed: Whether the last point is followed by the first: then the curve is a truncated Fourier series. If not
             given, what a ``Curve`` says, and no.
-        max_order: The highest order that ``"auto"`` chooses.
+        width: The rope's, in the points' unit. If not given, what a ``Curve`` says; without one, 95 % of the points are to be
+            within 2 px and all within 8.
+        max_control_points: The most that ``control_points="auto"`` chooses.
         degree: Degree of a B-spline's pieces.
         knots: Where a B-spline's pieces meet: evenly, or where the points are.
-        solver: All three give the same control points; they differ in cost and in the orders they can be trusted with.
-        ridge: How strongly second differences of the control points are held down: tames high orders.
+        solver: All three give the same control points; they differ in cost and in the number of control points
+            that they can be trusted with.
+        ridge: How strongly second differences of the control points are held down: tames many of them.
         pin_ends: Whether the curve begins and ends exactly at the first and the last point.
         rho: ``"measured"`` for points that are not evenly spaced.
         robust: Give points far off the curve less weight.
@@ -122,16 +130,19 @@ def fit(
     Raises:
         ValueError: settings or points that cannot be, with the nearest that can.
     """
+    hidden = None
     if isinstance(points, Curve):
         closed = points.closed if closed is None else closed
+        width = points.width_px if width is None else width
+        hidden = points.hidden
         points = points.points
     points = np.asarray(points, dtype=np.float64)
     fitter = Fitter(
         len(points) if points.ndim else 0,
-        order,
+        control_points,
         basis,
         closed=bool(closed),
-        max_order=max_order,
+        max_control_points=max_control_points,
         degree=degree,
         knots=knots,
         solver=solver,
@@ -141,4 +152,4 @@ def fit(
         weighted=weights is not None,
         robust=robust,
     )
-    return fitter.fit(points, weights)
+    return fitter.fit(points, weights, width=width, hidden=hidden)

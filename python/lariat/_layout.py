@@ -30,7 +30,7 @@ _DESCRIPTOR = np.dtype(
         ("track", "u4"),
         ("status", "u4"),
         ("basis", "u4"),
-        ("order", "u4"),
+        ("degree", "u4"),
         ("count", "u4"),
         ("samples", "u4"),
         ("closed", "u4"),
@@ -75,7 +75,7 @@ MESSAGE = np.dtype(
         ("centerlines", _CENTERLINE, (24,)),
     ]
 )
-"""The type of ``Frame.message``: ``lariat.Descriptors.v8``."""
+"""The type of ``Frame.message``: ``lariat.Descriptors.v9``."""
 
 
 def record(message: NDArray[np.uint8]) -> Any:

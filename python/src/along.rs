@@ -1,5 +1,6 @@
 //! What is asked of a curve at one ρ, or at each of an array of them.
 
+use crate::errors::value_error;
 use numpy::ndarray::Array2;
 use numpy::{
     AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLike1, PyArrayMethods, PyUntypedArray,
@@ -8,7 +9,10 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-/// Normalized arc lengths: a number, or an array of them.
+/// Largest rounding error of a rho that is a sum of steps: a million steps, each off by an ulp, stay far below it.
+const ROUNDING: f64 = 1e-9;
+
+/// Normalized arc lengths: a number, or an array of them, each from 0 to 1.
 pub(crate) enum Rho<'py> {
     /// A number.
     One(f64),
@@ -25,13 +29,26 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Rho<'py> {
             .cast::<PyUntypedArray>()
             .is_ok_and(|array| array.ndim() > 0);
         if !is_row && let Ok(rho) = rho.extract() {
-            return Ok(Self::One(rho));
+            return on_curve(rho).map(|_| Self::One(rho));
         }
-        rho.extract().map(Self::Many).map_err(|_| {
+        let rhos: PyArrayLike1<'py, f64, AllowTypeChange> = rho.extract().map_err(|_| {
             PyTypeError::new_err(
                 "rho is a number from 0 to 1, or a row of them: an array of shape (n,)",
             )
-        })
+        })?;
+        rhos.as_array().iter().try_for_each(|&rho| on_curve(rho))?;
+        Ok(Self::Many(rhos))
+    }
+}
+
+/// # Errors
+/// A `ValueError` if rho is outside of 0 to 1, where there is no rope.
+fn on_curve(rho: f64) -> PyResult<()> {
+    match (-ROUNDING..=1.0 + ROUNDING).contains(&rho) {
+        true => Ok(()),
+        false => Err(value_error(format!(
+            "rho is {rho}, and a rope is where rho is from 0, its first end, to 1, its last"
+        ))),
     }
 }
 
@@ -63,7 +80,7 @@ impl<'py> Rho<'py> {
         match self {
             Self::One(rho) => {
                 let mut row = vec![0.0; width];
-                write(*rho, &mut row);
+                write(rho.clamp(0.0, 1.0), &mut row);
                 PyArray1::from_vec(py, row).to_dyn().clone()
             }
             Self::Many(rhos) => {
@@ -71,7 +88,7 @@ impl<'py> Rho<'py> {
                 let mut numbers = Array2::zeros((rhos.len(), width));
                 for (mut row, &rho) in numbers.rows_mut().into_iter().zip(rhos) {
                     if let Some(row) = row.as_slice_mut() {
-                        write(rho, row);
+                        write(rho.clamp(0.0, 1.0), row);
                     }
                 }
                 numbers.to_pyarray(py).to_dyn().clone()
@@ -86,9 +103,10 @@ impl<'py> Rho<'py> {
         at: impl Fn(f64) -> f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         Ok(match self {
-            Self::One(rho) => at(*rho).into_pyobject(py)?.into_any(),
+            Self::One(rho) => at(rho.clamp(0.0, 1.0)).into_pyobject(py)?.into_any(),
             Self::Many(rhos) => {
-                let numbers: Vec<f64> = rhos.as_array().iter().map(|&rho| at(rho)).collect();
+                let rhos = rhos.as_array();
+                let numbers: Vec<f64> = rhos.iter().map(|rho| at(rho.clamp(0.0, 1.0))).collect();
                 PyArray1::from_vec(py, numbers).into_any()
             }
         })

@@ -64,7 +64,7 @@ impl Centerline {
         self.points_sent().closed != 0
     }
 
-    /// The point at rho, on the straight line between its two neighbours; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1, on the straight line between its two neighbours; of n values of rho an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,

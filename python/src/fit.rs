@@ -34,9 +34,9 @@ impl Fit {
         self.fit.basis.name()
     }
 
-    /// Degree of the curve; of a Fourier series the number of its harmonics.
+    /// Degree of the curve's polynomials, 3 of a cubic B-spline whatever its control points; of a Fourier series its harmonics.
     #[getter]
-    fn order(&self) -> usize {
+    fn degree(&self) -> usize {
         self.fit.basis.order()
     }
 
@@ -115,7 +115,7 @@ impl Fit {
         Ok(matrix)
     }
 
-    /// The point at rho; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,

@@ -2,27 +2,38 @@
 
 use crate::errors::value_error;
 use crate::fit::Fit;
-use lariat_fit::{Basis, Knots, Options, Rho, Solver, Weights};
+use lariat_fit::{
+    Basis, Knots, Line, MAX_CONTROL_POINTS, Options, Rho, Solver, Tolerance, Weights,
+};
 use numpy::{AllowTypeChange, PyArray2, PyArrayLike1, PyArrayLike2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use thiserror::Error;
 
-/// The order: a number, or chosen anew for each curve.
-enum Order {
+/// Control points where only the basis is named, as in the settings.
+const DEFAULT_CONTROL_POINTS: usize = 9;
+
+/// The name of the basis that chooses curve and control points.
+const AUTO: &str = "auto";
+
+/// The number of control points: a number, or chosen for each curve.
+#[derive(Clone, Copy)]
+enum ControlPoints {
     Named(usize),
     Auto,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for Order {
+impl<'a, 'py> FromPyObject<'a, 'py> for ControlPoints {
     type Error = PyErr;
 
-    fn extract(order: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        match order.extract() {
-            Ok(order) => Ok(Self::Named(order)),
-            Err(_) if order.extract::<String>().is_ok_and(|name| name == "auto") => Ok(Self::Auto),
-            Err(_) => Err(value_error("order is a whole number, 1 to 31, or \"auto\"")),
+    fn extract(count: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match count.extract() {
+            Ok(count) if (2..=MAX_CONTROL_POINTS).contains(&count) => Ok(Self::Named(count)),
+            Err(_) if count.extract::<String>().is_ok_and(|name| name == AUTO) => Ok(Self::Auto),
+            _ => Err(value_error(format!(
+                "control_points is a whole number, 2 to {MAX_CONTROL_POINTS}, or \"auto\""
+            ))),
         }
     }
 }
@@ -40,11 +51,11 @@ impl Fitter {
     #[new]
     #[pyo3(
         signature = (
-            points=120, order=Order::Named(8), basis="bezier", *, closed=false, max_order=16, degree=3, knots="uniform",
+            points=120, control_points=None, basis=AUTO, *, closed=false, max_control_points=17, degree=3, knots="uniform",
             solver="pinv", ridge=0.0, pin_ends=false, rho="even", weighted=false, robust=false
         ),
-        // What Rust cannot say of the order.
-        text_signature = "(points=120, order=8, basis='bezier', *, closed=False, max_order=16, degree=3, \
+        // The basis by its value, which Rust would give by its name.
+        text_signature = "(points=120, control_points=None, basis='auto', *, closed=False, max_control_points=17, degree=3, \
             knots='uniform', solver='pinv', ridge=0.0, pin_ends=False, rho='even', weighted=False, robust=False)"
     )]
     #[expect(
@@ -54,10 +65,10 @@ impl Fitter {
     fn new(
         py: Python<'_>,
         points: usize,
-        order: Order,
+        control_points: Option<ControlPoints>,
         basis: &str,
         closed: bool,
-        max_order: usize,
+        max_control_points: usize,
         degree: usize,
         knots: &str,
         solver: &str,
@@ -68,13 +79,24 @@ impl Fitter {
         robust: bool,
     ) -> PyResult<Self> {
         let knots = named("knots", knots, Knots::NAMED)?;
-        let largest = match order {
-            Order::Named(order) => order,
-            Order::Auto => max_order,
+        let (basis, choose_size) = match control_points {
+            None if basis == AUTO => {
+                let auto = Options::auto(points, closed);
+                (auto.basis, auto.choose_size)
+            }
+            _ => {
+                let most = match control_points {
+                    None => DEFAULT_CONTROL_POINTS,
+                    Some(ControlPoints::Named(count)) => count,
+                    Some(ControlPoints::Auto) => max_control_points,
+                };
+                let basis = basis_of(basis, closed, most, degree, knots)?;
+                (basis, matches!(control_points, Some(ControlPoints::Auto)))
+            }
         };
         let options = Options {
-            basis: basis_of(basis, closed, largest, degree, knots)?,
-            choose_size: matches!(order, Order::Auto),
+            basis,
+            choose_size,
             points,
             solver: named("solver", solver, Solver::ALL)?,
             ridge,
@@ -96,23 +118,33 @@ impl Fitter {
         })
     }
 
-    /// The curve nearest to `points` in the least-squares sense.
-    #[pyo3(signature = (points, weights=None))]
+    /// The curve nearest to `points` in the least-squares sense. `width` is the rope's, and `hidden` says of each point whether
+    /// nobody saw it. Both matter where control points are chosen. The curve is then within an eighth of the width, and 2 px at
+    /// most, of 95 % of the points that were seen. It is within half a width of all of them.
+    #[pyo3(signature = (points, weights=None, *, width=None, hidden=None))]
     fn fit<'py>(
         &self,
         py: Python<'py>,
         points: &Bound<'py, PyAny>,
         weights: Option<PyArrayLike1<'py, f64, AllowTypeChange>>,
+        width: Option<f64>,
+        hidden: Option<PyArrayLike1<'py, bool>>,
     ) -> PyResult<Fit> {
         let points = points_of(points)?;
         let weights = weights.map(|weights| weights.as_array().to_vec());
+        let hidden = hidden.map_or(Vec::new(), |hidden| hidden.as_array().to_vec());
+        // Without a width only the limit in pixels holds.
+        let width = width.unwrap_or(f64::NAN);
+        let tolerance = Tolerance::of_width(width, Tolerance::WIDTHS, Tolerance::LIMIT_PX);
         let fit = py.detach(|| -> Result<_, Problem> {
             let mut fitter = self.fitter()?;
-            let fit = match &weights {
-                None => fitter.fit(&points)?,
-                Some(weights) => fitter.fit_weighted(&points, weights)?,
+            let line = Line {
+                points: &points,
+                weights: weights.as_deref(),
+                hidden: &hidden,
             };
-            Ok(fit.clone())
+            let (size, _) = fitter.least_size(&line, tolerance)?;
+            Ok(fitter.fit_at(size, &line)?.clone())
         });
         Ok(Fit::new(fit?, points.len()))
     }
@@ -182,34 +214,42 @@ impl Fitter {
     }
 }
 
-/// The family in the words of the settings: as many control points as its order says, and one.
+/// The family in the words of the settings, with this number of control points. "auto" is the paper's, as its number is named.
 fn basis_of(
     name: &str,
     closed: bool,
-    order: usize,
+    control_points: usize,
     degree: usize,
     knots: Knots,
 ) -> PyResult<Basis> {
-    // As many coefficients as an open curve of this order has control points, or one fewer.
+    // The degree of a Bezier curve.
+    let order = control_points.saturating_sub(1);
+    // As many coefficients as an open curve has control points, or one fewer.
     let fourier = Basis::Fourier {
         harmonics: (order / 2).max(1),
     };
     let spline = Basis::BSpline {
         degree: degree.min(order),
-        control_points: order + 1,
+        control_points,
         knots,
     };
     let families = [
-        Basis::Bezier { order },
-        spline,
-        Basis::RationalBezier { order },
-        fourier,
-        Basis::FeaturePoints { count: order + 1 },
-        Basis::CenterOfMass,
-    ]
-    .map(|family| (family.name(), family));
+        (AUTO, Basis::Bezier { order }),
+        named_by_itself(Basis::Bezier { order }),
+        named_by_itself(spline),
+        named_by_itself(Basis::RationalBezier { order }),
+        named_by_itself(fourier),
+        named_by_itself(Basis::FeaturePoints {
+            count: control_points,
+        }),
+        named_by_itself(Basis::CenterOfMass),
+    ];
     let family = named("basis", name, families)?;
     Ok(if closed { fourier } else { family })
+}
+
+fn named_by_itself(family: Basis) -> (&'static str, Basis) {
+    (family.name(), family)
 }
 
 /// The value of this name.

@@ -26,6 +26,15 @@ mod writer;
 /// The module as Python imports it.
 #[pyo3::pymodule]
 mod _native {
+    use pyo3::prelude::*;
+
+    /// # Errors
+    /// Python has no memory left.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
     #[pymodule_export]
     use crate::centerline::Centerline;
     #[pymodule_export]

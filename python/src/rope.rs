@@ -191,10 +191,10 @@ impl Rope {
         self.descriptor().basis().map(Basis::name)
     }
 
-    /// Degree of the curve; of a Fourier series the number of its harmonics.
+    /// Degree of the curve's polynomials, 3 of a cubic B-spline whatever its control points; of a Fourier series its harmonics.
     #[getter]
-    fn order(&self) -> u32 {
-        self.descriptor().order
+    fn degree(&self) -> u32 {
+        self.descriptor().degree
     }
 
     /// How many points of the centerline were fitted.
@@ -261,10 +261,10 @@ impl Rope {
     fn __repr__(&self) -> String {
         let descriptor = self.descriptor();
         format!(
-            "<lariat.Rope {}: {} of order {}, {:.1} {} long, rms {:.2}>",
+            "<lariat.Rope {}: {} of {} control points, {:.1} {} long, rms {:.2}>",
             descriptor.track,
             self.basis().unwrap_or("curve"),
-            descriptor.order,
+            descriptor.count,
             descriptor.length,
             self.unit().unwrap_or("units"),
             descriptor.rms,

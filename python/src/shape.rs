@@ -10,8 +10,7 @@ use numpy::ndarray::Ix2;
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// The curve f(rho), rho from 0 at the rope's first end to 1 at its last, in the frame's unit. Outside 0 to 1 it goes on
-/// as the polynomial that it is there.
+/// The curve f(rho), rho from 0 at the rope's first end to 1 at its last, in the frame's unit.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Shape {
     source: Source,
@@ -76,7 +75,7 @@ impl Shape {
         PyArray1::from_vec(py, numbers.collect()).reshape([count, 2])
     }
 
-    /// The point at rho; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,

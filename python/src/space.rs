@@ -114,7 +114,7 @@ impl SpaceShape {
         PyArray1::from_vec(py, numbers.collect()).reshape([count, 3])
     }
 
-    /// The point at rho; of n values of rho an array of shape (n, 3).
+    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 3).
     fn point_at<'py>(
         &self,
         py: Python<'py>,

@@ -92,7 +92,7 @@ fn rope(track: u32) -> Result<Descriptor, Box<dyn std::error::Error>> {
     let factor = &fitter.last().covariance_factor;
     let mut rope = Descriptor {
         track,
-        order: 2,
+        degree: 2,
         count: 3,
         samples: 120,
         border: 2,

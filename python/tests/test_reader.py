@@ -48,7 +48,7 @@ def test_a_whole_rope_in_a_fresh_image_is_fresh(states: States, reader: lariat.R
         case seen:
             pytest.fail(str(seen))
     assert (rope.track.number, rope.track.run, frame.run) == (7, 1, 1)
-    assert (rope.basis, rope.order, rope.samples, rope.unit, rope.closed) == ("bezier", 2, 120, "px", False)
+    assert (rope.basis, rope.degree, rope.samples, rope.unit, rope.closed) == ("bezier", 2, 120, "px", False)
     assert (rope.rms, rope.max, rope.residual_variance, rope.length, rope.width) == (0.7, 1.5, 0.25, 147.9, 9.0)
     assert rope.leaves_image == (False, True) and rope.hidden == 0.0
     assert rope.condition > 1.0

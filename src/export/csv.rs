@@ -8,7 +8,7 @@ use lariat_wire::Descriptors;
 use std::io::{self, Write};
 
 /// The columns before the control points.
-const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,order,unit,length,width,confidence,fit,rms,max,filtered";
+const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,degree,unit,length,width,confidence,fit,rms,max,filtered";
 
 pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     let about = || part.failure();
@@ -76,7 +76,7 @@ fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io:
             status(curve),
             u32::from(curve.closed != 0),
             basis(curve),
-            curve.order,
+            curve.degree,
             unit(message),
             curve.length,
             curve.width,

@@ -25,7 +25,7 @@ struct CurveObject<'a> {
     hidden: u32,
     samples: u32,
     basis: &'static str,
-    order: u32,
+    degree: u32,
     control_points: &'a [[f64; 2]],
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     weights: &'a [f64],
@@ -80,7 +80,7 @@ impl<'a> CurveObject<'a> {
             hidden: curve.hidden,
             samples: curve.samples,
             basis: basis(curve),
-            order: curve.order,
+            degree: curve.degree,
             control_points: curve.control_points(),
             weights: if is_rational { curve.weights() } else { &[] },
             knots: curve.all_knots().collect(),

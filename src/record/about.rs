@@ -210,7 +210,7 @@ mod tests {
     fn each_section_is_from_the_stage_that_goes_by_it() {
         let everywhere = |points| {
             format!(
-                "[run]\nrig = \"default\"\n[extract]\npoints = {points}\n[fit]\norder = {points}\n"
+                "[run]\nrig = \"default\"\n[extract]\npoints = {points}\n[fit]\ncontrol_points = {points}\n"
             )
         };
         let stages = [
@@ -222,7 +222,7 @@ mod tests {
         let (settings, folder) = joined(stages.iter());
         assert_eq!(
             settings.to_string(),
-            "[extract]\npoints = 100\n\n[fit]\norder = 8\n"
+            "[extract]\npoints = 100\n\n[fit]\ncontrol_points = 8\n"
         );
         assert_eq!(folder, Path::new("/fit"));
     }

@@ -15,8 +15,8 @@ use lariat_view::View;
 
 /// Rows of the tables: a heading and six steps, and the bar.
 const TABLES: u16 = 8;
-/// Columns of the table of stages; the rest, but for a gap, is the latencies': 44 of the usual 80.
-const STAGES: u16 = 34;
+/// Columns of the table of stages; the rest, but for a gap, is the latencies': 46 of the usual 80.
+const STAGES: u16 = 32;
 
 const DIM: Style = Style::new().fg(Color::DarkGray);
 const BOLD: Style = Style::new().add_modifier(Modifier::BOLD);

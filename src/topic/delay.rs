@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use lariat_sink::{Figure, Step, Times};
+use lariat_sink::{Micros, Step, Times};
 use lariat_wire::{Rig, members};
 use serde::{Serialize, Serializer};
 
@@ -134,7 +134,7 @@ impl Meter for Delay {
             return Ok(serde_json::to_string(&figures)? + "\n");
         }
         let mut text = format!(
-            "{:<20}    p50    p90    p99  p99.9    max   of {} frames\n",
+            "{:<20}     p50     p90     p99   p99.9     max   of {} frames\n",
             "latency, µs", self.messages
         );
         for (step, times) in &self.steps {
@@ -154,14 +154,14 @@ impl Meter for Delay {
                 p999,
                 max,
             } = Percentiles::of(times);
-            let [p50, p90, p99, p999, max] = [p50, p90, p99, p999, max].map(Figure);
+            let [p50, p90, p99, p999, max] = [p50, p90, p99, p999, max].map(Micros);
             let label = format!("{indent}{label}");
-            text += &format!("{label:<20} {p50:>6} {p90:>6} {p99:>6} {p999:>6} {max:>6}\n");
+            text += &format!("{label:<20} {p50:>7} {p90:>7} {p99:>7} {p999:>7} {max:>7}\n");
         }
         if let Some(us) = clock_bound_us(rig) {
             text += &format!(
-                "± {} µs of clock: a bridge brings this rig from another machine\n",
-                Figure(Some(us))
+                "± {} of clock: a bridge brings this rig from another machine\n",
+                Micros(Some(us)).named()
             );
         }
         text.push('\n');

@@ -3,9 +3,11 @@
 mod json;
 mod text;
 
+use std::io::IsTerminal;
 use std::time::Duration;
 
 use anyhow::Result;
+use lariat_chain::layout;
 use lariat_wire::Rig;
 
 use super::ChannelName;
@@ -18,6 +20,8 @@ pub(super) struct Echo {
     json: bool,
     /// How many more are to be printed; `None`: as many as come.
     left: Option<u64>,
+    /// Low confidence is yellow.
+    has_colours: bool,
 }
 
 impl Echo {
@@ -26,6 +30,7 @@ impl Echo {
             channel,
             json,
             left: most,
+            has_colours: layout::has_colours(std::io::stdout().is_terminal()),
         }
     }
 }
@@ -47,7 +52,8 @@ impl Meter for Echo {
         if self.json {
             json::line(self.channel.as_str(), message)
         } else {
-            Ok(text::paragraph(self.channel.as_str(), message))
+            let channel = self.channel.as_str();
+            Ok(text::paragraph(channel, message, self.has_colours))
         }
     }
 

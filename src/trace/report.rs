@@ -2,6 +2,7 @@
 
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::trace::frames::Shown;
+use lariat_chain::confidence;
 use lariat_chain::doubts;
 use lariat_chain::layout::{self, Column, hanging};
 use lariat_extract::{Crossing, CrossingSequence, Scene};
@@ -202,11 +203,12 @@ pub(super) struct Table {
     table: layout::Table,
     has_heading: bool,
     width: usize,
+    has_colours: bool,
 }
 
 impl Table {
-    /// `unit`: of the fit's errors.
-    pub(super) fn new(images: &[PathBuf], unit: &'static str) -> Self {
+    /// `unit`: of the fit's errors. `has_colours`: low confidence is yellow.
+    pub(super) fn new(images: &[PathBuf], unit: &'static str, has_colours: bool) -> Self {
         let names = images
             .iter()
             .map(|path| path.to_string_lossy().chars().count());
@@ -215,23 +217,24 @@ impl Table {
             Column::words("image").wide(names.max().unwrap_or(0)),
             Column::figures("size")
                 .wide("4096×3072".chars().count())
-                .rank(3),
+                .rank(4),
             Column::figures("rope"),
             Column::words("status").wide("doubtful".len()),
-            Column::figures("sure %").rank(4),
+            Column::figures("conf."),
             Column::figures("long px").wide("1234.5".len()),
             Column::figures("wide px"),
-            Column::figures("crossings").rank(1),
+            Column::figures("crossings").rank(2),
             Column::figures("points"),
             Column::words("fit").wide("coarse".len()),
             Column::figures(format!("rms {unit}")),
-            Column::figures(format!("max {unit}")),
-            Column::figures("ms").wide("1234.5".len()).rank(2),
+            Column::figures(format!("max {unit}")).rank(1),
+            Column::figures("ms").wide("1234.5".len()).rank(3),
         ];
         Self {
             table: layout::Table::new(columns, width),
             has_heading: false,
             width,
+            has_colours,
         }
     }
 
@@ -256,24 +259,29 @@ impl Table {
         for curve in &report.curves {
             // A picture is named once.
             let [name, size, time] = std::mem::take(&mut first);
-            let row = self.table.row([
-                name,
-                size,
-                curve.track.to_string(),
-                curve.status.to_owned(),
-                format!("{:.0}", 100.0 * curve.confidence),
-                format!("{:.1}", curve.length_px),
-                format!("{:.1}", curve.width_px),
-                report.crossings_of(curve.track).to_string(),
-                curve.descriptor.control_points.len().to_string(),
-                curve
-                    .descriptor
-                    .quality
-                    .map_or("", |quality| quality.fit)
-                    .to_owned(),
-                format!("{:.2}", curve.descriptor.rms),
-                format!("{:.2}", curve.descriptor.max),
-                time,
+            let is_doubted = self.has_colours && confidence::is_low(curve.confidence);
+            let paint: Option<layout::Paint> = is_doubted.then_some(layout::yellow);
+            let row = self.table.painted_row([
+                (name, None),
+                (size, None),
+                (curve.track.to_string(), None),
+                (curve.status.to_owned(), None),
+                (format!("{:.2}", curve.confidence), paint),
+                (format!("{:.1}", curve.length_px), None),
+                (format!("{:.1}", curve.width_px), None),
+                (report.crossings_of(curve.track).to_string(), None),
+                (curve.descriptor.control_points.len().to_string(), None),
+                (
+                    curve
+                        .descriptor
+                        .quality
+                        .map_or("", |quality| quality.fit)
+                        .to_owned(),
+                    None,
+                ),
+                (format!("{:.2}", curve.descriptor.rms), None),
+                (format!("{:.2}", curve.descriptor.max), None),
+                (time, None),
             ]);
             output.write_all(row.as_bytes())?;
             if !curve.crossing_sequence.is_empty() {

@@ -40,7 +40,7 @@ static void read_rope(const lariat_descriptor *rope, uint64_t at) {
     U64(rope->track, at);
     U64(rope->status, at + 4);
     U64(rope->basis, at + 8);
-    U64(rope->order, at + 12);
+    U64(rope->degree, at + 12);
     U64(rope->count, at + 16);
     U64(rope->samples, at + 20);
     U64(rope->closed, at + 24);

@@ -67,7 +67,7 @@ static void ask_a_curve(void) {
     static lariat_descriptor rope;
     double a[2], matrix[36], shares[3], points[2 * 5], covariance[3], nearest[4];
     rope.basis = LARIAT_BASIS_BEZIER;
-    rope.order = 2;
+    rope.degree = 2;
     rope.count = 3;
     rope.samples = 120;
     rope.control_points[1][0] = 50;
@@ -99,7 +99,7 @@ static void ask_a_curve_in_space(void) {
     double a[3], shares[3], points[3 * 5], nearest[5];
     rope.place = LARIAT_PLACE_KNOWN;
     rope.basis = LARIAT_BASIS_BEZIER;
-    rope.order = 2;
+    rope.degree = 2;
     rope.count = 3;
     rope.samples = 120;
     rope.control_points[1][0] = rope.control_points[1][1] = 50;

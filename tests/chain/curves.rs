@@ -8,14 +8,24 @@ fn every_basis_and_option_describes_the_rope() {
     let requests: [(&[&str], f64); 12] = [
         (&[], 0.5),
         (&["--filter"], 0.5),
-        (&["--order", "8"], 1.0),
-        (&["--order", "auto"], 1.0),
-        (&["--order", "12", "--solver", "qr", "--pin-ends"], 0.5),
-        (&["--order", "12", "--robust"], 0.5),
-        (&["--order", "12", "--rho", "measured"], 0.5),
-        (&["--order", "12", "--filter"], 0.5),
+        (&["--control-points", "9"], 1.0),
+        (&["--control-points", "auto"], 1.0),
         (
-            &["--basis", "bspline", "--order", "12", "--knots", "averaged"],
+            &["--control-points", "13", "--solver", "qr", "--pin-ends"],
+            0.5,
+        ),
+        (&["--control-points", "13", "--robust"], 0.5),
+        (&["--control-points", "13", "--rho", "measured"], 0.5),
+        (&["--control-points", "13", "--filter"], 0.5),
+        (
+            &[
+                "--basis",
+                "bspline",
+                "--control-points",
+                "13",
+                "--knots",
+                "averaged",
+            ],
             0.5,
         ),
         (&["--basis", "rational"], 0.5),
@@ -87,12 +97,12 @@ fn a_curve_that_cannot_be_is_refused_before_anything_starts() {
     let bench = Bench::new();
     for (flags, why) in [
         (
-            &["--order", "31", "--points", "32"][..],
-            "choose a Bezier curve of order 27",
+            &["--control-points", "32", "--points", "32"][..],
+            "choose a Bezier curve of 28 control points",
         ),
         (
-            &["--basis", "auto", "--order", "8"],
-            "\"auto\" chooses the order itself",
+            &["--basis", "auto", "--control-points", "9"],
+            "\"auto\" chooses the control points itself",
         ),
         (&["--filter", "--basis", "rational"], "their weights change"),
         (

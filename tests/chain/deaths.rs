@@ -104,7 +104,7 @@ fn a_chain_that_is_told_to_end_before_it_is_up_ends_in_order() {
     for more in [&[][..], &["--fuse"]] {
         let bench = Bench::new();
         let mut process = bench
-            .command(&[&["run", "-v", "--order", "5"], more].concat())
+            .command(&[&["run", "-v", "--control-points", "6"], more].concat())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

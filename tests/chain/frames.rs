@@ -101,8 +101,8 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
         &frames,
         "--out",
         "out",
-        "--order",
-        "8",
+        "--control-points",
+        "9",
     ];
     let chain = bench.start(&[&arguments, options].concat());
     let mut library = Library::new();

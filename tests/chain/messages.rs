@@ -49,12 +49,22 @@ fn messages_and_the_live_line_never_share_a_line_of_the_terminal() {
 #[test]
 fn what_a_stage_said_before_it_died_comes_before_what_is_said_of_its_end() {
     let bench = Bench::new();
-    let mut chain = bench.start(&["-v", "--fps", "100", "--duration", "60", "--order", "5"]);
+    let mut chain = bench.start(&[
+        "-v",
+        "--fps",
+        "100",
+        "--duration",
+        "60",
+        "--control-points",
+        "6",
+    ]);
     chain.wait_for_frames();
     chain.signal_stage(2, Signal::KILL);
     let ended = chain.end();
     let all = ended.introduction + &ended.stderr;
-    let said = all.find("fit: fit.order = 5").expect("said by fit");
+    let said = all
+        .find("fit: fit.control_points = 6")
+        .expect("said by fit");
     let judged = all.find("lariat: fit was killed").expect("said of fit");
     assert!(said < judged, "{all}");
     bench.assert_nothing_is_left();

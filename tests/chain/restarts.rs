@@ -274,7 +274,7 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
     );
     chain.wait_for_frames();
     let set = |changes: &[&str]| bench.run(&[&["set"], changes].concat());
-    let said = set(&["fit.order=6", "extract.min_confidence=0.25"]);
+    let said = set(&["fit.control_points=7", "extract.min_confidence=0.25"]);
     let text = String::from_utf8_lossy(&said.stdout).into_owned();
     assert!(said.status.success(), "{said:?}");
     assert!(
@@ -288,19 +288,20 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
             let message = frame.message()?;
             (message.trace.settings == version).then(|| {
                 let curve = message.curves()[0];
-                (curve.order, message.centerlines[0].points().len())
+                (curve.degree, message.centerlines[0].points().len())
             })
         })
     };
     // A reader of a lossless chain is waited for: it is there for as long as it looks.
-    let (order, _) = wait_for_version(1);
-    assert_eq!(order, 6);
-    assert!(set(&["fit.order=4"]).status.success());
+    let (degree, _) = wait_for_version(1);
+    assert_eq!(degree, 6);
+    assert!(set(&["fit.control_points=5"]).status.success());
     assert_eq!(wait_for_version(2).0, 4);
     // What makes no sense leaves all as it is, and says why.
     for (change, code, why) in [
-        ("fit.order=99", 2, "order"),
-        ("fit.odrer=9", 2, "did you mean fit.order?"),
+        ("fit.control_points=100", 2, "control_points"),
+        ("fit.order=6", 2, "write fit.control_points=7"),
+        ("fit.degre=9", 2, "did you mean fit.degree?"),
         (
             "run.rig=other",
             1,
@@ -316,7 +317,7 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
     let holds = String::from_utf8(set(&[]).stdout).unwrap();
     assert!(holds.starts_with("# lariat settings 2\n"), "{holds}");
     assert!(
-        holds.contains("order = 4\n") && holds.contains("min_confidence = 0.25\n"),
+        holds.contains("control_points = 5\n") && holds.contains("min_confidence = 0.25\n"),
         "{holds}"
     );
     chain.signal_chain(Signal::TERM);
@@ -333,21 +334,21 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
 fn a_settings_file_that_is_edited_holds_at_once_if_it_is_watched() {
     let bench = Bench::new();
     let file = bench.path("lariat.toml");
-    fs::write(&file, "[fit]\norder = 5\n").unwrap();
+    fs::write(&file, "[fit]\ncontrol_points = 6\n").unwrap();
     let mut chain = start(&bench, &["--watch", "--fps", "100"]);
     chain.wait_for_frames();
     let mut reader = reader(&bench);
-    let mut order_is = |order: u32| {
-        wait_for("the order", || {
+    let mut degree_is = |degree: u32| {
+        wait_for("the degree", || {
             let frame = reader.latest().unwrap();
             let curve = frame.message()?.curves().first()?;
-            (curve.order == order).then_some(())
+            (curve.degree == degree).then_some(())
         });
     };
-    order_is(5);
-    fs::write(&file, "[fit]\norder = \"many\"\n").unwrap();
-    fs::write(&file, "[fit]\norder = 7\n[capture]\nseed = 90\n").unwrap();
-    order_is(7);
+    degree_is(5);
+    fs::write(&file, "[fit]\ncontrol_points = \"many\"\n").unwrap();
+    fs::write(&file, "[fit]\ncontrol_points = 8\n[capture]\nseed = 90\n").unwrap();
+    degree_is(7);
     wait_for("capture", || another(&bench, "capture", chain.ids[0]));
     drop(reader);
     chain.signal_chain(Signal::TERM);
@@ -423,7 +424,7 @@ fn a_stage_is_started_anew_when_that_is_asked_for() {
     // Who computes the recording again goes on after each as the chain did.
     let check = bench.run(&["replay", "run.mcap", "--check"]);
     assert_same_to_the_bit(&check);
-    let nobody = bench.run(&["set", "fit.order=3"]);
+    let nobody = bench.run(&["set", "fit.control_points=4"]);
     assert_eq!(nobody.status.code(), Some(1));
     let text = String::from_utf8_lossy(&nobody.stderr);
     assert!(text.contains("no chain runs on rig default"), "{text}");

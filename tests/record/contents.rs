@@ -19,7 +19,13 @@ fn a_lossless_recording_holds_every_frame_and_all_that_was_made_of_it() {
     let bench = Bench::new();
     let frames = FRAMES.to_string();
     let flags = ["run", "--lossless", "--fps", "max", "--frames", &frames];
-    let ended = bench.run(&[&flags[..], &["--record", "run.mcap", "--order", "6"]].concat());
+    let ended = bench.run(
+        &[
+            &flags[..],
+            &["--record", "run.mcap", "--control-points", "7"],
+        ]
+        .concat(),
+    );
     let said = String::from_utf8_lossy(&ended.stderr);
     assert!(ended.status.success(), "{said}");
     assert!(
@@ -38,7 +44,7 @@ fn a_lossless_recording_holds_every_frame_and_all_that_was_made_of_it() {
     let offset_ns: i64 = recording.about["monotonic_to_wall_ns"].parse().unwrap();
     let settings = String::from_utf8(recording.attachments[0].1.clone()).unwrap();
     assert_eq!(recording.attachments[0].0, "lariat.toml");
-    assert!(settings.contains("order = 6"), "{settings}");
+    assert!(settings.contains("control_points = 7"), "{settings}");
     compare_with_the_libraries(&recording, offset_ns);
     bench.assert_nothing_is_left();
 }

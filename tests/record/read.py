@@ -79,7 +79,7 @@ def spline(control, degree, inner, count):
 def along(shape, control, count):
     """Points of an open rope's curve at even parameters."""
     check(shape.basis in (BEZIER, B_SPLINE), f"the curve's basis is {shape.basis}")
-    return bezier(control, count) if shape.basis == BEZIER else spline(control, shape.order, shape.knots, count)
+    return bezier(control, count) if shape.basis == BEZIER else spline(control, shape.degree, shape.knots, count)
 
 
 def distances(points, line):

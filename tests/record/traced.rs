@@ -75,7 +75,7 @@ fn of_chain(curve: &Descriptor) -> Vec<f64> {
     let numbers = plain.into_iter().chain(rest);
     let numbers = numbers.chain(curve.control_points().as_flattened().iter().copied());
     let thousandths = numbers.map(|x| (x * 1e3).round() / 1e3 + 0.0);
-    [curve.track, curve.status, curve.fit, curve.order]
+    [curve.track, curve.status, curve.fit, curve.degree]
         .map(f64::from)
         .into_iter()
         .chain([curve.age_ns as f64 / 1e6])
@@ -104,7 +104,7 @@ fn of_trace(curve: &Value) -> Vec<f64> {
     [number(&curve["track"])]
         .into_iter()
         .chain(named)
-        .chain([number(&descriptor["order"]), number(&curve["age_ms"])])
+        .chain([number(&descriptor["degree"]), number(&curve["age_ms"])])
         .chain(names.map(|name| number(&descriptor[name])))
         .chain([number(&descriptor["worst_widths"])])
         .chain(points.into_iter().flatten())

@@ -165,11 +165,18 @@ fn a_recording_that_was_cut_off_is_checked_up_to_there() {
 #[test]
 fn a_comparison_shows_what_a_setting_changes() {
     let place = Place::new();
-    let comparison = place.json(&["replay", GOLDEN, "--compare", "--order", "2", "--json"]);
+    let comparison = place.json(&[
+        "replay",
+        GOLDEN,
+        "--compare",
+        "--control-points",
+        "3",
+        "--json",
+    ]);
     let rms = |of: &str| comparison[of]["rms"].as_f64().unwrap();
     assert!(rms("now") > rms("recorded"));
     assert_eq!(comparison["against"], "truth");
-    std::fs::write(place.path("new.toml"), "[fit]\norder = 6\n").unwrap();
+    std::fs::write(place.path("new.toml"), "[fit]\ncontrol_points = 7\n").unwrap();
     let table = place.printed(&["replay", GOLDEN, "--compare", "--config", "new.toml"]);
     assert!(table.starts_with("43 frames\n"), "{table}");
     assert!(table.contains("curve from the truth, mean, px"), "{table}");
@@ -188,7 +195,7 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
         (&["replay", "text.mcap", "--check"], "this is no recording"),
         (&["info", "text.mcap"], "this is no recording"),
         (
-            &["replay", GOLDEN, "--check", "--order", "6"],
+            &["replay", GOLDEN, "--check", "--control-points", "7"],
             "a check uses the settings of the recording",
         ),
         (

@@ -450,16 +450,16 @@ def parameters():
         names = answer(client.list_parameters([], 0)).result.names
         assert len(answer(client.get_parameters(names)).values) == len(names) > 20
         assert value("extract.points") == 120 and value("fit.filter") is False, (value("extract.points"), value("fit.filter"))
-        for name, wanted in (("fit.order", 6), ("fit.filter", True), ("fit.order", "auto"), ("fit.order", 6)):
+        for name, wanted in (("fit.control_points", 7), ("fit.filter", True), ("fit.control_points", "auto"), ("fit.control_points", 7)):
             said = results(name, wanted)
             assert said.successful and value(name) == wanted, (name, wanted, said)
         echo = [LARIAT, "topic", "echo", "descriptors", "--once", "--json", "--rig", rig.name]
-        order = lambda: json.loads(subprocess.run(echo, check=True, capture_output=True, text=True, timeout=30).stdout)["curves"][0]["order"]
-        rig.until(lambda: order() == 6, "curves of the order that was set")
-        for name, wrong, word in (("fit.order", 99, "31"), ("fit.ordre", 6, "fit.order"), ("run.hang_s", 3.0, "lariat set"), ("fit.order", "6\nfit.filter=false", "one line"), ("fit.order", None, "not deleted")):
+        degree = lambda: json.loads(subprocess.run(echo, check=True, capture_output=True, text=True, timeout=30).stdout)["curves"][0]["degree"]
+        rig.until(lambda: degree() == 6, "curves with the control points that were set")
+        for name, wrong, word in (("fit.control_points", 99, "32"), ("fit.degre", 6, "fit.degree"), ("run.hang_s", 3.0, "lariat set"), ("fit.control_points", "7\nfit.filter=false", "one line"), ("fit.control_points", None, "not deleted")):
             said = results(name, wrong)
             assert not said.successful and word in said.reason, (name, wrong, said)
-            assert value("fit.order") == 6
+            assert value("fit.control_points") == 7
         subprocess.run([LARIAT, "set", "--rig", rig.name, "extract.ropes=2"], check=True, capture_output=True, timeout=30)
         rig.until(lambda: value("extract.ropes") == 2, "what was set elsewhere")
         print("parameters: the chain takes what is set, refuses what is wrong with its own words, and what it is told elsewhere is seen")

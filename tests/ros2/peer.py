@@ -48,17 +48,17 @@ def near(a, b, what, tolerance=1e-6):
 
 def curve(rope, rho):
     """The point of a rope's B-spline at `rho`, by de Boor's algorithm, or of its Bezier curve, which has no inner knots."""
-    order, points = rope["order"], rope["control_points"]
-    knots = [0.0] * (order + 1) + rope.get("knots", []) + [1.0] * (order + 1)
-    assert len(knots) == len(points) + order + 1
-    span = max(i for i in range(order, len(points)) if knots[i] <= rho or i == order)
-    near_points = [points[span - order + j] for j in range(order + 1)]
-    for level in range(1, order + 1):
-        for j in range(order, level - 1, -1):
-            left, right = knots[span - order + j], knots[span + 1 + j - level]
+    degree, points = rope["degree"], rope["control_points"]
+    knots = [0.0] * (degree + 1) + rope.get("knots", []) + [1.0] * (degree + 1)
+    assert len(knots) == len(points) + degree + 1
+    span = max(i for i in range(degree, len(points)) if knots[i] <= rho or i == degree)
+    near_points = [points[span - degree + j] for j in range(degree + 1)]
+    for level in range(1, degree + 1):
+        for j in range(degree, level - 1, -1):
+            left, right = knots[span - degree + j], knots[span + 1 + j - level]
             share = (rho - left) / (right - left)
             near_points[j] = [(1 - share) * a + share * b for a, b in zip(near_points[j - 1], near_points[j])]
-    return near_points[order]
+    return near_points[degree]
 
 
 def direction(rope, end):

@@ -47,7 +47,7 @@ FAULTS = {"kill": 5, "stop": 2, "hang": 1, "set": 3, "restart": 3, "edit": 2, "r
 # All leave the curve as near to the rope as it is, so that errors can be compared with those of a run without.
 CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.tolerance=0.05", "fit.tolerance=0.06",
            "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
-REFUSED = ["fit.order=99", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]
+REFUSED = ["fit.control_points=100", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]
 SETTINGS = """\
 [run]
 max_restarts = 1000
@@ -64,7 +64,7 @@ seed = 1
 stiffness = {stiffness}
 [fit]
 # An order that is chosen depends on when a rope was seen.
-order = 10
+control_points = 11
 """
 # How long after a fault the chain may still be at it.
 CALM_AFTER_S = 2.0

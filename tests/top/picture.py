@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A terminal's screen as an SVG picture, with its colours: the picture of `lariat top` in the README.
 
-    lariat run --fps 60 --rig arm --basis bspline --order 12 --realtime &
+    lariat run --fps 60 --rig arm --basis bspline --control-points 13 --realtime &
     tmux -u new-session -d -x 80 -y 27 'lariat top'; sleep 10
     tmux capture-pane -ep | tests/top/picture.py > docs/top.svg
 

@@ -122,7 +122,7 @@ fn a_line_has_the_keys_that_were_promised() {
         ),
         (
             &curve["descriptor"],
-            "basis condition control_points fit knots length max noise_gain order residual_variance rms rms_widths unit \
+            "basis condition control_points degree fit knots length max noise_gain residual_variance rms rms_widths unit \
              worst_widths",
         ),
     ];
@@ -154,7 +154,7 @@ fn a_rope_is_traced_and_described() {
         [&descriptor["basis"], &descriptor["fit"]],
         ["bspline", "good"]
     );
-    assert_eq!(descriptor["order"], 3);
+    assert_eq!(descriptor["degree"], 3);
     let control_points = points(&descriptor["control_points"]);
     let knots = descriptor["knots"].as_array().unwrap();
     let knots: Vec<f64> = knots.iter().map(|knot| knot.as_f64().unwrap()).collect();
@@ -175,7 +175,14 @@ fn the_descriptor_is_what_lariat_fit_makes_of_the_points() {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
     let args = [
-        "wave.png", "--json", "--order", "5", "--points", "60", "--solver", "qr",
+        "wave.png",
+        "--json",
+        "--control-points",
+        "6",
+        "--points",
+        "60",
+        "--solver",
+        "qr",
     ];
     let output = trace(&folder, &args).output().unwrap();
     let report = &lines(&output.stdout)[0];
@@ -440,14 +447,14 @@ fn colours_and_limits_come_from_the_settings_file() {
 }
 
 #[test]
-fn an_order_that_cannot_be_is_refused_before_the_first_picture() {
+fn a_number_of_control_points_that_cannot_be_is_refused_before_the_first_picture() {
     let folder = TempDir::new().unwrap();
-    let output = trace(&folder, &["missing.png", "--order", "40"])
+    let output = trace(&folder, &["missing.png", "--control-points", "41"])
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(
         String::from_utf8(output.stderr).unwrap(),
-        "lariat: --order: 40: choose a whole number from 1 to 31\n"
+        "lariat: --control-points: 41: choose a whole number from 2 to 32\n"
     );
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use lariat_sink::Figure as Digits;
+use lariat_sink::{Figure as Digits, Micros};
 
 use lariat_chain::layout::{self, Column, Table, hanging};
 
@@ -55,14 +55,15 @@ fn whole(plan: &Plan) -> String {
         let timed = |item: &&Item| item.group == group && item.times.is_some();
         for item in plan.items.iter().filter(timed) {
             let cell = |name| Digits(item.median(name)).to_string();
+            let time = |name| Micros(item.median(name)).to_string();
             let mut row = vec![
                 format!("  {}", item.title),
-                cell("p50_us"),
+                time("p50_us"),
                 half_spread(item),
             ];
-            row.extend(["p99_us", "p999_us", "max_us"].map(cell));
+            row.extend(["p99_us", "p999_us", "max_us"].map(time));
             if group != Group::Floor && item.figure("overhead_p50_us").is_some() {
-                row.extend(["overhead_p50_us", "overhead_p99_us"].map(cell));
+                row.extend(["overhead_p50_us", "overhead_p99_us"].map(time));
             }
             if group == Group::Chain {
                 row.extend(["overhead_to_floor_p50", "overhead_to_floor_p99"].map(cell));
@@ -80,7 +81,7 @@ fn half_spread(item: &Item) -> String {
         || "–".to_owned(),
         |figure| {
             let (low, high) = figure.range();
-            Digits(Some((high - low) / 2.0)).to_string()
+            Micros(Some((high - low) / 2.0)).to_string()
         },
     )
 }
@@ -105,6 +106,7 @@ fn pieces(plan: &Plan) -> String {
     let has_stages = |item: &&Item| item.figure("extract_p50_us").is_some();
     for item in plan.items.iter().filter(has_stages) {
         let cell = |name| Digits(item.median(name)).to_string();
+        let time = |name| Micros(item.median(name)).to_string();
         let count = |name: &str| {
             let total = item
                 .figure(name)
@@ -122,7 +124,7 @@ fn pieces(plan: &Plan) -> String {
                 "wait_sink_p50_us",
                 "jitter_p99_us",
             ]
-            .map(cell),
+            .map(time),
         );
         row.extend([
             count("lost"),

@@ -98,7 +98,7 @@ fn write(rate: f64, ended: &AtomicBool) -> Result<()> {
 /// A wavy rope of order 8.
 fn rope() -> Descriptor {
     let mut rope = Descriptor::EMPTY;
-    (rope.order, rope.count, rope.samples) = (8, 9, 120);
+    (rope.degree, rope.count, rope.samples) = (8, 9, 120);
     for (j, point) in rope.control_points[..9].iter_mut().enumerate() {
         let t = j as f64 / 8.0;
         *point = [100.0 + 400.0 * t, 240.0 + 100.0 * (7.0 * t).sin()];

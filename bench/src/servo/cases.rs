@@ -28,7 +28,7 @@ const GAIN: f64 = 3.0;
 const EXTRACT: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
 /// A target is so many numbers, and the rope as many from image to image: the paper's curve, unless a case names another.
-const FIT: &str = "[fit]\norder = 8\n";
+const FIT: &str = "[fit]\ncontrol_points = 9\n";
 /// A basis by its name.
 const BSPLINE: &str = "bspline";
 /// When a hand comes, in seconds: on the way to the target, which most reach after three.
@@ -208,10 +208,10 @@ impl Case {
             ..varied(Group::Occlusion, "a hand for a second".into(), None)
         });
         for (name, flags) in [
-            ("Bezier, order 4", &["--order", "4"][..]),
-            ("Bezier, order 6", &["--order", "6"]),
-            ("Bezier, order 8", &["--order", "8"]),
-            ("Bezier, order 12", &["--order", "12"]),
+            ("Bezier, order 4", &["--control-points", "5"][..]),
+            ("Bezier, order 6", &["--control-points", "7"]),
+            ("Bezier, order 8", &["--control-points", "9"]),
+            ("Bezier, order 12", &["--control-points", "13"]),
             ("B-spline", &["--basis", BSPLINE]),
         ] {
             let varied = varied(Group::OrderAndBasis, name.into(), None);

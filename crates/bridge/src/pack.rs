@@ -377,7 +377,7 @@ pub(crate) mod tests {
             .zip(&mut message.centerlines)
             .take(ropes as usize)
         {
-            (curve.track, curve.basis, curve.order, curve.count) =
+            (curve.track, curve.basis, curve.degree, curve.count) =
                 (of.next() as u32 % 9, Basis::BSpline as u32, 3, 9);
             (curve.samples, curve.status, curve.fit) = (120, Status::Partial as u32, 1);
             (curve.rms, curve.max, curve.length, curve.width) = (0.27, 0.74, of.coordinate(), 12.3);

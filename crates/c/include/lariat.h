@@ -131,16 +131,16 @@
 // Seen whole, but it may be no rope: a shadow, a pen, an edge.
 #define LARIAT_STATUS_DOUBTFUL 4
 
-// Bernstein polynomials of degree `order` (lariat_descriptor.basis).
+// Bernstein polynomials of this `degree` (lariat_descriptor.basis).
 #define LARIAT_BASIS_BEZIER 1
 
-// Clamped B-spline of degree `order`; its inner knots are in the message.
+// Clamped B-spline of this `degree`; its inner knots are in the message.
 #define LARIAT_BASIS_BSPLINE 2
 
-// Rational Bernstein functions of degree `order`.
+// Rational Bernstein functions of this `degree`.
 #define LARIAT_BASIS_RATIONAL 3
 
-// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
+// A truncated Fourier series of `degree` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
 #define LARIAT_BASIS_FOURIER 4
 
 // Points of the centerline at even steps of arc length, joined by straight lines: no curve.
@@ -260,8 +260,8 @@ typedef struct lariat_descriptor {
   uint32_t status;
   // A LARIAT_BASIS_…
   uint32_t basis;
-  // Degree of the curve; of a Fourier series the number of its harmonics.
-  uint32_t order;
+  // Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+  uint32_t degree;
   // How many control points are meant; what lies behind them in the arrays is stale.
   uint32_t count;
   // How many points of the centerline were fitted: N.
@@ -300,7 +300,7 @@ typedef struct lariat_descriptor {
   double covariances[LARIAT_MAX_CONTROL_POINTS][3];
   // Velocity of each control point, in units a second; 0 where they are not filtered.
   double velocities[LARIAT_MAX_CONTROL_POINTS][2];
-  // The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+  // The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
   double knots[LARIAT_MAX_CONTROL_POINTS];
 } lariat_descriptor;
 
@@ -394,8 +394,8 @@ typedef struct lariat_descriptor3 {
   uint32_t place;
   // A LARIAT_BASIS_…
   uint32_t basis;
-  // Degree of the curve; of a Fourier series the number of its harmonics.
-  uint32_t order;
+  // Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+  uint32_t degree;
   // How many control points are meant; 0 where there is no shape.
   uint32_t count;
   // How many points of the centerline were fitted: N.
@@ -432,7 +432,7 @@ typedef struct lariat_descriptor3 {
   double covariances[LARIAT_MAX_CONTROL_POINTS][6];
   // Velocity of each control point, mm/s; 0 where they are not filtered.
   double velocities[LARIAT_MAX_CONTROL_POINTS][3];
-  // The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+  // The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
   double knots[LARIAT_MAX_CONTROL_POINTS];
   // The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
   float points[LARIAT_MAX_POINTS][3];

@@ -40,13 +40,13 @@ pub const LARIAT_STATUS_LOST: u32 = 3;
 /// Seen whole, but it may be no rope: a shadow, a pen, an edge.
 pub const LARIAT_STATUS_DOUBTFUL: u32 = 4;
 
-/// Bernstein polynomials of degree `order` (lariat_descriptor.basis).
+/// Bernstein polynomials of this `degree` (lariat_descriptor.basis).
 pub const LARIAT_BASIS_BEZIER: u32 = 1;
-/// Clamped B-spline of degree `order`; its inner knots are in the message.
+/// Clamped B-spline of this `degree`; its inner knots are in the message.
 pub const LARIAT_BASIS_BSPLINE: u32 = 2;
-/// Rational Bernstein functions of degree `order`.
+/// Rational Bernstein functions of this `degree`.
 pub const LARIAT_BASIS_RATIONAL: u32 = 3;
-/// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
+/// A truncated Fourier series of `degree` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
 pub const LARIAT_BASIS_FOURIER: u32 = 4;
 /// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
 pub const LARIAT_BASIS_POINTS: u32 = 5;
@@ -122,8 +122,8 @@ pub struct lariat_descriptor {
     pub status: u32,
     /// A LARIAT_BASIS_…
     pub basis: u32,
-    /// Degree of the curve; of a Fourier series the number of its harmonics.
-    pub order: u32,
+    /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+    pub degree: u32,
     /// How many control points are meant; what lies behind them in the arrays is stale.
     pub count: u32,
     /// How many points of the centerline were fitted: N.
@@ -162,7 +162,7 @@ pub struct lariat_descriptor {
     pub covariances: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
     /// Velocity of each control point, in units a second; 0 where they are not filtered.
     pub velocities: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
-    /// The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+    /// The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
 }
 
@@ -214,8 +214,8 @@ pub struct lariat_descriptor3 {
     pub place: u32,
     /// A LARIAT_BASIS_…
     pub basis: u32,
-    /// Degree of the curve; of a Fourier series the number of its harmonics.
-    pub order: u32,
+    /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+    pub degree: u32,
     /// How many control points are meant; 0 where there is no shape.
     pub count: u32,
     /// How many points of the centerline were fitted: N.
@@ -252,7 +252,7 @@ pub struct lariat_descriptor3 {
     pub covariances: [[f64; 6]; LARIAT_MAX_CONTROL_POINTS],
     /// Velocity of each control point, mm/s; 0 where they are not filtered.
     pub velocities: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
-    /// The inner knots of a B-spline, `count - order - 1` of them, ascending within 0 and 1; outside stand `order + 1` times 0 and as many times 1.
+    /// The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
     /// The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
     pub points: [[f32; 3]; LARIAT_MAX_POINTS],
@@ -278,7 +278,7 @@ same_layout!(lariat_descriptor, wire::Descriptor:
     track = track,
     status = status,
     basis = basis,
-    order = order,
+    degree = degree,
     count = count,
     samples = samples,
     closed = closed,
@@ -318,7 +318,7 @@ same_layout!(lariat_descriptor3, wire::Descriptor3:
     status = status,
     place = place,
     basis = basis,
-    order = order,
+    degree = degree,
     count = count,
     samples = samples,
     closed = closed,

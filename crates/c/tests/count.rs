@@ -28,7 +28,7 @@ fn written(place: &mut [f64], answer: impl FnOnce(*mut f64) -> c_int) -> usize {
 fn a_count_that_changes_while_it_is_read_is_one_of_the_two() {
     let mut rope = Box::new(Descriptor {
         basis: Basis::BSpline as u32,
-        order: 3,
+        degree: 3,
         count: COUNTS[0],
         samples: 40,
         ..Descriptor::EMPTY

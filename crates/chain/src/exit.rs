@@ -78,7 +78,9 @@ mod tests {
     #[test]
     fn wrong_use_is_known_under_any_context_and_other_failures_are_not() {
         assert!(is_wrong_use(&refused().unwrap_err()));
-        assert!(is_wrong_use(&refused().context("of --order").unwrap_err()));
+        assert!(is_wrong_use(
+            &refused().context("of --control-points").unwrap_err()
+        ));
         assert!(is_wrong_use(&Problems::default().into()));
         let rig = "Not A Name".parse::<lariat_wire::Rig>().unwrap_err();
         assert!(is_wrong_use(&rig.into()));

@@ -3,7 +3,7 @@
 //! Where standard output is no terminal a line has 80 columns, or as many as `COLUMNS` says: what people read in a pipe or
 //! a log is as narrow, and programs have `--json`.
 
-use crate::messages::is_terminal;
+use crate::messages;
 use rustix::termios::tcgetwinsize;
 use std::borrow::Cow;
 use std::io::stdout;
@@ -25,10 +25,15 @@ pub fn width() -> usize {
     said.or_else(seen).unwrap_or(USUAL_WIDTH).max(LEAST_WIDTH)
 }
 
-/// Whether colours may be written to standard error.
-pub fn has_colours() -> bool {
+/// Returns true if colours may be written to a stream: it ends on a terminal, and `NO_COLOR` is not set.
+pub fn has_colours(is_terminal: bool) -> bool {
     let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|text| !text.is_empty());
-    is_terminal() && !is_unwanted
+    is_terminal && !is_unwanted
+}
+
+/// Text in yellow, for a terminal.
+pub fn yellow(text: &str) -> String {
+    format!("\x1b[33m{text}\x1b[0m")
 }
 
 /// A paragraph in lines of at most `width` columns, if its words let it.
@@ -38,7 +43,7 @@ pub fn wrapped(text: &str, width: usize) -> String {
 
 /// What is said on standard error: its long lines are folded where that is a terminal, which would break them within words.
 pub fn said(text: &str) -> Cow<'_, str> {
-    if !is_terminal() {
+    if !messages::is_terminal() {
         return text.into();
     }
     let width = width();
@@ -146,6 +151,9 @@ impl Column {
     }
 }
 
+/// Colours a text, as [`yellow`] does.
+pub type Paint = fn(&str) -> String;
+
 /// A table whose lines are written one by one, fitted to a width.
 #[derive(Debug)]
 pub struct Table {
@@ -206,10 +214,21 @@ impl Table {
 
     /// One row.
     pub fn row<T: AsRef<str>>(&self, cells: impl IntoIterator<Item = T>) -> String {
+        self.painted_row(cells.into_iter().map(|cell| (cell, None)))
+    }
+
+    /// One row with painted cells. Colours do not count towards a cell's width.
+    pub fn painted_row<T: AsRef<str>>(
+        &self,
+        cells: impl IntoIterator<Item = (T, Option<Paint>)>,
+    ) -> String {
         let cells = self.columns.iter().zip(cells).zip(&self.is_shown);
         let shown = cells.filter(|(_, is_shown)| **is_shown);
         let cells: Vec<String> = shown
-            .map(|((column, cell), _)| column.cell(cell.as_ref()))
+            .map(|((column, (cell, paint)), _)| {
+                let cell = column.cell(cell.as_ref());
+                paint.map_or(cell.clone(), |paint| paint(&cell))
+            })
             .collect();
         let gap = " ".repeat(Self::GAP);
         cells.join(&gap).trim_end().to_owned() + "\n"
@@ -262,6 +281,15 @@ mod tests {
             assert_eq!(lines.split_whitespace().collect::<Vec<_>>().join(" "), text);
         }
         assert_eq!(wrapped("unbreakable", 3), "unbreakable");
+    }
+
+    #[test]
+    fn a_painted_cell_has_the_width_of_a_plain_one() {
+        let columns = vec![Column::figures("conf.").wide(6), Column::words("status")];
+        let table = Table::new(columns, 80);
+        let painted = table.painted_row([("0.31", Some(yellow as Paint)), ("ok", None)]);
+        assert_eq!(painted, "\x1b[33m  0.31\x1b[0m  ok\n");
+        assert_eq!(table.row(["0.31", "ok"]), "  0.31  ok\n");
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //! | [`recorded`] | recordings, frame by frame |
 //! | [`canvas`] | lines drawn over pictures |
 //! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
-//! | [`layout`], [`messages`], [`doubts`], [`exit`] | what is said on a terminal, by which process, and the exit code |
+//! | [`layout`], [`confidence`], [`messages`], [`doubts`], [`exit`] | what is said on a terminal, by which process, and the exit code |
 
 /// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
 #[macro_export]
@@ -36,6 +36,7 @@ macro_rules! eprint {
 pub mod bounded;
 pub mod calibrated;
 pub mod canvas;
+pub mod confidence;
 pub mod control;
 pub mod doubts;
 pub mod exit;

@@ -167,10 +167,16 @@ impl Basis {
 }
 
 impl fmt::Display for Basis {
-    /// As a sentence has it: "a Bezier curve of order 8".
+    /// As a sentence has it: "a Bezier curve of 9 control points".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Bezier { order } => write!(f, "a Bezier curve of order {order}"),
+            Self::Bezier { order } => {
+                write!(
+                    f,
+                    "a Bezier curve of {} control points",
+                    order.saturating_add(1)
+                )
+            }
             Self::BSpline {
                 degree,
                 control_points,
@@ -180,7 +186,11 @@ impl fmt::Display for Basis {
                 "a B-spline of degree {degree} with {control_points} control points"
             ),
             Self::RationalBezier { order } => {
-                write!(f, "a rational Bezier curve of order {order}")
+                write!(
+                    f,
+                    "a rational Bezier curve of {} control points",
+                    order.saturating_add(1)
+                )
             }
             Self::Fourier { harmonics: 1 } => write!(f, "a Fourier series of 1 harmonic"),
             Self::Fourier { harmonics } => write!(f, "a Fourier series of {harmonics} harmonics"),

@@ -30,8 +30,8 @@ pub enum FitterError {
     },
     /// Fewer points than control points.
     #[error(
-        "{points} points cannot fix the {} control points of {basis}: give at least {} points{}",
-        basis.control_points(), basis.control_points(), or_choose(*.nearest)
+        "{points} points cannot fix {basis}: give at least {} points{}",
+        basis.control_points(), or_choose(*.nearest)
     )]
     TooFewPoints {
         /// The points asked for.

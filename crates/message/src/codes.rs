@@ -209,13 +209,13 @@ codes! {
 codes! {
     /// The functions a descriptor's control points weigh.
     Basis {
-        /// Bernstein polynomials of degree `order`.
+        /// Bernstein polynomials of this `degree`.
         Bezier = 1 "bezier",
-        /// Clamped B-spline of degree `order`; its inner knots are in the message.
+        /// Clamped B-spline of this `degree`; its inner knots are in the message.
         BSpline = 2 "bspline",
-        /// Rational Bernstein functions of degree `order`.
+        /// Rational Bernstein functions of this `degree`.
         RationalBezier = 3 "rational",
-        /// A truncated Fourier series of `order` harmonics, for closed shapes: the control points are its coefficients
+        /// A truncated Fourier series of `degree` harmonics, for closed shapes: the control points are its coefficients
         /// `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
         Fourier = 4 "fourier",
         /// Points of the centerline at even steps of arc length, joined by straight lines: no curve.

@@ -51,7 +51,7 @@ fn set(rig: &Rig, name: &str, value: &ParameterValue) -> Result<()> {
     let change = format!("{name}={}", text(value)?);
     ensure!(
         !change.contains(char::is_control),
-        "a setting is one line, such as fit.order=6"
+        "a setting is one line, such as fit.control_points=7"
     );
     ask(rig.as_str(), &Asked::Set(vec![change]))?;
     Ok(())

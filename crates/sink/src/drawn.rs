@@ -20,7 +20,7 @@ pub fn points_along(descriptor: &Descriptor, points: &mut [[f64; 2]]) -> bool {
 /// The curve that a descriptor means, if it means one. `knots` is room for a B-spline's.
 fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option<Curve<'a>> {
     let control_points = descriptor.control_points();
-    let (count, order) = (control_points.len(), descriptor.order as usize);
+    let (count, order) = (control_points.len(), descriptor.degree as usize);
     let mut weights: &[f64] = &[];
     let mut total = 0;
     let basis = match descriptor.basis()? {

@@ -34,6 +34,53 @@ impl fmt::Display for Unpadded {
     }
 }
 
+/// From this many microseconds on, a time is given in milliseconds: a figure in microseconds has at most five digits.
+const IN_MS_FROM_US: f64 = 1e5;
+
+/// A time in a table of microseconds: a [`Figure`] of at most six characters. From 100,000 µs on it is in milliseconds, from
+/// a second on in seconds, and names that unit: `373`, `50400`, `134 ms`, `1.58 s`.
+#[derive(Debug, Clone, Copy)]
+pub struct Micros(pub Option<f64>);
+
+impl Micros {
+    /// The same in a sentence, where microseconds are named, too: `373 µs`.
+    pub fn named(self) -> impl fmt::Display {
+        Named(self)
+    }
+
+    /// The number and its unit, if that is not microseconds.
+    fn scaled(self) -> (Figure, &'static str) {
+        let in_unit = |unit_us| Figure(self.0.map(|us| us / unit_us));
+        // As the figure is rounded: 99,960 µs are 100 ms.
+        match self.0.map(|us| us * (1.0 + 0.5e-3)) {
+            Some(us) if us >= 1e6 => (in_unit(1e6), " s"),
+            Some(us) if us >= IN_MS_FROM_US => (in_unit(1e3), " ms"),
+            _ => (in_unit(1.0), ""),
+        }
+    }
+}
+
+impl fmt::Display for Micros {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = Short::default();
+        let (figure, unit) = self.scaled();
+        text.write_fmt(format_args!("{figure}{unit}"))?;
+        f.pad(text.as_str())
+    }
+}
+
+struct Named(Micros);
+
+impl fmt::Display for Named {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (figure, unit) = self.0.scaled();
+        let unit = if unit.is_empty() { " µs" } else { unit };
+        let mut text = Short::default();
+        text.write_fmt(format_args!("{figure}{unit}"))?;
+        f.pad(text.as_str())
+    }
+}
+
 /// A number's text on the stack, so that it can be padded without an allocation. The longest finite f64 has 309 digits
 /// before the point; what does not fit is not a figure.
 struct Short {
@@ -81,6 +128,32 @@ mod tests {
         assert_eq!(shown(99.96), "100");
         assert_eq!(shown(1234.5), "1230");
         assert_eq!(shown(123_456.0), "123000");
+    }
+
+    #[test]
+    fn a_long_time_names_its_unit_and_no_time_is_wider_than_six_characters() {
+        let shown = |us| Micros(Some(us)).to_string();
+        assert_eq!(shown(0.0), "0");
+        assert_eq!(shown(372.9), "373");
+        assert_eq!(shown(99_900.0), "99900");
+        assert_eq!(shown(99_960.0), "100 ms");
+        assert_eq!(shown(134_200.0), "134 ms");
+        assert_eq!(shown(998_000.0), "998 ms");
+        assert_eq!(shown(999_600.0), "1.00 s");
+        assert_eq!(shown(1_580_000.0), "1.58 s");
+        assert_eq!(shown(1e8), "100 s");
+        for exponent in 0..=320 {
+            let us = 10f64.powf(f64::from(exponent) / 40.0);
+            assert!(shown(us).chars().count() <= 6, "{us}: {}", shown(us));
+        }
+        assert_eq!(format!("[{:>6}]", Micros(None)), "[     –]");
+    }
+
+    #[test]
+    fn in_a_sentence_every_time_has_its_unit() {
+        assert_eq!(Micros(Some(263.4)).named().to_string(), "263 µs");
+        assert_eq!(Micros(Some(134_200.0)).named().to_string(), "134 ms");
+        assert_eq!(format!("{:>7}", Micros(None).named()), "   – µs");
     }
 
     #[test]

@@ -45,7 +45,7 @@ mod times;
 mod truth;
 
 pub use drawn::points_along;
-pub use figure::Figure;
+pub use figure::{Figure, Micros};
 pub use losses::{Arrival, Ledger, Restarts};
 pub use machine::Machine;
 pub use options::{DepthCounts, FinalCounts, Options};

@@ -1,7 +1,7 @@
 //! How it goes just now, in one line.
 
 use crate::error::Comparison;
-use crate::figure::Figure;
+use crate::figure::{Figure, Micros};
 use crate::losses::Ledger;
 use crate::times::Times;
 use std::fmt::Write;
@@ -102,10 +102,10 @@ impl Live {
         // Writing to a string does not fail.
         let _ = write!(
             self.line,
-            "{:>5}/s  p50 {:>5}  p99 {:>5} µs  {} received, {} lost  {} {}",
+            "{:>5}/s  p50 {:>8}  p99 {:>8}  {} received, {} lost  {} {}",
             Figure(figures.frames_per_s),
-            Figure(figures.p50_us),
-            Figure(figures.p99_us),
+            Micros(figures.p50_us).named(),
+            Micros(figures.p99_us).named(),
             ledger.received_count(),
             ledger.lost().total(),
             self.curves,
@@ -140,7 +140,7 @@ mod tests {
         let error = Comparison::new();
         assert_eq!(
             live.line(7, &ledger, &error),
-            "    –/s  p50     –  p99     – µs  0 received, 0 lost  0 curves"
+            "    –/s  p50     – µs  p99     – µs  0 received, 0 lost  0 curves"
         );
         for number in 1..=100 {
             receive(&mut live, &mut ledger, number, number * 10_000_000);
@@ -148,7 +148,7 @@ mod tests {
         let line = live.line(1_000_000_007, &ledger, &error).to_owned();
         assert_eq!(
             line,
-            "  100/s  p50   500  p99   500 µs  100 received, 0 lost  1 curve"
+            "  100/s  p50   500 µs  p99   500 µs  100 received, 0 lost  1 curve"
         );
         // In the middle of the next second the figures stand, and the counts go on.
         receive(&mut live, &mut ledger, 102, 1_020_000_000);
@@ -164,6 +164,6 @@ mod tests {
         receive(&mut live, &mut ledger, 1, 10);
         live.line(1_000_000_000, &ledger, &error);
         let line = live.line(2_000_000_000, &ledger, &error);
-        assert!(line.starts_with("    0/s  p50     –  "), "{line}");
+        assert!(line.starts_with("    0/s  p50     – µs  "), "{line}");
     }
 }

@@ -1,6 +1,6 @@
 //! The slowest frames of a run, one by one: where the time of each went.
 
-use crate::figure::Figure;
+use crate::figure::Micros;
 use crate::latency::{Latency, Row};
 use crate::passage::Passage;
 use crate::saved::{RestoreError, Saved, Saving, sound};
@@ -53,7 +53,7 @@ impl Slowest {
     pub(crate) fn table(&self, latency: &Latency, start_ns: u64) -> Result<String, fmt::Error> {
         let mut passages = self.passages.clone();
         passages.sort_unstable_by_key(|kept| (Reverse(total_ns(kept)), kept.trace.sequence));
-        let us = |ns: u64| Figure(Some(ns as f64 / 1e3));
+        let us = |ns: u64| Micros(Some(ns as f64 / 1e3));
         let mut text = String::new();
         writeln!(
             text,
@@ -83,7 +83,7 @@ impl Slowest {
                 .skip(1)
                 .max_by(|a, b| beyond_ns(a).total_cmp(&beyond_ns(b)));
             if let Some(step) = most {
-                let half = Figure(Some(median_ns(step) / 1e3));
+                let half = Micros(Some(median_ns(step) / 1e3));
                 write!(text, "  {}: half take {half} at most", step.label())?;
             }
             writeln!(text)?;

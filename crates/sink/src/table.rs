@@ -1,15 +1,20 @@
 //! The table at a run's end: the whole way first, then its pieces in their order, then what was lost, late and wrong.
 
 use crate::error::Comparison;
-use crate::figure::Figure;
+use crate::figure::{Figure, Micros};
 use crate::latency::Row;
 use crate::report::Report;
 use crate::step::Step;
 use crate::summary::{Distances, Summary};
 use std::fmt::{Formatter, Result, Write};
 
-/// Width of the bar that stands for the whole way, in characters: with it a line has 80.
+/// The table of latencies is as wide as a usual terminal, so its columns of figures and its bar share these characters.
+const FIGURES_AND_BAR: usize = 5 * 7 + BAR;
+/// Width of the bar that stands for the whole way, where no figure names its unit.
 const BAR: usize = 12;
+
+/// The columns of a row of times.
+const QUANTILES: [f64; 5] = [0.5, 0.9, 0.99, 0.999, 1.0];
 
 pub(crate) fn write(report: &Report, f: &mut Formatter<'_>) -> Result {
     heading(report, f)?;
@@ -44,9 +49,11 @@ fn heading(report: &Report, f: &mut Formatter<'_>) -> Result {
 
 fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     let period_ns = report.facts.period_ns.filter(|period_ns| *period_ns > 0);
+    let width = column_width(report, Step::ALL.map(Row::Way));
+    let bar_width = FIGURES_AND_BAR - QUANTILES.len() * width;
     write!(f, "{:<20}", "latency, µs")?;
     for column in ["p50", "p90", "p99", "p99.9", "max"] {
-        write!(f, " {column:>6}")?;
+        write!(f, "{column:>width$}")?;
     }
     if period_ns.is_some() {
         write!(f, "  p50/period")?;
@@ -61,13 +68,13 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
             _ => "  ",
         };
         let label = format!("{indent}{}", step.label());
-        spread(report, row, &label, f)?;
+        spread(report, row, &label, width, f)?;
         let median = median_us(report, row);
         if let (Some(period_ns), Some(median)) = (period_ns, median) {
             write!(f, "{:>10.2} %", 1e5 * median / period_ns as f64)?;
         }
         if let (Some(whole), Some(median)) = (whole, median) {
-            bar(median / whole, f)?;
+            bar(median / whole, bar_width, f)?;
         }
         writeln!(f)?;
     }
@@ -94,9 +101,9 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     if let Some(period) = period.filter(|&period| slowest > period) {
         return writeln!(
             f,
-            "what limits it: {stage} takes {} µs a frame, and one comes every {} µs",
-            Figure(Some(slowest)),
-            Figure(Some(period))
+            "what limits it: {stage} takes {} a frame, and one comes every {}",
+            Micros(Some(slowest)).named(),
+            Micros(Some(period)).named()
         );
     }
     let waits = [
@@ -119,21 +126,31 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     let (most, name) = most.unwrap_or(pieces[0]);
     writeln!(
         f,
-        "what limits it: {name}, {} of {} µs;\n{stage} could do {} frames/s",
-        Figure(Some(most)),
-        Figure(Some(whole)),
+        "what limits it: {name}, {} of {};\n{stage} could do {} frames/s",
+        Micros(Some(most)).named(),
+        Micros(Some(whole)).named(),
         Figure(Some(1e6 / slowest.max(0.001)))
     )
 }
 
-/// A row's label and its five figures.
-fn spread(report: &Report, row: Row, label: &str, f: &mut Formatter<'_>) -> Result {
+/// A row's label and its five figures, each in a column of this width.
+fn spread(report: &Report, row: Row, label: &str, width: usize, f: &mut Formatter<'_>) -> Result {
     write!(f, "{label:<20}")?;
-    for quantile in [0.5, 0.9, 0.99, 0.999, 1.0] {
+    for quantile in QUANTILES {
         let us = report.latency.row(row).quantile_us(quantile);
-        write!(f, " {:>6}", Figure(us))?;
+        write!(f, "{:>width$}", Micros(us))?;
     }
     Ok(())
+}
+
+/// Width of the columns of figures of these rows: two spaces stand before the longest one, and at least one.
+fn column_width(report: &Report, rows: impl IntoIterator<Item = Row>) -> usize {
+    let longest = rows.into_iter().flat_map(|row| {
+        let figures = QUANTILES.map(|q| Micros(report.latency.row(row).quantile_us(q)));
+        figures.map(|figure| figure.to_string().chars().count())
+    });
+    let longest = longest.max().unwrap_or(0);
+    (longest + 2).max(7)
 }
 
 fn median_us(report: &Report, row: Row) -> Option<f64> {
@@ -141,8 +158,8 @@ fn median_us(report: &Report, row: Row) -> Option<f64> {
 }
 
 /// A bar of eighths of a character.
-fn bar(share: f64, f: &mut Formatter<'_>) -> Result {
-    let eighths = (share.clamp(0.0, 1.0) * BAR as f64 * 8.0).round() as usize;
+fn bar(share: f64, width: usize, f: &mut Formatter<'_>) -> Result {
+    let eighths = (share.clamp(0.0, 1.0) * width as f64 * 8.0).round() as usize;
     if eighths > 0 {
         f.write_char(' ')?;
     }
@@ -228,7 +245,11 @@ fn deadline(report: &Report, f: &mut Formatter<'_>) -> Result {
             "deadline",
         )?;
     }
-    spread(report, Row::Jitter, "period jitter, µs", f)?;
+    let width = column_width(
+        report,
+        Step::ALL.map(Row::Way).into_iter().chain([Row::Jitter]),
+    );
+    spread(report, Row::Jitter, "period jitter, µs", width, f)?;
     writeln!(f, "\n")
 }
 

@@ -68,16 +68,22 @@ export function showRopes(said) {
 function ropeItem(rope, unit) {
   const swatch = element("span", { className: "swatch" });
   swatch.style.borderColor = color(rope.track);
-  const sure = element("i");
-  sure.style.width = `${100 * rope.confidence}%`;
-  const order = rope.basis === "points" || rope.basis === "mass" ? rope.basis : `${rope.basis} ${rope.order}`;
+  const curve = `${rope.basis}, ${rope.control_points} control points`;
   const fit = rope.coarse ? "coarse" : `rms ${digits(rope.rms)}`;
   const status = rope.status === "lost" ? `lost for ${rope.age_s.toFixed(1)} s` : rope.status ?? "?";
   return element("li", {},
     swatch,
-    element("span", {}, `${rope.track}  ${status}`, element("span", { className: "what", textContent: `  ${order}, ${fit} ${rope.coarse ? "" : unit}` })),
+    element("span", {}, `${rope.track}  ${status}`, element("span", { className: "what", textContent: `  ${curve}, ${fit} ${rope.coarse ? "" : unit}` })),
     element("span", { textContent: `${digits(rope.length)} ${unit}` }),
-    element("span", { className: "sure", title: `confidence ${rope.confidence}` }, sure));
+    confidence(rope.confidence));
+}
+
+/** The confidence as a bar and a number; it stands out where the rope is rather wrong than right. */
+function confidence(value) {
+  const bar = element("i");
+  bar.style.width = `${100 * value}%`;
+  return element("span", { className: value >= 0.5 ? "confidence" : "confidence low", title: "confidence, 0 to 1" },
+    element("span", {}, bar), element("b", { textContent: (value ?? NaN).toFixed(2) }));
 }
 
 /** The line at the top, of the moment that is shown and the rate. */

@@ -14,7 +14,7 @@ const SETTINGS = [
   ] },
   { title: "Curve", of: [
     { name: "fit.basis", label: "Basis", choice: ["auto", "bezier", "bspline", "rational", "points", "mass"] },
-    { name: "fit.order", label: "Order", from: 1, to: 20, step: 1 },
+    { name: "fit.control_points", label: "Control points", from: 2, to: 21, step: 1 },
     { name: "fit.tolerance", label: "Tolerance", unit: "widths", from: 0.01, to: 1, step: 0.01 },
     { name: "fit.tolerance_px", label: "Tolerance of wide ropes", unit: "px", from: 0.25, to: 10, step: 0.25 },
     { name: "fit.robust", label: "Far points weigh less", toggle: true },

@@ -8,9 +8,10 @@ export function time(us) {
   return `${digits(us / 1e6)} s`;
 }
 
-/** The same without its unit, in µs. */
+/** The same in a table of µs: without its unit below 100,000 µs. */
 export function micros(us) {
-  return us == null ? "–" : digits(us);
+  if (us == null) return "–";
+  return us < 1e5 ? digits(us) : time(us);
 }
 
 /** A number with three digits. */

@@ -440,7 +440,7 @@ fn rope(descriptor: &Descriptor) -> Rope {
         status: descriptor.status(),
         is_closed: descriptor.closed != 0,
         basis: descriptor.basis().map_or("?", Basis::name),
-        order: descriptor.order,
+        control_point_count: descriptor.count,
         length: descriptor.length,
         rms: descriptor.rms,
         confidence: descriptor.confidence,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use lariat_sink::Step;
+use lariat_sink::{Micros, Step};
 use lariat_wire::{Trace, WireError};
 use serde::Serialize;
 
@@ -253,7 +253,8 @@ fn limit(steps: &[StepRow]) -> Option<String> {
         true => ("waiting for the next stage", wait),
         false => (longest.step.label(), longest.p50),
     };
-    Some(format!("{name}, {us:.0} of {:.0} µs", whole.p50))
+    let [us, whole_us] = [us, whole.p50].map(|us| Micros(Some(us)).named());
+    Some(format!("{name}, {us} of {whole_us}"))
 }
 
 #[cfg(test)]
@@ -280,11 +281,11 @@ mod tests {
             row(Step::Extract, 200.0),
             row(Step::WaitFit, 150.0),
         ];
-        assert_eq!(limit(&steps).as_deref(), Some("extract, 200 of 500 µs"));
+        assert_eq!(limit(&steps).as_deref(), Some("extract, 200 µs of 500 µs"));
         steps.push(row(Step::WaitExtract, 90.0));
         assert_eq!(
             limit(&steps).as_deref(),
-            Some("waiting for the next stage, 240 of 500 µs")
+            Some("waiting for the next stage, 240 µs of 500 µs")
         );
         assert_eq!(limit(&[]), None);
     }

@@ -119,7 +119,10 @@ fn check(changes: &[String]) -> Result<()> {
     let is_line = changes
         .iter()
         .all(|change| !change.contains(char::is_control));
-    ensure!(is_line, "a change is one line, such as fit.order=6");
+    ensure!(
+        is_line,
+        "a change is one line, such as fit.control_points=7"
+    );
     Ok(())
 }
 

@@ -107,8 +107,8 @@ pub struct Rope {
     pub is_closed: bool,
     /// The kind of its curve.
     pub basis: &'static str,
-    /// The curve's degree.
-    pub order: u32,
+    /// The number of the curve's control points, or of its coefficients.
+    pub control_point_count: u32,
     /// Arc length.
     pub length: f64,
     /// How far the curve lies from its points.

@@ -29,7 +29,7 @@ use inverse::Inverse;
 /// use lariat_wire::{Descriptor, Shape};
 ///
 /// let mut rope = Descriptor::EMPTY;
-/// (rope.order, rope.count, rope.samples) = (2, 3, 120);
+/// (rope.degree, rope.count, rope.samples) = (2, 3, 120);
 /// rope.control_points[..3].copy_from_slice(&[[0.0, 0.0], [50.0, 100.0], [100.0, 0.0]]);
 /// let shape = Shape::of(&rope)?;
 /// assert_eq!(shape.point_at(0.5), [50.0, 50.0]);
@@ -60,7 +60,7 @@ impl<'a> Shape<'a, 2> {
             [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
         let functions = Functions {
             basis: descriptor.basis(),
-            order: descriptor.order as usize,
+            degree: descriptor.degree as usize,
             weights: &descriptor.weights,
             knots: &descriptor.knots,
         };
@@ -124,7 +124,7 @@ impl<'a> Shape<'a, 3> {
         }
         let functions = Functions {
             basis: descriptor.basis(),
-            order: descriptor.order as usize,
+            degree: descriptor.degree as usize,
             weights: &descriptor.weights,
             knots: &descriptor.knots,
         };

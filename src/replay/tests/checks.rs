@@ -40,7 +40,7 @@ fn a_recording_comes_out_again_to_the_bit() {
         ("", "raw", Compression::None),
         (FILTERED, "png", Compression::Lz4),
         (
-            "[fit]\nbasis = \"rational\"\norder = 3\n",
+            "[fit]\nbasis = \"rational\"\ncontrol_points = 4\n",
             "raw",
             Compression::Zstd,
         ),
@@ -175,7 +175,7 @@ fn another_machine_may_round_otherwise_and_no_more() {
 fn what_begins_in_the_middle_of_a_run_is_compared_by_distance_only() {
     let made = Making {
         // How many are enough is asked of the first frame, which is another.
-        settings: "[fit]\norder = 7\n",
+        settings: "[fit]\ncontrol_points = 8\n",
         change: &|shot| {
             if shot.number < 4 {
                 (shot.centerlines, shot.descriptors) = (None, None);

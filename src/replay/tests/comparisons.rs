@@ -22,10 +22,10 @@ fn compare(made: &Making, flags: &[&str]) -> Comparison {
 #[test]
 fn the_same_settings_give_the_same_figures() {
     let made = Making {
-        settings: "[fit]\norder = 8\n",
+        settings: "[fit]\ncontrol_points = 9\n",
         ..Making::default()
     };
-    let comparison = compare(&made, &["--order=8"]);
+    let comparison = compare(&made, &["--control-points=9"]);
     let Comparison {
         against,
         frames,
@@ -48,7 +48,7 @@ fn a_lower_order_fits_worse_and_what_was_lost_is_not() {
         seen: |number| number % 3 != 0,
         ..Making::default()
     };
-    let comparison = compare(&lossy, &["--order=2"]);
+    let comparison = compare(&lossy, &["--control-points=3"]);
     let Comparison { recorded, now, .. } = &comparison;
     assert!(now.rms > recorded.rms);
     assert!(now.curve_px.mean > recorded.curve_px.mean);

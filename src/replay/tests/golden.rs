@@ -10,7 +10,7 @@ use std::path::Path;
 #[ignore = "it renews tests/recordings/rope.mcap, for when results are meant to change"]
 fn renew_the_golden_recording() {
     let made = Making {
-        settings: "[extract]\npoints = 60\n\n[fit]\norder = 8\nfilter = true\n",
+        settings: "[extract]\npoints = 60\n\n[fit]\ncontrol_points = 9\nfilter = true\n",
         compression: Compression::Zstd,
         render: RenderOptions {
             width: 144,

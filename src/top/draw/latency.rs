@@ -1,6 +1,6 @@
 //! How long a frame is under way, step by step, and how work and waiting share it.
 
-use lariat_sink::{Figure, Step};
+use lariat_sink::{Micros, Step};
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -12,7 +12,7 @@ use lariat_view::{StepRow, View};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let heading = format!(
-        "{:<18}{:>6}{:>6}{:>7}{:>7}",
+        "{:<18}{:>7}{:>7}{:>7}{:>7}",
         format!("µs, last {} s", view.window_s),
         "p50",
         "p90",
@@ -46,13 +46,13 @@ fn row(row: &StepRow) -> Line<'static> {
         step if step.is_wait() => "  ",
         _ => " ",
     };
-    let [p50, p90, p99, max] = [row.p50, row.p90, row.p99, row.max].map(|us| Figure(Some(us)));
+    let [p50, p90, p99, max] = [row.p50, row.p90, row.p99, row.max].map(|us| Micros(Some(us)));
     Line::from(vec![
         Span::styled(
             format!("{:<18}", format!("{indent}{}", row.step.label())),
             style(row.step),
         ),
-        Span::raw(format!("{p50:>6}{p90:>6}{p99:>7}{max:>7}")),
+        Span::raw(format!("{p50:>7}{p90:>7}{p99:>7}{max:>7}")),
     ])
 }
 

@@ -1,5 +1,6 @@
 //! The ropes themselves, in Braille: eight dots a character, so that a terminal of 80 columns is an image of 100 pixels.
 
+use lariat_chain::confidence;
 use lariat_sink::Figure;
 use lariat_wire::{Place, Status};
 use ratatui::Frame;
@@ -23,7 +24,7 @@ const COLORS: [Color; 6] = [
     Color::LightRed,
 ];
 /// Columns of the list beside the picture.
-const LIST: u16 = 26;
+const LIST: u16 = 30;
 /// Dots of a character, across and down.
 const DOTS: [f64; 2] = [2.0, 4.0];
 
@@ -121,38 +122,33 @@ fn color(rope: &Rope) -> Color {
     }
 }
 
-/// What is known of each rope: three lines each, four in space, or one if there are many.
+/// A line of headings, and below it three lines for each rope, four in space, or one if there are many.
 fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
     if shape.ropes.is_empty() {
         return vec![Line::styled("no rope", DIM)];
     }
     let in_space = shape.ropes.iter().filter(|rope| rope.in_space.is_some());
-    let is_short = shape.ropes.len() * 3 + in_space.count() > usize::from(height);
+    let is_short = 1 + shape.ropes.len() * 3 + in_space.count() > usize::from(height);
     let of_rope = |rope: &Rope| {
         let mut lines = vec![heading(rope)];
         if !is_short {
             let extent = if rope.is_closed { "closed" } else { "long" };
-            let unit = shape.unit;
-            lines.push(Line::raw(format!(
-                "  {:.1} {unit} {extent}, {}",
-                rope.length,
-                sure(rope)
-            )));
-            let rms = Figure(Some(rope.rms));
+            let (unit, rms) = (shape.unit, Figure(Some(rope.rms)));
+            let length = format!("  {:.1} {unit} {extent}, rms {rms}", rope.length);
+            lines.push(Line::raw(length));
+            let count = rope.control_point_count;
             lines.push(Line::styled(
-                format!("  {} {}, rms {rms} {unit}", rope.basis, rope.order),
+                format!("  {count} control points, {}", rope.basis),
                 DIM,
             ));
             lines.extend(rope.in_space.map(placed));
         }
         lines
     };
-    shape.ropes.iter().flat_map(of_rope).collect()
-}
-
-/// The confidence: 26 columns hold it beside a length of thousands.
-fn sure(rope: &Rope) -> String {
-    format!("{:.0} %", 100.0 * rope.confidence)
+    let headings = Line::styled("rope  conf.  status", DIM);
+    std::iter::once(headings)
+        .chain(shape.ropes.iter().flat_map(of_rope))
+        .collect()
 }
 
 /// Where it is in space, or why that is not known.
@@ -178,8 +174,13 @@ fn heading(rope: &Rope) -> Line<'static> {
         Some(Status::Lost) => format!("{name} for {:.1} s", rope.age_s),
         _ => name.to_owned(),
     };
+    let doubt = match confidence::is_low(rope.confidence.into()) {
+        true => DOUBTFUL,
+        false => Style::new(),
+    };
     let mut line = Line::from(vec![
-        Span::styled(format!("rope {}  ", rope.track), BOLD.fg(color(rope))),
+        Span::styled(format!("{:>4}", rope.track), BOLD.fg(color(rope))),
+        Span::styled(format!("  {:>5.2}  ", rope.confidence), doubt),
         Span::styled(word, style),
     ]);
     if rope.is_coarse {

@@ -12,7 +12,7 @@ use lariat_view::{StageRow, View};
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     let heading = format!(
-        "{:<8}{:>7}{:>7}{:>6}{:>6}",
+        "{:<8}{:>7}{:>6}{:>6}{:>5}",
         "stage", "pid", "CPU %", "MB", "/s"
     );
     let mut lines = vec![Line::styled(heading, DIM)];
@@ -42,9 +42,9 @@ fn stage(row: &StageRow) -> Line<'static> {
     Line::from(vec![
         Span::styled(format!("{:<8.8}", row.stage), BOLD),
         Span::raw(format!("{:>7}", row.pid)),
-        Span::styled(format!("{:>7}", tenth(row.cpu_percent)), cpu),
+        Span::styled(format!("{:>6}", tenth(row.cpu_percent)), cpu),
         Span::raw(format!("{:>6}", tenth(row.own_mb))),
-        Span::raw(format!("{:>6}", Figure(row.frames_per_s))),
+        Span::raw(format!("{:>5}", Figure(row.frames_per_s))),
     ])
 }
 
@@ -61,12 +61,12 @@ fn lost(view: &View) -> [Line<'static>; 2] {
         None => (
             &["at source", "→ extract", "→ fit"][..],
             &here[..],
-            &[10; 3][..],
+            &[10, 10, 8][..],
         ),
         Some(_) => (
             &["source", "extract", "fit", "here"][..],
             &far[..],
-            &[8, 8, 7, 7][..],
+            &[8, 8, 6, 6][..],
         ),
     };
     let heading = names.iter().zip(widths);

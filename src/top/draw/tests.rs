@@ -29,7 +29,7 @@ fn rope(track: u32, status: Status) -> Rope {
         track,
         status: Some(status),
         basis: "bezier",
-        order: 2,
+        control_point_count: 3,
         length: 761.23,
         rms: 0.456,
         confidence: 0.97,
@@ -116,11 +116,14 @@ fn more_room_is_the_picture_s() {
 }
 
 #[test]
-fn a_coarse_curve_and_a_doubtful_rope_stand_out() {
+fn a_coarse_curve_a_doubtful_rope_and_low_confidence_stand_out() {
     let mut view = view();
     let shape = view.shape.as_mut().expect("there");
     shape.ropes[0].is_coarse = true;
-    shape.ropes.push(rope(1, Status::Doubtful));
+    shape.ropes.push(Rope {
+        confidence: 0.31,
+        ..rope(1, Status::Doubtful)
+    });
     let mut terminal = Terminal::new(TestBackend::new(80, 24)).expect("memory");
     terminal
         .draw(|frame| super::draw(frame, &view))
@@ -131,7 +134,8 @@ fn a_coarse_curve_and_a_doubtful_rope_stand_out() {
         cells.map(|cell| cell.symbol()).collect::<String>()
     };
     assert!(colored(Color::Red).contains(", coarse"));
-    assert!(colored(Color::Yellow).contains("doubtful"));
+    assert!(colored(Color::Yellow).contains("0.31  doubtful"));
+    assert!(!colored(Color::Yellow).contains("0.97"));
 }
 
 #[test]
@@ -196,8 +200,8 @@ fn how_well_another_machine_s_clock_is_known_and_what_was_lost_on_the_way_is_tol
     view.lost.bridge = 208;
     let screen = screen(&view, 120, 24);
     assert!(screen.contains("± 41.6 µs of clock"));
-    assert!(screen.contains("source extract    fit   here"), "{screen}");
-    assert!(screen.contains("     0      12      0    208"), "{screen}");
+    assert!(screen.contains("source extract   fit  here"), "{screen}");
+    assert!(screen.contains("     0      12     0   208"), "{screen}");
 }
 
 #[test]

@@ -28,9 +28,10 @@ fn shape() -> Box<Descriptors> {
     let rope = &mut message.curves[0];
     *rope = Descriptor::EMPTY;
     (rope.track, rope.status) = (3, Status::Lost as u32);
-    (rope.basis, rope.order, rope.count) = (Basis::BSpline as u32, 1, 3);
+    (rope.basis, rope.degree, rope.count) = (Basis::BSpline as u32, 1, 3);
     (rope.samples, rope.rms, rope.max) = (120, 0.25, 0.1 + 0.2);
     (rope.border, rope.age_ns, rope.length) = (2, 1_500_000_000, 321.0);
+    rope.confidence = 0.25;
     rope.control_points[..3].copy_from_slice(&[[1.0, 2.0], [3.0, 4.5], [5.0, 6.0]]);
     rope.covariances[1] = [0.04, 0.0, 0.09];
     rope.knots[0] = 0.5;
@@ -124,7 +125,7 @@ fn a_centerline_is_told_with_what_is_hidden_of_it_and_where_it_crosses() {
         json!([[0.0, 0.0], [3.0, 4.0]])
     );
     assert_eq!(object["crossings"][0]["at"], json!([1.5, 2.0]));
-    let text = text::paragraph("centerlines", Any::Centerlines(&message));
+    let text = text::paragraph("centerlines", Any::Centerlines(&message), false);
     assert!(
         text.contains("2 points, 1 hidden\n    (0.0, 0.0) (3.0, 4.0)\n"),
         "{text}"
@@ -135,20 +136,33 @@ fn a_centerline_is_told_with_what_is_hidden_of_it_and_where_it_crosses() {
 #[test]
 fn as_text_a_rope_says_how_it_is_and_a_frame_without_one_that_it_has_none() {
     let mut message = shape();
-    let text = text::paragraph("descriptors", Any::Descriptors(&message));
+    let text = text::paragraph("descriptors", Any::Descriptors(&message), false);
     let expected = "descriptors: frame 12, exposed 5.000000 s; sent: captured 11, extracted 10,\n  fitted 9\n  \
          µs: capture 100, wait for extract 50.0, extract 200, wait for fit 30.0, fit\n    10.0\n  \
-         rope 3: lost for 1.50 s, its last end leaves the image; bspline of order 1,\n    coarse, 321.0 mm long, 0.0 wide\n    \
+         rope 3, confidence 0.25: lost for 1.50 s, its last end leaves the image;\n    bspline of degree 1, 3 control points, coarse, 321.0 mm long, 0.0 wide\n    \
          rms 0.250, max 0.300 mm of 120 points (0 hidden), condition 0, control\n      points known to 0.300 mm\n    \
          (1.0, 2.0) (3.0, 4.5) (5.0, 6.0)\n\n";
     assert_eq!(text, expected);
     message.count = 0;
-    let text = text::paragraph("descriptors", Any::Descriptors(&message));
+    let text = text::paragraph("descriptors", Any::Descriptors(&message), false);
     assert!(text.ends_with("  no rope\n\n"), "{text}");
     (message.width, message.count) = (0, 1);
-    let text = text::paragraph("descriptors", Any::Descriptors(&message));
+    let text = text::paragraph("descriptors", Any::Descriptors(&message), false);
     assert!(
-        text.contains("no image") && text.contains("rope 3: lost"),
+        text.contains("no image") && text.contains("rope 3, confidence 0.25: lost"),
         "{text}"
     );
+}
+
+#[test]
+fn low_confidence_is_yellow_where_colours_are_shown() {
+    let mut message = shape();
+    let shown = |message: &Descriptors, has_colours| {
+        text::paragraph("descriptors", Any::Descriptors(message), has_colours)
+    };
+    let low = "\x1b[33mconfidence 0.25\x1b[0m: lost";
+    assert!(shown(&message, true).contains(low));
+    assert!(!shown(&message, false).contains('\x1b'));
+    message.curves[0].confidence = 0.5;
+    assert!(!shown(&message, true).contains('\x1b'));
 }

@@ -1,16 +1,17 @@
 //! A message as a few lines to read.
 
-use lariat_sink::{Figure, Step};
+use lariat_sink::{Figure, Micros, Step};
 use lariat_wire::{
     Axes, Basis, Centerlines, Curve, Descriptor, Descriptors, Descriptors3, FitQuality,
     PixelFormat, Place, SourceKind, Status, Trace, Unit,
 };
 
 use crate::topic::probe::Any;
+use lariat_chain::confidence;
 use lariat_chain::layout::{self, flowed, hanging};
 
-/// The message as a paragraph, with an empty line behind it.
-pub(super) fn paragraph(channel: &str, message: Any) -> String {
+/// The message as a paragraph, with an empty line behind it. `has_colours`: low confidence is yellow.
+pub(super) fn paragraph(channel: &str, message: Any, has_colours: bool) -> String {
     let mut text = heading(channel, message.trace());
     match message {
         _ if message.is_blank() => text += "  no image: the source has none to give\n",
@@ -26,13 +27,13 @@ pub(super) fn paragraph(channel: &str, message: Any) -> String {
             );
             add(&sentence, 2, &mut text);
         }
-        Any::Centerlines(message) => centerlines(message, &mut text),
-        Any::Descriptors(message) => descriptors(message, &mut text),
-        Any::Descriptors3(message) => descriptors3(message, &mut text),
+        Any::Centerlines(message) => centerlines(message, has_colours, &mut text),
+        Any::Descriptors(message) => descriptors(message, has_colours, &mut text),
+        Any::Descriptors3(message) => descriptors3(message, has_colours, &mut text),
     }
     // What is known of ropes goes on without an image.
     if let (true, Any::Descriptors(message)) = (message.is_blank(), message) {
-        descriptors(message, &mut text);
+        descriptors(message, has_colours, &mut text);
     }
     text.push('\n');
     text
@@ -54,7 +55,7 @@ fn heading(channel: &str, trace: &Trace) -> String {
         .skip(2)
         .filter_map(|step| {
             let us = step.ns(trace, 0)? as f64 / 1e3;
-            Some(format!("{} {}", step.label(), Figure(Some(us))))
+            Some(format!("{} {}", step.label(), Micros(Some(us))))
         })
         .collect();
     let steps = format!("µs: {}", steps.join(", "));
@@ -72,12 +73,25 @@ fn add(sentence: &str, indent: usize, text: &mut String) {
     *text += &format!("{:indent$}{lines}\n", "");
 }
 
-fn centerlines(message: &Centerlines, text: &mut String) {
+/// A sentence about a rope, which begins with its number and its confidence.
+fn add_rope(track: u32, confidence: f32, sentence: &str, has_colours: bool, text: &mut String) {
+    let confidence_text = format!("confidence {confidence:.2}");
+    let head = format!("rope {track}, {confidence_text}: ");
+    let mut lines = String::new();
+    add(&(head + sentence), 2, &mut lines);
+    if has_colours && confidence::is_low(confidence.into()) {
+        // A line holds the head of a sentence: nothing has been folded before it.
+        lines = lines.replacen(&confidence_text, &layout::yellow(&confidence_text), 1);
+    }
+    *text += &lines;
+}
+
+fn centerlines(message: &Centerlines, has_colours: bool, text: &mut String) {
     if message.curves().is_empty() {
         *text += "  no rope\n";
     }
     for curve in message.curves() {
-        one_curve(curve, text);
+        one_curve(curve, has_colours, text);
     }
     for crossing in message.crossings() {
         let [x, y] = crossing.at;
@@ -93,12 +107,11 @@ fn centerlines(message: &Centerlines, text: &mut String) {
     }
 }
 
-fn one_curve(curve: &Curve, text: &mut String) {
+fn one_curve(curve: &Curve, has_colours: bool, text: &mut String) {
     let points = curve.points();
     let hidden = (0..points.len()).filter(|&i| curve.is_hidden(i)).count();
     let sentence = format!(
-        "rope {}: {}{}; {:.1} px long, {:.1} wide, {} points{}",
-        curve.track,
+        "{}{}; {:.1} px long, {:.1} wide, {} points{}",
         Status::word(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
         curve.length_px,
@@ -109,39 +122,38 @@ fn one_curve(curve: &Curve, text: &mut String) {
             hidden => format!(", {hidden} hidden"),
         }
     );
-    add(&sentence, 2, text);
+    add_rope(curve.track, curve.confidence, &sentence, has_colours, text);
     let as_f64 = points.iter().map(|point| point.map(f64::from));
     in_lines(as_f64, text);
 }
 
-fn descriptors(message: &Descriptors, text: &mut String) {
+fn descriptors(message: &Descriptors, has_colours: bool, text: &mut String) {
     if message.curves().is_empty() {
         *text += "  no rope\n";
     }
     let unit = Unit::word(message.unit);
     for curve in message.curves() {
-        one_descriptor(curve, &unit, text);
+        one_descriptor(curve, &unit, has_colours, text);
     }
 }
 
-fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
+fn one_descriptor(curve: &Descriptor, unit: &str, has_colours: bool, text: &mut String) {
     let name = Basis::word(curve.basis);
+    let count = curve.control_points().len();
     let judged = match curve.fit() {
         Some(FitQuality::NotJudged) => String::new(),
         _ => format!(", {}", FitQuality::word(curve.fit)),
     };
     let sentence = format!(
-        "rope {}: {}{}; {name} of order {}{judged}, {:.1} {unit} long, {:.1} wide",
-        curve.track,
+        "{}{}; {name} of degree {}, {count} control points{judged}, {:.1} {unit} long, {:.1} wide",
         Status::word(curve.status),
         more(curve.closed, curve.border, curve.age_ns),
-        curve.order,
+        curve.degree,
         curve.length,
         curve.width,
     );
-    add(&sentence, 2, text);
+    add_rope(curve.track, curve.confidence, &sentence, has_colours, text);
     let sigma = |[xx, _, yy]: [f64; 3]| (xx.max(yy)).max(0.0).sqrt();
-    let count = curve.control_points().len();
     let least_certain = curve.covariances[..count].iter().copied().map(sigma);
     let sentence = format!(
         "rms {}, max {} {unit} of {} points ({} hidden), condition {}, control points known to {} {unit}{}",
@@ -161,34 +173,34 @@ fn one_descriptor(curve: &Descriptor, unit: &str, text: &mut String) {
     in_lines(curve.control_points().iter().copied(), text);
 }
 
-fn descriptors3(message: &Descriptors3, text: &mut String) {
+fn descriptors3(message: &Descriptors3, has_colours: bool, text: &mut String) {
     if message.curves().is_empty() {
         *text += "  no rope\n";
     }
     let axes = Axes::word(message.axes);
     for curve in message.curves() {
-        let (track, status) = (curve.track, Status::word(curve.status));
+        let status = Status::word(curve.status);
+        let say = |sentence: &str, text: &mut String| {
+            add_rope(curve.track, curve.confidence, sentence, has_colours, text);
+        };
         let more = more(curve.closed, curve.border, curve.age_ns);
         if curve.control_points().is_empty() {
             let place = Place::word(curve.place);
-            add(
-                &format!("rope {track}: {status}{more}; in space: {place}"),
-                2,
-                text,
-            );
+            say(&format!("{status}{more}; in space: {place}"), text);
             continue;
         }
         let sentence = format!(
-            "rope {track}: {status}{more}; {} of order {}, {}, {:.1} mm long, {:.1} wide, {} of {} points measured, {axes} axes",
+            "{status}{more}; {} of degree {}, {} control points, {}, {:.1} mm long, {:.1} wide, {} of {} points measured, {axes} axes",
             Basis::word(curve.basis),
-            curve.order,
+            curve.degree,
+            curve.control_points().len(),
             Place::word(curve.place),
             curve.length,
             curve.width,
             curve.measured,
             curve.points().len(),
         );
-        add(&sentence, 2, text);
+        say(&sentence, text);
         in_lines(curve.control_points().iter().copied(), text);
     }
 }

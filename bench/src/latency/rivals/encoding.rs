@@ -198,7 +198,7 @@ pub(super) fn put_descriptors(bytes: &mut Vec<u8>, message: &Descriptors) {
             curve.track,
             curve.status,
             curve.basis,
-            curve.order,
+            curve.degree,
             curve.count,
         ];
         for number in numbers {
@@ -217,7 +217,7 @@ pub(super) fn take_descriptors(bytes: &[u8], message: &mut Descriptors) {
     message.count = numbers.u32().min(MAX_CURVES as u32);
     for curve in &mut message.curves[..message.count as usize] {
         (curve.track, curve.status) = (numbers.u32(), numbers.u32());
-        (curve.basis, curve.order) = (numbers.u32(), numbers.u32());
+        (curve.basis, curve.degree) = (numbers.u32(), numbers.u32());
         curve.count = numbers.u32().min(MAX_CONTROL_POINTS as u32);
         let count = curve.count as usize;
         curve.control_points[..count].fill_with(|| [numbers.f64(), numbers.f64()]);
@@ -270,7 +270,7 @@ mod tests {
     fn descriptors_and_frames_come_out_as_they_went_in() {
         let mut sent = Box::new(Descriptors::EMPTY);
         (sent.trace, sent.width, sent.count) = (trace(), 640, 2);
-        (sent.curves[1].order, sent.curves[1].count) = (8, 9);
+        (sent.curves[1].degree, sent.curves[1].count) = (8, 9);
         sent.curves[1].control_points[..9].fill([0.1, 0.2]);
         let mut bytes = Vec::new();
         put_descriptors(&mut bytes, &sent);

@@ -168,7 +168,7 @@ mod tests {
     fn said(track: u32, [from, to]: [f64; 2], beside_mm: f64) -> Descriptor3 {
         let mut one = Descriptor3::EMPTY;
         (one.track, one.place, one.status) = (track, Place::Known as u32, Status::Ok as u32);
-        (one.order, one.count, one.samples) = (1, 2, 9);
+        (one.degree, one.count, one.samples) = (1, 2, 9);
         let at = |share: f64| [from + share * (to - from), beside_mm, 500.0];
         one.control_points[..2].copy_from_slice(&[at(0.0), at(1.0)]);
         for k in 0..9 {

@@ -16,7 +16,7 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
     (message.width, message.height, message.count) = (1280, 1024, 1);
     message.unit = Unit::Pixel as u32;
     let (curve, line) = (&mut message.curves[0], &mut message.centerlines[0]);
-    (curve.track, curve.basis, curve.order, curve.count) = (0, Basis::BSpline as u32, 3, 9);
+    (curve.track, curve.basis, curve.degree, curve.count) = (0, Basis::BSpline as u32, 3, 9);
     (curve.samples, curve.status, curve.fit) = (120, Status::Ok as u32, FitQuality::Good as u32);
     (
         curve.rms,
@@ -54,7 +54,7 @@ pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
     message.count = MAX_CURVES as u32;
     let lists = message.curves.iter_mut().zip(&mut message.centerlines);
     for (at, (curve, line)) in lists.enumerate() {
-        (curve.track, curve.basis, curve.order) = (at as u32, Basis::BSpline as u32, 3);
+        (curve.track, curve.basis, curve.degree) = (at as u32, Basis::BSpline as u32, 3);
         (curve.count, curve.samples) = (MAX_CONTROL_POINTS as u32, MAX_POINTS as u32);
         (curve.status, curve.fit) = (Status::Ok as u32, FitQuality::Good as u32);
         for i in 0..MAX_CONTROL_POINTS {

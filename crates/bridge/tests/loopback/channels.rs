@@ -38,7 +38,7 @@ fn who_has_descriptors_far_away_has_where_they_are_in_space() {
         (beside.count, beside.axes) = (1, Axes::Camera as u32);
         let curve = &mut beside.curves[0];
         *curve = Descriptor3::EMPTY;
-        (curve.order, curve.count, curve.samples) = (1, 2, 60);
+        (curve.degree, curve.count, curve.samples) = (1, 2, 60);
         curve.place = Place3::Known as u32;
         let height = count as f64;
         curve.control_points[..2].copy_from_slice(&[[0.0, 0.0, height], [100.0, 0.0, height]]);

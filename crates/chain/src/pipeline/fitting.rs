@@ -299,7 +299,7 @@ fn basis(basis: lariat_fit::Basis) -> Basis {
 fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
     let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
     descriptor.basis = basis(fit.basis) as u32;
-    descriptor.order = fit.basis.order() as u32;
+    descriptor.degree = fit.basis.order() as u32;
     descriptor.count = count as u32;
     descriptor.rms = fit.rms_px;
     descriptor.max = fit.max_px;

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use lariat_record::Recording;
 use tempfile::TempDir;
 
-use crate::settings::{Flags, Settings, version_of};
+use crate::settings::{Flags, Settings, renamed, version_of};
 
 /// The settings that a recording holds for.
 pub const SETTINGS: &str = "lariat.toml";
@@ -50,6 +50,7 @@ impl RecordedSettings {
         let about = || "the recording's own settings cannot be used";
         let mut table: toml::Table = text.parse().with_context(about)?;
         let folder = tempfile::tempdir().with_context(about)?;
+        renamed::renew(&mut table);
         // Where these files were is not where they are now.
         if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
             let files = [

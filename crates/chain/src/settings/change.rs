@@ -5,7 +5,7 @@ use crate::settings::file;
 use crate::settings::keys::{self, KEYS};
 use crate::settings::kind::Takes;
 use crate::settings::meaning;
-use crate::settings::{FILE_NAME, Family, Flags, Problems, Resolved, Settings, Stage};
+use crate::settings::{FILE_NAME, Family, Flags, Problems, Resolved, Settings, Stage, renamed};
 use anyhow::{Result, bail};
 use lariat_capture::Source;
 use lariat_extract::Mask;
@@ -133,13 +133,13 @@ impl Settings {
     /// What makes no sense in them, or of all settings together.
     pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
         let mut before = self.clone();
-        // A basis or an order from the user replaces the whole default of the drawn rope.
+        // A basis or a number of control points from the user replaces the whole default of the drawn rope.
         let has_curve_of_source = self.has_curve_of_source
-            && !["basis", "order"]
+            && !["basis", "control_points"]
                 .iter()
                 .any(|name| changes.set("fit", name));
         if self.has_curve_of_source && !has_curve_of_source {
-            (before.fit.basis, before.fit.order) = (Family::Auto, None);
+            (before.fit.basis, before.fit.control_points) = (Family::Auto, None);
         }
         let mut problems = Problems::default();
         let entries = file::entries(Path::new(FILE_NAME), &before.text(), &mut problems);
@@ -193,7 +193,7 @@ pub fn version_of(text: &str) -> u32 {
 /// A sentence on what is wrong with it.
 pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
     let Some((name, typed)) = text.split_once('=') else {
-        wrong_use!("{text}: write SECTION.SETTING=VALUE, such as fit.order=6");
+        wrong_use!("{text}: write SECTION.SETTING=VALUE, such as fit.control_points=7");
     };
     let (name, typed) = (name.trim(), typed.trim());
     let known = name.split_once('.');
@@ -210,6 +210,15 @@ pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
             || "`lariat config show` lists them".to_owned(),
             |like| format!("did you mean {like}?"),
         );
+        if let Some((section, name)) = known
+            && let Some(value) = Takes::Whole.value(typed).ok()
+            && let Some(instead) = renamed::instead(section, name, &value)
+        {
+            wrong_use!(
+                "there is no setting {section}.{name} any more: write {section}.{}",
+                instead.replace(" = ", "=")
+            );
+        }
         wrong_use!("there is no setting {name}: {guess}");
     };
     let takes = (KEYS[key].takes)();
@@ -224,7 +233,7 @@ pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Order, Restart};
+    use crate::settings::{ControlPoints, Restart};
 
     fn changed(changes: &[&str]) -> Settings {
         let flags = changes
@@ -254,7 +263,7 @@ mod tests {
             anew: of(stages),
             ..Concerned::default()
         };
-        let here = concerned(&["fit.order=6", "extract.min_confidence=0.25"]).unwrap();
+        let here = concerned(&["fit.control_points=7", "extract.min_confidence=0.25"]).unwrap();
         assert_eq!(here, live(&[Stage::Extract, Stage::Fit]));
         assert_eq!(concerned(&[]).unwrap(), Concerned::default());
         assert_eq!(
@@ -300,21 +309,21 @@ mod tests {
         assert_eq!(settings.extract.keep_lost.as_secs(), 2);
         let refuse = |text| parse(text).unwrap_err().to_string();
         assert_eq!(
-            refuse("fit.odrer=3"),
-            "there is no setting fit.odrer: did you mean fit.order?"
+            refuse("fit.degre=3"),
+            "there is no setting fit.degre: did you mean fit.degree?"
         );
         assert_eq!(
-            refuse("fit.order"),
-            "fit.order: write SECTION.SETTING=VALUE, such as fit.order=6"
+            refuse("fit.degree"),
+            "fit.degree: write SECTION.SETTING=VALUE, such as fit.control_points=7"
         );
     }
 
     #[test]
-    fn an_order_alone_replaces_the_curve_that_the_drawn_rope_has_by_itself() {
+    fn a_number_of_control_points_alone_replaces_the_curve_that_the_drawn_rope_has_by_itself() {
         let own = Resolved::of_chain(&Flags::default()).unwrap().settings;
-        let curve = |settings: &Settings| (settings.fit.basis, settings.fit.order);
-        let named = |basis, order| (Family::Named(basis), Some(Order::Named(order)));
-        assert_eq!(curve(&own), named(lariat_wire::Basis::BSpline, 19));
+        let curve = |settings: &Settings| (settings.fit.basis, settings.fit.control_points);
+        let named = |basis, count| (Family::Named(basis), Some(ControlPoints::Named(count)));
+        assert_eq!(curve(&own), named(lariat_wire::Basis::BSpline, 20));
         let change = |settings: &Settings, text| {
             let flags = Flags::default().with_change(text).unwrap();
             settings.changed_by(&flags).unwrap()
@@ -322,8 +331,8 @@ mod tests {
         let filtered = change(&own, "fit.filter=true");
         assert_eq!(curve(&filtered), curve(&own));
         for settings in [&own, &filtered] {
-            let changed = change(settings, "fit.order=6");
-            assert_eq!(curve(&changed), named(lariat_wire::Basis::Bezier, 6));
+            let changed = change(settings, "fit.control_points=7");
+            assert_eq!(curve(&changed), named(lariat_wire::Basis::Bezier, 7));
             let changed = change(settings, "fit.basis=auto");
             assert_eq!(curve(&changed), (Family::Auto, None));
         }
@@ -337,7 +346,7 @@ mod tests {
                 flags = flags.with_change(change).unwrap();
             }
             let fit = Resolved::of_chain(&flags).unwrap().settings.fit;
-            (fit.basis, fit.order)
+            (fit.basis, fit.control_points)
         };
         for changes in [
             &["fit.basis=auto"][..],
@@ -346,23 +355,27 @@ mod tests {
         ] {
             assert_eq!(curve(changes), (Family::Auto, None), "{changes:?}");
         }
-        let asked = curve(&["fit.basis=points", "fit.order=4"]);
+        let asked = curve(&["fit.basis=points", "fit.control_points=4"]);
         assert_eq!(
             asked,
             (
                 Family::Named(lariat_wire::Basis::FeaturePoints),
-                Some(Order::Named(4))
+                Some(ControlPoints::Named(4))
             )
         );
     }
 
     #[test]
     fn a_versioned_text_gives_the_same_settings() {
-        let mut settings = changed(&["fit.order=6", "run.rig=left", "extract.roi=[1, 2, 30, 40]"]);
+        let mut settings = changed(&[
+            "fit.control_points=7",
+            "run.rig=left",
+            "extract.roi=[1, 2, 30, 40]",
+        ]);
         for version in [0, 7] {
             settings.version = version;
             assert_eq!(Settings::of_text(&settings.text()).unwrap(), settings);
         }
-        assert!(Settings::of_text("[fit]\norder = \"many\"\n").is_err());
+        assert!(Settings::of_text("[fit]\ncontrol_points = \"many\"\n").is_err());
     }
 }

@@ -4,8 +4,8 @@ use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
 use lariat_wire::Basis as Sent;
 use std::fmt;
 
-/// Of a basis that is named without its order: the best of the paper's four.
-pub(super) const DEFAULT_ORDER: usize = 8;
+/// Control points of a basis that is named without their number: those of the best of the paper's four orders, 8.
+pub(super) const DEFAULT_CONTROL_POINTS: usize = 9;
 
 /// The family of an open rope's curve. A closed rope is always a Fourier series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,10 +37,10 @@ impl fmt::Display for Family {
     }
 }
 
-/// How many control points, less one.
+/// The number of control points of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// So many.
+pub enum ControlPoints {
+    /// This number.
     Named(usize),
     /// As few as keep the curve on the rope.
     Auto,
@@ -51,16 +51,16 @@ pub enum Order {
 pub struct Fit {
     /// The family of curves.
     pub basis: Family,
-    /// If it was named; 8 otherwise, but with the basis "auto", which has none. Named with that basis it is a Bezier
-    /// curve's.
-    pub order: Option<Order>,
+    /// Control points, if their number was named; 9 otherwise, but for the basis "auto", which chooses it. Named with that
+    /// basis they are a Bezier curve's.
+    pub control_points: Option<ControlPoints>,
     /// How near the curve has to be to the points, in widths of the rope, and at most in pixels.
     pub tolerance: f64,
     /// The most of that, in pixels.
     pub tolerance_px: f64,
-    /// The highest that `order = "auto"` chooses.
-    pub max_order: usize,
-    /// Of a B-spline's pieces.
+    /// The most that `control_points = "auto"` chooses.
+    pub max_control_points: usize,
+    /// Degree of a B-spline's pieces.
     pub degree: usize,
     /// Where a B-spline's pieces meet.
     pub knots: Knots,
@@ -84,10 +84,10 @@ impl Default for Fit {
     fn default() -> Self {
         Self {
             basis: Family::Auto,
-            order: None,
+            control_points: None,
             tolerance: Tolerance::WIDTHS,
             tolerance_px: Tolerance::LIMIT_PX,
-            max_order: 16,
+            max_control_points: 17,
             degree: 3,
             knots: Knots::Uniform,
             solver: Solver::Pinv,
@@ -123,7 +123,7 @@ impl Fit {
         let remedy = match self.family() {
             Family::Auto => "no curve here follows it better; steer by its centerline",
             _ => {
-                "leave order and basis to lariat (basis = \"auto\"), and it takes a curve that fits"
+                "leave control points and basis to lariat (basis = \"auto\"), and it takes a curve that fits"
             }
         };
         format!(
@@ -132,9 +132,9 @@ impl Fit {
         )
     }
 
-    /// The family, where an order alone names the paper's.
+    /// The family, where a number of control points alone names the paper's.
     pub(super) fn family(&self) -> Family {
-        match (self.basis, self.order) {
+        match (self.basis, self.control_points) {
             (Family::Auto, Some(_)) => Family::Named(Sent::Bezier),
             (basis, _) => basis,
         }
@@ -142,34 +142,38 @@ impl Fit {
 
     /// The fitter's own options for centerlines of `points` points.
     pub fn options(&self, points: usize, closed: bool) -> Options {
-        let order = match self.order {
-            Some(Order::Named(order)) => order,
-            Some(Order::Auto) => self.max_order,
-            None => DEFAULT_ORDER,
+        let control_points = match self.control_points {
+            Some(ControlPoints::Named(count)) => count,
+            Some(ControlPoints::Auto) => self.max_control_points,
+            None => DEFAULT_CONTROL_POINTS,
         };
+        // The degree of a Bezier curve.
+        let order = control_points.saturating_sub(1);
         let auto = Options::auto(points, closed);
         let family = self.family();
         let basis = match family {
             Family::Auto => auto.basis,
-            // As many coefficients as an open curve of this order has control points, or one fewer.
+            // As many coefficients as an open curve has control points, or one fewer.
             _ if closed => Basis::Fourier {
                 harmonics: (order / 2).max(1),
             },
             Family::Named(Sent::Bezier | Sent::Fourier) => Basis::Bezier { order },
             Family::Named(Sent::BSpline) => Basis::BSpline {
                 degree: self.degree.min(order),
-                control_points: order + 1,
+                control_points,
                 knots: self.knots,
             },
             Family::Named(Sent::RationalBezier) => Basis::RationalBezier { order },
-            Family::Named(Sent::FeaturePoints) => Basis::FeaturePoints { count: order + 1 },
+            Family::Named(Sent::FeaturePoints) => Basis::FeaturePoints {
+                count: control_points,
+            },
             Family::Named(Sent::CenterOfMass) => Basis::CenterOfMass,
         };
         Options {
             basis,
             choose_size: match family {
                 Family::Auto => auto.choose_size,
-                _ => self.order == Some(Order::Auto),
+                _ => self.control_points == Some(ControlPoints::Auto),
             },
             points,
             solver: self.solver,

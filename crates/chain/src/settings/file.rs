@@ -3,7 +3,7 @@
 use crate::exit::WrongUse;
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::{Origin, Problems};
-use crate::settings::{FILE_NAME, meaning};
+use crate::settings::{FILE_NAME, meaning, renamed};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
@@ -77,7 +77,12 @@ pub(super) fn entries(path: &Path, text: &str, problems: &mut Problems) -> Vec<E
                     value: value.clone(),
                     origin: here,
                 }),
-                _ => problems.add(&here, unknown_key(name, key_name)),
+                (None, Some(value)) => {
+                    let renamed = renamed::refusal(name, key_name, value);
+                    let why = renamed.unwrap_or_else(|| unknown_key(name, key_name));
+                    problems.add(&here, why);
+                }
+                (_, None) => problems.add(&here, unknown_key(name, key_name)),
             }
         }
     }

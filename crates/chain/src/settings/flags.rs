@@ -2,7 +2,8 @@
 
 use crate::settings::keys::{self, KEYS, Key};
 use crate::settings::kind::Takes;
-use crate::settings::{STAGES, Settings, change};
+use crate::settings::{STAGES, Settings, change, renamed};
+use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -225,6 +226,12 @@ impl Args for Flags {
             .fold(command, |command, (key, flag)| {
                 command.arg(flag.arg(&KEYS[key]))
             });
+        if command
+            .get_arguments()
+            .any(|arg| arg.get_id() == "control-points")
+        {
+            command = command.arg(renamed_order());
+        }
         if ["run", "show", "capture"].contains(&&name[..]) {
             let bare = Arg::new(BARE_SOURCE)
                 .num_args(1..)
@@ -253,6 +260,10 @@ impl FromArgMatches for Flags {
             config: matches.get_one("config").cloned(),
             given: Vec::new(),
         };
+        if let Ok(Some(order)) = matches.try_get_one::<String>(renamed::ORDER) {
+            let why = format!("--order: {order}: {}\n", renamed::refused_flag(order));
+            return Err(clap::Error::raw(ErrorKind::ValueValidation, why));
+        }
         for (key, flag) in self::flags() {
             flags.take(key, flag, matches);
         }
@@ -293,6 +304,15 @@ impl Flag {
         };
         arg.value_parser(move |text: &str| typed(&takes, text))
     }
+}
+
+/// The flag that named a curve by its order: it says what to write now.
+fn renamed_order() -> Arg {
+    Arg::new(renamed::ORDER)
+        .long(renamed::ORDER)
+        .hide(true)
+        .allow_hyphen_values(true)
+        .value_name("N")
 }
 
 fn typed(takes: &Takes, text: &str) -> Result<Typed, String> {

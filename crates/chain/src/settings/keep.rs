@@ -101,16 +101,16 @@ mod tests {
 
     #[test]
     fn only_what_changes_changes() {
-        let text = "# mine\n[fit]\n# order = 8\nfilter = true # smooth\n\n[extract]\nmask = [\n  { hue_deg = [1, 2], saturation = [0, 1], value = [0, 1] },\n]\nropes = 2\n";
+        let text = "# mine\n[fit]\n# control_points = 9\nfilter = true # smooth\n\n[extract]\nmask = [\n  { hue_deg = [1, 2], saturation = [0, 1], value = [0, 1] },\n]\nropes = 2\n";
         let changes = [
-            "fit.order=6",
+            "fit.control_points=7",
             "fit.filter=false",
             "extract.mask=auto",
             "sink.live=false",
         ];
         assert_eq!(
             kept(text, &changes).unwrap(),
-            "# mine\n[fit]\n# order = 8\norder = 6\nfilter = false # smooth\n\n[extract]\nmask = \"auto\"\nropes = 2\n\n[sink]\nlive = false\n"
+            "# mine\n[fit]\n# control_points = 9\ncontrol_points = 7\nfilter = false # smooth\n\n[extract]\nmask = \"auto\"\nropes = 2\n\n[sink]\nlive = false\n"
         );
     }
 
@@ -143,12 +143,12 @@ mod tests {
 
     #[test]
     fn what_cannot_be_changed_is_said_with_the_lines() {
-        let said = kept("fit.order = 5\n", &["fit.order=6"])
+        let said = kept("fit.control_points = 6\n", &["fit.control_points=7"])
             .unwrap_err()
             .to_string();
-        assert!(said.ends_with("\n[fit]\norder = 6"), "{said}");
-        assert!(kept("fit = 5\n", &["fit.order=6"]).is_err());
-        assert!(kept("[fit\n", &["fit.order=6"]).is_err());
+        assert!(said.ends_with("\n[fit]\ncontrol_points = 7"), "{said}");
+        assert!(kept("fit = 5\n", &["fit.control_points=7"]).is_err());
+        assert!(kept("[fit\n", &["fit.control_points=7"]).is_err());
         assert!(kept("", &["fit.odrer=6"]).is_err());
     }
 }

@@ -1,9 +1,9 @@
 //! What a value means, or why it means nothing here: each answer is a sentence that says what to write.
 
-use crate::settings::curve::Order;
+use crate::settings::curve::ControlPoints;
 use crate::settings::{Fps, duration};
 use lariat_extract::{HsvRange, Mask};
-use lariat_fit::MAX_ORDER;
+use lariat_fit::MAX_CONTROL_POINTS;
 use std::num::NonZeroU8;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -256,20 +256,21 @@ fn pair(value: &Value) -> Option<[f64; 2]> {
     }
 }
 
-pub(super) fn order(value: &Value) -> Result<Order, String> {
+pub(super) fn control_points(value: &Value) -> Result<ControlPoints, String> {
     match value.as_str() {
-        Some("auto") => Ok(Order::Auto),
+        Some("auto") => Ok(ControlPoints::Auto),
         Some(text) if text.trim().parse::<i64>().is_err() => Err(format!(
-            "an order is a whole number from 1 to {MAX_ORDER}, or \"auto\""
+            "write a whole number from 2 to {MAX_CONTROL_POINTS}, or \"auto\""
         )),
-        _ => whole(value, 1, MAX_ORDER as i64).map(|n| Order::Named(n.unsigned_abs() as usize)),
+        _ => whole(value, 2, MAX_CONTROL_POINTS as i64)
+            .map(|n| ControlPoints::Named(n.unsigned_abs() as usize)),
     }
 }
 
-pub(super) fn order_value(order: &Order) -> Value {
-    match order {
-        Order::Named(order) => Value::Integer(*order as i64),
-        Order::Auto => Value::String("auto".to_owned()),
+pub(super) fn control_points_value(control_points: &ControlPoints) -> Value {
+    match control_points {
+        ControlPoints::Named(count) => Value::Integer(*count as i64),
+        ControlPoints::Auto => Value::String("auto".to_owned()),
     }
 }
 

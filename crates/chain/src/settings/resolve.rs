@@ -3,7 +3,7 @@
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
 use crate::settings::{
-    self, Family, Flags, Order, Problems, Restart, Settings, curve, file, range,
+    self, ControlPoints, Family, Flags, Problems, Restart, Settings, curve, file, range,
 };
 use anyhow::Result;
 use file::Entry;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// Control points of the drawn rope's cubic B-spline. In 90 s of each of the seeds 1 to 7 no frame's curve lies off the rope
 /// with 20; with 16, up to 64 frames in a row do, which is a warning (`lariat run --lossless --fps max --frames 2700 --basis
-/// bspline --order 19 --seed SEED --record FILE --images none`, then `lariat export --format csv`: column `fit`).
+/// bspline --control-points 20 --seed SEED --record FILE --images none`, then `lariat export --format csv`: column `fit`).
 const DRAWN_CONTROL_POINTS: usize = 20;
 
 /// Settings, and where each of them came from.
@@ -46,7 +46,7 @@ impl Resolved {
     /// Only a chain may call this: the settings of `lariat trace` and others name the drawn rope by default, too, and do not
     /// read it.
     pub(super) fn with_curve_of_source(mut self) -> Self {
-        let keys = ["basis", "order"].map(|name| keys::position("fit", name));
+        let keys = ["basis", "control_points"].map(|name| keys::position("fit", name));
         let Settings {
             capture,
             extract,
@@ -57,11 +57,11 @@ impl Resolved {
         // A new file contains the basis "auto", and nobody chose it.
         let is_asked_for = keys.into_iter().flatten().any(is_flag)
             || fit.basis != Family::Auto
-            || fit.order.is_some()
+            || fit.control_points.is_some()
             || fit.degree != settings::Fit::default().degree;
         if capture.is_rendered() && !is_asked_for && extract.points > DRAWN_CONTROL_POINTS {
             fit.basis = Family::Named(lariat_wire::Basis::BSpline);
-            fit.order = Some(Order::Named(DRAWN_CONTROL_POINTS - 1));
+            fit.control_points = Some(ControlPoints::Named(DRAWN_CONTROL_POINTS));
             self.settings.has_curve_of_source = true;
         }
         self
@@ -137,32 +137,53 @@ impl Resolved {
         }
     }
 
-    /// Which of basis and order holds, where one of them leaves no room for the other: what was said later. A flag is later
+    /// Which of basis and control points holds, where one of them leaves no room for the other: what was said later. A flag is later
     /// than the file.
     fn settle_fit(&mut self, problems: &mut Problems) {
-        let keys = ["basis", "order"].map(|name| keys::position("fit", name));
-        let [Some(basis_key), Some(order_key)] = keys else {
+        let keys = ["basis", "control_points"].map(|name| keys::position("fit", name));
+        let [Some(basis_key), Some(count_key)] = keys else {
             return;
         };
-        let [basis, order] = [basis_key, order_key].map(|key| self.origins[key].clone());
+        let [basis, count] = [basis_key, count_key].map(|key| self.origins[key].clone());
         let rank = |origin: &Origin| match origin {
             Origin::Default => 0,
             Origin::File { .. } => 1,
             Origin::Flag(_) => 2,
         };
         let fit = &mut self.settings.fit;
-        match (fit.basis, fit.order) {
-            (Family::Auto, Some(_)) if rank(&basis) < rank(&order) => {
+        match (fit.basis, fit.control_points) {
+            (Family::Auto, Some(_)) if rank(&basis) < rank(&count) => {
                 fit.basis = Family::Named(lariat_wire::Basis::Bezier);
-                self.origins[basis_key] = order;
+                self.origins[basis_key] = count;
             }
-            (Family::Auto, Some(_)) if rank(&basis) > rank(&order) => fit.order = None,
+            (Family::Auto, Some(_)) if rank(&basis) > rank(&count) => fit.control_points = None,
             (Family::Auto, Some(_)) => problems.add(
-                &order,
-                "the basis \"auto\" chooses the order itself: leave the order out, or name another basis".to_owned(),
+                &count,
+                "the basis \"auto\" chooses the control points itself: leave their number out, or name another basis".to_owned(),
             ),
             (Family::Auto, None) | (_, Some(_)) => {}
-            (_, None) => fit.order = Some(Order::Named(curve::DEFAULT_ORDER)),
+            (_, None) => fit.control_points = Some(ControlPoints::Named(curve::DEFAULT_CONTROL_POINTS)),
+        }
+        self.check_degree(problems);
+    }
+
+    /// Refuses a degree on the command line without a B-spline: the user may mean a Bezier curve's.
+    fn check_degree(&self, problems: &mut Problems) {
+        let Some(key) = keys::position("fit", "degree") else {
+            return;
+        };
+        let origin = &self.origins[key];
+        let is_spline = self.settings.fit.basis == Family::Named(lariat_wire::Basis::BSpline);
+        if !is_spline && matches!(origin, Origin::Flag(_)) {
+            let count = self.settings.fit.degree + 1;
+            problems.add(
+                origin,
+                format!(
+                    "only a B-spline's degree is set: add --basis bspline, or write --control-points {count} for a Bezier \
+                     curve of degree {}",
+                    self.settings.fit.degree
+                ),
+            );
         }
     }
 

@@ -10,7 +10,7 @@ use crate::settings::kind::{
 use crate::settings::{arrangement, camera, meaning, range, recording, run, view};
 use lariat_capture::Position;
 use lariat_extract::Method;
-use lariat_fit::{Knots, MAX_ORDER, MAX_POINTS, Rho, Solver};
+use lariat_fit::{Knots, MAX_CONTROL_POINTS, MAX_ORDER, MAX_POINTS, Rho, Solver};
 use lariat_wire::MAX_CURVES;
 use toml::Value;
 
@@ -250,7 +250,7 @@ pub(super) const KEYS: &[Key] = keys! {
          with it, the centers of a clustering, put in order: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
         "--method NAME", SEEN, "Rope", "How the mask becomes a centerline";
     extract.points: Whole(2..=MAX_POINTS),
-        "Points of a centerline, at equal steps of arc length: more than the order, at most 256.",
+        "Points of a centerline, at equal steps of arc length: at least as many as control points, at most 256.",
         "--points N", "capture extract fit trace replay", "Rope", "Points of a centerline";
     extract.ropes: Whole(1..=MAX_CURVES),
         "The most ropes reported, the surest and longest: 1 to 24.",
@@ -277,20 +277,19 @@ pub(super) const KEYS: &[Key] = keys! {
          \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center). Closed ropes are always truncated\n\
          Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
         "--basis NAME", SHAPES, "Curve", "Family of the curve";
-    fit.order: Maybe("8", By(meaning::order, meaning::order_value, Takes::Whole)),
-        "Order of the curve, 1 to 31 (8 if only its basis is named; without a basis it is a Bezier curve's), or \"auto\": the\n\
-         least that keeps the curve on the rope. A curve has one control point more, of whatever basis (a closed one at\n\
-         most as many numbers).",
-        "--order N", SHAPES, "Curve", "Order of the curve, 1 to 31, or `auto`";
-    fit.max_order: Whole(1..=MAX_ORDER),
-        "The highest order that order = \"auto\" chooses.";
+    fit.control_points: Maybe("9", By(meaning::control_points, meaning::control_points_value, Takes::Whole)),
+        "Control points of the curve, 2 to 32 (9 if only its basis is named; without a basis they are a Bezier curve's), or\n\
+         \"auto\": as few as keep the curve on the rope. A closed curve has as many coefficients, or one fewer.",
+        "--control-points N", SHAPES, "Curve", "Control points, 2 to 32, or `auto`";
+    fit.max_control_points: Whole(2..=MAX_CONTROL_POINTS),
+        "The most control points that control_points = \"auto\" chooses.";
     fit.tolerance: ABOVE_0,
         "How far from the curve, in widths of the rope, 95 % of its points may be, and all within half a width. A curve that\n\
          is farther off is \"coarse\", which its descriptor says.";
     fit.tolerance_px: ABOVE_0,
         "And at most so many pixels of the image, which counts for wide ropes.";
     fit.degree: Whole(1..=MAX_ORDER),
-        "Degree of a B-spline's pieces, 1 to 31.",
+        "Degree of a B-spline's pieces, 1 to 31. A Bezier curve's degree is one less than its control points.",
         "--degree N", SHAPES, "Curve", "Degree of a B-spline's pieces";
     fit.knots: Named("kinds of knots", &Knots::NAMED),
         "Where a B-spline's pieces meet: at even steps (\"uniform\") or evenly among the points (\"averaged\").",

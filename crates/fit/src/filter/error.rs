@@ -35,7 +35,7 @@ pub enum CurveSpaceError {
     },
     /// The points hardly tell the control points apart.
     #[error(
-        "the condition number of B is {condition:.2e}, and control points can only be trusted up to {limit:.1e}: choose a lower order"
+        "the condition number of B is {condition:.2e}, and control points can only be trusted up to {limit:.1e}: choose fewer control points"
     )]
     IllConditioned {
         /// The 2-norm condition number.
@@ -142,7 +142,7 @@ pub enum UpdateError {
     NotPositive,
     /// A covariance whose small directions are lost in rounding.
     #[error(
-        "at a condition number of {condition:.2e} a covariance has lost the curve's own precision (that is so from {limit:.1e} on): give Noise::Even, or choose a lower order"
+        "at a condition number of {condition:.2e} a covariance has lost the curve's own precision (that is so from {limit:.1e} on): give Noise::Even, or choose fewer control points"
     )]
     LostInRounding {
         /// The condition number of the space.

@@ -262,18 +262,18 @@ fn requests_that_cannot_be_met_say_what_can() {
     );
     assert_eq!(
         refusal(8, 5, Solver::Pinv),
-        "5 points cannot fix the 9 control points of a Bezier curve of order 8: give at least 9 points, or \
-         choose a Bezier curve of order 4"
+        "5 points cannot fix a Bezier curve of 9 control points: give at least 9 points, or \
+         choose a Bezier curve of 5 control points"
     );
     assert_eq!(
         refusal(24, 120, Solver::Cholesky),
-        "for a Bezier curve of order 24 with 120 points the condition number is 7.74e6, and cholesky gives \
-         trustworthy control points only up to 6.7e4: choose a Bezier curve of order 17, or the solver pinv or qr"
+        "for a Bezier curve of 25 control points with 120 points the condition number is 7.74e6, and cholesky gives \
+         trustworthy control points only up to 6.7e4: choose a Bezier curve of 18 control points, or the solver pinv or qr"
     );
     assert_eq!(
         refusal(31, 32, Solver::Qr),
-        "for a Bezier curve of order 31 with 32 points the condition number is 2.34e12, and qr gives trustworthy \
-         control points only up to 4.5e9: choose a Bezier curve of order 27"
+        "for a Bezier curve of 32 control points with 32 points the condition number is 2.34e12, and qr gives trustworthy \
+         control points only up to 4.5e9: choose a Bezier curve of 28 control points"
     );
 }
 

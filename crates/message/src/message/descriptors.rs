@@ -10,15 +10,15 @@ use crate::{Basis, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Statu
 
 message! {
     /// One rope's shape as a few control points, in the message's unit ([`Descriptors::unit`]).
-    pub struct Descriptor = "lariat.Descriptor.v6" {
+    pub struct Descriptor = "lariat.Descriptor.v7" {
         /// The rope's number; it keeps it from frame to frame.
         track: u32 = 0 => number,
         /// A [`Status`]'s number.
         status: u32 = Status::Ok as u32 => code(Status),
         /// A [`Basis`]'s number.
         basis: u32 = Basis::Bezier as u32 => code(Basis),
-        /// Degree of the curve; of a Fourier series the number of its harmonics.
-        order: u32 = 0 => number,
+        /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+        degree: u32 = 0 => number,
         /// How many control points are meant; what lies behind them in the arrays is stale.
         count: u32 = 0 => count(control_points),
         /// How many points of the centerline were fitted: N.
@@ -58,8 +58,8 @@ message! {
         covariances: [[f64; 3]; MAX_CONTROL_POINTS] = [[0.0; 3]; MAX_CONTROL_POINTS] => list(covariances),
         /// Velocity of each control point, in units a second; 0 where they are not filtered.
         velocities: [[f64; 2]; MAX_CONTROL_POINTS] = [[0.0; 2]; MAX_CONTROL_POINTS] => list(velocities),
-        /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
-        /// `order + 1` times 0 and as many times 1.
+        /// The inner knots of a B-spline, `count − degree − 1` of them, ascending within 0 and 1; outside stand
+        /// `degree + 1` times 0 and as many times 1.
         knots: [f64; MAX_CONTROL_POINTS] = [0.0; MAX_CONTROL_POINTS] => list(inner_knots),
     }
 }
@@ -89,12 +89,12 @@ impl Descriptor {
         (self.count as usize).min(MAX_CONTROL_POINTS)
     }
 
-    /// The inner knots of a B-spline, `count − order − 1` of them; none of other curves.
+    /// The inner knots of a B-spline, `count − degree − 1` of them; none of other curves.
     pub fn inner_knots(&self) -> &[f64] {
         let inner = match self.basis() {
             Some(Basis::BSpline) => self
                 .meant()
-                .saturating_sub((self.order as usize).saturating_add(1)),
+                .saturating_sub((self.degree as usize).saturating_add(1)),
             _ => 0,
         };
         &self.knots[..inner]
@@ -102,9 +102,9 @@ impl Descriptor {
 
     /// All knots of a B-spline, from 0 to 1; none of other curves.
     pub fn all_knots(&self) -> impl Iterator<Item = f64> {
-        let order = self.order as usize;
-        let is_spline = self.basis() == Some(Basis::BSpline) && order < self.meant();
-        let end = if is_spline { order + 1 } else { 0 };
+        let degree = self.degree as usize;
+        let is_spline = self.basis() == Some(Basis::BSpline) && degree < self.meant();
+        let end = if is_spline { degree + 1 } else { 0 };
         let inner = self.inner_knots().iter().copied();
         repeat_n(0.0, end).chain(inner).chain(repeat_n(1.0, end))
     }
@@ -175,7 +175,7 @@ impl CenterlinePoints {
 
 message! {
     /// What a control loop reads: the shape of every rope in one frame.
-    pub struct Descriptors = "lariat.Descriptors.v8" {
+    pub struct Descriptors = "lariat.Descriptors.v9" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// Width of the image in pixels; 0 while the camera gives none.

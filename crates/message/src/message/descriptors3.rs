@@ -10,7 +10,7 @@ use crate::{
 message! {
     /// One rope's shape in space as a few control points, in millimetres; its shape in the image is the [`Descriptor`](crate::Descriptor)
     /// of the same track. It has a shape unless `place` says why not.
-    pub struct Descriptor3 = "lariat.Descriptor3.v1" {
+    pub struct Descriptor3 = "lariat.Descriptor3.v2" {
         /// The rope's number; it keeps it from frame to frame, and has it in the image, too.
         track: u32 = 0 => number,
         /// A [`Status`]'s number: what the colour image shows of it.
@@ -19,8 +19,8 @@ message! {
         place: u32 = Place::Unmeasured as u32 => code(Place),
         /// A [`Basis`]'s number.
         basis: u32 = Basis::Bezier as u32 => code(Basis),
-        /// Degree of the curve; of a Fourier series the number of its harmonics.
-        order: u32 = 0 => number,
+        /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+        degree: u32 = 0 => number,
         /// How many control points are meant; 0 where there is no shape.
         count: u32 = 0 => count(control_points),
         /// How many points of the centerline were fitted: N.
@@ -57,8 +57,8 @@ message! {
         covariances: [[f64; 6]; MAX_CONTROL_POINTS] = [[0.0; 6]; MAX_CONTROL_POINTS] => list(covariances),
         /// Velocity of each control point, mm/s; 0 where they are not filtered.
         velocities: [[f64; 3]; MAX_CONTROL_POINTS] = [[0.0; 3]; MAX_CONTROL_POINTS] => list(velocities),
-        /// The inner knots of a B-spline, `count − order − 1` of them, ascending within 0 and 1; outside stand
-        /// `order + 1` times 0 and as many times 1.
+        /// The inner knots of a B-spline, `count − degree − 1` of them, ascending within 0 and 1; outside stand
+        /// `degree + 1` times 0 and as many times 1.
         knots: [f64; MAX_CONTROL_POINTS] = [0.0; MAX_CONTROL_POINTS] => list(inner_knots),
         /// The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
         points: [[f32; 3]; MAX_POINTS] = [[0.0; 3]; MAX_POINTS] => points(points),
@@ -106,12 +106,12 @@ impl Descriptor3 {
         (self.samples as usize).min(MAX_POINTS)
     }
 
-    /// The inner knots of a B-spline, `count − order − 1` of them; none of other curves.
+    /// The inner knots of a B-spline, `count − degree − 1` of them; none of other curves.
     pub fn inner_knots(&self) -> &[f64] {
         let inner = match Basis::from_code(self.basis) {
             Some(Basis::BSpline) => self
                 .meant()
-                .saturating_sub((self.order as usize).saturating_add(1)),
+                .saturating_sub((self.degree as usize).saturating_add(1)),
             _ => 0,
         };
         &self.knots[..inner]
@@ -159,7 +159,7 @@ impl Descriptor3 {
         points[..samples].copy_from_slice(&from.points[..samples]);
         sigmas[..samples].copy_from_slice(&from.sigmas[..samples]);
         (self.track, self.status, self.place) = (from.track, from.status, from.place);
-        (self.basis, self.order, self.count) = (from.basis, from.order, count as u32);
+        (self.basis, self.degree, self.count) = (from.basis, from.degree, count as u32);
         (self.samples, self.closed, self.border) = (samples as u32, from.closed, from.border);
         (self.measured, self.filtered, self.fit) = (from.measured, from.filtered, from.fit);
         (self.confidence, self.age_ns) = (from.confidence, from.age_ns);
@@ -171,7 +171,7 @@ impl Descriptor3 {
 message! {
     /// What a control loop reads of ropes in space: the shape of each rope of one frame, in the order of
     /// [`Descriptors`](crate::Descriptors), which come right after it.
-    pub struct Descriptors3 = "lariat.Descriptors3.v2" {
+    pub struct Descriptors3 = "lariat.Descriptors3.v3" {
         /// The frame's whole way.
         trace: Trace = Trace::EMPTY => message,
         /// How many curves are meant. 0 is an answer: there is no rope.

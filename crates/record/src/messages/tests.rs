@@ -93,7 +93,7 @@ fn descriptors(curves: u32, count: u32, seed: u64) -> Box<Descriptors> {
     for (k, curve) in message.curves[..curves as usize].iter_mut().enumerate() {
         curve.track = of.u32();
         curve.basis = 1 + k as u32 % 6;
-        curve.order = if k % 2 == 0 { 3 } else { 2 };
+        curve.degree = if k % 2 == 0 { 3 } else { 2 };
         (curve.status, curve.count, curve.samples) = (of.u32() % 4, count, of.u32());
         (curve.closed, curve.border) = (of.u32() % 2, of.u32() % 4);
         (curve.rms, curve.max, curve.residual_variance) = (of.f64(), of.f64(), of.f64());

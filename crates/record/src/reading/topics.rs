@@ -228,4 +228,12 @@ fn meaning(text: &str) -> impl Iterator<Item = &str> {
     text.lines()
         .map(|line| line.split('#').next().unwrap_or_default().trim())
         .filter(|line| !line.is_empty() && !line.contains('='))
+        .map(|line| match line {
+            OLD_DEGREE => DEGREE,
+            line => line,
+        })
 }
+
+/// A curve's degree, and what the field was called in recordings until October 2026: it has always held the degree.
+const DEGREE: &str = "uint32 degree";
+const OLD_DEGREE: &str = "uint32 order";

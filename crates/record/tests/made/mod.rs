@@ -212,7 +212,7 @@ pub(crate) fn descriptors(sequence: u64) -> Descriptors {
     };
     message.curves[0] = Descriptor {
         track: 1,
-        order: 3,
+        degree: 3,
         count: 4,
         rms: sequence as f64 / 7.0,
         ..Descriptor::EMPTY

@@ -80,6 +80,38 @@ fn the_table_is_read_in_ten_seconds() {
     insta::assert_snapshot!(report());
 }
 
+/// A chain on a machine that is far too slow for it.
+#[test]
+fn times_of_tenths_of_a_second_and_more_keep_their_columns_apart() {
+    let mut sink = Sink::new(options());
+    let mut chain = Chain::default();
+    for number in 1..=40u64 {
+        let mut trace = chain.frame(None).unwrap();
+        let longer_ns = number * 37_000_000;
+        trace.extracted_ns += longer_ns;
+        trace.fit_started_ns += longer_ns;
+        trace.fitted_ns += longer_ns;
+        sink.descriptors(&descriptors(trace, &[]), received_ns(&trace));
+    }
+    let table = sink.report_on(machine()).to_string();
+    let rows = table
+        .lines()
+        .skip_while(|line| !line.starts_with("latency"));
+    let rows: Vec<&str> = rows.take_while(|line| !line.is_empty()).collect();
+    assert_eq!(
+        rows[..2],
+        [
+            "latency, µs              p50     p90     p99   p99.9     max  p50/period",
+            "exposed → received    741 ms  1.33 s  1.48 s  1.48 s  1.48 s   2222.46 % ███████",
+        ]
+    );
+    assert!(rows.iter().all(|row| row.chars().count() <= 80), "{table}");
+    assert!(
+        table.contains("what limits it: extract takes 741 ms a frame"),
+        "{table}"
+    );
+}
+
 #[test]
 fn the_summary_has_its_stable_keys() {
     let json = serde_json::to_string_pretty(report().summary()).unwrap();

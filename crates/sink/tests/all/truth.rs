@@ -284,24 +284,24 @@ fn every_basis_is_drawn_as_what_it_is() {
     };
     let spline = mean_px(|descriptor| {
         descriptor.basis = Basis::BSpline as u32;
-        descriptor.order = 2;
+        descriptor.degree = 2;
         descriptor.knots[0] = 0.4;
         along(descriptor, &[0.0, 0.2, 0.7, 1.0]);
     });
     let rational = mean_px(|descriptor| {
         descriptor.basis = Basis::RationalBezier as u32;
-        descriptor.order = 2;
+        descriptor.degree = 2;
         descriptor.weights[1] = 3.0;
         along(descriptor, &[0.0, 0.5, 1.0]);
     });
     let points = mean_px(|descriptor| {
         descriptor.basis = Basis::FeaturePoints as u32;
-        descriptor.order = 1;
+        descriptor.degree = 1;
         along(descriptor, &[0.0, 0.3, 1.0]);
     });
     let mass = mean_px(|descriptor| {
         descriptor.basis = Basis::CenterOfMass as u32;
-        descriptor.order = 0;
+        descriptor.degree = 0;
         along(descriptor, &[0.5]);
     });
     for found in [spline, rational, points, mass] {
@@ -310,7 +310,7 @@ fn every_basis_is_drawn_as_what_it_is() {
     // a₀, then one harmonic that runs along the rope and back.
     let series = mean_px(|descriptor| {
         descriptor.basis = Basis::Fourier as u32;
-        descriptor.order = 1;
+        descriptor.degree = 1;
         descriptor.count = 3;
         descriptor.control_points[..3].copy_from_slice(&[[159.5, 50.0], [59.5, 0.0], [0.0, 0.0]]);
     });

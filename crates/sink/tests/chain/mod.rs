@@ -77,7 +77,7 @@ pub(crate) fn descriptors(trace: Trace, curves: &[&[[f64; 2]]]) -> Box<Descripto
         *into = Descriptor {
             status: Status::Ok as u32,
             basis: Basis::Bezier as u32,
-            order: control_points.len() as u32 - 1,
+            degree: control_points.len() as u32 - 1,
             count: control_points.len() as u32,
             ..Descriptor::EMPTY
         };

@@ -30,7 +30,7 @@ pub(super) enum Form<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Functions<'a> {
     pub(super) basis: Option<Basis>,
-    pub(super) order: usize,
+    pub(super) degree: usize,
     pub(super) weights: &'a [f64; MAX_CONTROL_POINTS],
     pub(super) knots: &'a [f64; MAX_CONTROL_POINTS],
 }
@@ -69,7 +69,7 @@ impl<'a> Form<'a> {
         samples: usize,
     ) -> Result<Self, NoShape> {
         let Functions {
-            order,
+            degree,
             weights,
             knots,
             ..
@@ -85,15 +85,15 @@ impl<'a> Form<'a> {
             return Err(NoShape::Unreadable);
         }
         let form = match basis {
-            Basis::Bezier if count == order + 1 => Self::Bezier,
-            Basis::BSpline if (1..count).contains(&order) => Self::BSpline {
-                degree: order,
-                inner: &knots[..count - order - 1],
+            Basis::Bezier if count == degree + 1 => Self::Bezier,
+            Basis::BSpline if (1..count).contains(&degree) => Self::BSpline {
+                degree,
+                inner: &knots[..count - degree - 1],
             },
-            Basis::RationalBezier if count == order + 1 => Self::Rational {
+            Basis::RationalBezier if count == degree + 1 => Self::Rational {
                 weights: &weights[..count],
             },
-            Basis::Fourier if count == 2 * order + 1 => Self::Fourier,
+            Basis::Fourier if count == 2 * degree + 1 => Self::Fourier,
             Basis::FeaturePoints => return Err(NoShape::FeaturePoints),
             Basis::CenterOfMass if count == 1 => return Err(NoShape::CenterOfMass),
             _ => return Err(NoShape::Unreadable),

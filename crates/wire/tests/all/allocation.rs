@@ -48,7 +48,7 @@ fn an_open_reader_allocates_nothing() {
         slot.count = 1;
         let rope = &mut slot.curves[0];
         *rope = Descriptor::EMPTY;
-        (rope.order, rope.count, rope.samples) = (8, 9, 120);
+        (rope.degree, rope.count, rope.samples) = (8, 9, 120);
         rope.filtered = 1;
         for j in 0..9 {
             rope.control_points[j] = [j as f64, f64::from(frame)];

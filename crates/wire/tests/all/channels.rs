@@ -272,7 +272,7 @@ fn another_version_of_a_message_is_refused_by_name() {
     let refused = Receiver::descriptors(&domain, &rig).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "lariat/versions/descriptors carries lariat.Descriptors.v0, and this program was made for lariat.Descriptors.v8: \
+        "lariat/versions/descriptors carries lariat.Descriptors.v0, and this program was made for lariat.Descriptors.v9: \
          use the same release of lariat for every process on a rig"
     );
 }

@@ -15,7 +15,7 @@ fn curve(basis: Basis, points: &[[f64; 2]]) -> Descriptor {
     rope.basis = basis as u32;
     rope.count = points.len() as u32;
     rope.samples = 120;
-    rope.order = match basis {
+    rope.degree = match basis {
         Basis::BSpline => 3,
         Basis::Fourier => (points.len() as u32 - 1) / 2,
         _ => points.len() as u32 - 1,

@@ -83,7 +83,7 @@ impl Followed {
         slot.count = 1;
         let rope = &mut slot.curves[0];
         *rope = Descriptor::EMPTY;
-        (rope.order, rope.count) = (count as u32 - 1, count as u32);
+        (rope.degree, rope.count) = (count as u32 - 1, count as u32);
         (rope.samples, rope.filtered) = (120, 1);
         rope.control_points[..count].copy_from_slice(&now.control_points);
         rope.velocities[..count].copy_from_slice(&now.velocities_px_s);

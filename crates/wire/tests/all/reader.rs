@@ -90,7 +90,7 @@ impl Chain {
 fn rope(track: u32, status: Status, x: f64) -> Descriptor {
     let mut rope = Descriptor::EMPTY;
     (rope.track, rope.status) = (track, status as u32);
-    (rope.order, rope.count, rope.samples) = (1, 2, 120);
+    (rope.degree, rope.count, rope.samples) = (1, 2, 120);
     rope.control_points[..2].copy_from_slice(&[[x, 0.0], [x, 100.0]]);
     rope
 }

@@ -22,7 +22,7 @@ fn descriptor(
     } as u32;
     let count = control_points.len();
     made.status = Status::Ok as u32;
-    made.order = basis.order() as u32;
+    made.degree = basis.order() as u32;
     made.count = count as u32;
     made.samples = 120;
     made.control_points[..count].copy_from_slice(control_points);
@@ -242,8 +242,8 @@ fn numbers_that_make_no_curve_are_not_evaluated() {
     let broken: [fn(&mut Descriptor); 11] = [
         |d| d.count = 0,
         |d| d.count = 33,
-        |d| d.order = 7,
-        |d| d.order = u32::MAX,
+        |d| d.degree = 7,
+        |d| d.degree = u32::MAX,
         |d| d.basis = 99,
         |d| d.samples = 6,
         // More than a message has: each evaluation would go through all of them.
@@ -285,7 +285,7 @@ fn a_direction_is_known_where_the_curve_stands_still() {
 fn a_circle_bends_towards_its_normal() {
     let mut message = Descriptor::EMPTY;
     message.basis = Basis::Fourier as u32;
-    (message.order, message.count, message.samples) = (1, 3, 120);
+    (message.degree, message.count, message.samples) = (1, 3, 120);
     // From (100 + 50, 80) towards greater y.
     message.control_points[..3].copy_from_slice(&[[100.0, 80.0], [50.0, 0.0], [0.0, 50.0]]);
     let shape = Shape::of(&message).unwrap();

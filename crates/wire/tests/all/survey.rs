@@ -34,7 +34,7 @@ fn a_channel_is_listed_with_its_writer_its_readers_and_its_memory() {
     assert_eq!((image.pid, image.message_bytes), (me, 1000));
     assert!(image.shared_bytes > image.slots as u64 * 1000);
     assert_eq!(now[0].message, "u8 with lariat.FrameHeader.v3");
-    assert_eq!(now[1].message, "lariat.Descriptors.v8");
+    assert_eq!(now[1].message, "lariat.Descriptors.v9");
     assert_eq!((now[1].lossless, now[1].buffer), (false, 8));
     let shape = now[1].ends.as_ref().and_then(|ends| ends.writer.clone());
     assert_eq!(

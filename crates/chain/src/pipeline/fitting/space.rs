@@ -294,7 +294,7 @@ impl SpaceFitter {
         let fit = fitter.last();
         let count = fit.control_points.len().min(MAX_CONTROL_POINTS);
         to.basis = super::basis(fit.basis) as u32;
-        to.order = fit.basis.order() as u32;
+        to.degree = fit.basis.order() as u32;
         to.count = count as u32;
         (to.rms, to.max, to.filtered) = (fit.rms_px, fit.max_px, 0);
         to.control_points[..count].copy_from_slice(&fit.control_points[..count]);

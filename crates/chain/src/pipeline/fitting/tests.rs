@@ -20,7 +20,7 @@ fn rope() -> Curve {
 /// The paper's curve of 9 control points.
 fn order_8() -> settings::Fit {
     settings::Fit {
-        order: Some(settings::Order::Named(8)),
+        control_points: Some(settings::ControlPoints::Named(9)),
         ..settings::Fit::default()
     }
 }
@@ -55,7 +55,7 @@ fn what_is_known_of_the_rope_goes_along() {
     (curve.border, curve.age_ns, curve.length_px, curve.width_px) = (2, 5, 238.0, 12.5);
     let descriptor = described(&order_8(), &curve);
     assert_eq!(
-        [descriptor.track, descriptor.order, descriptor.count],
+        [descriptor.track, descriptor.degree, descriptor.count],
         [7, 8, 9]
     );
     assert_eq!(
@@ -110,26 +110,26 @@ fn without_settings_a_curve_has_the_control_points_that_its_rope_needs() {
 
 #[test]
 fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
-    let named = |basis, order| settings::Fit {
+    let named = |basis, control_points| settings::Fit {
         basis,
-        order: Some(settings::Order::Named(order)),
+        control_points: Some(settings::ControlPoints::Named(control_points)),
         ..settings::Fit::default()
     };
     for (fit, quality) in [
         (settings::Fit::default(), FitQuality::Good),
-        (named(Family::Named(Basis::Bezier), 4), FitQuality::Coarse),
-        (named(Family::Named(Basis::BSpline), 5), FitQuality::Coarse),
-        (named(Family::Named(Basis::BSpline), 16), FitQuality::Good),
+        (named(Family::Named(Basis::Bezier), 5), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 6), FitQuality::Coarse),
+        (named(Family::Named(Basis::BSpline), 17), FitQuality::Good),
         (
-            named(Family::Named(Basis::RationalBezier), 4),
+            named(Family::Named(Basis::RationalBezier), 5),
             FitQuality::Coarse,
         ),
         (
-            named(Family::Named(Basis::FeaturePoints), 31),
+            named(Family::Named(Basis::FeaturePoints), 32),
             FitQuality::Good,
         ),
         (
-            named(Family::Named(Basis::CenterOfMass), 1),
+            named(Family::Named(Basis::CenterOfMass), 2),
             FitQuality::Coarse,
         ),
     ] {
@@ -140,7 +140,7 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
     let mut covered = winding(0.0);
     covered.set_hidden((0..MAX_POINTS).map(|i| i == 60));
     covered.points[60][1] += 20.0;
-    let descriptor = described(&named(Family::Named(Basis::Bezier), 3), &covered);
+    let descriptor = described(&named(Family::Named(Basis::Bezier), 4), &covered);
     assert_eq!(descriptor.fit(), Some(FitQuality::Good));
 }
 
@@ -223,7 +223,7 @@ fn a_closed_rope_is_a_fourier_series_whatever_the_basis() {
         let settings = settings::Fit { basis, ..order_8() };
         let descriptor = described(&settings, &ring);
         assert_eq!(descriptor.basis(), Some(Basis::Fourier));
-        assert_eq!([descriptor.order, descriptor.count], [4, 9]);
+        assert_eq!([descriptor.degree, descriptor.count], [4, 9]);
         let [center, cosine, sine] = [0, 1, 2].map(|j| descriptor.control_points[j]);
         for (found, expected) in [
             (center, [300.0, 200.0]),
@@ -243,7 +243,7 @@ fn a_splines_inner_knots_go_along() {
     };
     let descriptor = described(&settings, &rope());
     assert_eq!(descriptor.basis(), Some(Basis::BSpline));
-    assert_eq!([descriptor.order, descriptor.count], [3, 9]);
+    assert_eq!([descriptor.degree, descriptor.count], [3, 9]);
     let even = [1.0, 2.0, 3.0, 4.0, 5.0].map(|k| k / 6.0);
     assert_eq!(descriptor.knots[..5], even);
 }

@@ -40,7 +40,7 @@ fn spaces_that_are_none_say_why() {
     );
     assert_eq!(
         refusal(Dense::bezier(31, 32).matrix()),
-        "the condition number of B is 2.34e12, and control points can only be trusted up to 4.5e9: choose a lower order"
+        "the condition number of B is 2.34e12, and control points can only be trusted up to 4.5e9: choose fewer control points"
     );
     assert!(CurveSpace::new(Mat::zeros(4, 2).as_ref()).is_err());
     assert!(CurveSpace::new(Mat::zeros(8, 1).as_ref()).is_err());
@@ -153,7 +153,7 @@ fn a_covariance_that_rounding_has_emptied_is_refused() {
     assert!(
         refusal
             .to_string()
-            .ends_with("give Noise::Even, or choose a lower order")
+            .ends_with("give Noise::Even, or choose fewer control points")
     );
     assert!(filter.update(1, &space, &shape, EVEN).is_ok());
 }

@@ -98,7 +98,7 @@ pub(crate) fn sound(input: &mut Input) -> Box<Descriptors> {
 }
 
 fn described(basis: Basis, track: u32) -> Descriptor {
-    let (order, count) = match basis {
+    let (degree, count) = match basis {
         Basis::Bezier | Basis::RationalBezier => (8, 9),
         Basis::BSpline => (3, 9),
         Basis::Fourier => (4, 9),
@@ -109,7 +109,7 @@ fn described(basis: Basis, track: u32) -> Descriptor {
         track,
         status: Status::Ok as u32,
         basis: basis as u32,
-        order,
+        degree,
         count,
         samples: 120,
         fit: FitQuality::Good as u32,

@@ -74,8 +74,8 @@ fn sound(beside: &Descriptors) -> Box<Descriptors3> {
     let mut message = Box::new(Descriptors3::EMPTY);
     (message.trace, message.count) = (beside.trace, beside.count);
     for (to, from) in message.curves.iter_mut().zip(beside.curves()) {
-        (to.track, to.status, to.basis, to.order) =
-            (from.track, from.status, from.basis, from.order);
+        (to.track, to.status, to.basis, to.degree) =
+            (from.track, from.status, from.basis, from.degree);
         (to.count, to.samples, to.filtered) = (from.count, from.samples, from.filtered);
         (to.place, to.measured) = (InSpace::Known as u32, 100);
         (to.weights, to.knots) = (from.weights, from.knots);
