@@ -79,7 +79,7 @@
 //! |---|---|
 //! | `basis`, `functions`, `bezier` | the families, and their functions at one ρ: a row of B |
 //! | `condition`, `checked` | B on the even grid, its condition number, and which requests can be met |
-//! | `matrix`, `factor` | small dense matrices; QR, Cholesky, triangles, singular values by the textbook, with sums in a fixed order |
+//! | `scalar`, `matrix`, `factor` | QR, Cholesky, triangular inverses and singular values by [faer](https://docs.rs/faer), in a scalar type whose results are the same on every machine; products in a fixed order |
 //! | `system`, `solve`, `linear` | ridge and pinned ends as a least-squares problem A s = c̄; its three solvers; P with s = P c̄, the covariance C = PPᵀ, the degrees of freedom ‖I − BP‖² |
 //! | `folded`, `kernel` | the fit itself: a grid read backwards has its control points backwards, so sums and differences of mirrored points decouple: half the multiply-adds. Two products in the widest registers, the second for the residuals of all points |
 //! | `weighted`, `robust`, `arc_length`, `adaptive` | where the algebra changes with the points: weights, Huber's option, measured ρ. Normal equations in the coordinates a = R s of B's own QR, where they are nearly the identity, so that Cholesky is exact enough at any order |
@@ -92,13 +92,14 @@
 //! |---|---|---|---|
 //! | `pinv` (default) | (BᵀB)⁻¹Bᵀ = R⁻¹Qᵀ | one product | 4.5·10⁹ |
 //! | `cholesky` | L of BᵀB = LLᵀ | a product and two triangular solves | 6.7·10⁴ |
-//! | `qr` | Householder QR of B | Qᵀc̄ and one triangular solve | 4.5·10⁹ |
+//! | `qr` | Q and R of B = QR | a product and one triangular solve | 4.5·10⁹ |
 //!
 //! The limits are where rounding would reach a millionth of the control points; a request beyond them is refused with the
-//! number and the largest curve of its family that is allowed. All of the algebra
-//! is our own (`matrix`, `factor`): what a library does depends on the vectors that it finds (see The same bits (`crates/portable/src/lib.rs`)),
-//! and at these sizes (9 × 120) a general product costs several times as much (`cargo bench --manifest-path bench/Cargo.toml --bench fit`). nalgebra
-//! is the oracle of its tests. The ridge
+//! number and the largest curve of its family that is allowed. faer factorizes when a fitter is made. It would choose its
+//! vectors by the processor, and the last digits with them; `scalar::Real` has it compute one number at a time, so a
+//! recording replays to the last bit on any machine. The fit itself is the crate's own product of the precomputed matrix
+//! with the points: at these sizes (9 × 120) a general product costs several times as much. NumPy's results are the
+//! oracle of the tests. The ridge
 //! is on second differences of the control points, not on the points themselves: a ridge toward the picture's corner would make
 //! a moved rope another shape.
 //!

@@ -21,7 +21,7 @@ pub enum Solver {
     /// The Cholesky factor of `BᵀB`, computed once: a fit is a product and two triangular solves. Its
     /// error goes with the square of the condition number.
     Cholesky,
-    /// The Householder QR of `B`, computed once: a fit is `Qᵀc̄` and one triangular solve.
+    /// `Q` and `R` of the Householder QR of `B`, computed once: a fit is a product and one triangular solve.
     Qr,
 }
 

@@ -22,7 +22,7 @@
 //! |---|---|
 //! | the order of sums, where each lane of a register keeps a partial sum | a vector is 512 bits everywhere: one register of AVX-512, two of AVX2, or an array that the compiler makes SSE2 or NEON of. The lanes are added in halves, in one order |
 //! | `a·b + c`, rounded once where the machine has such an instruction | rounded twice, everywhere |
-//! | what a library does with the vectors that it finds | fit has its own algebra (`factor`) |
+//! | what a library does with the vectors that it finds | faer factorizes a scalar type without vectors (`scalar` in fit) |
 //! | the C library's sines and logarithms, of which it too has several for the processor to choose from | the crate `libm`, in `extract`, `fit`, `camera`, `simulation` and the drawn scenes. Clippy refuses the others there (`disallowed_methods`) |
 //!
 //! Rust never reorders floating-point sums and never fuses products into them, whatever it optimizes; what it compiles for
