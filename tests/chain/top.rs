@@ -48,7 +48,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     // A process is listed once it has said its name.
     let pid = format!("{:>7}", chain.ids[1]);
     let shown = screen.wait_for("a rope", |text| {
-        ["rope 0", "wait for extract", "sink", "●", &pid]
+        ["rope  conf.", "wait for extract", "sink", "●", &pid]
             .iter()
             .all(|part| text.contains(part))
     });
@@ -73,7 +73,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     screen.wait_for_text("rig default · 2 of 2");
     screen.keys("Tab");
     screen.wait_for_text("rig arm · 1 of 2");
-    screen.wait_for_text("rope 0");
+    screen.wait_for_text("rope  conf.");
     other.signal_chain(Signal::INT);
     assert!(other.end().status.success());
     screen.wait_for_text("Nothing runs on rig arm");
@@ -88,7 +88,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
         "--lossless",
     ]);
     screen.wait_for("the chain again", |text| {
-        text.contains("lossless") && text.contains("rope 0")
+        text.contains("lossless") && text.contains("rope  conf.")
     });
     screen.keys("q");
     screen.assert_it_was_given_back();

@@ -50,7 +50,8 @@ fn heading(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     let period_ns = report.facts.period_ns.filter(|period_ns| *period_ns > 0);
     let width = column_width(report, Step::ALL.map(Row::Way));
-    let bar_width = FIGURES_AND_BAR - QUANTILES.len() * width;
+    // Figures as wide as that leave no room for a bar.
+    let bar_width = FIGURES_AND_BAR.saturating_sub(QUANTILES.len() * width);
     write!(f, "{:<20}", "latency, µs")?;
     for column in ["p50", "p90", "p99", "p99.9", "max"] {
         write!(f, "{column:>width$}")?;

@@ -107,7 +107,7 @@ fn times_of_tenths_of_a_second_and_more_keep_their_columns_apart() {
     );
     assert!(rows.iter().all(|row| row.chars().count() <= 80), "{table}");
     assert!(
-        table.contains("what limits it: extract takes 741 ms a frame"),
+        table.contains("what limits it: extract takes 740 ms a frame"),
         "{table}"
     );
 }
