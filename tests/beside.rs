@@ -5,6 +5,7 @@
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use assert_cmd::Command;
 
@@ -22,8 +23,17 @@ fn program(folder: &Path, file: &str, name: &str) {
     fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
 }
 
+/// Held while programs are written and run. A child that another thread forks in between holds the file open for writing
+/// for a moment, and what is open for writing cannot be run.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[test]
 fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
+    let _alone = alone();
     let [ros2, bridge] =
         ["ros2", "bridge"].map(|name| format!("cargo install --locked --path crates/{name}"));
     let bench = "--manifest-path bench/Cargo.toml".to_owned();
@@ -60,6 +70,7 @@ fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_
 
 #[test]
 fn a_measurement_is_asked_for_its_own_help() {
+    let _alone = alone();
     let home = tempfile::tempdir().expect("a folder");
     let lariat = lariat_in(home.path());
     program(home.path(), "lariat-bench", "bench");
