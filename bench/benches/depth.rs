@@ -1,4 +1,4 @@
-//! What it costs to find a rope's 120 points in a depth image: `cargo bench --manifest-path bench/Cargo.toml --bench depth`.
+//! Cost of finding a rope's 120 points in a depth image: `cargo bench --manifest-path bench/Cargo.toml --bench depth`.
 //!
 //! The rope is lifted and crosses itself once, half a metre before a depth camera of today; its centerline in the colour image is the true
 //! one. Each time another of eight noisy images is read.

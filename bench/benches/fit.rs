@@ -1,4 +1,4 @@
-//! What a fit costs, beside the bare multiply-adds of its product: `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
+//! Cost of a fit, next to the bare multiply-adds of its product: `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
 //!
 //! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does as many in
 //! registers, in the same vectors, and reads no memory. "pinv, control points alone" is that product, with the points

@@ -1,4 +1,4 @@
-//! What a camera's JPEG frame costs to decode, beside what the same decoder takes for other channels and what `image` takes
+//! Cost of decoding a camera's JPEG frame, next to what the same decoder takes for other channels and what `image` takes
 //! for the picture: `cargo bench --manifest-path bench/Cargo.toml --bench mjpeg`.
 //!
 //! Frames of the rendered rope, colour at half the width, no Huffman tables, as most cameras send them; the others are given

@@ -1,4 +1,4 @@
-//! What an extraction costs, beside a pass that only reads the frame: `cargo bench --manifest-path bench/Cargo.toml --bench extract`.
+//! Cost of an extraction, next to a pass that only reads the frame: `cargo bench --manifest-path bench/Cargo.toml --bench extract`.
 //!
 //! The floor, "read", sums the bytes of the same frame by the widest loads of the machine. For each frame in turn, on one
 //! thread, three things are timed: the floor; an extraction by an extractor that was told to forget the past (cold);
