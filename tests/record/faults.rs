@@ -81,12 +81,7 @@ fn a_recorder_that_is_told_to_end_closes_its_file_and_the_chain_goes_on() {
     let flags = ["--fps", "100", "--frames", "300", "--out", "out"];
     let mut chain = bench.start(&[&flags[..], &["--record", "run.mcap"]].concat());
     chain.wait_for_frames();
-    // On a loaded machine the first frames may come before the recorder has begun its file.
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !bench.path("run.mcap").exists() {
-        assert!(Instant::now() < deadline, "no recording was begun");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_for_bytes(&bench, "run.mcap", 5_000_000);
     send(recorder(&chain), Signal::TERM);
     let ended = chain.end();
     assert_only_the_recording_suffered(&bench, &ended, "ended before its time", 300);
@@ -206,6 +201,7 @@ fn a_killed_chain_leaves_a_recording_closed_well() {
     let mut chain = bench.start(&flags);
     let recorder = recorder(&chain);
     chain.wait_for_frames();
+    wait_for_bytes(&bench, "run.mcap", 5_000_000);
     chain.signal_chain(Signal::KILL);
     chain.end();
     crate::rig::wait_until_gone(recorder);
