@@ -15,15 +15,18 @@ if ! command -v maturin >/dev/null; then
     export PATH=$PATH:$tools/python/bin
 fi
 
-# The product, and the program that measures it: they share what is compiled for both.
-cargo build --release --locked
+# The product with every kind of picture and its terminal screen, and the program that measures it: they share what is compiled
+# for both.
+cargo build --release --locked --package lariat --package lariat-top --features lariat/tiff,lariat/webp
 cargo build --release --locked --manifest-path bench/Cargo.toml
 root=$out/root
 share=$root/usr/share
 lariat=$root/usr/bin/lariat
+top=$root/usr/bin/lariat-top
 bench=$root/usr/bin/lariat-bench
 mkdir -p "${lariat%/*}" "$share"/{man/man1,bash-completion/completions,zsh/vendor-completions,fish/vendor_completions.d,doc/lariat}
 strip -o "$lariat" target/release/lariat
+strip -o "$top" target/release/lariat-top
 strip -o "$bench" target/release/lariat-bench
 "$lariat" man "$share/man/man1" --force
 "$lariat" completions bash >"$share/bash-completion/completions/lariat"
@@ -31,6 +34,7 @@ strip -o "$bench" target/release/lariat-bench
 "$lariat" completions fish >"$share/fish/vendor_completions.d/lariat.fish"
 "$lariat" service install --root "$root"
 packaging/licences.py --notices lariat >"$share/doc/lariat/notices"
+packaging/licences.py --notices lariat-top >"$share/doc/lariat/notices-top"
 packaging/licences.py --notices lariat-bench --manifest-path bench/Cargo.toml >"$share/doc/lariat/notices-bench"
 cp CHANGELOG.md "$share/doc/lariat/NEWS"
 gzip -9n "$share"/doc/lariat/*
@@ -51,7 +55,7 @@ cargo deb --locked --no-build --no-strip --manifest-path "$ros2" --output "$out"
 scripts=python/lariat._native.data/scripts
 trap 'rm -rf python/lariat._native.data' EXIT
 mkdir -p "$scripts"
-cp "$lariat" "$bench" "$scripts/"
+cp "$lariat" "$top" "$bench" "$scripts/"
 # It runs where glibc is as new as the command needs; maturin sees to it that the module asks for no more.
 glibc=$(objdump -T "$lariat" | grep -o 'GLIBC_2\.[0-9]*' | sort --version-sort | tail -n 1)
 maturin build --release --locked --strip --compatibility "manylinux_2_${glibc#*.}" --manifest-path python/Cargo.toml --out "$out"

@@ -97,7 +97,7 @@ wait "$chain" || fail "the chain failed: $(cat "$work/chain")"
 
 say "taken away again"
 chroot "$image" dpkg --remove lariat-ros2 lariat
-for path in usr/bin/lariat usr/bin/lariat-bench usr/bin/lariat-ros2 usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
+for path in usr/bin/lariat usr/bin/lariat-top usr/bin/lariat-bench usr/bin/lariat-ros2 usr/lib/systemd/system/lariat@.service usr/share/man/man1/lariat.1.gz; do
     [ ! -e "$image/$path" ] || fail "$path is left"
 done
 [ -e "$image/etc/lariat/cell.toml" ] || fail "the settings are gone"

@@ -1,5 +1,5 @@
-//! Commands that hand over to a program of their own: `lariat ros2` (`crates/ros2`), `lariat bridge` (`crates/bridge`), and the
-//! measurements (`bench/`).
+//! Commands that hand over to a program of their own: `lariat top` (`crates/top`), `lariat ros2` (`crates/ros2`), `lariat bridge`
+//! (`crates/bridge`), and the measurements (`bench/`).
 
 use std::ffi::OsString;
 use std::io::ErrorKind;

@@ -28,7 +28,6 @@ use crate::replay::{self, ReplayArgs};
 use crate::service::{self, ServiceArgs};
 use crate::set::{self, RestartArgs, SetArgs};
 use crate::snapshot::{self, SnapshotArgs};
-use crate::top::{self, TopArgs};
 use crate::topic::{self, TopicArgs};
 use crate::trace::{self, TraceArgs};
 use crate::version;
@@ -124,8 +123,9 @@ enum Command {
     Devices(DevicesArgs),
     /// One frame of a camera, or any other source, as a PNG picture
     Snapshot(SnapshotArgs),
-    /// A running chain, live on the terminal
-    Top(TopArgs),
+    /// A running chain, live on the terminal, by lariat-top, a program of its own
+    #[command(disable_help_flag = true)]
+    Top(Words),
     /// A running chain, live in the browser and in Foxglove
     View(ViewArgs),
     /// What passes on the channels of a running chain
@@ -216,7 +216,7 @@ pub(crate) fn run() -> Result<ExitCode> {
         Some(Command::Calibrate(args)) => calibrate::run(args),
         Some(Command::Devices(args)) => devices::run(args),
         Some(Command::Snapshot(args)) => snapshot::run(args),
-        Some(Command::Top(args)) => top::run(&args),
+        Some(Command::Top(words)) => beside::run("top", &words),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Topic(args)) => topic::run(args),
         Some(Command::Ros2(words)) => beside::run("ros2", &words),

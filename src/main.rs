@@ -22,7 +22,6 @@ mod replay;
 mod service;
 mod set;
 mod snapshot;
-mod top;
 mod topic;
 mod trace;
 mod version;

@@ -34,10 +34,11 @@ fn alone() -> MutexGuard<'static, ()> {
 #[test]
 fn each_becomes_the_program_beside_it_else_the_one_on_the_path_else_says_how_to_get_it() {
     let _alone = alone();
-    let [ros2, bridge] =
-        ["ros2", "bridge"].map(|name| format!("cargo install --locked --path crates/{name}"));
+    let [top, ros2, bridge] = ["top", "ros2", "bridge"]
+        .map(|name| format!("cargo install --locked --path crates/{name}"));
     let bench = "--manifest-path bench/Cargo.toml".to_owned();
     for (command, file, first, how) in [
+        ("top", "lariat-top", "", top),
         ("ros2", "lariat-ros2", "", ros2),
         ("bridge", "lariat-bridge", "", bridge),
         ("bench", "lariat-bench", "latency ", bench.clone()),

@@ -19,6 +19,5 @@ mod simulated;
 mod sink;
 mod sources;
 mod space;
-mod top;
 mod topic;
 mod users;

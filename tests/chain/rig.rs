@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,14 +11,21 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// `lariat`, or in the tests of `bench/` `lariat-bench`.
-const PROGRAM: &str = match (
-    option_env!("CARGO_BIN_EXE_lariat"),
-    option_env!("CARGO_BIN_EXE_lariat-bench"),
-) {
-    (Some(program), _) | (None, Some(program)) => program,
-    (None, None) => panic!("cargo names the tested program"),
-};
+/// The tested program: `lariat`, in the tests of `bench/` `lariat-bench`, and in those of `crates/top` the `lariat` next to `lariat-top`.
+pub(crate) fn program() -> PathBuf {
+    let own = option_env!("CARGO_BIN_EXE_lariat").or(option_env!("CARGO_BIN_EXE_lariat-bench"));
+    let top = option_env!("CARGO_BIN_EXE_lariat-top");
+    let program = own
+        .map(PathBuf::from)
+        .or_else(|| top.map(|top| Path::new(top).with_file_name("lariat")))
+        .expect("cargo names the tested program");
+    assert!(
+        program.is_file(),
+        "`cargo test --workspace` builds {} first",
+        program.display()
+    );
+    program
+}
 
 /// A domain, and a folder for the files of a test.
 pub(crate) struct Bench {
@@ -41,7 +48,7 @@ impl Bench {
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        self.command_of(PROGRAM, arguments)
+        self.command_of(program(), arguments)
     }
 
     /// A command of a copy of the binary.

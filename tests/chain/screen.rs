@@ -3,7 +3,7 @@
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use crate::rig::Bench;
+use crate::rig::{Bench, program};
 
 /// A terminal of 80 columns and 24 rows in which a shell runs.
 pub(crate) struct Screen {
@@ -35,7 +35,7 @@ impl Screen {
             "24",
         ]);
         let domain = format!("LARIAT_DOMAIN={}", bench.domain);
-        let lariat = format!("LARIAT={}", env!("CARGO_BIN_EXE_lariat"));
+        let lariat = format!("LARIAT={}", program().display());
         tmux.current_dir(bench.folder.path());
         tmux.args(["env", &domain, &lariat, "sh", "-c", script]);
         run(tmux);

@@ -13,7 +13,7 @@
 //! of its own (`Frame::exposed_ns`) is not paced. A source waits through `Until`: one `poll` for its own descriptor, its own
 //! moment, the end of `--duration` and the signals' pipe.
 //!
-//! - **Pictures** (`pictures`, `picture`, `ahead/`, `natural`): PNG, JPEG, WebP, TIFF and BMP, 16 bits as the nearest 8, folders in natural order. A thread decodes
+//! - **Pictures** (`pictures`, `picture`, `ahead/`, `natural`): PNG, JPEG, BMP, with the features `webp` and `tiff` also these, 16 bits as the nearest 8, folders in natural order. A thread decodes
 //!   ahead (`ahead/thread`), straight into slots of shared memory that it is lent, so that nothing is decoded at the moment it is due;
 //!   a small set that is looped is decoded once and copied. What a camera took sideways (EXIF) is turned upright (`orientation`). A broken file in the
 //!   middle is a gap in `sequence` and a warning, not an end. `lariat trace` decodes by the same (`StillPicture`).

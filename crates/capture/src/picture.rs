@@ -77,6 +77,17 @@ fn decoder<'a>(
     bytes: &'a [u8],
 ) -> Result<(impl ImageDecoder + 'a, Layout, Orientation), String> {
     let format = format_of(bytes).ok_or_else(|| broken(path, format!("it is no {PICTURES}")))?;
+    if !format.reading_enabled() {
+        // The name of a feature is the name of its files.
+        let feature = format.extensions_str().first().unwrap_or(&"");
+        return Err(broken(
+            path,
+            format!(
+                "this build of lariat reads no {}: convert it to PNG, or build lariat with `--features {feature}`",
+                feature.to_uppercase()
+            ),
+        ));
+    }
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     let mut decoder = decoder.map_err(|error| broken(path, error))?;
     // A damaged note beside the pixels does not spoil them.

@@ -1,4 +1,4 @@
-//! `lariat top`: a chain that runs, live on a terminal.
+//! `lariat-top`, which `lariat top` hands over to: a running chain, live on a terminal.
 //!
 //! What is seen is gathered by `lariat_view`'s [`Gatherer`], what is shown is a plain [`View`](lariat_view::View), and drawing it ([`draw`]) knows no
 //! terminal: that is all in [`screen`]. Ten times a second the descriptors that wait are taken, as a reader that is not
@@ -14,16 +14,16 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use clap::Args;
-use lariat_wire::{Domain, Rig, now_ns};
-
+use clap::Parser;
 use lariat_chain::stop::Stop;
 use lariat_view::Gatherer;
+use lariat_wire::{Domain, Rig, now_ns};
 use screen::{Key, Screen};
 
 /// Show a running chain live on the terminal: stages, latency, losses, the ropes
-#[derive(Debug, Args)]
-pub(crate) struct TopArgs {
+#[derive(Debug, Parser)]
+#[command(name = "lariat top", bin_name = "lariat top", version)]
+struct Args {
     /// Camera chain to begin with (default: `default`, or the first there is); r or Tab goes to the next
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
@@ -32,11 +32,18 @@ pub(crate) struct TopArgs {
 /// From one picture to the next.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Runs `lariat top` until q, Ctrl-C or SIGTERM.
-///
-/// # Errors
-/// There is no terminal, or it cannot be used.
-pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("lariat top: {error:#}");
+            lariat_chain::exit::code(&error)
+        }
+    }
+}
+
+/// Runs until q, Ctrl-C or SIGTERM.
+fn run(args: &Args) -> Result<()> {
     if !std::io::stdout().is_terminal() {
         bail!(
             "lariat top draws on a terminal, and standard output is not a terminal: for scripts and logs there are `lariat topic hz`, \
@@ -60,7 +67,7 @@ pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
         due = (due + TICK).max(Instant::now());
         while let Some(key) = wait(&mut screen, &mut gatherer, due, &stop)? {
             match key {
-                Key::Quit => return Ok(ExitCode::SUCCESS),
+                Key::Quit => return Ok(()),
                 Key::Pause => is_paused = !is_paused,
                 Key::NextRig => {
                     gatherer.next_rig();
@@ -74,7 +81,7 @@ pub(crate) fn run(args: &TopArgs) -> Result<ExitCode> {
             due = Instant::now();
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// The next key until the moment; `None` when it has come. A lossless chain is read meanwhile.

@@ -1,11 +1,17 @@
 //! `lariat top` in a real terminal.
 
+// Written for the chain's own tests.
+#[allow(dead_code)]
+#[path = "../../../tests/chain/rig.rs"]
+mod rig;
+#[path = "../../../tests/chain/screen.rs"]
+mod screen;
+
 use std::time::{Duration, Instant};
 
+use rig::{Bench, send};
 use rustix::process::Signal;
-
-use crate::rig::{Bench, send};
-use crate::screen::{Screen, is_tmux_here, run};
+use screen::{Screen, is_tmux_here, run};
 
 /// What the shell does: something to see before and after, and whether the terminal is as it was.
 const SHELL: &str =
