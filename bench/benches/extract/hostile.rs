@@ -9,7 +9,7 @@ use lariat_extract::{HsvRange, Mask, Options, PixelFormat};
 
 use crate::Effort;
 use crate::case::{Case, Times, measure};
-use crate::paint::{HEIGHT, Noise, WIDTH, picture, ropes};
+use crate::paint::{HEIGHT, Noise, WIDTH, eight_ropes, picture, ten_crossings};
 
 /// The same picture again and again, so that "tracked" is measured too.
 const REPEATS: usize = 4;
@@ -132,28 +132,6 @@ fn sixteenth(picture: &Picture) -> Result<Picture> {
 
 fn share(is_rope: bool) -> f64 {
     f64::from(u8::from(is_rope))
-}
-
-/// The Chebyshev curve x = T₅, y = T₆: open, with (5 − 1)(6 − 1) / 2 crossings.
-fn ten_crossings() -> Result<Picture> {
-    let line = |t: f64| {
-        [
-            0.5 * WIDTH as f64 + 290.0 * (5.0 * PI * t).cos(),
-            0.5 * HEIGHT as f64 + 210.0 * (6.0 * PI * t).cos(),
-        ]
-    };
-    ropes(&[&line], 12.0)
-}
-
-fn eight_ropes() -> Result<Picture> {
-    let lines: [_; 8] = std::array::from_fn(|k| {
-        move |t: f64| {
-            let wave = 12.0 * (2.0 * PI * (2.0 * t + k as f64 / 8.0)).sin();
-            [40.0 + 560.0 * t, 30.0 + 60.0 * k as f64 + wave]
-        }
-    });
-    let lines: Vec<&dyn Fn(f64) -> [f64; 2]> = lines.iter().map(|line| line as _).collect();
-    ropes(&lines, 12.0)
 }
 
 fn bare() -> Result<Picture> {

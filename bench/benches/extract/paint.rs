@@ -1,5 +1,7 @@
 //! Pictures drawn for the bench: ropes along given lines, and patterns without a rope.
 
+use std::f64::consts::PI;
+
 use anyhow::{Context, Result};
 use lariat_bench::Picture;
 
@@ -26,7 +28,7 @@ pub(crate) fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
 }
 
 /// A picture of ropes along lines: each a function of 0 to 1.
-pub(crate) fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
+fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
     // A sample for each quarter of a pixel of the longest line that is drawn here.
     const SAMPLES: usize = 40_000;
     let mut distance_px = vec![f64::INFINITY; WIDTH * HEIGHT];
@@ -45,6 +47,28 @@ pub(crate) fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result
         }
     }
     picture(|x, y| (width_px / 2.0 + 0.5 - distance_px[y * WIDTH + x]).clamp(0.0, 1.0))
+}
+
+/// The Chebyshev curve x = T₅, y = T₆: open, with (5 − 1)(6 − 1) / 2 crossings.
+pub(crate) fn ten_crossings() -> Result<Picture> {
+    let line = |t: f64| {
+        [
+            0.5 * WIDTH as f64 + 290.0 * (5.0 * PI * t).cos(),
+            0.5 * HEIGHT as f64 + 210.0 * (6.0 * PI * t).cos(),
+        ]
+    };
+    ropes(&[&line], 12.0)
+}
+
+pub(crate) fn eight_ropes() -> Result<Picture> {
+    let lines: [_; 8] = std::array::from_fn(|k| {
+        move |t: f64| {
+            let wave = 12.0 * (2.0 * PI * (2.0 * t + k as f64 / 8.0)).sin();
+            [40.0 + 560.0 * t, 30.0 + 60.0 * k as f64 + wave]
+        }
+    });
+    let lines: Vec<&dyn Fn(f64) -> [f64; 2]> = lines.iter().map(|line| line as _).collect();
+    ropes(&lines, 12.0)
 }
 
 /// Xorshift: noise that is the same everywhere.

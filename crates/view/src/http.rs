@@ -3,6 +3,9 @@
 
 use std::fmt::Write as _;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
+use sha1_smol::Sha1;
+
 /// The largest head of a request, in bytes. Browsers send some hundred.
 pub(crate) const LARGEST_HEAD: usize = 16 << 10;
 /// The most lines of a head.
@@ -149,7 +152,9 @@ impl Refusal {
 
 /// The answer that opens a WebSocket.
 pub(crate) fn switch(key: &str, protocol: &str) -> Vec<u8> {
-    let accept = tungstenite::handshake::derive_accept_key(key.as_bytes());
+    // RFC 6455, 4.2.2.
+    let digest = Sha1::from(format!("{key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11")).digest();
+    let accept = BASE64_STANDARD.encode(digest.bytes());
     format!(
         "HTTP/1.1 101 {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\
          Sec-WebSocket-Protocol: {protocol}\r\n\r\n",
