@@ -48,9 +48,9 @@ pub(crate) struct Args {
     /// A film without labels, as a folder of pictures in the order of their names: how far its curves are from their points
     #[arg(long, value_name = "DIR")]
     film: Option<PathBuf>,
-    /// The order of the Bezier curve that the points are held against [default: what the chain chooses]
-    #[arg(long, value_name = "N")]
-    order: Option<usize>,
+    /// Control points of the Bezier curve that the points are held against [default: what the chain chooses]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    control_points: Option<u16>,
     /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
     #[arg(long, value_name = "NAME", default_value_t)]
     method: Method,
@@ -78,10 +78,10 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     match (&args.dataset, &args.film) {
         (Some(folder), _) => run_on_photographs(folder, args),
-        (None, Some(folder)) => curve::run_on_film(folder, args.method, args.order),
+        (None, Some(folder)) => curve::run_on_film(folder, args.method, args.control_points),
         (None, None) => {
             let files = (args.csv.as_deref(), args.overlay.as_deref());
-            rendered::run(&args.rendered, args.method, args.order, files)
+            rendered::run(&args.rendered, args.method, args.control_points, files)
         }
     }
 }
@@ -111,7 +111,7 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
     print!("{}", report::table(&measured))?;
     print!("{}", whole::table(&measured))?;
     print!("{}", crossings::table(&measured, &seen.unwrap_or_default()))?;
-    let mut curves = Curves::new(args.order)?;
+    let mut curves = Curves::new(args.control_points)?;
     let mut fitted = Vec::new();
     for (name, images) in &measured {
         let found = images.iter().flat_map(|image| &image.curves);

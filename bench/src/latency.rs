@@ -66,6 +66,7 @@ use std::time::Instant;
 use anyhow::{Result, bail, ensure};
 use clap::{Args, Subcommand};
 
+use lariat_chain::load::Load;
 use lariat_chain::output::{Existing, OutputFolder, print};
 use lariat_chain::stop::Stop;
 use plan::Plan;
@@ -167,6 +168,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
         1 => args.python.clone(),
         _ => std::path::absolute(&args.python).unwrap_or_else(|_| args.python.clone()),
     };
+    if let Some(warning) = Load::now().and_then(Load::warning) {
+        eprintln!("lariat-bench: {warning}");
+    }
     let workplace = Workplace::open(python)?;
     let mut plan = Plan::new(args, &workplace);
     let begin = Instant::now();

@@ -29,11 +29,12 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// Of the chain's own choice; or of an order, closed ones of half as many harmonics.
-    pub(super) fn new(order: Option<usize>) -> Result<Self> {
+    /// Of the chain's own choice, or Bezier curves of N control points; closed ropes get (N − 1) / 2 harmonics.
+    pub(super) fn new(control_points: Option<u16>) -> Result<Self> {
         let points = Options::default().points;
         let options = |closed| {
             let auto = lariat_fit::Options::auto(points, closed);
+            let order = control_points.map(|count| usize::from(count) - 1);
             let basis = match (order, closed) {
                 (None, _) => return auto,
                 (Some(order), false) => Basis::Bezier { order },
@@ -128,7 +129,11 @@ pub(super) fn table<'a>(sets: impl IntoIterator<Item = (&'a str, Vec<Fitted>)>) 
 ///
 /// # Errors
 /// A picture cannot be read.
-pub(super) fn run_on_film(folder: &Path, method: Method, order: Option<usize>) -> Result<()> {
+pub(super) fn run_on_film(
+    folder: &Path,
+    method: Method,
+    control_points: Option<u16>,
+) -> Result<()> {
     let unread = || format!("cannot read the folder {}", folder.display());
     let entries = std::fs::read_dir(folder).with_context(unread)?;
     let paths: std::io::Result<Vec<_>> = entries.map(|entry| Ok(entry?.path())).collect();
@@ -138,7 +143,7 @@ pub(super) fn run_on_film(folder: &Path, method: Method, order: Option<usize>) -
             .is_some_and(|end| end == "png" || end == "jpg")
     });
     paths.sort();
-    let mut curves = Curves::new(order)?;
+    let mut curves = Curves::new(control_points)?;
     let mut extractor = Extractor::new(Options {
         method,
         ..Options::default()
@@ -175,11 +180,11 @@ mod tests {
             .map(|i| [3.0 * f64::from(i), 60.0 * (0.1 * f64::from(i)).sin()])
             .collect();
         let rope = curve(&bent, 10.0);
-        let row = |order| {
-            let fitted = Curves::new(order).unwrap().fit(&rope).unwrap();
+        let row = |control_points| {
+            let fitted = Curves::new(control_points).unwrap().fit(&rope).unwrap();
             table([("one", vec![fitted])])
         };
         assert!(row(None).contains("100.0 %"), "{}", row(None));
-        assert!(row(Some(2)).contains(" 0.0 %"), "{}", row(Some(2)));
+        assert!(row(Some(3)).contains(" 0.0 %"), "{}", row(Some(3)));
     }
 }

@@ -52,7 +52,7 @@ struct Measured {
 pub(crate) fn run(
     args: &Args,
     method: Method,
-    order: Option<usize>,
+    control_points: Option<u16>,
     (csv, overlay): (Option<&Path>, Option<&Path>),
 ) -> Result<()> {
     if args.seeds == 0 {
@@ -71,7 +71,7 @@ pub(crate) fn run(
         method,
         ..Options::default()
     })?;
-    let mut curves = Curves::new(order)?;
+    let mut curves = Curves::new(control_points)?;
     let (mut measured, mut fitted) = (Vec::new(), Vec::new());
     println!("{}", table::head())?;
     for class in classes {

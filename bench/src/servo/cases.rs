@@ -159,7 +159,7 @@ impl Case {
     fn is_in_space(&self) -> bool {
         match self.group {
             Group::AsItIs | Group::FrameRate | Group::Noise | Group::Estimator => true,
-            Group::OrderAndBasis => !self.flags.iter().any(|flag| flag == BSPLINE),
+            Group::CurveAndBasis => !self.flags.iter().any(|flag| flag == BSPLINE),
             Group::Latency | Group::LatencyTaken | Group::Occlusion | Group::Features => false,
         }
     }
@@ -208,13 +208,13 @@ impl Case {
             ..varied(Group::Occlusion, "a hand for a second".into(), None)
         });
         for (name, flags) in [
-            ("Bezier, order 4", &["--control-points", "5"][..]),
-            ("Bezier, order 6", &["--control-points", "7"]),
-            ("Bezier, order 8", &["--control-points", "9"]),
-            ("Bezier, order 12", &["--control-points", "13"]),
+            ("Bezier, 5 control points", &["--control-points", "5"][..]),
+            ("Bezier, 7 control points", &["--control-points", "7"]),
+            ("Bezier, 9 control points", &["--control-points", "9"]),
+            ("Bezier, 13 control points", &["--control-points", "13"]),
             ("B-spline", &["--basis", BSPLINE]),
         ] {
-            let varied = varied(Group::OrderAndBasis, name.into(), None);
+            let varied = varied(Group::CurveAndBasis, name.into(), None);
             let flags = flags.iter().map(|&flag| flag.to_owned()).collect();
             cases.push(Self { flags, ..varied });
         }

@@ -34,7 +34,7 @@ pub(super) struct Study {
 #[derive(Debug, Clone)]
 pub(super) struct Row {
     pub group: Group,
-    /// What is different in it: "30 ms", "Bezier, order 6".
+    /// What is different in it: "30 ms", "Bezier, 7 control points".
     pub name: String,
     /// The same as a number in the unit of [`Group::axis`]; a group whose rows all have one is plotted over it.
     pub value: Option<f64>,
@@ -52,7 +52,7 @@ pub(super) enum Group {
     FrameRate,
     Occlusion,
     Noise,
-    OrderAndBasis,
+    CurveAndBasis,
     Features,
     Estimator,
 }
@@ -75,7 +75,7 @@ impl Group {
         Self::FrameRate,
         Self::Occlusion,
         Self::Noise,
-        Self::OrderAndBasis,
+        Self::CurveAndBasis,
         Self::Features,
         Self::Estimator,
     ];
@@ -88,7 +88,7 @@ impl Group {
             Self::FrameRate => "frame rate",
             Self::Occlusion => "occlusion",
             Self::Noise => "noise",
-            Self::OrderAndBasis => "order and basis",
+            Self::CurveAndBasis => "control points and basis",
             Self::Features => "features",
             Self::Estimator => "estimator",
         }
@@ -102,7 +102,7 @@ impl Group {
             Self::FrameRate => "frames/s",
             Self::Occlusion => "time behind a hand, s",
             Self::Noise => "noise of a pixel, levels of 256",
-            Self::OrderAndBasis => "order n",
+            Self::CurveAndBasis => "control points",
             Self::Features => "numbers in the feature",
             Self::Estimator => "value",
         }
@@ -115,7 +115,7 @@ impl Group {
             Self::FrameRate => format!("{value} frames/s"),
             Self::Occlusion => format!("{value} s behind a hand"),
             Self::Noise => format!("noise of {value} levels"),
-            Self::OrderAndBasis => format!("order {value}"),
+            Self::CurveAndBasis => format!("{value} control points"),
             Self::Features => format!("{value} numbers"),
             Self::AsItIs | Self::Estimator => value.to_string(),
         }
@@ -148,7 +148,7 @@ impl Group {
             Self::Noise => {
                 "Normal noise is added to each pixel; the value is its standard deviation."
             }
-            Self::OrderAndBasis => "The curve that the rope's shape is described by.",
+            Self::CurveAndBasis => "The curve that the rope's shape is described by.",
             Self::Features => {
                 "What the controller is given: the control points of a curve, or points of the centerline itself."
             }
@@ -162,7 +162,7 @@ impl Group {
         match self {
             Self::Latency | Self::LatencyTaken | Self::Occlusion | Self::Noise => Harder::Upwards,
             Self::FrameRate => Harder::Downwards,
-            Self::AsItIs | Self::OrderAndBasis | Self::Features | Self::Estimator => {
+            Self::AsItIs | Self::CurveAndBasis | Self::Features | Self::Estimator => {
                 Harder::Neither
             }
         }
