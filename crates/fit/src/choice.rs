@@ -6,6 +6,7 @@ use crate::error::FitError;
 use crate::fitter::{Fit, Fitter, Size};
 use crate::options::Rho;
 use crate::placed;
+use crate::point::Point;
 use crate::tolerance::Tolerance;
 
 /// How much nearer a curve must be when its size is chosen: so much may the rope bend more before the size has to
@@ -84,6 +85,20 @@ impl SteadySize {
         line: &Line<D>,
         tolerance: Tolerance,
         exposed_ns: u64,
+    ) -> Result<Judged, FitError>
+    where
+        [f64; D]: Point<D>,
+    {
+        <[f64; D]>::fit_steadily(self, fitter, line, tolerance, exposed_ns)
+    }
+
+    /// [`SteadySize::fit`].
+    pub(crate) fn fit_steadily<const D: usize>(
+        &mut self,
+        fitter: &mut Fitter<D>,
+        line: &Line<D>,
+        tolerance: Tolerance,
+        exposed_ns: u64,
     ) -> Result<Judged, FitError> {
         let size = match self.size.filter(|&size| size < fitter.sizes.len()) {
             Some(size) => size,
@@ -94,8 +109,8 @@ impl SteadySize {
                     .insert(choose(fitter, line, tolerance, self.place, None)?)
             }
         };
-        fitter.fit_at(size, line)?;
-        let is_good = fitter.lies_on(line, tolerance);
+        fitter.fit_of_size(size, line)?;
+        let is_good = fitter.is_within(line, tolerance);
         let since = match self.misfit_since_ns {
             // Time that went back is another film's.
             Some(since) if since <= exposed_ns => since,
@@ -108,8 +123,8 @@ impl SteadySize {
             let now = Some(Now { size, excess });
             let other = choose(fitter, line, tolerance, self.place, now)?;
             self.size = Some(other);
-            fitter.fit_at(other, line)?;
-            let is_good = fitter.lies_on(line, tolerance);
+            fitter.fit_of_size(other, line)?;
+            let is_good = fitter.is_within(line, tolerance);
             return Ok(Judged {
                 is_good,
                 // Its own place is not gone to again but with other knots.
@@ -134,10 +149,10 @@ fn choose<const D: usize>(
     place: usize,
     now: Option<Now>,
 ) -> Result<usize, FitError> {
-    if let (size, true) = fitter.least_size(line, tolerance.times(MARGIN))? {
+    if let (size, true) = fitter.size_for(line, tolerance.times(MARGIN))? {
         return Ok(size);
     }
-    let (largest, fits) = fitter.least_size(line, tolerance)?;
+    let (largest, fits) = fitter.size_for(line, tolerance)?;
     if fits {
         return Ok(largest);
     }
@@ -151,6 +166,37 @@ fn choose<const D: usize>(
 struct Now {
     size: usize,
     excess: f64,
+}
+
+impl<const D: usize> Fitter<D>
+where
+    [f64; D]: Point<D>,
+{
+    /// The smallest size whose curve lies within the tolerance of these points, and `true`; or the largest and `false`.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`], where that holds for every size.
+    pub fn least_size(
+        &mut self,
+        line: &Line<D>,
+        tolerance: Tolerance,
+    ) -> Result<(usize, bool), FitError> {
+        <[f64; D]>::least_size(self, line, tolerance)
+    }
+
+    /// The curve of this size, counted from 0, the smallest; the largest for a number beyond all. Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`].
+    pub fn fit_at(&mut self, size: usize, line: &Line<D>) -> Result<&Fit<D>, FitError> {
+        <[f64; D]>::fit_at(self, size, line)
+    }
+
+    /// Whether the curve of the last fit, which was of these points, lies within the tolerance of those that were seen.
+    pub fn lies_on(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
+        <[f64; D]>::lies_on(self, line, tolerance)
+    }
 }
 
 impl<const D: usize> Fitter<D> {
@@ -196,12 +242,8 @@ impl<const D: usize> Fitter<D> {
         Some(size)
     }
 
-    /// The smallest size whose curve lies within the tolerance of these points, and `true`; or the largest and `false`.
-    /// Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`], where that holds for every size.
-    pub fn least_size(
+    /// [`Fitter::least_size`].
+    pub(crate) fn size_for(
         &mut self,
         line: &Line<D>,
         tolerance: Tolerance,
@@ -222,11 +264,8 @@ impl<const D: usize> Fitter<D> {
         }
     }
 
-    /// The curve of this size, counted from 0, the smallest; the largest for a number beyond all. Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`].
-    pub fn fit_at(&mut self, size: usize, line: &Line<D>) -> Result<&Fit<D>, FitError> {
+    /// [`Fitter::fit_at`].
+    pub(crate) fn fit_of_size(&mut self, size: usize, line: &Line<D>) -> Result<&Fit<D>, FitError> {
         self.check(line)?;
         let size = size.min(self.sizes.len() - 1);
         let residuals = self.fit_size(size, line.points, line.weights)?;
@@ -237,8 +276,8 @@ impl<const D: usize> Fitter<D> {
         Ok(&self.fit)
     }
 
-    /// Whether the curve of the last fit, which was of these points, lies within the tolerance of those that were seen.
-    pub fn lies_on(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
+    /// [`Fitter::lies_on`].
+    pub(crate) fn is_within(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
         // All points are near: mostly there is no need to look at each.
         self.fit.max_px.powi(2) <= tolerance.squared()[0]
             || self.lies_at(self.shown, line, tolerance)

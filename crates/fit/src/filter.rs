@@ -32,6 +32,7 @@ pub use options::FilterOptions;
 pub use space::CurveSpace;
 pub use step::{FilterStep, Noise};
 
+use crate::point::Point;
 use rows::{LANES, Rows};
 use space::transform;
 use state::State;
@@ -114,12 +115,54 @@ pub struct Filter<const D: usize> {
     prediction: Prediction<D>,
 }
 
-impl<const D: usize> Filter<D> {
+impl<const D: usize> Filter<D>
+where
+    [f64; D]: Point<D>,
+{
     /// A filter for shapes of at most `max_control_points` control points. Nothing allocates after this.
     ///
     /// # Errors
     /// No control point or more than 32, or an option outside its range.
     pub fn new(max_control_points: usize, options: FilterOptions) -> Result<Self, FilterError> {
+        <[f64; D]>::make_filter(max_control_points, options)
+    }
+
+    /// Takes in a shape: the control points at the moment `t_ns`, of the curves of `space`, as uncertain as
+    /// `noise`. The answer says whether it went on from the shapes before or began anew. `space` is told
+    /// from others as an object: give the same one, or clones of it, as long as the curves are the same.
+    ///
+    /// # Errors
+    /// A moment that is not after the last one, sizes that do not agree, numbers that are no place or no
+    /// covariance. The filter then stays as it was.
+    pub fn update(
+        &mut self,
+        t_ns: u64,
+        space: &CurveSpace,
+        control_points: &[[f64; D]],
+        noise: Noise<'_>,
+    ) -> Result<FilterStep, UpdateError> {
+        <[f64; D]>::take_in(self, t_ns, space, control_points, noise)
+    }
+
+    /// The rope at the moment `t_ns`: at the last shape, ahead of it, or a little before it. The result
+    /// stands until the next call.
+    ///
+    /// Going back, the acceleration between the two moments is taken for unknown, though what came after
+    /// tells something of it: the covariance is on the safe side.
+    ///
+    /// # Errors
+    /// No shape yet, or a moment further from the last one than [`FilterOptions::longest_gap_s`].
+    pub fn predict(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
+        <[f64; D]>::foretell(self, t_ns)
+    }
+}
+
+impl<const D: usize> Filter<D> {
+    /// [`Filter::new`].
+    pub(crate) fn make(
+        max_control_points: usize,
+        options: FilterOptions,
+    ) -> Result<Self, FilterError> {
         let most = max_control_points;
         if !(1..=crate::options::MAX_ORDER + 1).contains(&most) {
             return Err(FilterError::ControlPoints { given: most });
@@ -163,14 +206,8 @@ impl<const D: usize> Filter<D> {
         self.seen = None;
     }
 
-    /// Takes in a shape: the control points at the moment `t_ns`, of the curves of `space`, as uncertain as
-    /// `noise`. The answer says whether it went on from the shapes before or began anew. `space` is told
-    /// from others as an object: give the same one, or clones of it, as long as the curves are the same.
-    ///
-    /// # Errors
-    /// A moment that is not after the last one, sizes that do not agree, numbers that are no place or no
-    /// covariance. The filter then stays as it was.
-    pub fn update(
+    /// [`Filter::update`].
+    pub(crate) fn take_in(
         &mut self,
         t_ns: u64,
         space: &CurveSpace,
@@ -212,15 +249,8 @@ impl<const D: usize> Filter<D> {
         Ok(step)
     }
 
-    /// The rope at the moment `t_ns`: at the last shape, ahead of it, or a little before it. The result
-    /// stands until the next call.
-    ///
-    /// Going back, the acceleration between the two moments is taken for unknown, though what came after
-    /// tells something of it: the covariance is on the safe side.
-    ///
-    /// # Errors
-    /// No shape yet, or a moment further from the last one than [`FilterOptions::longest_gap_s`].
-    pub fn predict(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
+    /// [`Filter::predict`].
+    pub(crate) fn foretell(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
         let seen = self.seen.as_ref().ok_or(PredictError::NothingSeen)?;
         let distance_s = t_ns.abs_diff(seen.t_ns) as f64 * 1e-9;
         if distance_s > self.options.longest_gap_s {

@@ -11,6 +11,7 @@ use crate::folded::Points;
 use crate::linear::Linear;
 use crate::noise::{EvenFit, Propagation, Square};
 use crate::options::{Options, Rho, Weights};
+use crate::point::Point;
 use crate::rational::RationalFitter;
 use crate::resample::Resampler;
 use crate::spread;
@@ -110,7 +111,7 @@ impl<const D: usize> Size<D> {
     fn by(linear: Linear<D>, options: &Options) -> Self {
         let way = match linear.basis {
             Basis::RationalBezier { order } => {
-                let fitter = RationalFitter::new(order, options.points, options.pin_ends);
+                let fitter = RationalFitter::make(order, options.points, options.pin_ends);
                 Way::Rational(Box::new(fitter))
             }
             _ if options.weights != Weights::Even || options.rho == Rho::Measured => {
@@ -194,12 +195,76 @@ impl Fitter<2> {
     }
 }
 
-impl<const D: usize> Fitter<D> {
-    /// As [`Fitter::new`], for points of any dimension.
+impl<const D: usize> Fitter<D>
+where
+    [f64; D]: Point<D>,
+{
+    /// As [`Fitter::new`], for points of the plane or of space.
     ///
     /// # Errors
     /// As [`Fitter::new`].
     pub fn in_dimensions(options: Options) -> Result<Self, FitterError> {
+        <[f64; D]>::make_fitter(options)
+    }
+
+    /// The curve nearest to `points` in the least-squares sense. Allocates nothing; the result stands until
+    /// the next fit.
+    ///
+    /// `points` are pixels, ordered along the curve, evenly spaced by arc length unless it is measured.
+    ///
+    /// # Errors
+    /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
+    /// measured arc lengths also points that do not determine the curve.
+    pub fn fit(&mut self, points: &[[f64; D]]) -> Result<&Fit<D>, FitError> {
+        <[f64; D]>::fit(self, &Line::of(points))
+    }
+
+    /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
+    /// ([`Fitter::last`]) the residuals are NaN then. Where there is no such short way (another solver, weights, a size to
+    /// be chosen, rational curves) it is a fit.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub fn control_points(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
+        <[f64; D]>::describe(self, points)
+    }
+
+    /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
+    /// seen.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`]; a fitter made without weights; invalid weights.
+    pub fn fit_weighted(
+        &mut self,
+        points: &[[f64; D]],
+        weights: &[f64],
+    ) -> Result<&Fit<D>, FitError> {
+        let line = Line {
+            weights: Some(weights),
+            ..Line::of(points)
+        };
+        <[f64; D]>::fit(self, &line)
+    }
+
+    /// The covariances of the last fit's control points, where its points came from `line`, and what `line`
+    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
+    /// `squares` are `JJᵀ` of its derivatives there, in the order of those points. Returns σ², px², as
+    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
+    ///
+    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
+    pub fn propagate(
+        &mut self,
+        line: &Resampler<D>,
+        squares: &[Square<D>],
+        covariances: &mut [Square<D>; MAX_CONTROL_POINTS],
+    ) -> f64 {
+        <[f64; D]>::carry_noise(self, line, squares, covariances)
+    }
+}
+
+impl<const D: usize> Fitter<D> {
+    /// [`Fitter::in_dimensions`].
+    pub(crate) fn make(options: Options) -> Result<Self, FitterError> {
         checked::check(&options)?;
         let mut sizes = vec![Size::new(options.basis, &options)?];
         if options.choose_size {
@@ -237,25 +302,8 @@ impl<const D: usize> Fitter<D> {
         })
     }
 
-    /// The curve nearest to `points` in the least-squares sense. Allocates nothing; the result stands until
-    /// the next fit.
-    ///
-    /// `points` are pixels, ordered along the curve, evenly spaced by arc length unless it is measured.
-    ///
-    /// # Errors
-    /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
-    /// measured arc lengths also points that do not determine the curve.
-    pub fn fit(&mut self, points: &[[f64; D]]) -> Result<&Fit<D>, FitError> {
-        self.fit_chosen(&Line::of(points))
-    }
-
-    /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
-    /// ([`Fitter::last`]) the residuals are NaN then. Where there is no such short way (another solver, weights, a size to
-    /// be chosen, rational curves) it is a fit.
-    ///
-    /// # Errors
-    /// As [`Fitter::fit`].
-    pub fn control_points(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
+    /// [`Fitter::control_points`].
+    pub(crate) fn describe(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
         if let [size] = &mut self.sizes[..]
             && matches!(size.way, Way::Linear)
             && points.len() == self.options.points
@@ -269,32 +317,17 @@ impl<const D: usize> Fitter<D> {
                 return Ok(&self.fit.control_points);
             }
         }
-        self.fit(points).map(|fit| &fit.control_points[..])
+        self.fit_line(&Line::of(points))
+            .map(|fit| &fit.control_points[..])
     }
 
-    /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
-    /// seen.
-    ///
-    /// # Errors
-    /// As [`Fitter::fit`]; a fitter made without weights; invalid weights.
-    pub fn fit_weighted(
-        &mut self,
-        points: &[[f64; D]],
-        weights: &[f64],
-    ) -> Result<&Fit<D>, FitError> {
-        self.fit_chosen(&Line {
-            weights: Some(weights),
-            ..Line::of(points)
-        })
-    }
-
-    /// A fit of the least size within the default tolerance, where there is a choice.
-    fn fit_chosen(&mut self, line: &Line<D>) -> Result<&Fit<D>, FitError> {
+    /// [`Fitter::fit`] and [`Fitter::fit_weighted`]: of the least size within the default tolerance, where there is a choice.
+    pub(crate) fn fit_line(&mut self, line: &Line<D>) -> Result<&Fit<D>, FitError> {
         let size = match self.choosable {
             1 => 0,
-            _ => self.least_size(line, Tolerance::default())?.0,
+            _ => self.size_for(line, Tolerance::default())?.0,
         };
-        self.fit_at(size, line)
+        self.fit_of_size(size, line)
     }
 
     /// Whether there are as many points, and weights, as the fitter was made for.
@@ -340,7 +373,7 @@ impl<const D: usize> Fitter<D> {
                 adaptive.fit(points, weights, &self.options, control_points)?
             }
             Way::Rational(rational) => {
-                let fit = rational.fit(points);
+                let fit = rational.fit_points(points);
                 control_points.copy_from_slice(fit.control_points);
                 self.fit.weights.clear();
                 if fit.converged {
@@ -429,13 +462,8 @@ impl<const D: usize> Fitter<D> {
         Ok(space)
     }
 
-    /// The covariances of the last fit's control points, where its points came from `line`, and what `line`
-    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
-    /// `squares` are `JJᵀ` of its derivatives there, in the order of those points. Returns σ², px², as
-    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
-    ///
-    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
-    pub fn propagate(
+    /// [`Fitter::propagate`].
+    pub(crate) fn carry_noise(
         &mut self,
         line: &Resampler<D>,
         squares: &[Square<D>],

@@ -16,6 +16,7 @@ mod projection;
 mod triangular;
 mod trust_region;
 
+use crate::point::Point;
 use belief::Belief;
 use descent::Descent;
 use design::Design;
@@ -72,7 +73,10 @@ pub struct RationalFitter<const D: usize> {
     variance: Option<f64>,
 }
 
-impl<const D: usize> RationalFitter<D> {
+impl<const D: usize> RationalFitter<D>
+where
+    [f64; D]: Point<D>,
+{
     /// Makes room and does the algebra that does not depend on the points, on the uniform grid
     /// `ρᵢ = i/(N − 1)`. With `pin_ends` the first and the last control point are the first and the last
     /// point.
@@ -81,6 +85,34 @@ impl<const D: usize> RationalFitter<D> {
     /// If the order is not in 1 ..= [`MAX_ORDER`](crate::MAX_ORDER), or `points` not in
     /// `order + 1` ..= [`MAX_POINTS`](crate::MAX_POINTS), or `D` is 0.
     pub fn new(order: usize, points: usize, pin_ends: bool) -> Self {
+        <[f64; D]>::make_rational(order, points, pin_ends)
+    }
+
+    /// The rational curve of the highest posterior probability given `points` (ordered along the curve,
+    /// evenly spaced by arc length), never with larger squared residuals than the polynomial's. Allocates
+    /// nothing; takes at most 30 steps beside the linearized start. Starts from the last fit's weights where that converged.
+    ///
+    /// Points that are not finite give control points that are not, and `converged: false`.
+    ///
+    /// # Panics
+    /// If the number of points is not the one that the fitter was made for.
+    pub fn fit(&mut self, points: &[[f64; D]]) -> RationalFit<'_, D> {
+        <[f64; D]>::fit_rational(self, points)
+    }
+
+    /// The covariance of the control points and the log-weights together, by `σ²`: square, with `(n+1) (D+1)` rows, first the coordinates of the first control point, of the second and so
+    /// on, then the log-weights. To first order, and with what is believed of weights before any point is
+    /// seen in it: where the noise is so large that the curve is far from linear in them, an indication.
+    /// After a fit that did not converge the weights are 1 and known. Computed when asked for; allocates
+    /// nothing.
+    pub fn joint_covariance_factor(&mut self) -> MatRef<'_, f64> {
+        <[f64; D]>::joint_factor(self)
+    }
+}
+
+impl<const D: usize> RationalFitter<D> {
+    /// [`RationalFitter::new`].
+    pub(crate) fn make(order: usize, points: usize, pin_ends: bool) -> Self {
         assert!(
             (1..=crate::MAX_ORDER).contains(&order),
             "a curve has an order from 1 to {}",
@@ -103,15 +135,8 @@ impl<const D: usize> RationalFitter<D> {
         }
     }
 
-    /// The rational curve of the highest posterior probability given `points` (ordered along the curve,
-    /// evenly spaced by arc length), never with larger squared residuals than the polynomial's. Allocates
-    /// nothing; takes at most 30 steps beside the linearized start. Starts from the last fit's weights where that converged.
-    ///
-    /// Points that are not finite give control points that are not, and `converged: false`.
-    ///
-    /// # Panics
-    /// If the number of points is not the one that the fitter was made for.
-    pub fn fit(&mut self, points: &[[f64; D]]) -> RationalFit<'_, D> {
+    /// [`RationalFitter::fit`].
+    pub(crate) fn fit_points(&mut self, points: &[[f64; D]]) -> RationalFit<'_, D> {
         assert_eq!(
             points.len(),
             self.design.points,
@@ -146,12 +171,8 @@ impl<const D: usize> RationalFitter<D> {
         MatRef::from_row_major_slice(factor, count, count)
     }
 
-    /// The covariance of the control points and the log-weights together, by `σ²`: square, with `(n+1) (D+1)` rows, first the coordinates of the first control point, of the second and so
-    /// on, then the log-weights. To first order, and with what is believed of weights before any point is
-    /// seen in it: where the noise is so large that the curve is far from linear in them, an indication.
-    /// After a fit that did not converge the weights are 1 and known. Computed when asked for; allocates
-    /// nothing.
-    pub fn joint_covariance_factor(&mut self) -> MatRef<'_, f64> {
+    /// [`RationalFitter::joint_covariance_factor`].
+    pub(crate) fn joint_factor(&mut self) -> MatRef<'_, f64> {
         let size = self.design.count * (D + 1);
         MatRef::from_row_major_slice(self.joint_covariance(), size, size)
     }

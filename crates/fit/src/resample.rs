@@ -8,6 +8,7 @@
 //! them alike if the chords are.
 
 use crate::options::MAX_POINTS;
+use crate::point::Point;
 use thiserror::Error;
 
 /// Why points make no line to walk along.
@@ -66,6 +67,23 @@ impl Resampler {
     }
 }
 
+impl<const D: usize> Resampler<D>
+where
+    [f64; D]: Point<D>,
+{
+    /// As many points, at equal steps along the line through these; the first stays, and so does an open line's last.
+    ///
+    /// # Errors
+    /// There are too few or too many, or two neighbours lie in one place.
+    pub fn resample(
+        &mut self,
+        points: &[[f64; D]],
+        closed: bool,
+    ) -> Result<&[[f64; D]], ResampleError> {
+        <[f64; D]>::resample(self, points, closed)
+    }
+}
+
 impl<const D: usize> Resampler<D> {
     /// As [`Resampler::new`], for points of any dimension.
     pub fn in_dimensions() -> Self {
@@ -80,11 +98,8 @@ impl<const D: usize> Resampler<D> {
         }
     }
 
-    /// As many points, at equal steps along the line through these; the first stays, and so does an open line's last.
-    ///
-    /// # Errors
-    /// There are too few or too many, or two neighbours lie in one place.
-    pub fn resample(
+    /// [`Resampler::resample`].
+    pub(crate) fn even_out(
         &mut self,
         points: &[[f64; D]],
         closed: bool,

@@ -21,6 +21,7 @@ use crate::basis::MAX_CONTROL_POINTS;
 use crate::fitter::Fitter;
 use crate::noise::Square;
 use crate::options::MAX_POINTS;
+use crate::point::Point;
 use lariat_portable::{Simd, WithSimd};
 
 /// Points to each side that a direction is taken from.
@@ -130,12 +131,27 @@ impl<const D: usize> WithSimd for Sums<'_, D> {
     }
 }
 
-impl<const D: usize> Fitter<D> {
+impl<const D: usize> Fitter<D>
+where
+    [f64; D]: Point<D>,
+{
     /// The covariances of the last fit's control points, where its `points`, at equal steps, err so. Residuals that are larger than
     /// the points' own ellipsoids say make those larger; what neighbors err in common no residual shows. Allocates nothing.
     ///
     /// None is written if there are other numbers of points than the fitter's.
     pub fn spread(
+        &mut self,
+        points: &[[f64; D]],
+        spread: &Spread<D>,
+        covariances: &mut [Square<D>; MAX_CONTROL_POINTS],
+    ) {
+        <[f64; D]>::spread(self, points, spread, covariances);
+    }
+}
+
+impl<const D: usize> Fitter<D> {
+    /// [`Fitter::spread`].
+    pub(crate) fn spread_points(
         &mut self,
         points: &[[f64; D]],
         spread: &Spread<D>,

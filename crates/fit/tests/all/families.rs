@@ -2,14 +2,17 @@
 
 use crate::dense::Dense;
 use lariat_fit::{
-    Basis, Fit, Fitter, FitterError, Knots, Options, Solver, Weights, bernstein, point_at,
+    Basis, Fit, Fitter, FitterError, Knots, Options, Point, Solver, Weights, bernstein, point_at,
 };
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
 const SOLVERS: [Solver; 3] = [Solver::Pinv, Solver::Cholesky, Solver::Qr];
 
-fn fit<const D: usize>(options: Options, points: &[[f64; D]]) -> Fit<D> {
+fn fit<const D: usize>(options: Options, points: &[[f64; D]]) -> Fit<D>
+where
+    [f64; D]: Point<D>,
+{
     let points_given = Options {
         points: points.len(),
         ..options

@@ -2,7 +2,7 @@
 
 use super::ropes::Ropes;
 use crate::settings;
-use lariat_fit::{Filter, FilterOptions, Fitter, Noise, Prediction, Weights};
+use lariat_fit::{Filter, FilterOptions, Fitter, Noise, Point, Prediction, Weights};
 use lariat_wire::MAX_CONTROL_POINTS;
 
 pub(super) struct Filters<const D: usize = 2> {
@@ -12,7 +12,10 @@ pub(super) struct Filters<const D: usize = 2> {
     covariance: Vec<f64>,
 }
 
-impl<const D: usize> Filters<D> {
+impl<const D: usize> Filters<D>
+where
+    [f64; D]: Point<D>,
+{
     /// `unit_per_px`: how long a pixel is in the unit of the control points. What the filter is told in pixels is the same
     /// motion then.
     pub(super) fn new(

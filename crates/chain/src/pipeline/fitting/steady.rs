@@ -2,7 +2,7 @@
 
 use super::ropes::Ropes;
 use crate::settings;
-use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, SteadySize, Tolerance};
+use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, Point, SteadySize, Tolerance};
 
 /// A rope as fitting needs to know it.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +30,10 @@ pub(super) struct RopeFitter<const D: usize = 2> {
     last_track: Option<u32>,
 }
 
-impl<const D: usize> RopeFitter<D> {
+impl<const D: usize> RopeFitter<D>
+where
+    [f64; D]: Point<D>,
+{
     /// # Errors
     /// As [`Fitter::new`].
     pub(super) fn new(settings: &settings::Fit, points: usize) -> Result<Self, FitterError> {

@@ -2,7 +2,7 @@
 //! large as it says, within the bounds that chance allows (Bar-Shalom, Li, Kirubarajan, 5.4.2).
 
 use crate::dense::{Dense, errors, normalized_squared, normals};
-use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
+use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise, Point};
 use lariat_portable::SplitMix64;
 
 const RUNS: usize = 1000;
@@ -129,7 +129,10 @@ struct Means {
 }
 
 /// Follows a rope over some 20 irregular frames; is a part of it hidden in each, then another one.
-fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means) {
+fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means)
+where
+    [f64; D]: Point<D>,
+{
     let random = &mut SplitMix64::new(seed);
     let space = CurveSpace::new(b.matrix()).unwrap();
     let mut filter = Filter::<D>::new(M, OPTIONS).unwrap();
@@ -188,7 +191,10 @@ fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means) {
     ));
 }
 
-fn assert_consistent<const D: usize>(hide: bool, first_seed: u64) {
+fn assert_consistent<const D: usize>(hide: bool, first_seed: u64)
+where
+    [f64; D]: Point<D>,
+{
     let b = Dense::bezier(ORDER, POINTS);
     let mut means = Means::default();
     for seed in 0..RUNS as u64 {
