@@ -41,7 +41,7 @@ def row(text, first):
 
 def drawn():
     table = bench("accuracy", "--rendered").split("\n\n")[0].splitlines()[2:]
-    distances = [float(cells(line)[3]) for line in table]
+    distances = [float(cells(line)[3].rstrip("!")) for line in table]
     yield (
         f"drawn ropes of {len(distances)} classes: mean distance from the truth",
         f"{min(distances):.2f} to {max(distances):.2f} px",
@@ -51,10 +51,10 @@ def drawn():
     for first in range(1000, 1100, 20):
         words = ["--story", "two", "--frames", 6000, "--seeds", 20, "--first-seed", first]
         for line in bench("tracking", *words).split("\n\n")[0].splitlines()[1:]:
-            story = cells(line)
-            count, right = int(story[2]), float(story[4].rstrip("%"))
-            frames, wrong = frames + count, wrong + count * (1 - right / 100)
-            places, exchanged = places + int(story[5]), exchanged + int(story[9])
+            # The last 14 columns are numbers: frames, followed, right, shown, … exchanged, and five more.
+            count, _, right, shown, *_, told = line.split()[-14:-5]
+            frames, wrong = frames + int(count), wrong + int(count) * (1 - float(right.rstrip("%")) / 100)
+            places, exchanged = places + int(shown), exchanged + int(told)
     yield (
         "two tangled ropes in motion, 100 films: frames wrong; places of ropes out of order",
         f"{100 * wrong / frames:.1f} %; one of {places / exchanged:.0f}",

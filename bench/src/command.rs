@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 use lariat_chain::{exit, output::Unread};
 
 use crate::{
-    accuracy, compare, confidence, day, families, fit_rivals, hard, latency, methods, network,
-    paper, readers, recording, rivals, servo, space, tracking,
+    accuracy, compare, confidence, day, families, fit_rivals, hard, instructions, latency, methods,
+    network, paper, readers, recording, rivals, servo, space, tracking,
 };
 
 /// The measurements behind the figures that lariat claims (those of single steps are run by `cargo bench`)
@@ -42,6 +42,8 @@ enum Command {
     Tracking(tracking::Args),
     /// Share of right pictures on grounds and under light that a plain table does not have
     Hard(hard::Args),
+    /// One part at a time, for valgrind to count its instructions
+    Instructions(instructions::Args),
     /// Ropes in space by a drawn depth camera, against the true axis
     Space(space::Args),
     /// Time of each layer of the mask network, with the machine's limit and ONNX Runtime
@@ -90,6 +92,7 @@ impl Command {
             Self::Accuracy(args) => accuracy::run(&args)?,
             Self::Tracking(args) => tracking::run(&args)?,
             Self::Hard(args) => hard::run(&args)?,
+            Self::Instructions(args) => instructions::run(&args)?,
             Self::Space(args) => space::run(&args)?,
             Self::Network(args) => network::run(&args)?,
             Self::CalibrateConfidence(args) => confidence::run(&args)?,

@@ -13,6 +13,7 @@
 //! | `lariat-bench methods` | 120 centers in the mask of a rope by the paper's clusterings, from k-means++ and from the last frame's centers, beside scikit-learn, MiniSom and scikit-fuzzy from the same start (`--python PATH`) |
 //! | `lariat-bench recording` | how fast raw frames are recorded with each compression, beside `dd` with the same block size, in the same rounds, both until the disk has it (`--folder DIR`: on which disk) |
 //! | `lariat-bench tracking` | on drawn films of moving ropes with known truth, for each story and seed: ropes missed, wrong counts, directions turned, numbers swapped, strands exchanged. `--story`, `--frames`, `--seeds`, `--first-seed`; `--verbose` frame by frame, `--overlay` as above |
+//! | `lariat-bench instructions` | nothing: valgrind counts the instructions of its parts (`.ci/gates instructions`) |
 //! | `lariat-bench space` | drawn ropes in space before a colour camera and a depth camera, or a second colour camera: distance from the true axis, ends, curves, control points within the stated ellipsoids. `--seeds`, `--only`; `--deform DIR`: ropes as the motion capture of DEFORM saw them move, its pickles read without running them, with renamed and turned tracks (`--frames`, `--width-mm`, `--verbose`, `--overlay`) |
 //! | `lariat-bench readers` | what a look at the newest message costs a control loop in Rust and in C, how long a waiting one sleeps after a message was sent beside bare iceoryx2 in turn, and the chain with no control loop, with 16, and with 16 of which one is stopped and one killed. Builds of the program and of `lariat-c` come first. `--seconds`, `--rounds`, `--readers`, `--fps` |
 //!
@@ -53,11 +54,13 @@ mod fit_rivals;
 mod floor;
 mod formats;
 mod hard;
+mod instructions;
 mod latency;
 mod mask;
 mod methods;
 mod network;
 mod opencv;
+pub mod paint;
 mod paper;
 mod photographs;
 mod picture;

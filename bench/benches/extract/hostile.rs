@@ -9,7 +9,7 @@ use lariat_extract::{HsvRange, Mask, Options, PixelFormat};
 
 use crate::Effort;
 use crate::case::{Case, Times, measure};
-use crate::paint::{HEIGHT, Noise, WIDTH, eight_ropes, picture, ten_crossings};
+use lariat_bench::paint::{HEIGHT, Noise, WIDTH, eight_ropes, picture, ten_crossings};
 
 /// The same picture again and again, so that "tracked" is measured too.
 const REPEATS: usize = 4;

@@ -14,7 +14,6 @@
 mod case;
 mod formats;
 mod hostile;
-mod paint;
 mod photos;
 mod sizes;
 

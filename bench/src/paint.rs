@@ -1,19 +1,24 @@
-//! Pictures drawn for the bench: ropes along given lines, and patterns without a rope.
+//! Pictures drawn for measurements of speed: ropes along given lines, and patterns without a rope.
 
 use std::f64::consts::PI;
 
+use crate::Picture;
 use anyhow::{Context, Result};
-use lariat_bench::Picture;
 
-pub(crate) const WIDTH: usize = 640;
-pub(crate) const HEIGHT: usize = 480;
+/// Pixels in a row of all of them.
+pub const WIDTH: usize = 640;
+/// Their rows.
+pub const HEIGHT: usize = 480;
 const ROPE: [u8; 3] = [40, 92, 190];
 const TABLE: [u8; 3] = [226, 221, 210];
 /// Levels of noise either way: a pattern without any is easier than a camera's.
 const NOISE: u64 = 4;
 
 /// A picture whose pixel is rope to the share (0 to 1) that `cover` says; what is more than the rope is darker.
-pub(crate) fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
+///
+/// # Errors
+/// None: the size is that of a picture.
+pub fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
     let mut noise = Noise(1);
     let mut rgb = Vec::with_capacity(3 * WIDTH * HEIGHT);
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
@@ -50,7 +55,10 @@ fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
 }
 
 /// The Chebyshev curve x = T₅, y = T₆: open, with (5 − 1)(6 − 1) / 2 crossings.
-pub(crate) fn ten_crossings() -> Result<Picture> {
+///
+/// # Errors
+/// None: the size is that of a picture.
+pub fn ten_crossings() -> Result<Picture> {
     let line = |t: f64| {
         [
             0.5 * WIDTH as f64 + 290.0 * (5.0 * PI * t).cos(),
@@ -60,7 +68,11 @@ pub(crate) fn ten_crossings() -> Result<Picture> {
     ropes(&[&line], 12.0)
 }
 
-pub(crate) fn eight_ropes() -> Result<Picture> {
+/// Eight ropes one above the other, none of which touches another.
+///
+/// # Errors
+/// None: the size is that of a picture.
+pub fn eight_ropes() -> Result<Picture> {
     let lines: [_; 8] = std::array::from_fn(|k| {
         move |t: f64| {
             let wave = 12.0 * (2.0 * PI * (2.0 * t + k as f64 / 8.0)).sin();
@@ -72,10 +84,12 @@ pub(crate) fn eight_ropes() -> Result<Picture> {
 }
 
 /// Xorshift: noise that is the same everywhere.
-pub(crate) struct Noise(pub(crate) u64);
+#[derive(Debug, Clone, Copy)]
+pub struct Noise(pub u64);
 
 impl Noise {
-    pub(crate) fn next(&mut self) -> u64 {
+    /// The next number, of 31 bits.
+    pub fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
