@@ -1,9 +1,9 @@
 //! `lariat-bench instructions`: parts that decide lariat's speed, one at a time, for valgrind to count their instructions.
 //!
 //! A count is exact on a busy machine, where a time is not. `.ci/gates instructions` starts this command under
-//! `valgrind --tool=callgrind --toggle-collect='*instructions::counted*'`, which counts what happens within [`counted`] and nothing else,
-//! and holds the counts against its record. They are those of the build that runs the tests, and of AVX2: valgrind knows no AVX-512.
-//! So only their changes mean anything.
+//! `valgrind --tool=callgrind --toggle-collect='*instructions::counted*'`, which counts only within [`counted`], and compares the
+//! counts with its record. The counts come from the test build and from AVX2, as valgrind does not know AVX-512. Only their
+//! changes have a meaning.
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Wri
 use crate::{Picture, paint, rendered};
 
 const SIZE: [usize; 2] = [640, 480];
-/// Of the picture that the network gets.
+/// The size of the network's picture.
 const SMALL: [usize; 2] = [160, 128];
 /// Frames that are followed before the one that counts.
 const FRAMES_BEFORE: u64 = 6;
@@ -37,7 +37,7 @@ pub(crate) struct Args {
 /// Draws the pictures and lists the parts, or runs one.
 ///
 /// # Errors
-/// There is no such part, or a picture cannot be written or read.
+/// The part is unknown, or a picture cannot be written or read.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let folder = Folder(&args.pictures);
     let Some(part) = &args.part else {
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return PARTS.iter().try_for_each(|(name, _)| println!("{name}"));
     };
     let Some((_, work)) = PARTS.iter().find(|(name, _)| name == part) else {
-        bail!("there is no part {part}: without one all are listed");
+        bail!("the part {part} is unknown: the command lists all parts if none is given");
     };
     work(&folder)
 }

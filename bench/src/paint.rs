@@ -68,7 +68,7 @@ pub fn ten_crossings() -> Result<Picture> {
     ropes(&[&line], 12.0)
 }
 
-/// Eight ropes one above the other, none of which touches another.
+/// Eight ropes one above the other that do not touch.
 ///
 /// # Errors
 /// None: the size is that of a picture.

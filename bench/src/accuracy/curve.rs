@@ -29,7 +29,7 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// Of the chain's own choice, or Bezier curves of N control points; closed ropes get (N − 1) / 2 harmonics.
+    /// Fitters as the chain chooses them, or Bezier curves of N control points; closed ropes get (N − 1) / 2 harmonics.
     pub(super) fn new(control_points: Option<u16>) -> Result<Self> {
         let points = Options::default().points;
         let options = |closed| {

@@ -34,7 +34,7 @@ pub(super) struct Study {
 #[derive(Debug, Clone)]
 pub(super) struct Row {
     pub group: Group,
-    /// What is different in it: "30 ms", "Bezier, 7 control points".
+    /// The difference from the default, such as "30 ms", "Bezier, 7 control points".
     pub name: String,
     /// The same as a number in the unit of [`Group::axis`]; a group whose rows all have one is plotted over it.
     pub value: Option<f64>,

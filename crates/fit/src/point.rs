@@ -1,5 +1,5 @@
-//! The dimensions of curves. All that is large and generic over them is compiled in this crate, once for each, as [`Point`] has no
-//! generic method: without it every program that fits would compile fitters, kernels and filters again, for all vectors.
+//! The dimensions of curves. [`Point`] has no generic method, so this crate compiles fitters, kernels and filters once for each
+//! dimension. Without it every program that fits would compile them again, for all vector sets.
 
 use faer::MatRef;
 
