@@ -25,7 +25,7 @@ pub fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
         let share = cover(x, y);
         for (table, rope) in TABLE.into_iter().zip(ROPE) {
             let level = f64::from(table) + share * (f64::from(rope) - f64::from(table));
-            let off = (noise.next() % (2 * NOISE + 1)) as f64 - NOISE as f64;
+            let off = (noise.next_number() % (2 * NOISE + 1)) as f64 - NOISE as f64;
             rgb.push((level + off).clamp(0.0, 255.0) as u8);
         }
     }
@@ -89,7 +89,7 @@ pub struct Noise(pub u64);
 
 impl Noise {
     /// The next number, of 31 bits.
-    pub fn next(&mut self) -> u64 {
+    pub fn next_number(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;

@@ -1,7 +1,5 @@
 //! Pictures made to be slow: what an extraction costs at most, as a multiple of the normal case.
 
-use std::f64::consts::PI;
-
 use anyhow::{Context, Result};
 use lariat_bench::{Picture, Table, micros, multiple, times};
 use lariat_capture::RenderOptions;
@@ -213,7 +211,7 @@ fn chess_board(side: usize) -> Result<Picture> {
 fn salt(percent: u64) -> Result<Picture> {
     let mut noise = Noise(7);
     let strewn: Vec<bool> = (0..WIDTH * HEIGHT)
-        .map(|_| noise.next() % 100 < percent)
+        .map(|_| noise.next_number() % 100 < percent)
         .collect();
     picture(|x, y| share(strewn[y * WIDTH + x]))
 }
