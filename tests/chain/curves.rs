@@ -62,8 +62,9 @@ fn the_drawn_rope_keeps_its_vector_and_warns_of_nothing() {
     let ended = bench
         .start(&[
             "--lossless",
+            // The demo's own pace: at "max" the machine decides how much time has passed between two frames.
             "--fps",
-            "max",
+            "30",
             "--frames",
             "900",
             "--record",
@@ -83,16 +84,13 @@ fn the_drawn_rope_keeps_its_vector_and_warns_of_nothing() {
     let column = |name: &str| heads.iter().position(|head| *head == name);
     let [basis, fit, last] = ["basis", "fit", "y19"].map(|name| column(name).expect(name));
     assert_eq!(column("x20"), None);
-    let (mut count, mut misfits) = (0, 0);
+    let mut count = 0;
     for row in rows {
-        assert_eq!(row[basis], "bspline", "{row:?}");
+        assert_eq!((row[basis], row[fit]), ("bspline", "good"), "{row:?}");
         assert!(!row[last].is_empty(), "{row:?}");
         count += 1;
-        misfits += u32::from(row[fit] != "good");
     }
     assert_eq!(count, 900);
-    // At this rate the machine's own pace tells how far the rope has moved since the last frame, so following misses a point at times.
-    assert!(misfits <= 9, "{misfits} of 900 curves do not fit");
 }
 
 #[test]
