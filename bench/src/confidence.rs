@@ -14,10 +14,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
-use lariat_extract::{Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat};
+use lariat_extract::{Curve, Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat, pick};
 use lariat_portable::SplitMix64;
 
+use lariat_chain::output::{Existing, Output};
+use lariat_wire::MIN_CONFIDENCE;
+
 use crate::accuracy::labelled;
+use crate::reliability::Reliability;
 use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
@@ -31,9 +35,15 @@ pub(crate) struct Args {
     /// Pictures of each class; half of them are fitted
     #[arg(long, value_name = "N", default_value_t = 12)]
     seeds: u64,
-    /// Labelled pictures to fit to as well, for what the network finds: a folder of sets, each with `images/` and `labels/`
+    /// Labelled pictures to fit to as well: a folder of sets, each with `images/` and `labels/`
     #[arg(long, value_name = "DIR")]
     labelled: Option<PathBuf>,
+    /// Fit nothing: say how true the confidence is, as it is built in, on these labelled pictures
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["seeds", "labelled"])]
+    check: Option<PathBuf>,
+    /// Write what was judged, a line for each curve: who made the mask, whether it is right, fitted and labelled, and its clues
+    #[arg(long, value_name = "FILE.csv")]
+    examples: Option<PathBuf>,
 }
 
 /// A picture of a class: of four seeds two of the usual size, one of half of it, in which ropes are short beside their width, and
@@ -88,12 +98,85 @@ fn halved(still: &Still) -> Still {
     }
 }
 
+/// Who makes masks, by the names of their weights.
+const MAKERS: [(&str, Maker); 4] = [
+    ("OWN", Maker::Own),
+    ("COLOR", Maker::Color),
+    ("NETWORK", Maker::Network),
+    ("ELSEWHERE", Maker::Elsewhere),
+];
+
+/// Prints how true the built-in confidence is, and what a loop that asks for half of it gets.
+fn check(examples: &[Example]) -> Result<()> {
+    for (name, maker) in MAKERS {
+        let of = examples
+            .iter()
+            .filter(|example| example.evidence.maker == maker);
+        let said: Vec<(f64, bool)> = of
+            .map(|example| (example.evidence.confidence().into(), example.is_right))
+            .collect();
+        let mut reliability = Reliability::default();
+        said.iter()
+            .for_each(|&(confidence, is_right)| reliability.add(confidence, is_right));
+        let count =
+            |is: &dyn Fn(f64, bool) -> bool| said.iter().filter(|one| is(one.0, one.1)).count();
+        let is_given = |confidence: f64| confidence >= f64::from(MIN_CONFIDENCE);
+        let (right, held) = (
+            count(&|_, is_right| is_right),
+            count(&|c, is_right| is_right && !is_given(c)),
+        );
+        let (given, wrong) = (
+            count(&|c, _| is_given(c)),
+            count(&|c, is_right| is_given(c) && !is_right),
+        );
+        print!("{name}: {reliability}")?;
+        println!(
+            "  {held} of {right} right curves are below {MIN_CONFIDENCE}, {wrong} of {given} above are wrong"
+        )?;
+    }
+    Ok(())
+}
+
+/// A line for each curve.
+fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
+    let Some(file) = file else {
+        return Ok(());
+    };
+    let mut text = format!(
+        "maker,right,fitted,labelled,{}\n",
+        Evidence::NAMES.join(",")
+    );
+    for Example {
+        evidence,
+        is_right,
+        is_fitted,
+        is_labelled,
+    } in examples
+    {
+        let clues: Vec<String> = evidence.clues.iter().map(f32::to_string).collect();
+        let flags = [is_right, is_fitted, is_labelled].map(|&is| u8::from(is).to_string());
+        text += &format!(
+            "{:?},{},{}\n",
+            evidence.maker,
+            flags.join(","),
+            clues.join(",")
+        );
+    }
+    let output = Output::new(file, Existing::Replace, std::iter::empty::<&Path>())?;
+    output.write(text.as_bytes())
+}
+
 /// Fits, and prints tables and reliability.
 ///
 /// # Errors
 /// An extraction fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let mut examples = Vec::new();
+    if let Some(folder) = &args.check {
+        look_at_labelled(folder, &mut examples)?;
+        write_examples(args.examples.as_deref(), &examples)?;
+        return check(&examples);
+    }
     let hard = Class::HARD
         .into_iter()
         .filter(|class| !Class::ALL.contains(class));
@@ -110,12 +193,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.labelled {
         look_at_labelled(folder, &mut examples)?;
     }
-    let makers = [
-        ("OWN", Maker::Own),
-        ("NETWORK", Maker::Network),
-        ("ELSEWHERE", Maker::Elsewhere),
-    ];
-    for (name, maker) in makers {
+    write_examples(args.examples.as_deref(), &examples)?;
+    for (name, maker) in MAKERS {
         let of = |is_fitted: bool| {
             let some = examples.iter().filter(move |one: &&Example| {
                 one.evidence.maker == maker && one.is_fitted == is_fitted
@@ -146,29 +225,9 @@ fn look(
     let damaged = masks::damaged(&cover, still, &mut random);
     let uneven = masks::uneven(&cover, width, &mut random);
     let both = masks::uneven(&damaged, width, &mut random);
-    for (how, mask) in [
-        (Mask::Auto, None),
-        (Mask::Network, None),
-        (Mask::External, Some(&cover)),
-        (Mask::External, Some(&uneven)),
-        (Mask::External, Some(&damaged)),
-        (Mask::External, Some(&both)),
-    ] {
-        let options = Options {
-            mask: how,
-            // Nothing is left out for being unlikely.
-            min_confidence: 0.0,
-            ..Options::default()
-        };
-        let mut extractor = Extractor::new(options)?;
-        let curves = match mask {
-            None => extractor.extract(&image).curves.to_vec(),
-            Some(mask) => {
-                let mask = Image::new(mask, width, height, width, PixelFormat::Gray8)?;
-                extractor.extract_masked(&image, &mask)?.curves.to_vec()
-            }
-        };
-        let judged = curves.iter().zip(extractor.evidence());
+    for (how, mask) in kinds(&image, seed, [&cover, &uneven, &damaged, &both]) {
+        let (curves, evidence) = extract(&image, how, mask)?;
+        let judged = curves.iter().zip(&evidence);
         examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| Example {
             evidence: *evidence,
             is_right: right::is_right(&still.truth, curve),
@@ -179,29 +238,66 @@ fn look(
     Ok(())
 }
 
-/// Extracts from labelled pictures as the network's mask has them.
+/// Extracts from labelled pictures, with every kind of mask.
 fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
     for (number, picture) in labelled::photographs(folder)?.enumerate() {
         let picture = picture?;
         let rgb = picture.photo.to_rgb8();
         let [width, height] = [rgb.width() as usize, rgb.height() as usize];
         let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
-        let mut extractor = Extractor::new(Options {
-            mask: Mask::Network,
-            min_confidence: 0.0,
-            ..Options::default()
-        })?;
-        let curves = extractor.extract(&image).curves.to_vec();
-        let judged = picture
-            .is_whole(&curves)
-            .into_iter()
-            .zip(extractor.evidence());
-        examples.extend(judged.map(|(is_right, evidence)| Example {
-            evidence: *evidence,
-            is_right,
-            is_fitted: number % 2 == 0,
-            is_labelled: true,
-        }));
+        let mask = picture.mask();
+        let mut random = SplitMix64::of_stream(number as u64, 0xC0F2);
+        let uneven = masks::uneven(&mask, width, &mut random);
+        for (how, mask) in kinds(&image, number as u64, [&mask, &uneven]) {
+            let (curves, judged) = extract(&image, how, mask)?;
+            let right = picture.is_whole(&curves);
+            examples.extend(
+                judged
+                    .iter()
+                    .zip(right)
+                    .map(|(evidence, is_right)| Example {
+                        evidence: *evidence,
+                        is_right,
+                        is_fitted: number % 2 == 0,
+                        is_labelled: true,
+                    }),
+            );
+        }
     }
     Ok(())
+}
+
+/// The kinds of masks that are tried on a picture. Colours are picked in every fourth one, as that takes a tenth of a second.
+fn kinds<'a>(
+    image: &Image,
+    number: u64,
+    given: impl IntoIterator<Item = &'a Vec<u8>>,
+) -> Vec<(Mask, Option<&'a [u8]>)> {
+    let picked = (number.is_multiple_of(4))
+        .then(|| pick(image, &[]).ok())
+        .flatten();
+    let by_color = picked.map(|picked| (Mask::Hsv(picked.ranges), None));
+    let given = given
+        .into_iter()
+        .map(|mask| (Mask::External, Some(&mask[..])));
+    let own = [(Mask::Auto, None), (Mask::Network, None)];
+    own.into_iter().chain(by_color).chain(given).collect()
+}
+
+/// The curves in a picture, nothing left out for being unlikely, and what speaks for them.
+fn extract(image: &Image, how: Mask, mask: Option<&[u8]>) -> Result<(Vec<Curve>, Vec<Evidence>)> {
+    let (width, height) = (image.width(), image.height());
+    let mut extractor = Extractor::new(Options {
+        mask: how,
+        min_confidence: 0.0,
+        ..Options::default()
+    })?;
+    let curves = match mask {
+        None => extractor.extract(image).curves.to_vec(),
+        Some(mask) => {
+            let mask = Image::new(mask, width, height, width, PixelFormat::Gray8)?;
+            extractor.extract_masked(image, &mask)?.curves.to_vec()
+        }
+    };
+    Ok((curves, extractor.evidence().to_vec()))
 }

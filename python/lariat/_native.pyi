@@ -117,7 +117,7 @@ class Scene:
         """Where they cross, at most 32."""
     @property
     def notice(self) -> Notice | None:
-        """What the automatic mask is unsure of, if anything."""
+        """What is probably wrong with what was seen, if anything."""
     @property
     def followed(self) -> bool:
         """Whether the ropes were followed from the last picture, by reading this one only around them."""
@@ -167,7 +167,7 @@ class Curve:
         """The rope's passes over and under itself from its first point on: `"O1 U2 O3 U1 O2 U3"` is an overhand knot."""
     @property
     def pulls_straight(self) -> bool | None:
-        """Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided."""
+        """Whether the rope comes out straight when its ends are drawn apart; `None` when no answer has a probability of 0.9."""
     def _repr_html_(self) -> str: ...
 
 @final
@@ -316,7 +316,7 @@ class Reader:
         *,
         timeout: float = 0.1,
         accept_coarse: bool = False,
-        min_confidence: float = 0.0,
+        min_confidence: float = 0.5,
         space: bool = False,
     ) -> Self: ...
     def latest(self) -> Frame:

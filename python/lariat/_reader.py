@@ -36,7 +36,8 @@ class Reader(_native.Reader):
         timeout: How long to wait for the next image, s.
         accept_coarse: A curve that does not lie on the rope is ``Fresh`` all the same: for who compares descriptors, and needs no
             point of the curve to be on the rope. Otherwise such a rope is ``Unsure``.
-        min_confidence: The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is ``Unsure``.
+        min_confidence: The least confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a rope with less is ``Unsure``.
+            Below 0.5 a curve is more likely wrong than right; 0 accepts any.
         space: Whether ropes are read in space, too (``rope.in_space``): of a chain with a depth camera.
 
     Raises:

@@ -1,7 +1,7 @@
 //! What is seen in one picture, as Python has it: curves, crossings, doubts.
 
 use crate::views;
-use lariat_extract::CrossingSequence;
+use lariat_extract::{CrossingSequence, Extractor};
 use numpy::PyArray;
 use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
@@ -13,6 +13,8 @@ pub(crate) struct Kept {
     curves: Vec<lariat_extract::Curve>,
     crossings: Vec<lariat_extract::Crossing>,
     notice: Option<lariat_extract::Notice>,
+    /// What the notice says to the user of this tracer.
+    sentence: String,
     followed: bool,
     /// Width and height of the picture, px.
     size: (usize, usize),
@@ -38,9 +40,17 @@ impl Kept {
             curves,
             crossings,
             notice: scene.notice,
+            sentence: String::new(),
             followed: scene.followed,
             size,
         }
+    }
+
+    /// With the notice in words, for the user of this extractor.
+    pub(crate) fn in_words(mut self, extractor: &Extractor) -> Self {
+        let sentence = self.notice.map(|notice| extractor.sentence(notice));
+        self.sentence = sentence.unwrap_or_default();
+        self
     }
 
     fn scene(&self) -> lariat_extract::Scene<'_> {
@@ -89,10 +99,11 @@ impl Scene {
         self.kept.crossings.iter().copied().map(Crossing).collect()
     }
 
-    /// What the automatic mask is unsure of, if anything.
+    /// What is probably wrong with what was seen, if anything.
     #[getter]
     fn notice(&self) -> Option<Notice> {
-        self.kept.notice.map(Notice)
+        let sentence = || self.kept.sentence.clone();
+        self.kept.notice.map(|notice| Notice(notice, sentence()))
     }
 
     /// Whether the ropes were followed from the last picture, by reading this one only around them.
@@ -220,7 +231,7 @@ impl Curve {
         CrossingSequence::of(&self.kept.scene(), self.index).to_string()
     }
 
-    /// Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided.
+    /// Whether the rope comes out straight when its ends are drawn apart; `None` when no answer has a probability of 0.9.
     #[getter]
     fn pulls_straight(&self, py: Python<'_>) -> Option<bool> {
         py.detach(|| CrossingSequence::of(&self.kept.scene(), self.index).pulls_straight())
@@ -306,8 +317,8 @@ impl Crossing {
 
 /// Why the automatic mask may be wrong about a picture, and what to do; `str()` of it is the sentence.
 #[pyclass(frozen, eq, hash, module = "lariat")]
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct Notice(lariat_extract::Notice);
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Notice(lariat_extract::Notice, String);
 
 #[pymethods]
 impl Notice {
@@ -318,10 +329,10 @@ impl Notice {
     }
 
     fn __str__(&self) -> String {
-        self.0.to_string()
+        self.1.clone()
     }
 
     fn __repr__(&self) -> String {
-        format!("<lariat.Notice {}: {}>", self.0.name(), self.0)
+        format!("<lariat.Notice {}: {}>", self.0.name(), self.1)
     }
 }

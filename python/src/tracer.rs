@@ -141,7 +141,7 @@ impl Tracer {
                 None => extractor.extract(&image),
                 Some(mask) => extractor.extract_masked(&image, mask)?,
             };
-            Ok(Kept::new(&scene, origin, size))
+            Ok(Kept::new(&scene, origin, size).in_words(&extractor))
         });
         Scene::new(py, kept?)
     }

@@ -9,13 +9,14 @@ use image::RgbImage;
 use image::codecs::png::PngEncoder;
 use lariat_camera::Mapping;
 use lariat_chain::canvas::Canvas;
+use lariat_chain::confidence;
 use lariat_chain::output::{Existing, Output, OutputFolder};
 use lariat_record::rope_color;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// Of a curve that does not lie on its points.
-const COARSE: [u8; 3] = [225, 0, 40];
+/// Color of a curve that is not to be steered by: it does not lie on its points, or may not be a rope.
+const UNTRUSTED: [u8; 3] = [225, 0, 40];
 
 const DARK: [u8; 3] = [20, 20, 20];
 const LIGHT: [u8; 3] = [255, 255, 255];
@@ -92,9 +93,14 @@ fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbIma
     let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
     let mut canvas = Canvas::on(picture);
     for (index, curve) in report.curves.iter().enumerate() {
-        let rgb = match curve.descriptor.quality {
-            Some(Quality { fit: "coarse", .. }) => COARSE,
-            _ => rope_color(index as u32),
+        let is_coarse = matches!(
+            curve.descriptor.quality,
+            Some(Quality { fit: "coarse", .. })
+        );
+        let is_unsure = curve.status == "doubtful" || confidence::is_low(curve.confidence);
+        let rgb = match is_coarse || is_unsure {
+            true => UNTRUSTED,
+            false => rope_color(index as u32),
         };
         draw_curve(&mut canvas, curve, rgb, line_px, mapping);
     }

@@ -3,7 +3,6 @@
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::trace::frames::Shown;
 use lariat_chain::confidence;
-use lariat_chain::doubts;
 use lariat_chain::layout::{self, Column, hanging};
 use lariat_extract::{Crossing, CrossingSequence, Scene};
 use serde::Serialize;
@@ -126,12 +125,7 @@ impl Report {
             crossings: crossings
                 .map(|crossing| crossing_report(scene, origin, crossing))
                 .collect(),
-            notices: (scene.notice.into_iter())
-                .map(|notice| NoticeReport {
-                    kind: notice.name(),
-                    text: doubts::sentence(notice),
-                })
-                .collect(),
+            notices: Vec::new(),
             timing_us,
         }
     }
@@ -265,7 +259,10 @@ impl Table {
                 (name, None),
                 (size, None),
                 (curve.track.to_string(), None),
-                (curve.status.to_owned(), None),
+                (
+                    confidence::status_word(curve.status, curve.confidence).to_owned(),
+                    paint,
+                ),
                 (format!("{:.2}", curve.confidence), paint),
                 (format!("{:.1}", curve.length_px), None),
                 (format!("{:.1}", curve.width_px), None),

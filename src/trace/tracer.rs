@@ -125,7 +125,12 @@ impl Tracer {
             describe(&mut self.curves, &self.settings, seen).with_context(about)?;
         timing.fit = since(fitting);
         timing.total = since(begin);
+        let notice = scene.notice;
         let mut report = Report::of(shown, &scene, part.origin(), descriptors, timing.rounded());
+        report.notices.extend(notice.map(|notice| NoticeReport {
+            kind: notice.name(),
+            text: self.extractor.sentence(notice),
+        }));
         report.notices.extend(coarse);
         Ok(report)
     }

@@ -17,6 +17,12 @@ pub(crate) struct Labelled {
 }
 
 impl Labelled {
+    /// The label as a mask: white for rope.
+    pub(crate) fn mask(&self) -> Vec<u8> {
+        let ropes = self.label.ropes.iter();
+        ropes.map(|&rope| if rope == 0 { 0 } else { 255 }).collect()
+    }
+
     /// For each curve whether it is a labelled rope, whole.
     pub(crate) fn is_whole(&self, curves: &[Curve]) -> Vec<bool> {
         let splines: Vec<_> = curves.iter().map(through).collect();

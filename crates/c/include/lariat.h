@@ -542,8 +542,8 @@ void lariat_take_short_slices(void);
 int lariat_accept_coarse(struct lariat_reader *reader,
                          int accept);
 
-// The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is LARIAT_UNSURE. From the start 0,
-// which asks for nothing.
+// Sets the least confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL; a rope with less is LARIAT_UNSURE. The
+// default is 0.5: below it the curve is more likely wrong than right. 0 accepts any.
 //
 // Returns 0, or an error.
 int lariat_min_confidence(struct lariat_reader *reader,

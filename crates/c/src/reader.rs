@@ -174,8 +174,8 @@ pub unsafe extern "C" fn lariat_accept_coarse(reader: *mut lariat_reader, accept
     })
 }
 
-/// The least confidence that a rope is taken for one by, 0 to 1: one that is seen with less is LARIAT_UNSURE. From the start 0,
-/// which asks for nothing.
+/// Sets the least confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL; a rope with less is LARIAT_UNSURE. The
+/// default is 0.5: below it the curve is more likely wrong than right. 0 accepts any.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]

@@ -1,4 +1,4 @@
-//! What the automatic mask is unsure of, told to the user: with the command that helps, and not in every frame.
+//! What is probably wrong with a chain's results, told to the user, but not in every frame.
 
 use lariat_extract::Notice;
 
@@ -7,14 +7,6 @@ const HOLD: u32 = 10;
 /// Frames without it after which the same notice is told again, some ten seconds of a camera: one that comes and goes
 /// would fill the screen.
 const FORGET: u32 = 300;
-
-/// The notice as a sentence, with the command that does what it advises.
-pub fn sentence(notice: Notice) -> String {
-    match notice {
-        Notice::Black | Notice::White => notice.to_string(),
-        _ => format!("{notice} (lariat pick finds it)"),
-    }
-}
 
 /// Notices of one frame after the other, and which of them to tell.
 #[derive(Debug, Default)]

@@ -15,7 +15,7 @@ use crate::scene::{Curve, Status};
 use crate::statistics::{grade, median, quantile};
 use crate::vec2::{self, Vec2};
 use across::{Across, Place};
-use weights::{ELSEWHERE, NETWORK, OWN};
+use weights::{COLOR, ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
@@ -93,9 +93,11 @@ enum Clue {
 /// Who made the mask: what speaks for a curve weighs otherwise with each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Maker {
-    /// The extractor, by colours.
+    /// The extractor, by what differs from the table.
     #[default]
     Own,
+    /// The extractor, by the user's colours.
+    Color,
     /// The network.
     Network,
     /// Somebody else, who knows more than colours.
@@ -146,6 +148,7 @@ impl Evidence {
     pub fn confidence(&self) -> f32 {
         let weights = match self.maker {
             Maker::Own => &OWN,
+            Maker::Color => &COLOR,
             Maker::Network => &NETWORK,
             Maker::Elsewhere => &ELSEWHERE,
         };

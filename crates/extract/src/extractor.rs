@@ -7,6 +7,7 @@ mod readings;
 mod rehearse;
 mod seams;
 mod seek;
+mod still;
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
@@ -31,7 +32,7 @@ use crate::occlusion::bridge::Bridger;
 use crate::occlusion::ends::Scenery;
 use crate::occlusion::occluder::Occluder;
 use crate::options::{Mask, Method, Options, OptionsError};
-use crate::scene::{Crossing, Curve, Scene};
+use crate::scene::{Crossing, Curve, Scene, Status};
 use crate::skeleton::thin::Thinner;
 use crate::skeleton::wide::Wide;
 use crate::skeleton::{Pixel, Skeleton};
@@ -43,6 +44,7 @@ use meant::Meant;
 use readings::Reading;
 use seek::Answer;
 use std::sync::Arc;
+use still::{Comparison, Still};
 
 /// Levels of difference from the table by which something lies there; the noise of a camera and of
 /// coding stays below.
@@ -129,6 +131,8 @@ pub struct Extractor {
     /// The best reading of this image so far, while another one is tried; memory else.
     kept: Reading,
     meant: Meant,
+    /// The last image, to recognize it.
+    still: Still,
 }
 
 impl Extractor {
@@ -182,6 +186,7 @@ impl Extractor {
             is_parted: false,
             kept: Reading::default(),
             meant: Meant::default(),
+            still: Still::default(),
         })
     }
 
@@ -197,7 +202,8 @@ impl Extractor {
         Ok(self)
     }
 
-    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene.
+    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene. An image with
+    /// the pixels of the last one has the same answer, in which only time goes on.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
     }
@@ -212,8 +218,20 @@ impl Extractor {
     /// As [`extract`](Self::extract), calling `after` when each step that is taken is finished, so that a
     /// caller who has a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
+        self.turn_to(image);
+        let compared = self.still.compare(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        self.followed = self.take_in(&unpacker.unpack(image), after);
+        if compared.is_same {
+            let seen = self.stay();
+            // Ropes are followed once they were seen a few times.
+            if !self.follower.is_anchored() {
+                self.anchor(&unpacker.unpack(image), seen);
+            }
+            after(Step::Follow);
+        } else {
+            self.followed = self.take_in(&unpacker.unpack(image), after);
+            self.still.remember(image, compared, !self.followed);
+        }
         self.unpacker = unpacker;
         self.choose_meant();
         self.scene()
@@ -237,6 +255,13 @@ impl Extractor {
     /// # }
     /// ```
     pub fn follow(&mut self, image: &Image) -> Option<Scene<'_>> {
+        let compared = self.still.compare(image);
+        if compared.is_same && self.size == (image.width(), image.height()) {
+            self.turn_the_clock();
+            self.stay();
+            self.choose_meant();
+            return Some(self.scene());
+        }
         let next_ns = self.due_ns();
         if !self.follower.is_ready(next_ns) || self.size != (image.width(), image.height()) {
             return None;
@@ -250,14 +275,25 @@ impl Extractor {
         self.turn_the_clock();
         self.go_on(image);
         self.followed = true;
+        self.still.remember(image, compared, false);
         self.choose_meant();
         Some(self.scene())
+    }
+
+    /// Keeps what was said of the last image, of which this one has the pixels. Ropes that are lost get older. Returns how many are
+    /// seen.
+    fn stay(&mut self) -> usize {
+        self.tracker.pass(self.now_ns);
+        let is_seen = |curve: &&Curve| curve.status != Status::Lost;
+        let seen = self.curves[..self.count].iter().filter(is_seen).count();
+        self.count = self.tracker.stay(&mut self.curves, seen, &self.options);
+        self.followed = true;
+        seen
     }
 
     /// Whether the ropes of the last image could be followed into this one, in a format that all steps read; if not, it is
     /// extracted whole.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
-        self.turn_to(image);
         if self.follower.is_ready(self.now_ns) {
             let found = self.find_again(image, self.now_ns);
             if found {
@@ -314,11 +350,12 @@ impl Extractor {
         self.masker.take(image, mask, self.options.mask_level)?;
         self.turn_to(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
-        let image = &unpacker.unpack(image);
-        self.read(image, after);
-        self.report(image, after);
+        let unpacked = &unpacker.unpack(image);
+        self.read(unpacked, after);
+        self.report(unpacked, after);
         self.unpacker = unpacker;
         self.followed = false;
+        self.still.remember(image, Comparison::default(), true);
         self.choose_meant();
         Ok(self.scene())
     }
@@ -327,6 +364,7 @@ impl Extractor {
     /// it was. It counts as a frame: a rope out of sight for too long is forgotten.
     pub fn blank(&mut self) -> Scene<'_> {
         self.turn_the_clock();
+        self.still.forget();
         self.crossings.clear();
         self.follower.drop();
         self.tracker.pass(self.now_ns);
@@ -450,20 +488,26 @@ impl Extractor {
         self.doubt(image, seen);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
-        if self.options.method == Method::Skeleton {
-            let is_seen = seen > 0 && seen == self.count;
-            let is_plain = is_seen && !self.occluder.any();
-            let curves = &self.curves[..self.count];
-            (self.follower).anchor(
-                image,
-                &self.masker,
-                curves,
-                &self.crossings,
-                [is_seen, is_plain],
-                self.now_ns,
-            );
-        }
+        self.anchor(image, seen);
         after(Step::Points);
+    }
+
+    /// Lets the first `seen` curves, which this image shows, be followed from here on.
+    fn anchor(&mut self, image: &Image, seen: usize) {
+        if self.options.method != Method::Skeleton {
+            return;
+        }
+        let is_seen = seen > 0 && seen == self.count;
+        let is_plain = is_seen && !self.occluder.any();
+        let curves = &self.curves[..self.count];
+        (self.follower).anchor(
+            image,
+            &self.masker,
+            curves,
+            &self.crossings,
+            [is_seen, is_plain],
+            self.now_ns,
+        );
     }
 
     /// What was said of the last image.
@@ -475,9 +519,14 @@ impl Extractor {
         Scene {
             curves,
             crossings,
-            notice: self.masker.notice.or(self.doubt),
+            notice: self.notice(),
             followed: self.followed,
         }
+    }
+
+    /// What a notice says to the user of this extractor: no remedy that its mask already is.
+    pub fn sentence(&self, notice: Notice) -> String {
+        notice.sentence(&self.options.mask)
     }
 
     /// Makes the buffers for images of this size, by extracting from a picture full of ropes, and
@@ -488,6 +537,7 @@ impl Extractor {
             let wanted = std::mem::replace(&mut self.options.mask, Mask::Auto);
             // Twice: what is kept of the first frame is compared with the second.
             self.extract(&image);
+            self.still.forget();
             self.extract(&image);
             // And a bare table, which is looked at more closely.
             let bare = rehearse::bare(width, height);
@@ -588,6 +638,7 @@ impl Extractor {
         self.clusterer.forget();
         self.tracker.reset();
         self.meant.forget();
+        self.still.forget();
     }
 
     /// What the confidence of each curve of the last image that was extracted whole comes from, in the curves' order: for

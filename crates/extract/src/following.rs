@@ -72,7 +72,12 @@ impl Follower {
         };
         let is_due =
             !(self.anchored_ns..self.anchored_ns.saturating_add(wait_ns)).contains(&now_ns);
-        !is_due && (self.chords.is_ready() || self.contours.is_ready())
+        !is_due && self.is_anchored()
+    }
+
+    /// Whether ropes can be followed.
+    pub(crate) fn is_anchored(&self) -> bool {
+        self.chords.is_ready() || self.contours.is_ready()
     }
 
     /// The next image is extracted whole.

@@ -9,19 +9,28 @@
 //! the slipping of an end out of a crossing that it lies over (`diagram`). *Knotted* is said when the Alexander
 //! polynomial of the closed rope is not that of a straight one (`alexander`): its value at −1 is the knot's
 //! determinant, 3 for an overhand knot, 5 for a figure-eight. Between the two nothing is said.
+//!
+//! Both are proofs about the diagram, and the picture may show another one: a crossing may be read the other way, or the
+//! curve may be wrong. An answer is therefore given only at a probability of [`LEAST`] or more, and only of a rope that is
+//! seen whole and nowhere as wide as two strands: a knot that is pulled tight shows no crossings, but a bump.
 
 mod alexander;
 mod diagram;
 
-use crate::scene::{MOST_CROSSINGS, Scene, Status};
+use crate::scene::{Crossing, Curve, MOST_CROSSINGS, Scene, Status};
 use crate::vec2::{self, Vec2};
 use diagram::Diagram;
 use std::fmt;
 
-/// Below this confidence a crossing may be either way: what is said of the rope is then true of both.
-const UNSURE: f32 = 0.1;
-/// More unsure crossings than this (64 diagrams), and nothing is said.
+/// Least probability at which an answer is given: that of the confidence from which a rope is relied upon elsewhere.
+const LEAST: f32 = 0.9;
+/// Crossings that are tried both ways, the least sure ones (64 diagrams); the others must be as they were seen.
 const MOST_UNSURE: usize = 6;
+/// Width of a bump, in widths of the rope: halfway between one strand and two.
+const BUMP: f32 = 1.5;
+/// Arc length on each side of a crossing in which its other strand widens the rope, in widths: a crossing at 30° is 1 / sin 30°
+/// long.
+const CROSSED: f32 = 2.0;
 /// The share of the rope to each side of a crossing over which its direction is taken.
 const REACH: f32 = 0.01;
 
@@ -42,8 +51,9 @@ pub struct CrossingSequence {
     diagram: Diagram,
     /// Of each crossing.
     confidences: Vec<f32>,
-    /// Whether all of the rope's crossings are known, and it has two ends to draw.
-    whole: bool,
+    /// Probability that the curve and all its crossings are as seen, but for which strand is over: 0 for a rope that has no two
+    /// ends to draw, is not seen whole, or has a bump.
+    certainty: f32,
 }
 
 impl CrossingSequence {
@@ -81,9 +91,14 @@ impl CrossingSequence {
         Self {
             diagram: Diagram::new(&passes, &signs).renumbered(&order),
             confidences: order.iter().map(|&old| confidences[old]).collect(),
-            whole: rope.status == Status::Ok
-                && !rope.closed
-                && scene.crossings.len() < MOST_CROSSINGS,
+            certainty: if is_seen_whole(rope)
+                && scene.crossings.len() < MOST_CROSSINGS
+                && !has_bump(scene, curve)
+            {
+                rope.confidence
+            } else {
+                0.0
+            },
         }
     }
 
@@ -99,31 +114,73 @@ impl CrossingSequence {
 
     /// Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided.
     ///
-    /// `Some(false)`, knotted, is proven, and so is `Some(true)`, for the crossings as they were seen. A crossing of
-    /// less confidence than 0.1 counts as not seen which way: an answer is then given if it is the same for both ways.
-    /// None is given for a rope without ends, one that is lost or partly hidden, and crossings that do not fit into a
-    /// plane, so that one of them must have been missed.
+    /// The answer is given if its probability is 0.9 or more: that of the curve ([`Curve::confidence`]) times that of all ways in
+    /// which the crossings may lie ([`Crossing::confidence`]) and that have this answer. There is none for a rope without ends,
+    /// one that is lost or partly hidden, one with a bump, in which a tight knot may be, and crossings that do not fit
+    /// into a plane, so that one of them must have been missed.
     pub fn pulls_straight(&self) -> Option<bool> {
-        let is_unsure = |&crossing: &usize| self.confidences[crossing] < UNSURE;
-        let unsure: Vec<usize> = (0..self.confidences.len()).filter(is_unsure).collect();
-        if !self.whole || unsure.len() > MOST_UNSURE || !self.diagram.is_planar() {
+        if self.certainty < LEAST || !self.diagram.is_planar() {
             return None;
         }
-        let mut answer = None;
+        let mut order: Vec<usize> = (0..self.confidences.len()).collect();
+        order.sort_by(|&a, &b| self.confidences[a].total_cmp(&self.confidences[b]));
+        let (unsure, others) = order.split_at(order.len().min(MOST_UNSURE));
+        // 2p − 1 is a crossing's confidence.
+        let as_seen = |&crossing: &usize| 0.5 + 0.5 * self.confidences[crossing];
+        let certainty = self.certainty * others.iter().map(as_seen).product::<f32>();
+        let mut probabilities = [0.0; 2];
         for choice in 0..1usize << unsure.len() {
             let mut diagram = self.diagram.clone();
-            for (bit, &crossing) in unsure.iter().enumerate() {
+            let mut probability = certainty;
+            for (bit, crossing) in unsure.iter().enumerate() {
                 if choice >> bit & 1 == 1 {
-                    diagram.turn_over(crossing);
+                    diagram.turn_over(*crossing);
+                    probability *= 1.0 - as_seen(crossing);
+                } else {
+                    probability *= as_seen(crossing);
                 }
             }
-            let this = pulls_straight(diagram)?;
-            if *answer.get_or_insert(this) != this {
-                return None;
+            if probability > 0.0
+                && let Some(answer) = pulls_straight(diagram)
+            {
+                probabilities[usize::from(answer)] += probability;
             }
         }
-        answer
+        let is_given = |answer: &bool| probabilities[usize::from(*answer)] >= LEAST;
+        [false, true].into_iter().find(is_given)
     }
+}
+
+fn is_seen_whole(rope: &Curve) -> bool {
+    rope.status == Status::Ok && !rope.closed && !rope.hidden.contains(&true)
+}
+
+/// Whether the rope is anywhere as wide as more than one strand, away from its crossings.
+fn has_bump(scene: &Scene, curve: usize) -> bool {
+    let rope = &scene.curves[curve];
+    let is_along = |crossing: &&Crossing| [crossing.over, crossing.under].contains(&curve);
+    let rhos = |crossing: &Crossing| {
+        let passes = [
+            (crossing.over, crossing.over_rho),
+            (crossing.under, crossing.under_rho),
+        ];
+        passes
+            .into_iter()
+            .filter(|pass| pass.0 == curve)
+            .map(|pass| pass.1)
+    };
+    let crossed: Vec<f32> = (scene.crossings.iter())
+        .filter(is_along)
+        .flat_map(rhos)
+        .collect();
+    let last = rope.widths_px.len().saturating_sub(1).max(1) as f32;
+    let is_crossed = |i: usize| {
+        let is_near =
+            |rho: &f32| (rho - i as f32 / last).abs() * rope.length_px <= CROSSED * rope.width_px;
+        crossed.iter().any(is_near)
+    };
+    let is_wide = |width_px: f32| width_px > BUMP * rope.width_px;
+    (rope.widths_px.iter().enumerate()).any(|(i, &width_px)| is_wide(width_px) && !is_crossed(i))
 }
 
 /// For a diagram whose crossings are all as they are drawn.

@@ -123,8 +123,9 @@
 //! signs it fixes the diagram's faces, and Euler's formula says whether it fits into a plane (if not, a crossing was missed
 //! or misread, and nothing is said). The model of pulling: each end is lifted over everything and carried off (Turaev's
 //! knotoids, closed over the rest). *Straight* is said when Reidemeister's moves, and ends that slip out from above, take
-//! every crossing away; *knotted* when the Alexander polynomial at −1 (the determinant), 2, 3 or 5 is not ±tᵏ. A crossing
-//! of less confidence than 0.1 counts both ways, and both must agree. Other ropes are left out.
+//! every crossing away; *knotted* when the Alexander polynomial at −1 (the determinant), 2, 3 or 5 is not ±tᵏ. The answer's
+//! probability, over both ways of each crossing and with the curve's own confidence, must reach 0.9. A rope that is partly hidden, or has a
+//! bump as wide as two strands, has no answer. Other ropes are left out.
 //!
 //! **Masks from elsewhere** (`mask/level`, `occlusion/ends`, `tracking/strays`). A soft mask is cut near the lower heap of its
 //! histogram. Pieces that run on past each other side by side are cut back to where they face each
@@ -218,5 +219,5 @@ pub use lariat_network::{Network, NetworkError};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
-pub use pick::{PickDoubt, PickError, Picked, doubt_pick, pick};
+pub use pick::{PickDoubt, PickError, Picked, compare_pick, doubt_pick, pick};
 pub use scene::{Crossing, Curve, Scene, Status};

@@ -1,23 +1,28 @@
-//! What the automatic mask is unsure of, in words for the user.
+//! What is probably wrong with a result, and what to do, in words for the user.
 
+use crate::options::Mask;
 use std::fmt;
 
-/// Why the automatic mask may be wrong about an image, and what to do: its `Display` is a whole sentence.
+/// What is probably wrong with a result, and what to do: [`sentence`](Notice::sentence), which is its `Display` with the automatic mask.
 ///
-/// A picture on which the rope stands out is without one, and so is an empty table: no rope is an answer.
+/// A picture in which every curve is sure has none, whatever lies on the table, and neither has an empty table: no rope is an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Notice {
-    /// The table is checkered, striped or grained, more strongly than its noise: where the pattern ends and the rope
-    /// begins cannot be told from brightness and colour alone.
+    /// No rope was found on a table that is checkered, striped or grained more strongly than its noise: brightness and colour
+    /// alone do not tell where the pattern ends and a rope begins.
     CheckeredTable,
-    /// Light and shade, or different surfaces, lie across the image: no smooth table to tell a rope from.
+    /// No rope was found, and light and shade, or different surfaces, lie across the image.
     UnevenTable,
+    /// No rope was found, and the noise would hide one that differs little from the table: a dark picture.
+    Noisy,
     /// Something lies there that differs from the table by hardly more than its noise: a rope of the table's colour.
     LikeTheTable,
-    /// What differs from the table is a large part of the image: hardly ropes alone.
+    /// No rope was found, and what differs from the table is a large part of the image: hardly ropes alone.
     Covered,
-    /// A shadow that ropes cast beside them was left out.
+    /// Something far wider than a rope touches ropes, or covers them: where it does, they may be missing.
+    TooWide,
+    /// No rope was found but the shadow of one, which was left out.
     OwnShadow,
     /// What looks like the shadow of a rope may be a rope that lies parallel to it: it is [`Status::Doubtful`](crate::Status).
     MaybeShadow,
@@ -48,8 +53,10 @@ impl Notice {
         match self {
             Notice::CheckeredTable => "checkered-table",
             Notice::UnevenTable => "uneven-table",
+            Notice::Noisy => "noisy",
             Notice::LikeTheTable => "like-the-table",
             Notice::Covered => "covered",
+            Notice::TooWide => "too-wide",
             Notice::OwnShadow => "own-shadow",
             Notice::MaybeShadow => "maybe-shadow",
             Notice::LikeAPen => "like-a-pen",
@@ -64,66 +71,133 @@ impl Notice {
     }
 }
 
-/// What to do about a thing that may be no rope.
-const NO_ROPE: &str = "take it out of the picture or out of the region that is read (roi), ask for as many ropes as there \
-                       are (ropes), or give the rope's own colour as the mask";
+impl Notice {
+    /// Whether it is about ropes: one that is missing, or may be none. The others are about the table, and matter only where no
+    /// rope was found.
+    pub(crate) fn is_of_ropes(self) -> bool {
+        matches!(
+            self,
+            Notice::LikeTheTable | Notice::MaybeShadow | Notice::TooWide
+        )
+    }
+
+    /// A whole sentence: what was seen, and what to do. The remedy `lariat pick`, to give the rope's own colour as the mask, is left
+    /// out where the user has given a mask already.
+    pub fn sentence(self, mask: &Mask) -> String {
+        let (seen, remedies) = self.words();
+        let is_given = matches!(mask, Mask::Hsv(..) | Mask::External);
+        let remedies = remedies
+            .iter()
+            .filter(|&&remedy| !(is_given && remedy == OWN_COLOR));
+        let remedies: Vec<&str> = remedies.copied().collect();
+        match remedies.split_last() {
+            None => seen.to_owned(),
+            Some((only, [])) => format!("{seen}: {only}"),
+            Some((last, others)) => format!("{seen}: {}, or {last}", others.join(", ")),
+        }
+    }
+
+    /// What was seen, and what to do about it.
+    fn words(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Notice::CheckeredTable => (
+                "no rope was found, and the table is checkered, striped or grained, so that brightness and colour alone do not \
+                 tell a rope from it",
+                &["cover the table with a plain cloth", OWN_COLOR],
+            ),
+            Notice::UnevenTable => (
+                "no rope was found, and light and shade, or more than one surface, lie across the image",
+                &["light the table evenly", "show one surface only", OWN_COLOR],
+            ),
+            Notice::Noisy => (
+                "no rope was found, and the picture is so noisy that a rope of almost the table's colour would not be seen",
+                &[
+                    "light it better",
+                    "expose longer",
+                    "put a table of another colour under the rope",
+                    OWN_COLOR,
+                ],
+            ),
+            Notice::LikeTheTable => (
+                "something of almost the table's colour lies on it, too faint for the automatic mask to follow",
+                &[
+                    "put a table of another colour under the rope",
+                    "light it better",
+                    OWN_COLOR,
+                ],
+            ),
+            Notice::Covered => (
+                "no rope was found, and what differs from the table covers a large part of the image, more than ropes do",
+                &[
+                    "take what is not a rope out of the picture",
+                    "show more of the table",
+                    OWN_COLOR,
+                ],
+            ),
+            Notice::TooWide => (
+                "something far wider than a rope touches or covers the ropes, which may be incomplete there",
+                &[
+                    "take it out of the picture or out of the region that is read (roi)",
+                    OWN_COLOR,
+                ],
+            ),
+            Notice::OwnShadow => (
+                "no rope was found but the shadow of one, which was left out",
+                &["light the table from more sides", OWN_COLOR],
+            ),
+            Notice::MaybeShadow => (
+                "something has the shape of a rope beside it and the table's colour in less light, as its shadow would",
+                &["light the table from more sides", OWN_COLOR],
+            ),
+            Notice::LikeAPen => (
+                "something straight and short is unlike the rope beside it, as a pen is",
+                NO_ROPE,
+            ),
+            Notice::LikeAMark => (
+                "something small is unlike the rope beside it, as letters and marks are",
+                NO_ROPE,
+            ),
+            Notice::LikeAnEdge => (
+                "something parts two surfaces or fills a strip at the picture's border, as the edge of a board or a sheet does",
+                NO_ROPE,
+            ),
+            Notice::LikeARim => ("something is as round as the rim of a cup", NO_ROPE),
+            Notice::TooMany => (
+                "there are more ropes, or things like them, than can be reported, and the least sure and shortest were left out",
+                &["show fewer", "read a region only (roi)", OWN_COLOR],
+            ),
+            Notice::Unsure => (
+                "a curve may not be a rope, or not the whole of it: its edges are faint, uneven or unlike each other, or much of it \
+                 is covered",
+                &[
+                    "put the rope on a plain table of another colour",
+                    "light it better",
+                    OWN_COLOR,
+                ],
+            ),
+            Notice::Black => (
+                "the whole image is black",
+                &["uncover the lens", "put the light on", "expose longer"],
+            ),
+            Notice::White => (
+                "the whole image is white, burnt out",
+                &["expose for a shorter time", "dim the light"],
+            ),
+        }
+    }
+}
+
+/// The remedy that needs `lariat pick`.
+const OWN_COLOR: &str = "give the rope's own colour as the mask (lariat pick finds it)";
+/// What to do about a thing that may not be a rope.
+const NO_ROPE: &[&str] = &[
+    "take it out of the picture or out of the region that is read (roi)",
+    "ask for as many ropes as there are (ropes)",
+    OWN_COLOR,
+];
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Notice::LikeAPen => {
-                let seen = "something straight and short is unlike the rope beside it, as a pen is";
-                return write!(f, "{seen}: {NO_ROPE}");
-            }
-            Notice::LikeAMark => {
-                let seen = "something small is unlike the rope beside it, as letters and marks are";
-                return write!(f, "{seen}: {NO_ROPE}");
-            }
-            Notice::LikeAnEdge => {
-                let seen = "something parts two surfaces or fills a strip at the picture's border, as the edge of a board or a sheet does";
-                return write!(f, "{seen}: {NO_ROPE}");
-            }
-            Notice::LikeARim => {
-                return write!(f, "something is as round as the rim of a cup: {NO_ROPE}");
-            }
-            Notice::CheckeredTable => {
-                "the table is checkered, striped or grained, and the automatic mask took what has the shape of a rope, which \
-                 is not sure: cover the table with a plain cloth, or give the rope's own colour as the mask"
-            }
-            Notice::UnevenTable => {
-                "light and shade, or more than one surface, lie across the image, and the automatic mask took what has the \
-                 shape of a rope: light the table evenly, show one surface only, or give the rope's own colour as the mask"
-            }
-            Notice::LikeTheTable => {
-                "something of almost the table's colour lies on it, too faint for the automatic mask to follow: put a \
-                 table of another colour under the rope, light it better, or give the rope's own colour as the mask"
-            }
-            Notice::Covered => {
-                "what differs from the table covers a large part of the image, more than ropes do: take what is no \
-                 rope out of the picture, show more of the table, or give the rope's own colour as the mask"
-            }
-            Notice::OwnShadow => {
-                "ropes cast a shadow on the table, of their own shape, which was left out: if a rope is missing, light \
-                 the table from more sides, or give the rope's own colour as the mask"
-            }
-            Notice::MaybeShadow => {
-                "something has the shape of a rope beside it and the table's colour in less light, as its shadow would: \
-                 light the table from more sides, or give the rope's own colour as the mask"
-            }
-            Notice::TooMany => {
-                "there are more ropes, or things like them, than can be reported, and the least sure and shortest were left out: show \
-                 fewer, read a region only (roi), or give the ropes' own colour as the mask"
-            }
-            Notice::Unsure => {
-                "a rope's edges are faint, uneven or unlike each other, or much of it is covered, so that it may be no rope, or not \
-                 whole: put it on a table of another colour, light it better, or give the rope's own colour as the mask"
-            }
-            Notice::Black => {
-                "the whole image is black: uncover the lens, put the light on, or expose longer"
-            }
-            Notice::White => {
-                "the whole image is white, burnt out: expose for a shorter time, or dim the light"
-            }
-        })
+        f.write_str(&self.sentence(&Mask::Auto))
     }
 }

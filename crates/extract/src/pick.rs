@@ -19,10 +19,12 @@ use crate::options::{HsvRange, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
 
-pub use judge::{PickDoubt, doubt_pick};
+pub use judge::{PickDoubt, compare_pick, doubt_pick};
 
-/// How far beside the rope a point may lie and still mean it, in pixels.
-const BESIDE_PX: f32 = 3.0;
+/// Distance from a rope at which a point still means it, in pixels: a mouse is not a needle.
+const BESIDE_PX: f32 = 10.0;
+/// Distance from a rope at which its class is the point's, in pixels: the width of an edge.
+const EDGE_PX: f32 = 3.0;
 
 /// The colours that were picked.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +98,7 @@ pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     let Some(&at) = points.first() else {
         return of_all(image).ok_or(PickError::NoRope);
     };
+    let points = &snapped(image, points)[..];
     if let Some(choice) = choose::ranges(image, points) {
         return Ok(Picked {
             ranges: choice.ranges,
@@ -107,6 +110,14 @@ pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
         Some(&at) => PickError::Table { at },
         None => PickError::NotARope { at },
     })
+}
+
+/// The points, each moved onto the rope beside which it lies.
+fn snapped(image: &Image, points: &[[f32; 2]]) -> Vec<[f32; 2]> {
+    let points = points.iter();
+    points
+        .map(|&at| grow::snapped(image, at, BESIDE_PX))
+        .collect()
 }
 
 /// The ranges of the ropes that stand out by themselves, one for each colour.
@@ -129,14 +140,14 @@ fn of_all(image: &Image) -> Option<Picked> {
 
 /// The class of the rope pixel nearest to `at`, if one is near.
 fn class_near(evidence: &Evidence, at: [f32; 2]) -> Option<usize> {
-    let reach = BESIDE_PX.ceil() as i32;
+    let reach = EDGE_PX.ceil() as i32;
     let (x0, y0) = (at[0].round() as i32, at[1].round() as i32);
     let mut nearest = None;
     for y in y0 - reach..=y0 + reach {
         for x in x0 - reach..=x0 + reach {
             let distance = libm::hypotf(x as f32 - at[0], y as f32 - at[1]);
             if let Some(Label::Rope(class)) = evidence.get(x, y)
-                && distance <= nearest.map_or(BESIDE_PX, |(nearest, _)| nearest)
+                && distance <= nearest.map_or(EDGE_PX, |(nearest, _)| nearest)
             {
                 nearest = Some((distance, usize::from(class)));
             }

@@ -57,13 +57,18 @@ impl Health {
         }
         let ropes = message.curves();
         let count = |status| ropes.iter().filter(|r| r.status() == Some(status)).count();
+        // Rather wrong than right, whatever the status says.
+        let is_unsure = |rope: &&lariat_wire::Descriptor| {
+            let is_seen = matches!(rope.status(), Some(Seen::Ok | Seen::Partial));
+            is_seen && rope.confidence < lariat_wire::MIN_CONFIDENCE
+        };
         let coarse = |rope: &&_| lariat_wire::Descriptor::fit(rope) == Some(FitQuality::Coarse);
         self.newest = Some(Newest {
             exposed_ns: message.trace.exposed_ns,
             unit: message.unit(),
             ropes: ropes.len(),
             lost: count(Seen::Lost),
-            doubtful: count(Seen::Doubtful),
+            doubtful: count(Seen::Doubtful) + ropes.iter().filter(is_unsure).count(),
             coarse: ropes.iter().filter(coarse).count(),
             unplaced: shapes.map_or(ropes.len(), Shapes::unplaced),
         });

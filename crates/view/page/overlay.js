@@ -97,7 +97,7 @@ function curve(pen, rope, at) {
   const points = rope.curve.length ? rope.curve : rope.points;
   if (points.length < 2) return;
   pen.globalAlpha = rope.status === "lost" ? 0.45 : 1;
-  if (rope.status === "doubtful" || rope.coarse) pen.setLineDash([8 * unit, 6 * unit]);
+  if (rope.status === "doubtful" || rope.coarse || rope.confidence < 0.5) pen.setLineDash([8 * unit, 6 * unit]);
   line(pen, points, at, rope.closed);
   stroke(pen, 4.5, CASING);
   stroke(pen, 2.4, color(rope.track));

@@ -3,7 +3,6 @@
 use std::io::Write as _;
 
 use anyhow::{Context, Result};
-use lariat_chain::doubts;
 use lariat_chain::picture::Picture;
 use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
 use lariat_chain::settings::{Camera, Settings};
@@ -49,7 +48,8 @@ pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
     let mut seen = Box::new(Centerlines::EMPTY);
     let part = extractor.part(FrameView::new(&header, &bytes).image()?)?;
     let scene = extractor.extract(&part, None, 0, &mut |_| {}, &mut seen)?;
-    let notice = scene.notice.map(doubts::sentence);
+    let notice = scene.notice;
+    let notice = notice.map(|notice| extractor.sentence(notice));
     let mut curves = CurveFitter::new(&settings)?;
     curves.turn_to([width, height])?;
     let mut shapes = Box::new(Descriptors::EMPTY);

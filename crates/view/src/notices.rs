@@ -3,7 +3,6 @@
 
 use std::time::{Duration, Instant};
 
-use lariat_chain::doubts;
 use lariat_chain::pipeline::{FrameExtractor, FrameView};
 use lariat_chain::settings::settings_of;
 use lariat_extract::{Mask, Notice};
@@ -64,7 +63,8 @@ impl Notices {
 
     /// As a sentence that says what to do.
     pub(crate) fn said(&self) -> Option<String> {
-        self.told.map(doubts::sentence)
+        let (_, extractor) = self.extractor.as_ref()?;
+        Some(extractor.as_ref()?.sentence(self.told?))
     }
 }
 

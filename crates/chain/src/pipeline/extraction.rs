@@ -1,10 +1,12 @@
 //! A frame's image → the centerlines of the ropes in it.
 
 use crate::bounded;
-use crate::doubts::{self, Doubts};
+use crate::doubts::Doubts;
 use crate::settings::{self, Settings};
 use anyhow::{Context, Result};
-use lariat_extract::{Curve, Extractor, Image, Network, PixelFormat, Region, Scene, Status, Step};
+use lariat_extract::{
+    Curve, Extractor, Image, Network, Notice, PixelFormat, Region, Scene, Status, Step,
+};
 use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
 
 use std::path::Path;
@@ -257,6 +259,11 @@ impl FrameExtractor {
             .resume(size, past.exposed_ns, &curves, past.tracks);
     }
 
+    /// What a notice says to the user, with the command that helps.
+    pub fn sentence(&self, notice: Notice) -> String {
+        self.extractor.sentence(notice)
+    }
+
     /// The next frame is of another scene.
     pub fn forget(&mut self) {
         self.extractor.reset();
@@ -328,7 +335,7 @@ impl FrameExtractor {
         let scene = self.extract(&part, mask, exposed_ns, &mut |_| {}, message)?;
         let notice = scene.notice;
         if let Some(notice) = self.doubts.next(notice) {
-            tracing::warn!("{}", doubts::sentence(notice));
+            tracing::warn!("{}", self.sentence(notice));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Which of the curves may be no ropes.
 
-use super::Extractor;
+use super::{Extractor, SOMETHING};
 use crate::confidence::{self, Known, Maker};
 use crate::graph::walk::{Found, Walker};
 use crate::image::Image;
@@ -31,6 +31,7 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
         is_noticed: !matches!(masker.notice, None | Some(Notice::OwnShadow)),
         maker: match options.mask {
             Mask::External => Maker::Elsewhere,
+            Mask::Hsv(..) => Maker::Color,
             _ if by_network => Maker::Network,
             _ => Maker::Own,
         },
@@ -119,13 +120,14 @@ impl Extractor {
         let has_something = !self.masker.strips.used.is_empty();
         match self.count {
             _ if self.has_wide => {
-                self.masker.doubts_itself();
+                self.masker.doubts_itself(Notice::TooWide);
                 true
             }
-            0 => has_something && self.masker.doubts_itself(),
+            0 if has_something => self.masker.doubts_itself(Notice::UnevenTable),
+            0 => self.masker.doubts_noise(SOMETHING),
             _ if self.doubts.iter().flatten().count() < MUCH => false,
             _ => {
-                self.masker.doubts_itself();
+                self.masker.doubts_itself(Notice::UnevenTable);
                 true
             }
         }
@@ -135,7 +137,7 @@ impl Extractor {
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
         // Who asks for fewer ropes than that wants the longest.
         let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
-        self.doubt = is_crowded.then_some(Notice::TooMany);
+        self.doubt = None;
         // A mask that the user gave knows its ropes, and nothing is said of it.
         if self.masker.cut.is_some() || self.masker.notice.is_some() {
             self.doubt_ropes(image, seen);
@@ -158,7 +160,20 @@ impl Extractor {
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;
         }
-        self.doubt = self.doubt.or(is_unsure.then_some(Notice::Unsure));
+        self.doubt = (self.doubt)
+            .or(is_unsure.then_some(Notice::Unsure))
+            .or(is_crowded.then_some(Notice::TooMany));
+    }
+
+    /// What is probably wrong with this image's curves; of an image without one what the table is like, which may be why.
+    pub(super) fn notice(&self) -> Option<Notice> {
+        let is_seen = |curve: &Curve| curve.status != Status::Lost;
+        let sees_some = self.curves[..self.count].iter().any(is_seen);
+        let of_mask = self
+            .masker
+            .notice
+            .filter(|&notice| !sees_some || notice.is_of_ropes());
+        self.doubt.or(of_mask)
     }
 
     fn doubt_ropes(&mut self, image: &Image, seen: usize) {

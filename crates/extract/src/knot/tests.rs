@@ -4,6 +4,8 @@ use super::*;
 use crate::scene::{Crossing, Curve};
 
 type Vec3 = [f64; 3];
+/// The width of all ropes here, thin beside their loops.
+const WIDTH: f32 = 0.05;
 
 /// What an extractor would see of a rope that lies along `space`, y down and all.
 fn seen(space: &[Vec3]) -> (Vec<Curve>, Vec<Crossing>) {
@@ -48,7 +50,12 @@ fn seen(space: &[Vec3]) -> (Vec<Curve>, Vec<Crossing>) {
         }
     }
     let curve = Curve {
+        widths_px: vec![WIDTH; points.len()],
+        hidden: vec![false; points.len()],
         points,
+        width_px: WIDTH,
+        length_px: whole as f32,
+        confidence: 1.0,
         ..Curve::empty()
     };
     (vec![curve], crossings)
@@ -255,6 +262,44 @@ fn a_crossing_that_was_not_seen_clearly_counts_both_ways() {
 }
 
 #[test]
+fn an_answer_needs_the_probability_of_curve_and_crossings_together() {
+    // Three crossings at 0.97 each, which one of them turned over would undo: 0.913.
+    let answer = |curve: f32, crossing: f32| {
+        let mut knot = seen(&overhand_knot());
+        knot.0[0].confidence = curve;
+        knot.1
+            .iter_mut()
+            .for_each(|one| one.confidence = 2.0 * crossing - 1.0);
+        sequence_of(&knot).pulls_straight()
+    };
+    assert_eq!(answer(1.0, 0.97), Some(false));
+    assert_eq!(answer(0.95, 0.97), None);
+    assert_eq!(answer(1.0, 0.95), None);
+    // Nothing of a straight rope is to be doubted but the curve.
+    let (mut curves, crossings) = seen(&[[0.0; 3], [9.0, 0.0, 0.0]]);
+    for (confidence, answer) in [(0.95, Some(true)), (0.5, None)] {
+        curves[0].confidence = confidence;
+        let sequence = sequence_of(&(curves.clone(), crossings.clone()));
+        assert_eq!(sequence.pulls_straight(), answer, "{confidence}");
+    }
+}
+
+#[test]
+fn a_bump_may_be_a_tight_knot() {
+    let (mut curves, crossings) = seen(&[[0.0; 3], [9.0, 0.0, 0.0]]);
+    curves[0].widths_px[100] = 2.0 * WIDTH;
+    assert_eq!(sequence_of(&(curves, crossings)).pulls_straight(), None);
+    // Where the rope crosses itself it looks wide.
+    let (mut curves, crossings) = seen(&coils(1, |_| true));
+    let crossed = (199.0 * crossings[0].over_rho).round() as usize;
+    curves[0].widths_px[crossed] = 2.0 * WIDTH;
+    assert_eq!(
+        sequence_of(&(curves, crossings)).pulls_straight(),
+        Some(true)
+    );
+}
+
+#[test]
 fn nothing_is_said_of_a_rope_that_is_not_seen_whole() {
     let (mut curves, mut crossings) = seen(&overhand_knot());
     for status in [Status::Partial, Status::Lost] {
@@ -265,6 +310,10 @@ fn nothing_is_said_of_a_rope_that_is_not_seen_whole() {
         );
     }
     curves[0].status = Status::Ok;
+    curves[0].hidden[50] = true;
+    let hidden = (curves.clone(), crossings.clone());
+    assert_eq!(sequence_of(&hidden).pulls_straight(), None);
+    curves[0].hidden[50] = false;
     // With a crossing missed, the rest fits into no plane.
     crossings.remove(1);
     assert_eq!(sequence_of(&(curves, crossings)).pulls_straight(), None);

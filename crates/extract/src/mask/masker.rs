@@ -217,10 +217,21 @@ impl Masker {
     }
 
     /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
-    pub(crate) fn doubts_itself(&mut self) -> bool {
+    pub(crate) fn doubts_itself(&mut self, why: Notice) -> bool {
         let seemed_sure = self.notice.is_none() && self.cut.is_some();
         if seemed_sure {
-            self.notice = Some(Notice::UnevenTable);
+            self.notice = Some(why);
+        }
+        seemed_sure
+    }
+
+    /// An automatic mask that holds nothing is unsure where the noise would hide a rope that differs from the table by
+    /// `level`. Whether it is such a one.
+    pub(crate) fn doubts_noise(&mut self, level: f32) -> bool {
+        let is_hidden = threshold::floor(self.background.noise) > level;
+        let seemed_sure = self.notice.is_none() && self.cut.is_some() && is_hidden;
+        if seemed_sure {
+            self.notice = Some(Notice::Noisy);
         }
         seemed_sure
     }

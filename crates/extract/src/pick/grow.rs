@@ -89,13 +89,59 @@ pub(super) fn regions(colors: &[[f32; 3]], width: usize, points: &[[usize; 2]]) 
 
 /// Whether the table is plain and the pixel has its colour.
 pub(super) fn is_table(image: &Image, at: Vec2) -> bool {
-    let [x, y] = pixel(image, at);
-    let mut background = Background::default();
-    background.estimate(image);
-    let table = background.at(x, y);
-    let own = color::native(image, x, y).map(f32::from);
-    let limit = (TABLE_RESIDUALS * background.noise).max(TABLE_LEVELS);
-    background.noise < PLAIN && color::distance(own, table, color::is_yuv(image.format())) < limit
+    Table::of(image).is_at(image, at)
+}
+
+/// A point of the user's, moved onto what lies within `reach_px` of it if it shows the table.
+pub(super) fn snapped(image: &Image, at: Vec2, reach_px: f32) -> Vec2 {
+    let table = Table::of(image);
+    if !table.is_at(image, at) {
+        return at;
+    }
+    let last = [image.width() - 1, image.height() - 1].map(|c| c as f32);
+    let reach = reach_px as i32;
+    let around = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| [dx, dy]));
+    let near = around.filter_map(|offset| {
+        let [dx, dy] = offset.map(|c| c as f32);
+        let place = [at[0] + dx, at[1] + dy];
+        let is_inside = (0..2).all(|axis| (0.0..=last[axis]).contains(&place[axis]));
+        let away_px = libm::hypotf(dx, dy);
+        (is_inside && away_px <= reach_px && !table.is_at(image, place)).then_some((away_px, place))
+    });
+    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((away_px, edge)) = nearest else {
+        return at;
+    };
+    // The first pixel is a mixture of both: its neighbour behind it is the rope's own.
+    let behind = [0, 1].map(|axis| {
+        let step = (edge[axis] - at[axis]) / away_px.max(1.0);
+        (edge[axis] + 2.0 * step).clamp(0.0, last[axis])
+    });
+    if table.is_at(image, behind) {
+        edge
+    } else {
+        behind
+    }
+}
+
+/// The colour of the table, place by place.
+struct Table(Background);
+
+impl Table {
+    fn of(image: &Image) -> Self {
+        let mut background = Background::default();
+        background.estimate(image);
+        Self(background)
+    }
+
+    /// Whether the table is plain and the pixel has its colour.
+    fn is_at(&self, image: &Image, at: Vec2) -> bool {
+        let [x, y] = pixel(image, at);
+        let own = color::native(image, x, y).map(f32::from);
+        let apart = color::distance(own, self.0.at(x, y), color::is_yuv(image.format()));
+        let limit = (TABLE_RESIDUALS * self.0.noise).max(TABLE_LEVELS);
+        self.0.noise < PLAIN && apart < limit
+    }
 }
 
 /// The pixel at a point.

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::seen::see;
+use super::seen::{Seen, see, see_in};
+use super::snapped;
 use crate::image::Image;
 use crate::mask::mask_of;
 use crate::options::{HsvRange, Mask};
@@ -22,6 +23,12 @@ const MOST_ROPES: usize = 8;
 /// A mask of a smaller share of the picture is a highlight or a print on the rope, not the rope.
 const LEAST_COVERED: f32 = 0.0015;
 
+/// By how much the ropes of the automatic mask must be surer than those of the picked colours, to be better: as in extraction,
+/// where the network's ropes are compared with the table's.
+const SURER: f32 = 0.2;
+/// A point so many half-widths from the middle of a curve, or fewer, is on it.
+const ON: f32 = 1.5;
+
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PickDoubt {
@@ -35,6 +42,8 @@ pub enum PickDoubt {
     Pieces(usize),
     /// The ropes in the mask have only this confidence, 0 to 1.
     Unsure(f32),
+    /// The ropes in the mask have the first confidence, those of the automatic mask the second.
+    AutomaticIsSurer([f32; 2]),
 }
 
 impl fmt::Display for PickDoubt {
@@ -60,6 +69,11 @@ impl fmt::Display for PickDoubt {
                 "what the mask of these colours shows is a whole rope by {:.0} % only",
                 100.0 * confidence
             )?,
+            PickDoubt::AutomaticIsSurer([picked, automatic]) => write!(
+                f,
+                "the automatic mask is better here: its ropes have a confidence of {automatic:.2}, those in the mask of these \
+                 colours {picked:.2}"
+            )?,
         }
         f.write_str(
             "; look at the mask before you use it, give two more points on other places of the rope, read only the region around \
@@ -72,6 +86,7 @@ impl fmt::Display for PickDoubt {
 ///
 /// The mask is extracted as any picture's, and what comes of it is compared with the rope that was meant. Allocates.
 pub fn doubt_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<PickDoubt> {
+    let points = &snapped(image, points)[..];
     let mask = mask_of(image, &Mask::Hsv(ranges.to_vec()));
     let all = mask.iter().filter(|&&level| level > 0).count() as f32;
     let Some(seen) = see(image, ranges, points) else {
@@ -93,6 +108,22 @@ pub fn doubt_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option
     if pieces >= MOST_PIECES || seen.curves.len() >= MOST_ROPES {
         return Some(PickDoubt::Pieces(seen.curves.len()));
     }
-    let is_unsure = !points.is_empty() && seen.confidence < LEAST_SURE;
-    is_unsure.then_some(PickDoubt::Unsure(seen.confidence))
+    if !points.is_empty() && seen.confidence < LEAST_SURE {
+        return Some(PickDoubt::Unsure(seen.confidence));
+    }
+    let automatic = automatic(image, points)?.confidence;
+    let is_surer = automatic > seen.confidence + SURER;
+    is_surer.then_some(PickDoubt::AutomaticIsSurer([seen.confidence, automatic]))
+}
+
+/// The mean confidence of the ropes that are meant, in a mask of `ranges` and in the automatic one; `None` where there are none.
+/// Allocates.
+pub fn compare_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> [Option<f32>; 2] {
+    let points = &snapped(image, points)[..];
+    [see(image, ranges, points), automatic(image, points)].map(|seen| Some(seen?.confidence))
+}
+
+/// What the automatic mask shows of the ropes at the points.
+fn automatic(image: &Image, points: &[Vec2]) -> Option<Seen> {
+    see_in(image, Mask::Auto, points).filter(|seen| seen.beside <= ON)
 }

@@ -48,8 +48,13 @@ impl Seen {
 
 /// Traces the ropes in a mask of these ranges; `None` if there is none.
 pub(super) fn see(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<Seen> {
+    see_in(image, Mask::Hsv(ranges.to_vec()), points)
+}
+
+/// Traces the ropes in a mask; `None` if there is none.
+pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<Seen> {
     let options = Options {
-        mask: Mask::Hsv(ranges.to_vec()),
+        mask,
         ropes: MOST_CURVES,
         ..Options::default()
     };

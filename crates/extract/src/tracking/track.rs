@@ -362,6 +362,23 @@ impl Tracker {
         }
     }
 
+    /// Lets the tracks go on in an image with the pixels of the last one, whose first `seen` curves were seen, and reports those
+    /// ropes that are still lost behind them. Returns how many curves there are.
+    pub(crate) fn stay(
+        &mut self,
+        curves: &mut Vec<Curve>,
+        seen: usize,
+        options: &Options,
+    ) -> usize {
+        self.go_on(&curves[..seen]);
+        self.tracks
+            .iter_mut()
+            .filter(|track| track.age > 0)
+            .for_each(|track| track.age = track.age.saturating_add(1));
+        self.drop_old(options.keep_lost.as_nanos());
+        self.report_lost(curves, seen, options.ropes)
+    }
+
     /// Matches tracks and curves that are still free, those first that `agree` best.
     fn match_with(
         &mut self,

@@ -225,7 +225,12 @@ fn a_point_that_is_on_no_rope_is_refused() {
     let at = [20.0, 30.0];
     assert_eq!(pick(&image, &[at]), Err(PickError::Table { at }));
     // Beside the rope is good enough: a mouse is no needle.
-    assert!(pick(&image, &[[ON_ROPE[0], ON_ROPE[1] - 6.0]]).is_ok());
+    for beside_px in [6.0, 12.0] {
+        assert!(
+            pick(&image, &[[ON_ROPE[0], ON_ROPE[1] - beside_px]]).is_ok(),
+            "{beside_px}"
+        );
+    }
     for at in [
         [-1.0, 5.0],
         [320.0, 5.0],

@@ -41,6 +41,7 @@ mod tests {
     /// A straight rope from (100, 200) to (300, 200) mm.
     fn rope() -> Descriptor {
         let mut rope = Descriptor::EMPTY;
+        rope.confidence = 1.0;
         (rope.degree, rope.count, rope.samples) = (2, 3, 120);
         rope.basis = Basis::Bezier as u32;
         rope.status = Status::Ok as u32;
@@ -80,6 +81,9 @@ mod tests {
             rope.status = status as u32;
             assert!(!is_sure(&rope), "{status:?}");
         }
+        let mut unsure = rope();
+        unsure.confidence = 0.05;
+        assert!(!is_sure(&unsure));
         let mut coarse = rope();
         coarse.fit = FitQuality::Coarse as u32;
         assert!(!is_sure(&coarse));
@@ -88,6 +92,7 @@ mod tests {
     #[test]
     fn in_space_a_pose_points_along_the_rope_and_one_whose_place_is_not_known_has_none() {
         let mut rope = Descriptor3::EMPTY;
+        rope.confidence = 1.0;
         (rope.degree, rope.count, rope.samples) = (1, 2, 120);
         rope.place = Place::Known as u32;
         rope.control_points[..2].copy_from_slice(&[[0.0, 0.0, 500.0], [200.0, -100.0, 700.0]]);

@@ -165,14 +165,14 @@ fn placed(InSpace { place, length_mm }: InSpace) -> Line<'static> {
 
 fn heading(rope: &Rope) -> Line<'static> {
     let style = match rope.status {
-        Some(Status::Ok) => GOOD,
-        Some(Status::Partial | Status::Doubtful) => DOUBTFUL,
+        Some(Status::Ok) if !confidence::is_low(rope.confidence.into()) => GOOD,
+        Some(Status::Ok | Status::Partial | Status::Doubtful) => DOUBTFUL,
         Some(Status::Lost) | None => BAD,
     };
     let name = rope.status.map_or("?", Status::name);
     let word = match rope.status {
         Some(Status::Lost) => format!("{name} for {:.1} s", rope.age_s),
-        _ => name.to_owned(),
+        _ => confidence::status_word(name, rope.confidence.into()).to_owned(),
     };
     let doubt = match confidence::is_low(rope.confidence.into()) {
         true => DOUBTFUL,

@@ -84,7 +84,7 @@ impl Followed {
         let rope = &mut slot.curves[0];
         *rope = Descriptor::EMPTY;
         (rope.degree, rope.count) = (count as u32 - 1, count as u32);
-        (rope.samples, rope.filtered) = (120, 1);
+        (rope.samples, rope.filtered, rope.confidence) = (120, 1, 1.0);
         rope.control_points[..count].copy_from_slice(&now.control_points);
         rope.velocities[..count].copy_from_slice(&now.velocities_px_s);
         for j in 0..count {

@@ -89,7 +89,7 @@ impl Chain {
 /// A straight rope from (x, 0) to (x, 100).
 fn rope(track: u32, status: Status, x: f64) -> Descriptor {
     let mut rope = Descriptor::EMPTY;
-    (rope.track, rope.status) = (track, status as u32);
+    (rope.track, rope.status, rope.confidence) = (track, status as u32, 1.0);
     (rope.degree, rope.count, rope.samples) = (1, 2, 120);
     rope.control_points[..2].copy_from_slice(&[[x, 0.0], [x, 100.0]]);
     rope
@@ -221,8 +221,11 @@ fn a_covered_and_a_lost_rope_are_other_things_than_a_rope() {
 fn a_rope_below_the_confidence_that_a_loop_asks_for_is_not_fresh() {
     let place = Place::new("confidence");
     for (least, confidence, status, expected) in [
-        // From the start nothing is asked for, but a number.
-        (None, 0.0, Status::Ok, "fresh"),
+        // The default: more likely right than wrong.
+        (None, 0.5, Status::Ok, "fresh"),
+        (None, 0.49, Status::Ok, "LowConfidence"),
+        (None, 0.05, Status::Partial, "LowConfidence"),
+        (Some(0.0), 0.0, Status::Ok, "fresh"),
         (None, f32::NAN, Status::Ok, "LowConfidence"),
         (Some(0.9), 0.91, Status::Ok, "fresh"),
         (Some(0.9), 0.91, Status::Partial, "partial"),

@@ -1,0 +1,145 @@
+//! Recognizes an image with the pixels of the last one, as a file that is shown for a while: the same pixels have the same answer.
+//!
+//! A camera's noise differs in the first samples, so a film pays next to nothing. Only where all samples agree, and after a
+//! full extraction, which reads every pixel anyway, is the image hashed.
+
+use crate::image::{Image, PixelFormat};
+use lariat_portable::Arch;
+
+/// Samples along each side of the image.
+const SIDE: usize = 16;
+/// Words that are hashed side by side: two registers of AVX2.
+const LANES: usize = 16;
+
+/// The last image, as far as the next one is compared with it.
+#[derive(Debug, Default)]
+pub(super) struct Still {
+    layout: Option<(usize, usize, PixelFormat)>,
+    samples: Vec<u8>,
+    /// Of all pixels, if the image was hashed.
+    hash: Option<u64>,
+}
+
+/// How an image compares with the last one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Comparison {
+    /// Whether it is known to have the same pixels.
+    pub(super) is_same: bool,
+    hash: Option<u64>,
+}
+
+impl Still {
+    /// Forgets the last image: the next one is another.
+    pub(super) fn forget(&mut self) {
+        self.layout = None;
+    }
+
+    /// Compares an image with the last one.
+    pub(super) fn compare(&self, image: &Image) -> Comparison {
+        if layout(image) != self.layout || !self.samples.iter().copied().eq(samples(image)) {
+            return Comparison::default();
+        }
+        let hash = Some(hash(image));
+        Comparison {
+            is_same: hash == self.hash,
+            hash,
+        }
+    }
+
+    /// Makes this image, which was compared before, the last one. An image that was extracted in full is hashed.
+    pub(super) fn remember(&mut self, image: &Image, compared: Comparison, is_full: bool) {
+        self.layout = layout(image);
+        self.samples.clear();
+        self.samples.extend(samples(image));
+        self.hash = compared.hash.or_else(|| is_full.then(|| hash(image)));
+    }
+}
+
+fn layout(image: &Image) -> Option<(usize, usize, PixelFormat)> {
+    Some((image.width(), image.height(), image.format()))
+}
+
+/// Bytes from all over the image.
+fn samples(image: &Image) -> impl Iterator<Item = u8> {
+    let height = image.height();
+    (0..SIDE).flat_map(move |i| {
+        let row = image.row((2 * i + 1) * height / (2 * SIDE));
+        (0..SIDE).map(move |k| row[(2 * k + 1) * row.len() / (2 * SIDE)])
+    })
+}
+
+/// A hash of all pixels, without what lies between rows: the lanes of FNV-1a, each turned so that no bit of a word is lost at the
+/// upper end.
+fn hash(image: &Image) -> u64 {
+    let mut lanes = [0x811C_9DC5_u32; LANES];
+    let chroma = (image.format() == PixelFormat::Nv12).then(|| (0..image.height()).step_by(2));
+    let arch = Arch::new();
+    let mut add = |row: &[u8]| arch.dispatch(|| add(&mut lanes, row));
+    (0..image.height()).for_each(|y| add(image.row(y)));
+    let chroma = chroma.into_iter().flatten();
+    chroma.for_each(|y| add(image.chroma_row(y)));
+    lanes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, &lane| {
+        (hash ^ u64::from(lane))
+            .wrapping_mul(0x0100_0000_01B3)
+            .rotate_left(29)
+    })
+}
+
+#[inline(always)]
+fn add(lanes: &mut [u32; LANES], row: &[u8]) {
+    let (blocks, rest) = row.as_chunks::<{ 4 * LANES }>();
+    let mut last = [0; 4 * LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    for block in blocks.iter().chain([&last]) {
+        let words = block.as_chunks::<4>().0;
+        for (lane, word) in lanes.iter_mut().zip(words) {
+            *lane = (*lane ^ u32::from_le_bytes(*word))
+                .wrapping_mul(0x0100_0193)
+                .rotate_left(13);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [usize; 2] = [70, 40];
+
+    fn is_again(still: &mut Still, pixels: &[u8]) -> bool {
+        let image = Image::new(pixels, SIZE[0], SIZE[1], 3 * SIZE[0], PixelFormat::Rgb8).unwrap();
+        let compared = still.compare(&image);
+        still.remember(&image, compared, true);
+        compared.is_same
+    }
+
+    #[test]
+    fn only_the_same_pixels_are_the_same_image() {
+        let mut still = Still::default();
+        let mut pixels: Vec<u8> = (0..3 * SIZE[0] * SIZE[1])
+            .map(|i| (i * i % 251) as u8)
+            .collect();
+        assert!(!is_again(&mut still, &pixels));
+        assert!(is_again(&mut still, &pixels));
+        for at in [0, 1, 3 * SIZE[0] * SIZE[1] / 2, 3 * SIZE[0] * SIZE[1] - 1] {
+            pixels[at] ^= 0x80;
+            assert!(!is_again(&mut still, &pixels), "{at}");
+            assert!(is_again(&mut still, &pixels), "{at}");
+        }
+        still.forget();
+        assert!(!is_again(&mut still, &pixels));
+    }
+
+    #[test]
+    fn bytes_between_the_rows_do_not_count() {
+        let mut still = Still::default();
+        let mut bytes = vec![7; 80 * SIZE[1]];
+        for (round, is_expected) in [(0, false), (1, true)] {
+            bytes[75] = round;
+            let image = Image::new(&bytes, SIZE[0], SIZE[1], 80, PixelFormat::Gray8).unwrap();
+            let compared = still.compare(&image);
+            assert_eq!(compared.is_same, is_expected);
+            still.remember(&image, compared, true);
+        }
+    }
+}
