@@ -288,6 +288,8 @@ impl Extractor {
         let seen = self.curves[..self.count].iter().filter(is_seen).count();
         self.count = self.tracker.stay(&mut self.curves, seen, &self.options);
         self.followed = true;
+        // As many images go by as without it.
+        self.is_passed_over();
         seen
     }
 

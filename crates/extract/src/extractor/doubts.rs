@@ -1,6 +1,6 @@
 //! Which of the curves may be no ropes.
 
-use super::{Extractor, SOMETHING};
+use super::Extractor;
 use crate::confidence::{self, Known, Maker};
 use crate::graph::walk::{Found, Walker};
 use crate::image::Image;
@@ -22,6 +22,9 @@ const UNLIKELY: f32 = 0.02;
 /// is known must be as sure.
 pub(super) const SURE: f32 = 0.5;
 const UNLIKELY_BESIDE: f32 = 0.2;
+
+/// Difference from the table, a quarter of all 256 levels, by which a rope is seen in any picture that is not mostly noise.
+const HIDDEN: f32 = 64.0;
 
 /// What is known of all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
@@ -124,7 +127,7 @@ impl Extractor {
                 true
             }
             0 if has_something => self.masker.doubts_itself(Notice::UnevenTable),
-            0 => self.masker.doubts_noise(SOMETHING),
+            0 => self.masker.doubts_noise(HIDDEN),
             _ if self.doubts.iter().flatten().count() < MUCH => false,
             _ => {
                 self.masker.doubts_itself(Notice::UnevenTable);

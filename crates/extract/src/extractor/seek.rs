@@ -97,7 +97,7 @@ impl Extractor {
     }
 
     /// Whether the network is passed over once more, as it was asked in vain.
-    fn is_passed_over(&mut self) -> bool {
+    pub(super) fn is_passed_over(&mut self) -> bool {
         match &mut self.answer {
             Answer::InVain(images @ 1..) => {
                 *images -= 1;

@@ -82,7 +82,8 @@ fn ropes_on_a_checkered_table_are_found() {
         "both are sure, whatever the table is like"
     );
     let bytes = over(squares, &[]);
-    let scene = seen(&mut drawing::extractor(), &bytes);
+    extractor.reset();
+    let scene = seen(&mut extractor, &bytes);
     assert_eq!(
         (scene.curves.len(), scene.notice),
         (0, Some(Notice::CheckeredTable))
