@@ -9,8 +9,8 @@ use lariat_extract::{Image, PixelFormat};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// What may follow a picture's name in its mask's, behind a point, a dash or an underscore. Other words and numbers may
-/// belong to another picture's name.
+/// The words that may follow a picture's name in its mask's name, behind a point, a dash or an underscore. Other words and
+/// numbers may belong to another picture's name.
 const SUFFIXES: [&str; 16] = [
     "mask",
     "masks",
@@ -35,9 +35,9 @@ pub(super) struct Masks {
     folder: PathBuf,
     /// The pictures in it.
     files: Vec<PathBuf>,
-    /// Whether masks are cut by their own histograms.
+    /// True if masks are cut by their own histograms.
     chooses_level: bool,
-    /// What was said already: the masks of a folder are mostly of one kind.
+    /// The notices so far: the masks of a folder are mostly of one kind.
     said: RefCell<Vec<String>>,
 }
 
@@ -46,7 +46,7 @@ pub(super) struct MaskOf {
     pub(super) path: PathBuf,
     size: [u32; 2],
     levels: Vec<u8>,
-    /// What was concluded from its bytes, and was not said of another one.
+    /// New conclusions from its bytes.
     pub(super) news: Vec<String>,
 }
 
@@ -95,7 +95,7 @@ impl Masks {
         })
     }
 
-    /// Where the mask of the picture at `path` is, if there is exactly one.
+    /// The file of the mask of the picture at `path`, if there is exactly one.
     pub(super) fn name(&self, path: &Path) -> Option<PathBuf> {
         self.find(path).ok()
     }
@@ -146,7 +146,7 @@ impl Masks {
     /// The mask of the picture at `path`, which has so many pixels.
     ///
     /// # Errors
-    /// It is not there, is no picture, or cannot be the mask of that picture.
+    /// It is missing, not a picture, or not a mask of that picture.
     pub(super) fn of(&self, path: &Path, size: [u32; 2]) -> Result<MaskOf> {
         let file = self.find(path)?;
         let about = || file.display().to_string();

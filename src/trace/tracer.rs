@@ -201,7 +201,7 @@ fn describe(
 /// The upper half of levels, in which networks say that a pixel is likelier rope than not.
 const LIKELY: u8 = 128;
 
-/// What is to be said of a mask: what it was taken for, and why it shows no rope if it does not.
+/// The notices about a mask: its meaning, and the reason if it shows no rope.
 fn about_mask(mask: &MaskOf, is_empty: bool) -> impl Iterator<Item = NoticeReport> + use<> {
     let brightest = mask.brightest();
     let faint = (is_empty && (1..LIKELY).contains(&brightest)).then(|| {
@@ -211,9 +211,7 @@ fn about_mask(mask: &MaskOf, is_empty: bool) -> impl Iterator<Item = NoticeRepor
     });
     let about = mask.path.display().to_string();
     let said = mask.news.iter().cloned().chain(faint);
-    let said: Vec<_> = said
-        .map(|said| format!("the mask {about}: {said}"))
-        .collect();
+    let said: Vec<_> = said.map(|said| format!("{about}: {said}")).collect();
     said.into_iter()
         .map(|text| NoticeReport { kind: "mask", text })
 }

@@ -3,14 +3,14 @@
 //! Cameras of 10 and 12 bits write their samples into the low bits of 16. No file format says so: the largest sample of
 //! the first picture tells, and what was concluded is reported.
 
-/// How many bits the samples of a source have.
+/// The number of bits in the samples of a source.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Bits {
     /// 0 until a sample is not 0.
     count: u32,
 }
 
-/// What the low bits may be. 14 are left out: a picture in full range whose exposure is a quarter of the usual has as few.
+/// The numbers of low bits that are recognised. Not 14: an underexposed picture in full range has no larger samples.
 const NARROW: [u32; 3] = [8, 10, 12];
 const ALL: u32 = 16;
 

@@ -6,7 +6,7 @@
 
 use lariat_message::PixelFormat;
 
-/// Which of the 256 levels a source uses.
+/// The levels that a source uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum ColorRange {
     /// 16 to 235, and 16 to 240 for U and V.
@@ -24,7 +24,7 @@ fn luma(level: u8) -> u8 {
 
 /// A level of U or V in full range: 255 / 224 ≈ 146 / 128 of its distance from 128. At most 0.8 off the exact value.
 fn chroma(level: u8) -> u8 {
-    // 128 − 128 · 146 / 128 = −18: what the product has too much, less half a level.
+    // The product exceeds the result by 128 · 146 / 128 − 128 = 18; half a level is added for rounding.
     const OFF: u16 = 18 * 128 - 64;
     let expanded = (u16::from(level) * 146).saturating_sub(OFF) >> 7;
     expanded.min(255) as u8

@@ -5,12 +5,12 @@ use std::path::Path;
 /// A file that has to be converted first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Foreign {
-    /// What it is, with its article.
+    /// The kind of file, with its article.
     pub(crate) what: &'static str,
     pub(crate) way: Way,
 }
 
-/// What it is converted to.
+/// The result of the conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Video,
@@ -41,7 +41,7 @@ const MPEG: Foreign = foreign("an MPEG or H.264 stream", Way::Video);
 const H264: Foreign = foreign("an H.264 or H.265 stream", Way::Video);
 const TRANSPORT: Foreign = foreign("an MPEG transport stream", Way::Video);
 
-/// Where in a file which bytes tell it. A box of ISO/IEC 14496-12 begins with its length; its brand stands behind `ftyp`.
+/// The place and the bytes that identify each kind. A box of ISO/IEC 14496-12 begins with its length; its brand stands behind `ftyp`.
 const MARKS: [(usize, &[u8], Foreign); 26] = [
     (0, b"GIF8", GIF),
     (4, b"ftypheic", HEIC),
@@ -75,7 +75,7 @@ const MARKS: [(usize, &[u8], Foreign); 26] = [
     (0, b"\x47\x40", TRANSPORT),
 ];
 
-/// How names end that tell the same, in small letters.
+/// The endings of names for the same kinds, in small letters.
 const ENDINGS: [(&str, Foreign); 27] = [
     ("gif", GIF),
     ("heic", HEIC),
@@ -107,7 +107,7 @@ const ENDINGS: [(&str, Foreign); 27] = [
 ];
 
 impl Foreign {
-    /// What a file is that begins so.
+    /// The kind of a file with these first bytes.
     pub(crate) fn of(head: &[u8]) -> Option<Self> {
         let tells = |&&(at, mark, _): &&(usize, &[u8], Self)| {
             head.get(at..).is_some_and(|head| head.starts_with(mark))
@@ -115,14 +115,14 @@ impl Foreign {
         MARKS.iter().find(tells).map(|&(.., known)| known)
     }
 
-    /// What a file is by its name.
+    /// The kind of a file by its name.
     pub(crate) fn named(path: &Path) -> Option<Self> {
         let ending = path.extension()?;
         let known = |(known, _): &&(&str, Self)| ending.eq_ignore_ascii_case(known);
         ENDINGS.iter().find(known).map(|&(_, known)| known)
     }
 
-    /// The rest of a sentence that begins with its path: what it is, and what to do.
+    /// The rest of a sentence that begins with the path: the kind of file, and the remedy.
     pub(crate) fn advice(self, path: &Path) -> String {
         let Self { what, way } = self;
         let shown = path.display();

@@ -1,6 +1,6 @@
 //! One mask file: how likely each pixel is rope, as a byte, whatever the file counts in.
 //!
-//! A mask may be gray, coloured by instance, of 16 bits, or the alpha of a cut-out. Here each becomes levels, in which 0 is no rope;
+//! A mask may be gray, coloured by instance, of 16 bits, or the alpha of a cut-out. This module turns each into levels, where 0 is background;
 //! labels of instances may still be small numbers in them.
 
 use std::fs;
@@ -33,7 +33,7 @@ impl MaskPicture {
     /// Reads a mask file: a picture of any kind that lariat reads ([`PICTURES`](crate::PICTURES)).
     ///
     /// # Errors
-    /// There is no such file, it is no picture, or it is cut off or damaged.
+    /// The file is missing, cut off, damaged, or not a picture.
     pub fn load(path: &Path) -> Result<Self, SourceError> {
         let unreadable = |error| SourceError::Unreadable {
             path: path.to_owned(),
@@ -112,19 +112,19 @@ impl Samples {
         alpha.iter().any(|&a| Some(a) != first).then_some(alpha)
     }
 
-    /// How far each pixel's colour is from the background's: black, unless another colour covers more than half.
+    /// The distance of each pixel's colour from the background's: black, unless another colour covers more than half.
     fn by_color(&self, news: &mut Vec<String>) -> Vec<u16> {
         let color = |pixel: &[u16]| [pixel[0], pixel[1], pixel[2]];
         let ground = majority(self.pixels().map(color)).unwrap_or_default();
         if ground != [0; 3] {
             news.push(format!(
-                "most of it has the color {ground:?}, which is taken for what is no rope"
+                "most of it has the color {ground:?}, which counts as background"
             ));
         }
         let has_unlabelled = self.pixels().any(|pixel| color(pixel) == UNLABELLED);
         if has_unlabelled {
             news.push(format!(
-                "the color {UNLABELLED:?} stands for pixels without a label, and is taken for what is no rope"
+                "the color {UNLABELLED:?} stands for pixels without a label, and counts as background"
             ));
         }
         let far = |pixel: &[u16]| {
@@ -140,7 +140,7 @@ impl Samples {
         self.pixels().map(far).collect()
     }
 
-    /// Values of 16 bits as bytes: as they are if all fit, else in full range, of as many bits as the largest one needs.
+    /// Values of 16 bits as bytes. They stay as they are if all fit; otherwise the largest one tells how many bits they have.
     fn to_bytes(&self, values: &[u16], news: &mut Vec<String>) -> Vec<u8> {
         let largest = values.iter().copied().max().unwrap_or(0);
         if largest <= BYTE {
@@ -149,7 +149,7 @@ impl Samples {
         let mut bits = crate::bits::Bits::default();
         news.extend(bits.see(largest));
         let byte = |&value: &u16| ((u32::from(bits.widen(value)) + 128) / 257) as u8;
-        // What is faint in 16 bits is not nothing.
+        // A faint value of 16 bits stays above 0.
         let level = |value: &u16| byte(value).max(u8::from(*value > 0 && self.is_wide));
         values.iter().map(level).collect()
     }

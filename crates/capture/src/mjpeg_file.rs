@@ -18,7 +18,7 @@ use crate::source::SourceError;
 /// How names of such files end.
 const ENDINGS: [&str; 3] = ["mjpeg", "mjpg", "mjpe"];
 
-/// Whether a path is that of an MJPEG file, by its name.
+/// Returns true if a path names an MJPEG file.
 pub(crate) fn names_mjpeg(path: &Path) -> bool {
     let ending = path.extension();
     ending.is_some_and(|ending| {
@@ -138,7 +138,7 @@ impl<R: Read> Scanner<R> {
                     part.bytes = self.at - from;
                     parts.push(part);
                 }
-                // What is no picture is between pictures.
+                // These bytes lie between pictures.
                 Ok(false) => {}
                 Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
                     return Ok((parts, true));
@@ -169,7 +169,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Where the next picture begins; `None` if there is none.
+    /// The place where the next picture begins; `None` at the end.
     fn start(&mut self) -> io::Result<Option<u64>> {
         while let Some(byte) = self.behind_marker_byte()? {
             if byte == START_OF_IMAGE {

@@ -31,7 +31,7 @@ pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
 /// Digits, with single points between them.
 struct Digits<'a> {
     whole: &'a [u8],
-    /// What follows the first point; empty if there is no point.
+    /// The digits and points behind the first point; empty without a point.
     rest: &'a [u8],
 }
 

@@ -113,7 +113,7 @@ fn is_video(path: &Path) -> bool {
     names_a_video(path) && !path.is_dir()
 }
 
-/// Whether a path is that of a video that lariat reads, by its name.
+/// Returns true if a path names a video that lariat reads.
 pub fn names_a_video(path: &Path) -> bool {
     is_named(path, "y4m") || names_mjpeg(path)
 }

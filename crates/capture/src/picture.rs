@@ -16,7 +16,6 @@ use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
 use crate::bits::Bits;
-use crate::mjpeg::Mjpeg;
 use crate::orientation;
 use crate::source::SourceError;
 use container::{chunks, format_of, readable_format};
@@ -44,7 +43,7 @@ pub fn names_a_picture(path: &Path) -> bool {
     !is_hidden(path) && path.extension().is_some_and(known)
 }
 
-/// Whether a file is hidden, by its name.
+/// Returns true if a name is that of a hidden file.
 pub(crate) fn is_hidden(path: &Path) -> bool {
     let name = path.file_name();
     name.is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
@@ -84,7 +83,7 @@ struct Opened<'a> {
     decoder: Box<dyn ImageDecoder + 'a>,
     /// The layout of the upright picture.
     layout: Layout,
-    /// How to turn the pixels upright.
+    /// The turn that makes the pixels upright.
     orientation: Orientation,
 }
 
@@ -135,15 +134,21 @@ fn decoder<'a>(
     format: ImageFormat,
 ) -> Result<impl ImageDecoder + 'a, String> {
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
-    decoder.map_err(|error| match error {
-        image::ImageError::Unsupported(kind) => {
-            broken(path, format!("{kind}; {}", conversion(path)))
+    decoder.map_err(|error| {
+        // The reason may be one that is known here.
+        if let Err(known) = container::check(path, bytes, format) {
+            return known;
         }
-        error => broken(path, error),
+        match error {
+            image::ImageError::Unsupported(kind) => {
+                broken(path, format!("{kind}; {}", conversion(path)))
+            }
+            error => broken(path, error),
+        }
     })
 }
 
-/// How to make a picture that lariat reads of one that it does not.
+/// The command that converts a picture to a kind that lariat reads.
 fn conversion(path: &Path) -> String {
     let shown = path.display();
     format!(
@@ -162,7 +167,7 @@ pub struct StillPicture {
     pub format: PixelFormat,
     /// Rows one after the other, without padding.
     pub pixels: Vec<u8>,
-    /// A sentence on what its samples were taken for, if the file leaves it open.
+    /// A sentence on what its samples mean, if the file leaves it open.
     pub news: Option<String>,
 }
 
@@ -195,7 +200,7 @@ pub(crate) struct PictureDecoder {
     full: Vec<u8>,
     /// Pixels as they are stored, before they are turned upright.
     stored: Vec<u8>,
-    /// What the samples of pictures of 16 bits have.
+    /// The number of bits in samples of pictures of 16 bits.
     bits: Bits,
     news: Option<String>,
 }
@@ -220,7 +225,7 @@ impl PictureDecoder {
         layout(path, file).map(|layout| layout.bytes())
     }
 
-    /// What the samples of the last picture were taken for, if the file leaves it open and it was not said before.
+    /// A sentence on what the samples of the last picture mean, once, if the file leaves it open.
     pub(crate) fn take_news(&mut self) -> Option<String> {
         self.news.take()
     }
@@ -341,12 +346,12 @@ impl PictureDecoder {
                 ));
             }
             if jpeg::End::of(file) == jpeg::End::Missing {
-                // The decoder of a camera's frames tells whether the marker alone is missing.
                 let (width, height) = decoder.dimensions();
-                let decoded = Mjpeg::new(width, height).decode(file, samples);
-                return match decoded {
-                    Ok(_) => Ok(()),
-                    Err(_) => Err(broken(path, "the file is cut off")),
+                let is_whole = jpeg::decode_without_end(file, [width, height], samples);
+                return if is_whole {
+                    Ok(())
+                } else {
+                    Err(broken(path, "the file is cut off"))
                 };
             }
         }

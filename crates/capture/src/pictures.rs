@@ -48,7 +48,7 @@ pub(crate) fn chosen(
     Ok((selected(files, frames)?, warnings))
 }
 
-/// Why a file that begins so is not shown.
+/// The reason to refuse a file with these first bytes.
 fn not_a_picture(path: &Path, head: &[u8]) -> SourceError {
     SourceError::NotAPicture {
         path: path.to_owned(),

@@ -63,7 +63,7 @@ impl RawFrames {
         self.format.frame_bytes(self.size)
     }
 
-    /// Of which size, or in which format, this many bytes are whole frames; none if no usual one.
+    /// A usual size, or another format, in which this many bytes are whole frames.
     fn likely(self, total: usize) -> Option<String> {
         // From VGA's half to 4K, as cameras and encoders have them.
         const USUAL: [[u32; 2]; 14] = [
@@ -93,9 +93,12 @@ impl RawFrames {
         if let Some(Self { size: [w, h], .. }) = nearest {
             return Some(format!("{w}x{h} {}", self.format.name()));
         }
+        // The fewest frames, so that two bytes a pixel are not two frames of one; the first of several.
         let formats = RawFormat::names().filter_map(RawFormat::from_name);
-        let mut formats = formats.map(|format| Self { format, ..self });
-        let other = formats.find(is_whole)?;
+        let formats = formats.map(|format| Self { format, ..self });
+        let other = formats
+            .filter(is_whole)
+            .min_by_key(|other| total / other.bytes())?;
         Some(format!("{width}x{height} {}", other.format.name()))
     }
 }
@@ -124,7 +127,7 @@ pub(crate) struct Piped {
     need: usize,
     sequence: u64,
     has_ended: bool,
-    /// What the samples of raw frames of 16 bits have.
+    /// The number of bits in samples of raw frames of 16 bits.
     bits: Bits,
     news: Option<String>,
 }
@@ -353,7 +356,7 @@ impl FrameSource for Piped {
     }
 }
 
-/// What else it may be that begins so, and what to do.
+/// A sentence on a stream with these first bytes that is not a video, and the remedy.
 fn stranger(begin: &[u8]) -> String {
     let picture = [
         (&b"\x89PNG"[..], "a PNG picture"),
@@ -519,9 +522,9 @@ mod tests {
         for (said, format, given, likely) in [
             ([640, 480], "rgb8", 5 * 320 * 240 * 3, "320x240 rgb8"),
             ([640, 480], "rgb8", 1280 * 720 * 3 + 640 * 480 * 3, ""),
-            ([640, 480], "yuyv", 1280 * 720 * 2, "1280x720 yuyv"),
+            ([1024, 768], "yuyv", 1280 * 720 * 2, "1280x720 yuyv"),
             ([640, 480], "rgb8", 640 * 480 * 2, "640x480 yuyv"),
-            ([480, 642], "gray8", 642 * 480 / 2 * 3, "480x642 i420"),
+            ([480, 642], "gray8", 642 * 480 / 2 * 3, "480x642 nv12"),
         ] {
             let frames = raw(said, format);
             let whole = (given / frames.bytes()) as u64;

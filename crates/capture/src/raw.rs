@@ -9,7 +9,7 @@ use crate::ahead::Layout;
 use crate::color_range::ColorRange;
 use crate::yuv::{Chroma, write_rgb};
 
-/// How the bytes of raw frames make pixels.
+/// The arrangement of the bytes of raw frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RawFormat {
     name: &'static str,
@@ -17,7 +17,7 @@ pub struct RawFormat {
     range: ColorRange,
 }
 
-/// Where the samples lie.
+/// The places of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Lie {
     /// As in a message.
@@ -32,7 +32,7 @@ enum Lie {
     Four([usize; 3]),
 }
 
-/// Which of U and V comes first.
+/// The order of U and V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Order {
     Uv,
@@ -104,7 +104,7 @@ const NAMES: [(&str, Lie, ColorRange); 50] = {
         ("abgr", Four([3, 2, 1]), Full),
     ]
 };
-/// How many of them are no other name of one before.
+/// The number of names that are not another name of one before.
 const OWN_NAMES: usize = 26;
 
 impl RawFormat {
@@ -132,7 +132,7 @@ impl RawFormat {
         NAMES[..OWN_NAMES].iter().map(|&(name, ..)| name)
     }
 
-    /// How pixels side by side or one above the other share their colour: the sides that frames need are multiples of it.
+    /// The pixels, across and down, that share a colour: sides of frames are multiples of these.
     fn shared(self) -> [u32; 2] {
         match self.lie {
             Lie::Known(PixelFormat::Nv12) | Lie::Nv21 | Lie::Planes(Chroma::Half, _) => [2, 2],
@@ -143,13 +143,13 @@ impl RawFormat {
         }
     }
 
-    /// Whether frames of this size are whole.
+    /// Returns true if frames of this size are whole.
     pub(crate) fn fits(self, [width, height]: [u32; 2]) -> bool {
         let [across, down] = self.shared();
         width.is_multiple_of(across) && height.is_multiple_of(down)
     }
 
-    /// How frames of this size travel.
+    /// The layout in which frames of this size travel.
     pub(crate) fn layout(self, [width, height]: [u32; 2]) -> Layout {
         let format = match self.lie {
             Lie::Known(format) => format,

@@ -197,7 +197,7 @@ struct Recorded {
     messages: Messages,
     /// Whether nothing has been read since the last rewind.
     is_fresh: bool,
-    /// Whether lariat recorded it, with frames as they travel.
+    /// True if lariat recorded it, with frames as they travel.
     is_own: bool,
     reader: Reader,
     lookahead: Lookahead,
@@ -260,7 +260,7 @@ fn place(last: &mut Option<Last>, every: u64, frame: &FrameHeader) -> Option<Mom
 #[derive(Default)]
 struct Reader {
     pictures: PictureDecoder,
-    /// What the samples of other programs' frames of 16 bits have.
+    /// The number of bits in samples of other programs' frames of 16 bits.
     bits: Bits,
     news: Option<String>,
 }

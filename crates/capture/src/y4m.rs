@@ -17,9 +17,9 @@ pub(crate) const LARGEST_SIDE: u64 = 16384;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Head {
     chroma: Chroma,
-    /// Bits of a sample: one byte for 8, else two.
+    /// Bits of a sample, which has one byte for 8 and two for more.
     bits: u32,
-    /// Whether a plane of alpha follows.
+    /// True if a plane of alpha follows.
     has_alpha: bool,
     range: ColorRange,
     /// How its frames travel.
@@ -108,7 +108,7 @@ impl Head {
     }
 }
 
-/// What stands for how samples lie: the sampling, the bits of each, and whether alpha follows.
+/// The meaning of the word for samples: their sampling, their bits, and whether alpha follows.
 fn samples_of(word: &[u8]) -> Option<(Chroma, u32, bool)> {
     let known = match word {
         b"420" | b"420jpeg" | b"420paldv" | b"420mpeg2" => (Chroma::Half, 8, false),

@@ -10,7 +10,7 @@ use image::imageops::{FilterType, resize};
 /// stretch pictures.
 ///
 /// # Errors
-/// The mask has other proportions: which part of the picture it shows is not known.
+/// The mask has other proportions: the part of the picture that it shows is unknown.
 pub(super) fn to(to: [u32; 2], from: [u32; 2], levels: Vec<u8>) -> Result<(Vec<u8>, String)> {
     let shown = |[width, height]: [u32; 2]| format!("{width}×{height}");
     let is_square = from[0] == from[1];
@@ -38,10 +38,10 @@ pub(super) fn to(to: [u32; 2], from: [u32; 2], levels: Vec<u8>) -> Result<(Vec<u
     Ok((scaled.into_raw(), news))
 }
 
-/// Whether two sizes have the same proportions: one is the other, scaled and rounded up or down to whole pixels.
+/// Returns true if two sizes have the same proportions: one is the other, scaled and rounded to whole pixels.
 fn is_alike(a: [u32; 2], b: [u32; 2]) -> bool {
     let [a, b] = [a, b].map(|size| size.map(u64::from));
-    // By how much the cross products differ if a side is a pixel off.
+    // The cross products differ by a side's length if the other side is a pixel off.
     let off = (a[0] * b[1]).abs_diff(a[1] * b[0]);
     off <= a[0].max(a[1]).max(b[0]).max(b[1])
 }

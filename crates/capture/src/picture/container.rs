@@ -47,7 +47,7 @@ pub(super) fn readable_format(path: &Path, file: &[u8]) -> Result<ImageFormat, S
     Ok(format)
 }
 
-/// What a file is that is no picture, and what to do: the rest of a sentence that begins with its path.
+/// The kind of a file that lariat does not read, and the remedy: the rest of a sentence that begins with its path.
 pub(crate) fn stranger(path: &Path, head: &[u8]) -> String {
     match Foreign::of(head).or_else(|| Foreign::named(path)) {
         Some(known) => known.advice(path),
@@ -93,7 +93,7 @@ pub(super) fn check(path: &Path, file: &[u8], format: ImageFormat) -> Result<(),
     }
 }
 
-/// Whether a PNG has frames (PNG, third edition: an `acTL` chunk before the first `IDAT`, with their number).
+/// Returns true if a PNG has frames (PNG, third edition: an `acTL` chunk before the first `IDAT`, with their number).
 fn is_animated_png(file: &[u8]) -> bool {
     chunks(file)
         .take_while(|(name, _)| name != b"IDAT")
@@ -112,7 +112,7 @@ pub(super) fn chunks(file: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
     })
 }
 
-/// Whether a WebP has frames: the flag of its extended head.
+/// Returns true if a WebP has frames: the flag of its extended head.
 fn is_animated_webp(file: &[u8]) -> bool {
     const ANIMATION: u8 = 2;
     file.get(12..16) == Some(b"VP8X") && file.get(20).is_some_and(|flags| flags & ANIMATION != 0)

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use crate::mjpeg::HUFFMAN_TABLES;
+use crate::mjpeg::{HUFFMAN_TABLES, Mjpeg};
 
 pub(crate) const START_OF_IMAGE: u8 = 0xd8;
 pub(crate) const END_OF_IMAGE: u8 = 0xd9;
 pub(crate) const START_OF_SCAN: u8 = 0xda;
 const DEFINE_HUFFMAN: u8 = 0xc4;
 
-/// Where the image of a file ends.
+/// The end of a file's image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// Behind its end marker.
@@ -53,12 +53,12 @@ fn scan_length(data: &[u8]) -> usize {
         .unwrap_or(data.len())
 }
 
-/// Whether a byte behind 0xff belongs to a scan.
+/// Returns true if a byte behind 0xff belongs to a scan.
 pub(crate) fn is_in_scan(byte: u8) -> bool {
     matches!(byte, 0 | 0xd0..=0xd7)
 }
 
-/// Whether a marker is that of a start of frame, in which the size is.
+/// Returns true for the marker of a start of frame, which holds the size.
 pub(crate) fn is_start_of_frame(marker: u8) -> bool {
     // 0xc4, 0xc8 and 0xcc are tables and a reserved number.
     matches!(marker, 0xc0..=0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf)
@@ -95,6 +95,32 @@ pub(super) fn with_tables(file: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned([start, &HUFFMAN_TABLES, rest].concat())
 }
 
+/// Decodes a baseline file without an end marker into `samples`; false if more than the marker is missing.
+///
+/// A JPEG has no length. But bytes behind a whole image change nothing, and where data is missing they are decoded in its
+/// place: so the file is decoded with different bytes behind it, whose first bits differ, and it is whole if the pictures are equal.
+pub(super) fn decode_without_end(
+    file: &[u8],
+    [width, height]: [u32; 2],
+    samples: &mut [u8],
+) -> bool {
+    // More than the decoder reads ahead, which is 8.
+    const BEHIND: usize = 32;
+    // The first byte of the marker may be left.
+    let whole = file.strip_suffix(&[0xff]).unwrap_or(file);
+    let mut decoder = Mjpeg::new(width, height);
+    let mut decode = |byte: u8, samples: &mut [u8]| {
+        let file = [whole, &[byte; BEHIND]].concat();
+        decoder.decode(&file, samples).is_ok()
+    };
+    let mut other = vec![0; samples.len()];
+    if !decode(0x00, samples) {
+        return false;
+    }
+    let mut bytes = [0xaa, 0x55].into_iter();
+    bytes.all(|byte| decode(byte, &mut other) && other == samples)
+}
+
 /// Width and height in pixels, by the start of frame.
 pub(super) fn size(file: &[u8]) -> Option<[u16; 2]> {
     let (_, body) = head(file).find(|&(marker, _)| is_start_of_frame(marker))?;
@@ -102,7 +128,7 @@ pub(super) fn size(file: &[u8]) -> Option<[u16; 2]> {
     Some([[w, i], [h, e]].map(u16::from_be_bytes))
 }
 
-/// Whether a picture of the same size follows at once behind the first one: a stream of them, not a picture with a
+/// Returns true if a picture of the same size follows the first one at once: a stream, not a picture with a
 /// preview or a short film behind it.
 pub(super) fn is_stream(file: &[u8]) -> bool {
     // Cameras that append pictures list them in a segment (CIPA DC-007).

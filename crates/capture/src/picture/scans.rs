@@ -13,7 +13,7 @@ const QUANTIZATION: u8 = 0xdb;
 const HUFFMAN: u8 = 0xc4;
 const RESTART_INTERVAL: u8 = 0xdd;
 
-/// Whether a file is one of these.
+/// Returns true if a file is one of these.
 pub(super) fn has_low_color_scans(file: &[u8]) -> bool {
     let mut rows = None;
     for (marker, body) in head(file) {

@@ -8,14 +8,14 @@ const NEW_SUBFILE_TYPE: u64 = 254;
 const PHOTOMETRIC: u64 = 262;
 const SAMPLE_FORMAT: u64 = 339;
 
-/// What a file says of its pictures.
+/// The facts about a file's pictures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Directories {
     /// Pictures, without smaller copies and masks of them.
     pub(super) pictures: usize,
-    /// Whether the samples of the first are floating-point numbers.
+    /// True if the samples of the first are floating-point numbers.
     pub(super) has_floats: bool,
-    /// Whether they are places in a palette.
+    /// True if they are places in a palette.
     pub(super) has_palette: bool,
 }
 

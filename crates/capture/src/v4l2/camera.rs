@@ -50,7 +50,7 @@ pub(super) struct Shape {
     pub(super) height: u32,
     pub(super) stride: u32,
     pub(super) encoding: Encoding,
-    /// Which levels the driver's Y, U and V have.
+    /// The range of the driver's Y, U and V.
     pub(super) range: ColorRange,
     /// What the driver needs of memory that it is lent.
     pub(super) buffer_bytes: usize,

@@ -23,7 +23,7 @@ pub(crate) struct Setup {
     pub(crate) plane_bytes: Vec<u32>,
     /// The time from one frame to the next, if the driver tells it.
     pub(crate) interval: Option<Interval>,
-    /// Which levels the driver says that Y, U and V have.
+    /// The range of Y, U and V that the driver reports.
     pub(crate) range: ColorRange,
     /// Sentences that the user should read: what is otherwise than was asked for.
     pub(crate) told: Vec<String>,
@@ -64,7 +64,7 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
     })
 }
 
-/// Which levels a driver's Y, U and V have, by the kernel's own rule (`V4L2_MAP_QUANTIZATION_DEFAULT`) where it leaves it open.
+/// The range of a driver's Y, U and V, by the kernel's own rule (`V4L2_MAP_QUANTIZATION_DEFAULT`) where it leaves it open.
 fn range_of(pixelformat: u32, colorspace: u32, quantization: u32) -> ColorRange {
     let is_yuv = matches!(pixelformat, sys::PIX_YUYV | sys::PIX_UYVY | sys::PIX_NV12);
     match quantization {

@@ -149,7 +149,7 @@ pub struct FrameExtractor {
     prepared: Option<[usize; 2]>,
     unreadable: Warned,
     doubts: Doubts,
-    /// Whether masks are cut by their own histograms.
+    /// True if masks are cut by their own histograms.
     chooses_level: bool,
     relabelled: Warned,
 }

@@ -6,14 +6,16 @@
 use anyhow::{Result, bail};
 use lariat_extract::{Image, ImageError, PixelFormat};
 
-/// The least level that the automatic cut keeps next to a rope of 255: its share of 0.12 (`level.rs` of extract), rounded up.
-const LEAST_KEPT: u8 = 31;
+/// The least level that the automatic cut keeps, alone or next to a rope of 255: an eighth (`level.rs` of extract).
+const LEAST_KEPT: u8 = 32;
 /// The level of pixels without a label, next to labels that are small numbers (PASCAL VOC, Cityscapes).
 const UNLABELLED: u8 = 255;
 /// The smallest share of the pixels with small levels that lie inside of areas of one level, where these are labels. All pixels
 /// of a label's area do but single corners; in a soft edge or noise, few.
 const INSIDE: f32 = 0.9;
-/// Rows that are asked whether levels are labels, evenly spread, as those by which the level is chosen.
+/// Small levels that are looked at one by one, and the rows that are looked at of a mask with more, evenly spread: in noise
+/// all over VGA that is a fifth of the pixels.
+const MOST_SMALL: usize = 1 << 15;
 const ROWS: usize = 64;
 
 /// A mask that extraction can take, and a sentence if its bytes meant something else.
@@ -23,7 +25,7 @@ pub struct MaskLevels {
     pub levels: Vec<u8>,
     /// Width and height, in pixels.
     pub size: [usize; 2],
-    /// What the mask's bytes were taken for.
+    /// A sentence on what the mask's bytes mean.
     pub notice: Option<String>,
 }
 
@@ -77,7 +79,7 @@ pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>> {
             level - least
         }
     };
-    let is_labelled = is_labelled(mask, turned);
+    let is_labelled = is_labelled(mask, &counts, turned);
     if !is_inverted && !is_labelled {
         return Ok(None);
     }
@@ -131,7 +133,7 @@ fn number_labels(levels: &mut [u8], ground: u8, top: u8) -> Option<String> {
     ))
 }
 
-/// How often each level occurs.
+/// The number of pixels of each level.
 fn histogram(mask: &Image) -> [usize; 256] {
     let mut counts = [0; 256];
     let mut zeros = 0;
@@ -154,19 +156,30 @@ fn histogram(mask: &Image) -> [usize; 256] {
     counts
 }
 
-/// Whether there are small levels, once `turned`, and they are labels: areas of one level, not slopes or noise.
+/// Returns true if there are small levels, once `turned`, and they are labels: areas of one level, not slopes or noise.
 ///
 /// A pixel is inside of an area if a square of 2 × 2 pixels that it belongs to has its level.
-fn is_labelled(mask: &Image, turned: impl Fn(u8) -> u8) -> bool {
+fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -> bool {
     let (width, height) = (mask.width(), mask.height());
+    let is_small = |level: u8| (1..LEAST_KEPT).contains(&turned(level));
+    let levels = (0..=255u8).zip(counts).filter(|&(_, &count)| count > 0);
+    let all: usize = levels
+        .filter(|&(level, _)| is_small(level))
+        .map(|(_, count)| count)
+        .sum();
+    let step = if all > MOST_SMALL {
+        (height / ROWS).max(1)
+    } else {
+        1
+    };
     let is_square = |x: usize, y: usize| {
         let (upper, lower) = (&mask.row(y)[x..x + 2], &mask.row(y + 1)[x..x + 2]);
         upper == lower && upper[0] == upper[1]
     };
     let (mut small, mut inside) = (0u32, 0u32);
-    for y in (0..height).step_by((height / ROWS).max(1)) {
+    for y in (0..height).step_by(step) {
         for x in 0..width {
-            if !(1..LEAST_KEPT).contains(&turned(mask.row(y)[x])) {
+            if !is_small(mask.row(y)[x]) {
                 continue;
             }
             small += 1;
@@ -206,7 +219,7 @@ mod tests {
     #[test]
     fn small_numbers_are_ropes_each() {
         for ground in [0, 1] {
-            for labels in [&[2, 2][..], &[2, 3], &[2, 3, 30, 4], &[3, 200]] {
+            for labels in [&[2, 2][..], &[2, 3], &[2, 3, 31, 4], &[3, 200]] {
                 let (levels, notice) = read(&bars(ground, labels)).unwrap().unwrap();
                 assert_eq!(levels, bars(0, &vec![255; labels.len()]), "{labels:?}");
                 assert!(notice.unwrap().contains("numbers: "), "{labels:?}");

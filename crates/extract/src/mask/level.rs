@@ -14,12 +14,12 @@ const HALF: u8 = 128;
 const SHARE: f32 = 0.12;
 /// Least distance from the mean of the rest, in mean deviations: 5 standard deviations of Gaussian noise.
 const DEVIATIONS: f32 = 6.0;
-/// The least mean of what is a rope in any mask: below, it has to stand out of the rest, or only what is likelier rope than
-/// not is taken.
+/// The least mean of ropes in any mask. Below it, ropes have to stand out; otherwise only pixels that are likelier rope than not
+/// are taken.
 const LEAST_ROPE: f32 = 96.0;
-/// The least mean of what is a rope in a weak mask: a probability of an eighth, at which a mask of full strength is cut.
+/// The least mean of ropes in a weak mask: a probability of an eighth, at which a mask of full strength is cut.
 const LEAST_WEAK: f32 = 32.0;
-/// How far that mean is above the rest's, in mean deviations of the rest: twice as far as the cut.
+/// The least distance of that mean from the rest's, in mean deviations of the rest: twice that of the cut.
 const APART: f32 = 2.0 * DEVIATIONS;
 /// Rows that are counted, evenly spread: the means change little from row to row.
 const ROWS: usize = 64;
