@@ -197,6 +197,10 @@ fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::{FrameExtractor, FrameView};
+    use crate::settings;
+    use lariat_extract::Mask;
+    use lariat_wire::{Centerlines, FrameHeader};
 
     const SIZE: (usize, usize) = (60, 40);
 
@@ -267,6 +271,34 @@ mod tests {
                 said.contains(&format!("level {level} everywhere")),
                 "{said}"
             );
+        }
+    }
+
+    #[test]
+    fn a_process_that_writes_numbers_has_its_rope_seen() {
+        let (width, height) = (320, 240);
+        let header = FrameHeader {
+            width,
+            height,
+            stride: width,
+            pixel_format: lariat_wire::PixelFormat::Gray8 as u32,
+            ..FrameHeader::default()
+        };
+        let picture = vec![210; (width * height) as usize];
+        let settings = settings::Extract {
+            mask: Mask::External,
+            ..settings::Extract::default()
+        };
+        for (label, ropes) in [(0, 0), (1, 1), (7, 1), (255, 1)] {
+            let mut mask = vec![0; picture.len()];
+            for row in mask.chunks_exact_mut(width as usize).skip(100).take(12) {
+                row[40..280].fill(label);
+            }
+            let mut extractor = FrameExtractor::new(&settings).unwrap();
+            let mut message = Box::new(Centerlines::EMPTY);
+            let [frame, mask] = [&picture, &mask].map(|bytes| FrameView::new(&header, bytes));
+            extractor.answer(frame, Some(mask), &mut message);
+            assert_eq!(message.count, ropes, "{label}");
         }
     }
 }
