@@ -390,3 +390,42 @@ impl Decode for Recorded {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame of 2 × 1 pixels as it is shown, and what is said of it.
+    fn shown(is_own: bool, format: PixelFormat, bytes: &[u8]) -> (Vec<u8>, Option<String>) {
+        let header = FrameHeader {
+            width: 2,
+            height: 1,
+            stride: bytes.len() as u32,
+            pixel_format: format as u32,
+            ..FrameHeader::default()
+        };
+        let (mut reader, mut pixels) = (Reader::default(), vec![0; bytes.len()]);
+        let filled = fill(
+            &header,
+            Pixels::Raw(bytes),
+            is_own,
+            &mut reader,
+            &mut pixels,
+        );
+        filled.expect("it has room");
+        (pixels, reader.news)
+    }
+
+    #[test]
+    fn other_programs_frames_are_brought_into_full_range_and_ones_own_are_in_it() {
+        let yuyv = [235, 128, 16, 240];
+        let (pixels, _) = shown(false, PixelFormat::Yuyv, &yuyv);
+        assert_eq!(pixels, [255, 128, 0, 255]);
+        assert_eq!(shown(true, PixelFormat::Yuyv, &yuyv).0, yuyv);
+        let gray = [4095u16, 0].map(u16::to_ne_bytes).concat();
+        let (pixels, said) = shown(false, PixelFormat::Gray16, &gray);
+        assert_eq!(pixels, [255, 255, 0, 0]);
+        assert!(said.is_some_and(|said| said.contains("12 bits")));
+        assert_eq!(shown(true, PixelFormat::Gray16, &gray), (gray, None));
+    }
+}

@@ -296,3 +296,38 @@ impl Answer {
 fn words(code: FourCc, [width, height]: [u32; 2]) -> String {
     format!("{code} {width}x{height}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_driver_tells_the_range_or_its_colorspace_does() {
+        const SRGB: u32 = 8;
+        for (format, colorspace, quantization, range) in [
+            (sys::PIX_YUYV, SRGB, 0, ColorRange::Limited),
+            (sys::PIX_NV12, sys::COLORSPACE_JPEG, 0, ColorRange::Full),
+            (
+                sys::PIX_UYVY,
+                SRGB,
+                sys::QUANTIZATION_FULL,
+                ColorRange::Full,
+            ),
+            (
+                sys::PIX_YUYV,
+                sys::COLORSPACE_JPEG,
+                sys::QUANTIZATION_LIMITED,
+                ColorRange::Limited,
+            ),
+            (sys::PIX_GREY, SRGB, 0, ColorRange::Full),
+            (
+                sys::PIX_RGB3,
+                SRGB,
+                sys::QUANTIZATION_LIMITED,
+                ColorRange::Full,
+            ),
+        ] {
+            assert_eq!(range_of(format, colorspace, quantization), range);
+        }
+    }
+}
