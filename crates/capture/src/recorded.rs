@@ -395,7 +395,7 @@ impl Decode for Recorded {
 mod tests {
     use super::*;
 
-    /// A frame of 2 × 1 pixels as it is shown, and what is said of it.
+    /// A frame of 2 × 1 pixels as it is shown, and the notice on it.
     fn shown(is_own: bool, format: PixelFormat, bytes: &[u8]) -> (Vec<u8>, Option<String>) {
         let header = FrameHeader {
             width: 2,

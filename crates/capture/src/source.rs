@@ -227,7 +227,7 @@ pub enum SourceError {
     NotAPicture {
         /// The file.
         path: PathBuf,
-        /// What it is, and what to do.
+        /// Its kind, and the remedy.
         what: String,
     },
     /// A picture that cannot be decoded.

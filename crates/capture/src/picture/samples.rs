@@ -21,7 +21,7 @@ fn largest_color<const CHANNELS: usize>(full: &[u8]) -> u16 {
     colors.max().unwrap_or(0)
 }
 
-/// Reduces samples to `pixels`. Of 16 bits the nearest of 8 is taken: 65535 is 255.
+/// Reduces samples to `pixels`. 16 bits become the nearest of 8: 65535 is 255.
 ///
 /// # Errors
 /// The pixels are of a kind that lariat does not know.
@@ -41,7 +41,7 @@ pub(super) fn reduce(
         ColorType::Rgba16 => narrow::<3, 4>(full, bits, pixels),
         other => {
             return Err(format!(
-                "its pixels are {other:?}, of which lariat knows nothing"
+                "its pixels are {other:?}, which lariat does not read"
             ));
         }
     }

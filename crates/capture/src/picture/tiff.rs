@@ -1,5 +1,5 @@
-//! The directories of a TIFF file (TIFF 6.0, and BigTIFF with its longer numbers): how many pictures it holds, and of what kind
-//! their samples are. `image` decodes them; it tells neither.
+//! The directories of a TIFF file (TIFF 6.0, and BigTIFF with its longer numbers): the number of its pictures and the
+//! kind of their samples. `image` decodes them; it tells neither.
 
 /// Directories that are followed: a broken file may list them in a circle.
 const MOST: usize = 1 << 12;
@@ -81,7 +81,7 @@ impl<'a> Numbers<'a> {
         })
     }
 
-    /// The number of so many bytes at a place.
+    /// The number that has this many bytes at a place.
     fn number(&self, at: u64, bytes: u64) -> Option<u64> {
         let at = usize::try_from(at).ok()?;
         let bytes = self.file.get(at..at.checked_add(bytes as usize)?)?;

@@ -45,7 +45,7 @@ impl MaskLevels {
 /// # Errors
 /// All of its pixels have one level that is not 0: nothing tells ropes from the rest.
 pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>> {
-    // The extractor tells what else is no mask.
+    // The extractor refuses masks of other formats.
     if mask.format() != PixelFormat::Gray8 {
         return Ok(None);
     }
