@@ -17,7 +17,7 @@ const GOOD: f32 = 0.7;
 /// The colours of the ropes in a picture, as a mask for lariat.toml
 #[derive(Debug, Args)]
 pub(crate) struct PickArgs {
-    /// Picture: PNG, JPEG, WebP, TIFF or BMP
+    /// Picture: PNG, JPEG, WebP, TIFF, BMP or PGM
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
     /// Positions on the rope, in pixels from the top left, as in `lariat run --at`: one for each colour that it has, or for its

@@ -43,7 +43,7 @@ pub(crate) struct TraceArgs {
     /// Take the pictures for one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
-    /// Take each picture's mask from this folder: a PNG of the picture's name and size, white for rope
+    /// Take each picture's mask from this folder: a picture of the same name, white for rope
     #[arg(long, value_name = "DIR")]
     masks: Option<PathBuf>,
     #[command(flatten)]

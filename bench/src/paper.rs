@@ -19,7 +19,7 @@ pub(crate) struct PaperArgs {
     /// Folder for report.html and the CSVs; made if it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Real pictures of ropes, PNG, JPEG, WebP, TIFF or BMP, or folders of them (default: ropes that lariat draws, whose true centerlines
+    /// Real pictures of ropes, PNG, JPEG, WebP, TIFF, BMP or PGM, or folders of them (default: ropes that lariat draws, whose true centerlines
     /// are known)
     #[arg(long, value_name = "PATH", num_args = 1..)]
     images: Vec<PathBuf>,

@@ -92,7 +92,7 @@ fn what_is_no_good_is_refused_with_a_sentence_and_nothing_is_written() {
         (
             "new",
             Some("empty"),
-            "there is no picture (PNG, JPEG, WebP, TIFF or BMP) in the folder empty",
+            "there is no picture (PNG, JPEG, WebP, TIFF, BMP or PGM) in the folder empty",
         ),
         (
             "new",

@@ -2,7 +2,7 @@
 
 use crate::trace::TraceArgs;
 use anyhow::{Context, Result};
-use lariat_capture::{FrameSource, names_a_recording};
+use lariat_capture::{FrameSource, names_a_recording, names_a_video};
 use lariat_chain::picture::Picture;
 use lariat_chain::pipeline::Schedule;
 use lariat_chain::settings::Settings;
@@ -10,9 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Whether a path is that of many frames in one.
 pub(super) fn names_frames(path: &Path) -> bool {
-    let is_video =
-        (path.extension()).is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
-    path == Path::new("-") || names_a_recording(path) || (is_video && !path.is_dir())
+    path == Path::new("-") || names_a_recording(path) || (names_a_video(path) && !path.is_dir())
 }
 
 /// A picture that is shown.

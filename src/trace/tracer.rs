@@ -2,7 +2,7 @@
 
 use crate::descriptor_json::{Descriptor, Measure, Quality};
 use crate::trace::frames::{Input, Shown};
-use crate::trace::masks::Masks;
+use crate::trace::masks::{MaskOf, Masks};
 use crate::trace::report::{NoticeReport, Report, Timing};
 use anyhow::{Context, Result};
 use lariat_camera::Mapping;
@@ -46,7 +46,9 @@ impl Tracer {
             extractor: FrameExtractor::new(&settings.extract)?,
             curves: CurveFitter::new(settings)?,
             settings: settings.fit.clone(),
-            masks: masks.map(Masks::new).transpose()?,
+            masks: masks
+                .map(|folder| Masks::new(folder, settings.extract.mask_level.is_none()))
+                .transpose()?,
             is_one_scene: false,
             schedule: Schedule::new(&settings.capture, true)?,
             exposed_ns: 0,
@@ -66,7 +68,7 @@ impl Tracer {
 
     /// Where the mask of the picture at `path` would be, if masks come from elsewhere.
     pub(super) fn mask_of(&self, path: &Path) -> Option<PathBuf> {
-        Some(self.masks.as_ref()?.name(path))
+        self.masks.as_ref()?.name(path)
     }
 
     /// The pictures that come are of this input. `is_video`: also those of files are of one scene.
@@ -97,7 +99,7 @@ impl Tracer {
         let size = [picture.width(), picture.height()];
         self.curves.turn_to(size).with_context(about)?;
         let mask = match &self.masks {
-            Some(masks) => Some(masks.of(&shown.name)?),
+            Some(masks) => Some(masks.of(&shown.name, size)?),
             None => None,
         };
         let mut timing = Timing {
@@ -114,11 +116,11 @@ impl Tracer {
         let (extractor, seen) = (&mut self.extractor, &mut *self.centerlines);
         let scene = match &mask {
             None => extract(extractor, &part, None, seen, &mut timing),
-            Some((name, mask)) => mask
-                .image()
-                .map_err(Into::into)
-                .and_then(|mask| extract(extractor, &part, Some(mask), seen, &mut timing))
-                .with_context(|| name.display().to_string()),
+            Some(mask) => {
+                let image = mask.image()?;
+                extract(extractor, &part, Some(image), seen, &mut timing)
+                    .with_context(|| mask.path.display().to_string())
+            }
         }?;
         let fitting = Instant::now();
         let (descriptors, coarse) =
@@ -132,6 +134,11 @@ impl Tracer {
             text: self.extractor.sentence(notice),
         }));
         report.notices.extend(coarse);
+        if let Some(mask) = mask {
+            report
+                .notices
+                .extend(about_mask(&mask, report.curves.is_empty()));
+        }
         Ok(report)
     }
 }
@@ -194,6 +201,24 @@ fn describe(
         descriptors.push(descriptor.rounded());
     }
     Ok((descriptors, coarse))
+}
+
+/// The upper half of levels, in which networks say that a pixel is likelier rope than not.
+const LIKELY: u8 = 128;
+
+/// The notices about a mask: its meaning, and the reason if it shows no rope.
+fn about_mask(mask: &MaskOf, is_empty: bool) -> impl Iterator<Item = NoticeReport> + use<> {
+    let brightest = mask.brightest();
+    let faint = (is_empty && (1..LIKELY).contains(&brightest)).then(|| {
+        format!(
+            "its brightest level is {brightest} of 255, and no rope stands out in it (mask_level sets the level of rope)"
+        )
+    });
+    let about = mask.path.display().to_string();
+    let said = mask.news.iter().cloned().chain(faint);
+    let said: Vec<_> = said.map(|said| format!("{about}: {said}")).collect();
+    said.into_iter()
+        .map(|text| NoticeReport { kind: "mask", text })
 }
 
 /// Microseconds since `begin`.

@@ -96,6 +96,11 @@ pub(crate) trait Decode: Send + 'static {
         false
     }
 
+    /// A sentence on the frame just decoded that is worth knowing and not wrong.
+    fn take_news(&mut self) -> Option<String> {
+        None
+    }
+
     /// Why a pass had no frame and nothing was wrong.
     fn nothing(&self) -> SourceError {
         SourceError::NothingDecoded {
@@ -157,6 +162,7 @@ struct Picture {
 enum Message {
     Decoded(Frame, Option<u64>, Buffer),
     Warning(String),
+    News(String),
     /// All is decoded; so many sequence numbers were used.
     End(u64),
     Failed(SourceError),
@@ -170,6 +176,7 @@ pub(crate) struct Ahead {
     spare: Option<Sender<Buffer>>,
     decoder: Option<JoinHandle<()>>,
     warnings: VecDeque<String>,
+    news: VecDeque<String>,
     /// Whether all pictures are held, to be shown again; else only the one in use.
     keeps: bool,
     held: Vec<Picture>,
@@ -207,6 +214,7 @@ impl Ahead {
             .map_err(SourceError::NoThread)?;
         let mut source = Self {
             warnings: plan.warnings.iter().cloned().collect(),
+            news: plan.news.iter().cloned().collect(),
             plan,
             ready: Some(ready),
             spare: Some(spare),
@@ -251,6 +259,7 @@ impl Ahead {
                     return Ok(true);
                 }
                 Some(Message::Warning(warning)) => self.warnings.push_back(warning),
+                Some(Message::News(news)) => self.news.push_back(news),
                 Some(Message::End(round)) => {
                     self.round = Some(round);
                     self.current = self.held.len();
@@ -402,7 +411,7 @@ impl FrameSource for Ahead {
     }
 
     fn take_news(&mut self) -> Option<String> {
-        self.plan.news.take()
+        self.news.pop_front()
     }
 }
 

@@ -216,6 +216,7 @@ impl Follow {
         if is_first && decoded.is_err() {
             self.pixels.clear();
         }
+        self.news = self.news.take().or(self.decoder.take_news());
         // Those that came meanwhile came now.
         self.look();
         let layout = match decoded {

@@ -13,11 +13,16 @@
 //! of its own (`Frame::exposed_ns`) is not paced. A source waits through `Until`: one `poll` for its own descriptor, its own
 //! moment, the end of `--duration` and the signals' pipe.
 //!
-//! - **Pictures** (`pictures`, `picture`, `ahead/`, `natural`): PNG, JPEG, BMP, with the features `webp` and `tiff` also these, 16 bits as the nearest 8, folders in natural order. A thread decodes
+//! - **Pictures** (`pictures`, `picture`, `ahead/`, `natural`): PNG, JPEG, BMP, PGM, with the features `webp` and `tiff` also these, 16 bits as the nearest 8, folders in natural order. Samples of 10
+//!   and 12 bits in 16 are told by the largest one (`bits`). Files of other kinds are refused with the command that converts them (`foreign`). A thread decodes
 //!   ahead (`ahead/thread`), straight into slots of shared memory that it is lent, so that nothing is decoded at the moment it is due;
 //!   a small set that is looped is decoded once and copied. What a camera took sideways (EXIF) is turned upright (`orientation`). A broken file in the
 //!   middle is a gap in `sequence` and a warning, not an end. `lariat trace` decodes by the same (`StillPicture`).
-//! - **Y4M** (`y4m`, `video`, `yuv`): 4:2:0 becomes Nv12, 4:2:2 Yuyv, 4:4:4 Rgb8, mono Gray8. Frames that are not shown are passed over by
+//! - **Masks in files** (`mask_file`): the levels of a mask, whether it is gray, coloured by instance, of 16 bits, or the alpha of a cut-out.
+//! - **MJPEG files** (`mjpeg_file`): each JPEG picture of the file is a frame. One pass over the file finds where they lie.
+//! - **Colour range** (`color_range`): frames travel in full range. Y, U, V in limited range are expanded where they are read: Y4M unless it says `XCOLORRANGE=FULL`
+//!   (mono only if it says `LIMITED`), raw frames, other programs' recordings, and a camera's frames by its driver's `quantization`.
+//! - **Y4M** (`y4m`, `video`, `yuv`): 4:2:0 becomes Nv12, 4:1:1 and 4:2:2 Yuyv, 4:4:4 Rgb8, mono Gray8; 9 to 16 bits are rounded to 8. Frames that are not shown are passed over by
 //!   their lines. A file's own rate is its pace where `fps` is `"auto"`: every stage reads it in the settings, so that sink knows the period.
 //! - **Standard input** (`piped`): Y4M, or raw frames whose size and format are said. A pipe is live: a frame was exposed when the last of it
 //!   came; with `--fps` it is due by the schedule instead, and the pipe's writer waits. It is read in `advance`, with the wait that every
@@ -44,9 +49,7 @@
 //! - **A camera's JPEG frames** (`mjpeg`, for `MJPG`): baseline only, of the size that was agreed on, into the memory lent
 //!   as Rgb8, or Gray8 if without colour. RGB, because zune-jpeg's step to it costs no more than that to interleaved Y, U,
 //!   V, which would have to be packed by one more pass; and because there is then no question of range: a JPEG's Y, U, V
-//!   span 0 to 255, a camera's YUYV mostly 16 to 235, and extraction takes Yuyv, Uyvy and Nv12 as full range (contrast and
-//!   saturation then are a seventh lower than true, which HSV ranges see and `pick` picks; centerlines by the automatic
-//!   mask are 0.02 px off). The usual Huffman tables are put in where the camera leaves them out. A frame cut off is
+//!   span 0 to 255. The usual Huffman tables are put in where the camera leaves them out. A frame cut off is
 //!   refused, not shown half: the decoder is not shown the end marker, behind which it would go on in zeros. zune-jpeg
 //!   takes memory for a few rows in each frame (17 pieces, 72 kB at 640×480) and gives it back; it cannot be given memory
 //!   to keep, and this is the one exception to the rule that nothing is allocated in a frame. A test holds it to that.
@@ -84,12 +87,17 @@
 //! sink counts it and does not time it. Before the first image there is nothing to be lost, and no blank frame.
 
 mod ahead;
+mod bits;
+mod color_range;
 #[cfg(all(debug_assertions, not(test)))]
 mod compiled;
 mod depth_files;
 mod follow;
+mod foreign;
 mod lent;
+mod mask_file;
 mod mjpeg;
+mod mjpeg_file;
 mod natural;
 mod open;
 mod orientation;
@@ -99,6 +107,7 @@ mod picture;
 mod pictures;
 mod piped;
 mod range;
+mod raw;
 mod recorded;
 mod rendered;
 mod simulated;
@@ -113,14 +122,17 @@ pub use depth_files::DepthFiles;
 pub use follow::FollowOptions;
 pub use lariat_drawn::{HandOptions, RenderOptions, SpaceCameras};
 pub use lent::{LentSlot, SlotKey};
+pub use mask_file::MaskPicture;
 pub use mjpeg::{Mjpeg, MjpegError};
 pub use natural::natural_order;
-pub use open::{FileOptions, Source, names_a_recording, open};
+pub use open::{FileOptions, Source, names_a_recording, names_a_video, open};
 pub use pace::{Pace, PaceError, Pacer};
 pub use pairing::{MOST_IMAGES, PairCounts, Paired, Pairing};
 pub use picture::{PICTURES, StillPicture, names_a_picture};
+pub use pictures::foreign_example;
 pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
+pub use raw::RawFormat;
 pub use recorded::RecordingOptions;
 pub use simulated::{Commands, SimulatedOptions, open_simulated};
 pub use source::{Frame, FrameSource, Next, SourceError};

@@ -12,6 +12,8 @@
 mod head;
 mod tables;
 
+pub(crate) use tables::SEGMENT as HUFFMAN_TABLES;
+
 use lariat_message::PixelFormat;
 use thiserror::Error;
 use zune_jpeg::JpegDecoder;

@@ -4,6 +4,9 @@ use std::cmp::Ordering;
 
 /// Compares names piece by piece, numbers by their value; names that differ only in leading zeros or in case by their
 /// bytes. A total order.
+///
+/// Digits after a point that follows digits are a fraction: `1.125` is before `1.5`, as `f"{time.time()}.png"` needs it.
+/// Digits with more than one point (`1.2.10`, a date or a version) are whole numbers, each compared by its value.
 pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
@@ -12,10 +15,7 @@ pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
             ([], _) => Ordering::Less,
             (_, []) => Ordering::Greater,
             ([x, ..], [y, ..]) if x.is_ascii_digit() && y.is_ascii_digit() => {
-                let (number_a, number_b) = (take_number(&mut rest_a), take_number(&mut rest_b));
-                // Without leading zeros the longer number is the larger one, however long.
-                let lengths = number_a.len().cmp(&number_b.len());
-                lengths.then_with(|| number_a.cmp(number_b))
+                Digits::take(&mut rest_a).cmp(&Digits::take(&mut rest_b))
             }
             ([x, after_a @ ..], [y, after_b @ ..]) => {
                 (rest_a, rest_b) = (after_a, after_b);
@@ -28,13 +28,83 @@ pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     }
 }
 
-/// Takes the digits at the start off, and gives them without leading zeros.
-fn take_number<'a>(text: &mut &'a [u8]) -> &'a [u8] {
-    let end = text.iter().position(|c| !c.is_ascii_digit());
-    let (digits, rest) = text.split_at(end.unwrap_or(text.len()));
-    *text = rest;
-    let zeros = digits.iter().take_while(|&&c| c == b'0').count();
-    &digits[zeros..]
+/// Digits, with single points between them.
+struct Digits<'a> {
+    whole: &'a [u8],
+    /// The digits and points behind the first point; empty without a point.
+    rest: &'a [u8],
+}
+
+impl<'a> Digits<'a> {
+    /// Takes the longest of them off the start of `text`.
+    fn take(text: &mut &'a [u8]) -> Self {
+        let digits = |from: usize| {
+            text[from..]
+                .iter()
+                .take_while(|c| c.is_ascii_digit())
+                .count()
+        };
+        let whole = digits(0);
+        let mut end = whole;
+        while text.get(end) == Some(&b'.') && digits(end + 1) > 0 {
+            end += 1 + digits(end + 1);
+        }
+        let (taken, after) = text.split_at(end);
+        *text = after;
+        Self {
+            whole: &taken[..whole],
+            rest: taken.get(whole + 1..).unwrap_or_default(),
+        }
+    }
+
+    /// The number of points.
+    fn points(&self) -> usize {
+        let inner = self.rest.iter().filter(|&&c| c == b'.').count();
+        inner + usize::from(!self.rest.is_empty())
+    }
+
+    /// A whole number is before one with a fraction, and that before one with several points: any order that does not
+    /// depend on the names compared would do.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let kind = |digits: &Self| digits.points().min(2);
+        by_value(self.whole, other.whole)
+            .then_with(|| kind(self).cmp(&kind(other)))
+            .then_with(|| match self.points() {
+                0 => Ordering::Equal,
+                1 => without_last_zeros(self.rest).cmp(without_last_zeros(other.rest)),
+                _ => by_fields(self.rest, other.rest),
+            })
+    }
+}
+
+/// Compares whole numbers: without leading zeros the longer one is the larger one, however long.
+fn by_value(a: &[u8], b: &[u8]) -> Ordering {
+    let [a, b] = [a, b].map(|digits| {
+        let zeros = digits.iter().take_while(|&&c| c == b'0').count();
+        &digits[zeros..]
+    });
+    a.len().cmp(&b.len()).then_with(|| a.cmp(b))
+}
+
+/// Compares numbers with points between, one after the other.
+fn by_fields(a: &[u8], b: &[u8]) -> Ordering {
+    let (mut a, mut b) = (a.split(|&c| c == b'.'), b.split(|&c| c == b'.'));
+    loop {
+        let order = match (a.next(), b.next()) {
+            (None, None) => return Ordering::Equal,
+            (None, _) => Ordering::Less,
+            (_, None) => Ordering::Greater,
+            (Some(a), Some(b)) => by_value(a, b),
+        };
+        if order != Ordering::Equal {
+            return order;
+        }
+    }
+}
+
+fn without_last_zeros(fraction: &[u8]) -> &[u8] {
+    let zeros = fraction.iter().rev().take_while(|&&c| c == b'0').count();
+    &fraction[..fraction.len() - zeros]
 }
 
 #[cfg(test)]
@@ -72,9 +142,55 @@ mod tests {
         assert_eq!(names, expected);
     }
 
+    fn sorted<const N: usize>(mut names: [&str; N]) -> [&str; N] {
+        names.sort_by(|a, b| natural_order(a.as_bytes(), b.as_bytes()));
+        names
+    }
+
+    #[test]
+    fn digits_after_a_point_are_a_fraction() {
+        let times = [
+            "1699999999.9.png",
+            "1700000000.0.png",
+            "1700000000.125.png",
+            "1700000000.25.png",
+            "1700000000.5.png",
+            "1700000000.75.png",
+            "1700000001.0.png",
+        ];
+        let mut shuffled = times;
+        shuffled.reverse();
+        assert_eq!(sorted(shuffled), times);
+        assert_eq!(
+            sorted(["f0.10", "f0.9", "f0.095"]),
+            ["f0.095", "f0.10", "f0.9"]
+        );
+    }
+
+    #[test]
+    fn digits_with_several_points_are_whole_numbers() {
+        let names = [
+            "2024.1.9.png",
+            "2024.1.10.png",
+            "2024.02.1.png",
+            "2024.10.1.png",
+        ];
+        assert_eq!(sorted([names[3], names[1], names[2], names[0]]), names);
+    }
+
     proptest! {
         #[test]
-        fn it_is_a_total_order(a in "[a-cA-C0-3.]{0,6}", b in "[a-cA-C0-3.]{0,6}", c in "[a-cA-C0-3.]{0,6}") {
+        fn it_is_a_total_order(a in "[ab0-2.]{0,7}", b in "[ab0-2.]{0,7}", c in "[ab0-2.]{0,7}") {
+            let order = |x: &str, y: &str| natural_order(x.as_bytes(), y.as_bytes());
+            prop_assert_eq!(order(&a, &b), order(&b, &a).reverse());
+            prop_assert_eq!(order(&a, &b) == Ordering::Equal, a == b);
+            if order(&a, &b) == Ordering::Less && order(&b, &c) == Ordering::Less {
+                prop_assert_eq!(order(&a, &c), Ordering::Less);
+            }
+        }
+
+        #[test]
+        fn letters_of_both_cases_are_in_the_order(a in "[a-cA-C0-3.]{0,6}", b in "[a-cA-C0-3.]{0,6}", c in "[a-cA-C0-3.]{0,6}") {
             let order = |x: &str, y: &str| natural_order(x.as_bytes(), y.as_bytes());
             prop_assert_eq!(order(&a, &b), order(&b, &a).reverse());
             prop_assert_eq!(order(&a, &b) == Ordering::Equal, a == b);

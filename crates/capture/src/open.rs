@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use lariat_drawn::RenderOptions;
 
 use crate::follow::{Follow, FollowOptions};
+use crate::mjpeg_file::{names_mjpeg, open_mjpeg};
 use crate::pictures::open_pictures;
 use crate::piped::{PipeOptions, Piped};
 use crate::range::Range;
@@ -24,7 +25,7 @@ pub enum Source {
     /// A rope that is simulated in real time; it rests if it is opened without commands
     /// ([`open_simulated`](crate::open_simulated)).
     Simulated(SimulatedOptions),
-    /// Pictures ([`PICTURES`](crate::PICTURES)), folders of pictures, or one Y4M video.
+    /// Pictures ([`PICTURES`](crate::PICTURES)), folders of pictures, or one Y4M or MJPEG video.
     Paths {
         /// Shown in this order; the pictures of a folder in natural order.
         paths: Vec<PathBuf>,
@@ -96,7 +97,11 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
         Source::Paths { paths, .. } if paths.is_empty() => Err(SourceError::Unnamed),
         Source::Paths { paths, options } => match paths.iter().find(|path| is_video(path)) {
             None => Ok(Box::new(open_pictures(paths, options)?)),
-            Some(video) if paths.len() == 1 => Ok(Box::new(open_video(video, options)?)),
+            Some(video) if paths.len() == 1 => Ok(Box::new(if names_mjpeg(video) {
+                open_mjpeg(video, options)?
+            } else {
+                open_video(video, options)?
+            })),
             Some(video) => Err(SourceError::VideoAmongOthers {
                 path: video.clone(),
             }),
@@ -105,7 +110,12 @@ pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
 }
 
 fn is_video(path: &Path) -> bool {
-    is_named(path, "y4m") && !path.is_dir()
+    names_a_video(path) && !path.is_dir()
+}
+
+/// Returns true if a path names a video that lariat reads.
+pub fn names_a_video(path: &Path) -> bool {
+    is_named(path, "y4m") || names_mjpeg(path)
 }
 
 /// Whether a path is that of a recording, by its name.

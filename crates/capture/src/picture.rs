@@ -1,5 +1,11 @@
 //! One picture file: its size from its head, its pixels as Gray8 or Rgb8.
 
+mod container;
+mod jpeg;
+mod samples;
+mod scans;
+mod tiff;
+
 use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
@@ -9,8 +15,12 @@ use image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
 use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
+use crate::bits::Bits;
 use crate::orientation;
 use crate::source::SourceError;
+use container::{chunks, format_of, readable_format};
+pub(crate) use container::{is_picture, stranger};
+pub(crate) use jpeg::{END_OF_IMAGE, START_OF_IMAGE, START_OF_SCAN, is_in_scan, is_start_of_frame};
 
 /// Larger pictures are refused: more likely a broken head than a camera.
 pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
@@ -18,31 +28,25 @@ pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
 const HEAD_BYTES: u64 = 64 << 10;
 
 /// The pictures that can be shown, as words of a sentence.
-pub const PICTURES: &str = "PNG, JPEG, WebP, TIFF or BMP";
+pub const PICTURES: &str = "PNG, JPEG, WebP, TIFF, BMP or PGM";
 /// How their names end.
-const ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "webp", "tif", "tiff", "bmp"];
+const ENDINGS: [&str; 11] = [
+    "png", "jpg", "jpeg", "webp", "tif", "tiff", "bmp", "pgm", "ppm", "pbm", "pnm",
+];
 
 /// Whether a file is a picture by its name. Hidden files are not: some systems put a `._0001.png` that is no picture beside
 /// each `0001.png`.
 pub fn names_a_picture(path: &Path) -> bool {
-    let is_hidden = path
-        .file_name()
-        .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
     let known = |extension: &std::ffi::OsStr| {
         (ENDINGS.iter()).any(|known| extension.eq_ignore_ascii_case(known))
     };
-    !is_hidden && path.extension().is_some_and(known)
+    !is_hidden(path) && path.extension().is_some_and(known)
 }
 
-/// Whether a file that begins so is one that can be shown.
-pub(crate) fn is_picture(head: &[u8]) -> bool {
-    format_of(head).is_some()
-}
-
-fn format_of(head: &[u8]) -> Option<ImageFormat> {
-    let format = image::guess_format(head).ok()?;
-    use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
-    matches!(format, Png | Jpeg | WebP | Tiff | Bmp).then_some(format)
+/// Returns true if a name is that of a hidden file.
+pub(crate) fn is_hidden(path: &Path) -> bool {
+    let name = path.file_name();
+    name.is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }
 
 /// What a file's head says of its pixels; a sentence if it says nothing good.
@@ -64,64 +68,92 @@ pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
 }
 
 fn layout(path: &Path, bytes: &[u8]) -> Result<Layout, String> {
-    decoder(path, bytes).map(|(_, layout, _)| layout)
+    let format = readable_format(path, bytes)?;
+    let bytes = &jpeg::with_tables(bytes);
+    Opened::new(path, bytes, format).map(|opened| opened.layout)
 }
 
 fn broken(path: &Path, error: impl std::fmt::Display) -> String {
     format!("{} cannot be decoded ({error})", path.display())
 }
 
-/// A decoder of the pixels as they are stored, the upright picture's layout, and how to turn the one into the other.
+/// A picture file whose head was read.
+struct Opened<'a> {
+    /// A decoder of the pixels as they are stored.
+    decoder: Box<dyn ImageDecoder + 'a>,
+    /// The layout of the upright picture.
+    layout: Layout,
+    /// The turn that makes the pixels upright.
+    orientation: Orientation,
+}
+
+impl<'a> Opened<'a> {
+    fn new(path: &Path, bytes: &'a [u8], format: ImageFormat) -> Result<Self, String> {
+        let mut decoder = Box::new(decoder(path, bytes, format)?);
+        // A damaged note beside the pixels does not spoil them.
+        let orientation = match format {
+            // The decoder knows no notes behind the pixels, where some programs put them.
+            ImageFormat::Png => png_note(bytes).and_then(Orientation::from_exif_chunk),
+            _ => decoder.orientation().ok(),
+        }
+        .unwrap_or(Orientation::NoTransforms);
+        let (width, height) = decoder.dimensions();
+        let format = if decoder.color_type().has_color() {
+            PixelFormat::Rgb8
+        } else {
+            PixelFormat::Gray8
+        };
+        // The decoder's own pixels have 8 bytes at most.
+        if u64::from(width) * u64::from(height) > LARGEST_BYTES / 8 {
+            let reason = format!("{width}×{height} pixels are too many");
+            return Err(broken(path, reason));
+        }
+        let (width, height) = if orientation::is_sideways(orientation) {
+            (height, width)
+        } else {
+            (width, height)
+        };
+        let layout = Layout {
+            width,
+            height,
+            stride: format.row_bytes(width) as u32,
+            format,
+        };
+        Ok(Self {
+            decoder,
+            layout,
+            orientation,
+        })
+    }
+}
+
+/// A decoder of a file of a format that this build reads.
 fn decoder<'a>(
     path: &Path,
     bytes: &'a [u8],
-) -> Result<(impl ImageDecoder + 'a, Layout, Orientation), String> {
-    let format = format_of(bytes).ok_or_else(|| broken(path, format!("it is no {PICTURES}")))?;
-    if !format.reading_enabled() {
-        // The name of a feature is the name of its files.
-        let feature = format.extensions_str().first().unwrap_or(&"");
-        return Err(broken(
-            path,
-            format!(
-                "this build of lariat reads no {}: convert it to PNG, or build lariat with `--features {feature}`",
-                feature.to_uppercase()
-            ),
-        ));
-    }
+    format: ImageFormat,
+) -> Result<impl ImageDecoder + 'a, String> {
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
-    let mut decoder = decoder.map_err(|error| broken(path, error))?;
-    // A damaged note beside the pixels does not spoil them.
-    let orientation = match format {
-        // The decoder knows no notes behind the pixels, where some programs put them.
-        ImageFormat::Png => png_note(bytes).and_then(Orientation::from_exif_chunk),
-        _ => decoder.orientation().ok(),
-    }
-    .unwrap_or(Orientation::NoTransforms);
-    let (width, height) = decoder.dimensions();
-    let format = if decoder.color_type().has_color() {
-        PixelFormat::Rgb8
-    } else {
-        PixelFormat::Gray8
-    };
-    // The decoder's own pixels have 8 bytes at most.
-    if u64::from(width) * u64::from(height) > LARGEST_BYTES / 8 {
-        return Err(broken(
-            path,
-            format!("{width}×{height} pixels are too many"),
-        ));
-    }
-    let (width, height) = if orientation::is_sideways(orientation) {
-        (height, width)
-    } else {
-        (width, height)
-    };
-    let layout = Layout {
-        width,
-        height,
-        stride: format.row_bytes(width) as u32,
-        format,
-    };
-    Ok((decoder, layout, orientation))
+    decoder.map_err(|error| {
+        // The reason may be one that is known here.
+        if let Err(known) = container::check(path, bytes, format) {
+            return known;
+        }
+        match error {
+            image::ImageError::Unsupported(kind) => {
+                broken(path, format!("{kind}; {}", conversion(path)))
+            }
+            error => broken(path, error),
+        }
+    })
+}
+
+/// The command that converts a picture to a kind that lariat reads.
+fn conversion(path: &Path) -> String {
+    let shown = path.display();
+    format!(
+        "convert it first: `ffmpeg -i {shown} out.png`, or `magick {shown} out.png` where ffmpeg cannot"
+    )
 }
 
 /// A picture file, decoded as a source of frames shows it: upright, without alpha, 8 bits a channel.
@@ -135,6 +167,8 @@ pub struct StillPicture {
     pub format: PixelFormat,
     /// Rows one after the other, without padding.
     pub pixels: Vec<u8>,
+    /// A sentence on what its samples mean, if the file leaves it open.
+    pub news: Option<String>,
 }
 
 impl StillPicture {
@@ -153,6 +187,7 @@ impl StillPicture {
             height: layout.height,
             format: layout.format,
             pixels,
+            news: decoder.take_news(),
         })
     }
 }
@@ -165,6 +200,9 @@ pub(crate) struct PictureDecoder {
     full: Vec<u8>,
     /// Pixels as they are stored, before they are turned upright.
     stored: Vec<u8>,
+    /// The number of bits in samples of pictures of 16 bits.
+    bits: Bits,
+    news: Option<String>,
 }
 
 impl PictureDecoder {
@@ -187,6 +225,41 @@ impl PictureDecoder {
         layout(path, file).map(|layout| layout.bytes())
     }
 
+    /// A sentence on what the samples of the last picture mean, once, if the file leaves it open.
+    pub(crate) fn take_news(&mut self) -> Option<String> {
+        self.news.take()
+    }
+
+    /// Decodes the bytes of a file with all that its samples say. `path`: what to call it.
+    pub(crate) fn decode_full(&mut self, path: &Path, file: &[u8]) -> Result<FullPicture, String> {
+        let format = readable_format(path, file)?;
+        container::check(path, file, format)?;
+        let file = &jpeg::with_tables(file);
+        let opened = Opened::new(path, file, format)?;
+        let Opened {
+            layout,
+            orientation,
+            decoder,
+        } = &opened;
+        let (orientation, color) = (*orientation, decoder.color_type());
+        let (width, height) = decoder.dimensions();
+        let mut stored = vec![0; decoder.total_bytes() as usize];
+        let size = [layout.width, layout.height];
+        self.read(path, file, (format, opened), &mut stored)?;
+        let mut samples = stored;
+        if orientation != Orientation::NoTransforms {
+            let lying = samples.clone();
+            let bytes = usize::from(color.bytes_per_pixel());
+            let lengths = (width as usize, height as usize);
+            orientation::turn(orientation, &lying, lengths, bytes, &mut samples);
+        }
+        Ok(FullPicture {
+            size,
+            color,
+            samples,
+        })
+    }
+
     /// Decodes the bytes of a file. `path`: what to call it.
     pub(crate) fn decode_file(
         &mut self,
@@ -194,12 +267,11 @@ impl PictureDecoder {
         file: &[u8],
         pixels: &mut [u8],
     ) -> Result<Layout, String> {
-        if format_of(file) == Some(ImageFormat::Jpeg) && is_cut_off(file) {
-            return Err(broken(path, "the file is cut off"));
-        }
-        let (decoder, layout, orientation) = decoder(path, file)?;
-        let (width, height) = decoder.dimensions();
-        let color = decoder.color_type();
+        let format = readable_format(path, file)?;
+        container::check(path, file, format)?;
+        let file = &jpeg::with_tables(file);
+        let opened = Opened::new(path, file, format)?;
+        let layout = opened.layout;
         let Some(upright) = pixels.get_mut(..layout.bytes()) else {
             return Err(format!(
                 "{} has {}×{} pixels, more than room was made for at the start: begin with the largest",
@@ -208,107 +280,96 @@ impl PictureDecoder {
                 layout.height
             ));
         };
-        let turned = orientation != Orientation::NoTransforms;
-        let pixels = if turned {
-            self.stored.resize(layout.bytes(), 0);
-            &mut self.stored[..]
-        } else {
-            &mut *upright
-        };
-        if matches!(color, ColorType::L8 | ColorType::Rgb8) {
-            decoder.read_image(pixels)
-        } else {
-            // In range: `decoder` has looked.
-            self.full.resize(decoder.total_bytes() as usize, 0);
-            decoder.read_image(&mut self.full)
+        let (width, height) = opened.decoder.dimensions();
+        let orientation = opened.orientation;
+        if orientation == Orientation::NoTransforms {
+            self.decode_stored(path, file, (format, opened), upright)?;
+            return Ok(layout);
         }
-        .map_err(|error| broken(path, error))?;
-        match color {
-            ColorType::L8 | ColorType::Rgb8 => {}
-            ColorType::La8 => drop_alpha::<1>(&self.full, pixels),
-            ColorType::Rgba8 => drop_alpha::<3>(&self.full, pixels),
-            ColorType::L16 => reduce::<1, 1>(&self.full, pixels),
-            ColorType::La16 => reduce::<1, 2>(&self.full, pixels),
-            ColorType::Rgb16 => reduce::<3, 3>(&self.full, pixels),
-            ColorType::Rgba16 => reduce::<3, 4>(&self.full, pixels),
-            other => {
-                let reason = format!("its pixels are {other:?}, of which lariat knows nothing");
-                return Err(broken(path, reason));
-            }
-        }
-        if turned {
-            let channels = layout.bytes() / (width as usize * height as usize).max(1);
+        let mut stored = std::mem::take(&mut self.stored);
+        stored.resize(layout.bytes(), 0);
+        let decoded = self.decode_stored(path, file, (format, opened), &mut stored);
+        if decoded.is_ok() {
             let size = (width as usize, height as usize);
-            orientation::turn(orientation, &self.stored, size, channels, upright);
+            let channels = layout.bytes() / (size.0 * size.1).max(1);
+            orientation::turn(orientation, &stored, size, channels, upright);
         }
-        Ok(layout)
+        self.stored = stored;
+        decoded.map(|()| layout)
     }
-}
 
-/// The EXIF note of a PNG (ISO/IEC 15948: each chunk its length, its name, its data, its checksum).
-fn png_note(file: &[u8]) -> Option<&[u8]> {
-    let mut rest = file.get(8..)?;
-    loop {
-        let (head, behind) = rest.split_at_checked(8)?;
-        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
-        let (data, behind) = behind.split_at_checked(length)?;
-        if head.ends_with(b"eXIf") {
-            return Some(data);
+    /// Decodes pixels as they are stored.
+    fn decode_stored(
+        &mut self,
+        path: &Path,
+        file: &[u8],
+        (format, opened): (ImageFormat, Opened),
+        pixels: &mut [u8],
+    ) -> Result<(), String> {
+        let color = opened.decoder.color_type();
+        if matches!(color, ColorType::L8 | ColorType::Rgb8) {
+            return self.read(path, file, (format, opened), pixels);
         }
-        rest = behind.get(4..)?;
+        let mut full = std::mem::take(&mut self.full);
+        // In range: `Opened` has looked.
+        full.resize(opened.decoder.total_bytes() as usize, 0);
+        let read = self.read(path, file, (format, opened), &mut full);
+        let reduced = read.and_then(|()| {
+            let said = samples::see_bits(&mut self.bits, color, &full);
+            let said = said.map(|said| format!("{}: {said}", path.display()));
+            self.news = self.news.take().or(said);
+            samples::reduce(color, &full, self.bits, pixels).map_err(|reason| broken(path, reason))
+        });
+        self.full = full;
+        reduced
     }
-}
 
-/// Whether a JPEG file lacks its end: the decoder would fill the rest with grey and say nothing.
-///
-/// Follows the segments (ITU-T T.81, annex B) up to the end of the image: previews lie inside of segments, and what
-/// some cameras append lies behind it.
-fn is_cut_off(file: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xda;
-    const END_OF_IMAGE: u8 = 0xd9;
-    let mut at = 2;
-    while let Some(&[lead, marker]) = file.get(at..at + 2) {
-        match (lead, marker) {
-            (0xff, END_OF_IMAGE) => return false,
-            // A fill byte.
-            (0xff, 0xff) => at += 1,
-            (0xff, _) => {
-                let Some(&[high, low]) = file.get(at + 2..at + 4) else {
-                    return true;
-                };
-                at += 2 + usize::from(u16::from_be_bytes([high, low]));
-                if marker == START_OF_SCAN {
-                    at += scan_length(file.get(at..).unwrap_or_default());
+    /// Reads the samples of a file as they are.
+    fn read(
+        &self,
+        path: &Path,
+        file: &[u8],
+        (format, opened): (ImageFormat, Opened),
+        samples: &mut [u8],
+    ) -> Result<(), String> {
+        let decoder = opened.decoder;
+        if format == ImageFormat::Jpeg {
+            if scans::has_low_color_scans(file) {
+                if scans::decode(file, samples) {
+                    return Ok(());
                 }
+                return Err(format!(
+                    "{} is a JPEG with several scans and fewer rows of colour, damaged or of a kind that lariat does not decode: write it \
+                     again without loss (`jpegtran {} > out.jpg`)",
+                    path.display(),
+                    path.display()
+                ));
             }
-            // No marker where one should be: broken in another way, for the decoder to judge.
-            _ => return false,
+            if jpeg::End::of(file) == jpeg::End::Missing {
+                let (width, height) = decoder.dimensions();
+                let is_whole = jpeg::decode_without_end(file, [width, height], samples);
+                return if is_whole {
+                    Ok(())
+                } else {
+                    Err(broken(path, "the file is cut off"))
+                };
+            }
         }
-    }
-    true
-}
-
-/// Bytes of image data up to the next marker; in it 0xff is followed by 0 or is a restart marker.
-fn scan_length(data: &[u8]) -> usize {
-    data.windows(2)
-        .position(|pair| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd7))
-        .unwrap_or(data.len())
-}
-
-fn drop_alpha<const COLORS: usize>(full: &[u8], pixels: &mut [u8]) {
-    let full = full.chunks_exact(COLORS + 1);
-    for (pixel, full) in pixels.chunks_exact_mut(COLORS).zip(full) {
-        pixel.copy_from_slice(&full[..COLORS]);
+        (decoder.read_image_boxed(samples)).map_err(|error| broken(path, error))
     }
 }
 
-/// Native 16-bit samples to the nearest 8-bit ones: 65535 is 255.
-fn reduce<const COLORS: usize, const CHANNELS: usize>(full: &[u8], pixels: &mut [u8]) {
-    let full = full.chunks_exact(2 * CHANNELS);
-    for (pixel, full) in pixels.chunks_exact_mut(COLORS).zip(full) {
-        for (value, sample) in pixel.iter_mut().zip(full.chunks_exact(2)) {
-            let sample = u32::from(u16::from_ne_bytes([sample[0], sample[1]]));
-            *value = ((sample + 128) / 257) as u8;
-        }
-    }
+/// A picture with all that its samples say, upright.
+pub(crate) struct FullPicture {
+    /// Width and height, in pixels.
+    pub(crate) size: [u32; 2],
+    pub(crate) color: ColorType,
+    /// As the decoder gives them: numbers of 16 bits in the machine's order.
+    pub(crate) samples: Vec<u8>,
+}
+
+/// The EXIF note of a PNG.
+fn png_note(file: &[u8]) -> Option<&[u8]> {
+    let note = chunks(file).find(|(name, _)| name == b"eXIf");
+    note.map(|(_, data)| data)
 }

@@ -7,9 +7,12 @@ use std::path::{Path, PathBuf};
 use lariat_message::SourceKind;
 
 use crate::ahead::{Ahead, Decode, Plan, Step};
+use crate::foreign::Foreign;
 use crate::natural::natural_order;
 use crate::open::FileOptions;
-use crate::picture::{PICTURES, PictureDecoder, is_picture, names_a_picture, probe};
+use crate::picture::{
+    PICTURES, PictureDecoder, is_hidden, is_picture, names_a_picture, probe, stranger,
+};
 use crate::range::Frames;
 use crate::source::SourceError;
 
@@ -30,19 +33,27 @@ pub(crate) fn chosen(
         if found.is_dir() {
             warnings.extend(list_folder(path, &mut files)?);
         } else if !found.is_file() {
-            return Err(SourceError::NotAPicture { path: path.clone() });
+            return Err(not_a_picture(path, &[]));
         } else {
             let mut head = Vec::new();
             let file = File::open(path).map_err(unreadable)?;
             file.take(16).read_to_end(&mut head).map_err(unreadable)?;
             if !is_picture(&head) && !names_a_picture(path) {
-                return Err(SourceError::NotAPicture { path: path.clone() });
+                return Err(not_a_picture(path, &head));
             }
             files.push(path.clone());
         }
     }
     let frames = options.range.frames(options.fps)?;
     Ok((selected(files, frames)?, warnings))
+}
+
+/// The reason to refuse a file with these first bytes.
+fn not_a_picture(path: &Path, head: &[u8]) -> SourceError {
+    SourceError::NotAPicture {
+        path: path.to_owned(),
+        what: stranger(path, head),
+    }
 }
 
 /// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
@@ -98,26 +109,44 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
         error,
     };
     let (mut found, ignored) = pictures_in(folder).map_err(unreadable)?;
+    let other = foreign_example(&ignored);
     if found.is_empty() {
+        let usual = "name a folder that holds the pictures itself, not in folders of its own";
         return Err(SourceError::NoPictures {
             path: folder.to_owned(),
-            ignored,
+            ignored: ignored.len(),
+            advice: other.unwrap_or_else(|| usual.to_owned()),
         });
     }
     files.append(&mut found);
-    let plural = if ignored == 1 { "file" } else { "files" };
-    Ok((ignored > 0).then(|| {
+    let count = ignored.len();
+    let plural = if count == 1 { "file" } else { "files" };
+    let example = other.map(|other| format!(": {other}")).unwrap_or_default();
+    Ok((count > 0).then(|| {
         format!(
-            "left out {ignored} {plural} of {} that are not {PICTURES} by their names",
+            "left out {count} {plural} of {} that are not {PICTURES} by their names{example}",
             folder.display()
         )
     }))
 }
 
-/// The pictures of a folder by their names, in natural order, and how many other files are in it.
-pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
+/// A sentence on the first of these files by name that is a picture or a video to be converted first; `None`: none is.
+pub fn foreign_example(files: &[PathBuf]) -> Option<String> {
+    let known = files
+        .iter()
+        .filter(|path| !is_hidden(path))
+        .min_by(|a, b| {
+            let rank = |path: &Path| Foreign::named(path).is_none();
+            rank(a).cmp(&rank(b)).then_with(|| a.cmp(b))
+        })?;
+    let foreign = Foreign::named(known)?;
+    Some(format!("{} {}", known.display(), foreign.advice(known)))
+}
+
+/// The pictures of a folder by their names, in natural order, and its other files.
+pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let mut found = Vec::new();
-    let mut ignored = 0;
+    let mut ignored = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         if path.is_dir() {
@@ -126,7 +155,7 @@ pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, usize)> {
         if names_a_picture(&path) {
             found.push(path);
         } else {
-            ignored += 1;
+            ignored.push(path);
         }
     }
     let name = |path: &PathBuf| path.file_name().map(|name| name.to_owned());
@@ -158,5 +187,8 @@ impl Decode for Pictures {
             Ok(layout) => Step::Decoded(layout),
             Err(reason) => Step::Lost(reason),
         }
+    }
+    fn take_news(&mut self) -> Option<String> {
+        self.decoder.take_news()
     }
 }

@@ -11,6 +11,9 @@ use lariat_message::{PixelFormat, SourceKind, now_ns};
 use rustix::event::PollFlags;
 
 use crate::ahead::Layout;
+use crate::bits::{Bits, largest};
+use crate::foreign::{Foreign, Way};
+use crate::raw::RawFormat;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 use crate::y4m::{FRAME, Head, LARGEST_SIDE, LINE_BYTES, MAGIC, begins_frame};
@@ -30,11 +33,11 @@ pub struct RawFrames {
     /// Width and height, px.
     pub size: [u32; 2],
     /// How bytes make pixels; rows have no padding.
-    pub format: PixelFormat,
+    pub format: RawFormat,
 }
 
 impl RawFrames {
-    fn layout(self) -> Result<Layout, SourceError> {
+    fn check(self) -> Result<(), SourceError> {
         let ([width, height], format) = (self.size, self.format);
         let refuse = |what: String| SourceError::Pipe { what };
         let sides = 1..=LARGEST_SIDE as u32;
@@ -43,23 +46,60 @@ impl RawFrames {
                 "{width}x{height} is no size of frames: sides are from 1 to {LARGEST_SIDE}"
             )));
         }
-        let is_shared = matches!(
-            format,
-            PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12
-        );
-        let is_odd = width % 2 == 1 || (height % 2 == 1 && format == PixelFormat::Nv12);
-        if is_shared && is_odd {
+        if !format.fits(self.size) {
             return Err(refuse(format!(
-                "pixels of {} share their color in pairs, and {width}x{height} is odd: send even sizes",
+                "pixels of {} share their color in pairs or fours, and {width}x{height} has some left over: send even sizes",
                 format.name()
             )));
         }
-        Ok(Layout {
-            width,
-            height,
-            stride: format.row_bytes(width) as u32,
-            format,
-        })
+        Ok(())
+    }
+
+    fn layout(self) -> Layout {
+        self.format.layout(self.size)
+    }
+
+    fn bytes(self) -> usize {
+        self.format.frame_bytes(self.size)
+    }
+
+    /// A usual size, or another format, in which this many bytes are whole frames.
+    fn likely(self, total: usize) -> Option<String> {
+        // From VGA's half to 4K, as cameras and encoders have them.
+        const USUAL: [[u32; 2]; 14] = [
+            [320, 240],
+            [424, 240],
+            [640, 360],
+            [640, 400],
+            [640, 480],
+            [800, 600],
+            [848, 480],
+            [960, 540],
+            [1024, 768],
+            [1280, 720],
+            [1280, 800],
+            [1280, 960],
+            [1920, 1080],
+            [3840, 2160],
+        ];
+        let [width, height] = self.size;
+        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let is_whole = |other: &Self| {
+            other.format.fits(other.size) && total > 0 && total.is_multiple_of(other.bytes())
+        };
+        let sizes = USUAL.into_iter().chain([[height, width]]);
+        let sizes = sizes.map(|size| Self { size, ..self }).filter(is_whole);
+        let nearest = sizes.min_by_key(|other| area(other.size).abs_diff(area(self.size)));
+        if let Some(Self { size: [w, h], .. }) = nearest {
+            return Some(format!("{w}x{h} {}", self.format.name()));
+        }
+        // The fewest frames, so that two bytes a pixel are not two frames of one; the first of several.
+        let formats = RawFormat::names().filter_map(RawFormat::from_name);
+        let formats = formats.map(|format| Self { format, ..self });
+        let other = formats
+            .filter(is_whole)
+            .min_by_key(|other| total / other.bytes())?;
+        Some(format!("{width}x{height} {}", other.format.name()))
     }
 }
 
@@ -73,7 +113,7 @@ enum Part {
     /// A frame's planes.
     Planes(Head),
     /// A frame as it is.
-    Raw(Layout),
+    Raw(RawFrames),
 }
 
 /// A pipe that is read.
@@ -87,6 +127,9 @@ pub(crate) struct Piped {
     need: usize,
     sequence: u64,
     has_ended: bool,
+    /// The number of bits in samples of raw frames of 16 bits.
+    bits: Bits,
+    news: Option<String>,
 }
 
 impl Piped {
@@ -110,8 +153,8 @@ impl Piped {
         let (part, need) = match options.raw {
             None => (Part::Head, MAGIC.len()),
             Some(raw) => {
-                let layout = raw.layout()?;
-                (Part::Raw(layout), layout.bytes())
+                raw.check()?;
+                (Part::Raw(raw), raw.bytes())
             }
         };
         Ok(Self {
@@ -123,6 +166,8 @@ impl Piped {
             need,
             sequence: 0,
             has_ended: false,
+            bits: Bits::default(),
+            news: None,
         })
     }
 
@@ -163,7 +208,7 @@ impl Piped {
             what: what.to_owned(),
         };
         match self.part {
-            Part::Raw(layout) => return Ok(Some(layout)),
+            Part::Raw(raw) => return Ok(Some(raw.layout())),
             Part::Planes(head) => return Ok(Some(head.layout)),
             Part::Head => {
                 if !there.starts_with(MAGIC) {
@@ -209,14 +254,21 @@ impl Piped {
             _ if is_between => "it ended before the first frame".to_owned(),
             Part::Head if self.have == 0 => "it ended before anything came".to_owned(),
             Part::Head => "it ended in the first line of its Y4M video".to_owned(),
-            Part::Raw(layout) => format!(
-                "it ended in frame {frame}, after {} of {} bytes: the writer broke off, or its frames are no {}x{} {}",
-                self.have,
-                layout.bytes(),
-                layout.width,
-                layout.height,
-                layout.format.name()
-            ),
+            Part::Raw(raw) => {
+                let total = raw.bytes().saturating_mul(self.sequence as usize) + self.have;
+                let likely = raw
+                    .likely(total)
+                    .map(|what| format!(": all {total} bytes would be whole frames of {what}"));
+                format!(
+                    "it ended in frame {frame}, after {} of {} bytes: the writer broke off, or its frames are no {}x{} {}{}",
+                    self.have,
+                    raw.bytes(),
+                    raw.size[0],
+                    raw.size[1],
+                    raw.format.name(),
+                    likely.unwrap_or_default()
+                )
+            }
             Part::Line(_) | Part::Planes(_) => {
                 format!("it ended in the middle of frame {frame}: the writer broke off")
             }
@@ -234,7 +286,7 @@ impl FrameSource for Piped {
         match self.part {
             Part::Head => 0,
             Part::Line(head) | Part::Planes(head) => head.layout.bytes(),
-            Part::Raw(layout) => layout.bytes(),
+            Part::Raw(raw) => raw.layout().bytes(),
         }
     }
 
@@ -278,42 +330,52 @@ impl FrameSource for Piped {
     }
 
     fn write(&mut self, pixels: &mut [u8]) {
+        let frame = &mut self.bytes[..self.have];
         match self.part {
             Part::Planes(head) if pixels.len() == head.layout.bytes() => {
-                head.write(&self.bytes[..self.have], pixels);
+                head.write(frame, pixels);
+            }
+            Part::Raw(raw) if pixels.len() == raw.layout().bytes() => {
+                let layout = raw.layout();
+                raw.format.write(&layout, frame, pixels);
+                if layout.format == PixelFormat::Gray16 {
+                    let said = self.bits.see(largest(pixels));
+                    self.news = self.news.take().or(said);
+                    self.bits.widen_all(pixels);
+                }
             }
             _ => {
-                let count = pixels.len().min(self.have);
-                pixels[..count].copy_from_slice(&self.bytes[..count]);
+                let count = pixels.len().min(frame.len());
+                pixels[..count].copy_from_slice(&frame[..count]);
             }
         }
     }
+
+    fn take_news(&mut self) -> Option<String> {
+        self.news.take()
+    }
 }
 
-/// What else it may be that begins so, and what to do.
+/// A sentence on a stream with these first bytes that is not a video, and the remedy.
 fn stranger(begin: &[u8]) -> String {
-    let known: [(usize, &[u8], &str); 12] = [
-        (0, b"\x1a\x45\xdf\xa3", "a Matroska or WebM video"),
-        (4, b"ftyp", "an MP4 or MOV video"),
-        (0, b"RIFF", "a RIFF file, such as an AVI video"),
-        (0, b"OggS", "an Ogg video"),
-        (0, b"FLV", "a Flash video"),
-        (0, b"\x47", "an MPEG transport stream"),
-        (0, b"\x00\x00\x01", "an MPEG or H.264 stream"),
-        (0, b"\x00\x00\x00\x01", "an H.264 or H.265 stream"),
-        (0, b"\x89PNG", "a PNG picture"),
-        (0, b"\xff\xd8\xff", "a JPEG picture, or a stream of them"),
-        (0, b"GIF8", "a GIF"),
-        (0, b"\x89MCAP", "a recording: name its file with --source"),
+    let picture = [
+        (&b"\x89PNG"[..], "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture, or a stream of them"),
     ];
-    let is_it = |(at, mark, _): &&(usize, &[u8], &str)| {
-        begin
-            .get(*at..)
-            .is_some_and(|begin| begin.starts_with(mark))
+    let picture = picture
+        .into_iter()
+        .find(|(mark, _)| begin.starts_with(mark));
+    let what = match Foreign::of(begin) {
+        Some(Foreign {
+            what,
+            way: Way::Recording,
+        }) => return format!("it is {what}: name its file with --source"),
+        Some(Foreign { what, .. }) => Some(what),
+        None if begin.starts_with(b"RIFF") => Some("a RIFF file, such as an AVI video"),
+        None => picture.map(|(_, what)| what),
     };
-    match known.iter().find(is_it) {
-        Some((.., what)) if what.contains("recording") => format!("it is {what}"),
-        Some((.., what)) => format!(
+    match what {
+        Some(what) => format!(
             "it is {what}, not a Y4M video: let ffmpeg unpack it first \
              (… | ffmpeg -i - -f yuv4mpegpipe -pix_fmt yuv420p - | lariat …)"
         ),
@@ -357,14 +419,18 @@ mod tests {
         said
     }
 
-    const TWO: RawFrames = RawFrames {
-        size: [2, 1],
-        format: PixelFormat::Rgb8,
-    };
+    fn raw(size: [u32; 2], format: &str) -> RawFrames {
+        let format = RawFormat::from_name(format).expect("a format");
+        RawFrames { size, format }
+    }
+
+    fn two() -> RawFrames {
+        raw([2, 1], "rgb8")
+    }
 
     #[test]
     fn frames_come_out_as_they_are_put_in_however_they_are_cut() {
-        let video = b"YUV4MPEG2 W4 H2 F25:1 C420\nFRAME\nabcdefghuUvVFRAME Ip\nABCDEFGHuUvV";
+        let video = b"YUV4MPEG2 W4 H2 F25:1 C420 XCOLORRANGE=FULL\nFRAME\nabcdefghuUvVFRAME Ip\nABCDEFGHuUvV";
         for step in [1, 5, video.len()] {
             let (mut piped, mut into) = pipe(None, false);
             let writer = std::thread::spawn(move || {
@@ -382,7 +448,7 @@ mod tests {
             assert_eq!(piped.next().unwrap(), None);
             writer.join().unwrap();
         }
-        let (mut piped, mut into) = pipe(Some(TWO), true);
+        let (mut piped, mut into) = pipe(Some(two()), true);
         into.write_all(b"rgbRGB").unwrap();
         drop(into);
         let frame = piped.next().unwrap().unwrap();
@@ -393,7 +459,7 @@ mod tests {
 
     #[test]
     fn a_writer_that_stands_still_is_not_waited_for_longer_than_wanted() {
-        let (mut piped, mut into) = pipe(Some(TWO), false);
+        let (mut piped, mut into) = pipe(Some(two()), false);
         let (mut stop_in, stop) = std::os::unix::net::UnixStream::pair().unwrap();
         let until = Until::new(None, stop.as_fd());
         into.write_all(b"rgbR").unwrap();
@@ -425,7 +491,7 @@ mod tests {
                 1,
                 "frame 2 does not begin",
             ),
-            ("YUV4MPEG2 W2 H1 C420p10\n", 0, "8-bit 4:2:0"),
+            ("YUV4MPEG2 W2 H1 C440\n", 0, "none of 4:2:0"),
         ] {
             let said = refusal(None, text.as_bytes(), frames);
             assert!(
@@ -433,7 +499,7 @@ mod tests {
                 "{said}"
             );
         }
-        let said = refusal(Some(TWO), b"rgbRGBrgb", 1);
+        let said = refusal(Some(two()), b"rgbRGBrgb", 1);
         assert!(said.contains("frame 2, after 3 of 6 bytes"), "{said}");
     }
 
@@ -452,14 +518,56 @@ mod tests {
     }
 
     #[test]
+    fn frames_of_another_size_than_said_are_named() {
+        for (said, format, given, likely) in [
+            ([640, 480], "rgb8", 5 * 320 * 240 * 3, "320x240 rgb8"),
+            ([640, 480], "rgb8", 1280 * 720 * 3 + 640 * 480 * 3, ""),
+            ([1024, 768], "yuyv", 1280 * 720 * 2, "1280x720 yuyv"),
+            ([640, 480], "rgb8", 640 * 480 * 2, "640x480 yuyv"),
+            ([480, 642], "gray8", 642 * 480 / 2 * 3, "480x642 nv12"),
+        ] {
+            let frames = raw(said, format);
+            let whole = (given / frames.bytes()) as u64;
+            let (mut piped, mut into) = pipe(Some(frames), false);
+            let writer = std::thread::spawn(move || into.write_all(&vec![0; given]));
+            for _ in 0..whole {
+                assert!(piped.next().unwrap().is_some());
+            }
+            match piped.next() {
+                Ok(end) => assert!(end.is_none() && likely.is_empty(), "{said:?} {format}"),
+                Err(error) => {
+                    let said = error.to_string();
+                    assert!(said.contains(likely) && said.contains("after"), "{said}");
+                }
+            }
+            writer.join().unwrap().unwrap();
+        }
+    }
+
+    #[test]
+    fn numbers_of_12_bits_become_16_and_that_is_told() {
+        let (mut piped, mut into) = pipe(Some(raw([2, 1], "gray16")), false);
+        into.write_all(&[4095u16.to_ne_bytes(), 0u16.to_ne_bytes()].concat())
+            .unwrap();
+        let frame = piped.next().unwrap().unwrap();
+        assert_eq!(pixels(&mut piped, &frame), [255, 255, 0, 0]);
+        assert!(
+            piped
+                .take_news()
+                .is_some_and(|news| news.contains("12 bits"))
+        );
+    }
+
+    #[test]
     fn frames_of_no_size_and_half_a_pair_are_refused() {
         for (size, format) in [
-            ([0, 1], PixelFormat::Gray8),
-            ([99_999, 1], PixelFormat::Gray8),
-            ([3, 2], PixelFormat::Yuyv),
-            ([2, 3], PixelFormat::Nv12),
+            ([0, 1], "gray8"),
+            ([99_999, 1], "gray8"),
+            ([3, 2], "yuyv"),
+            ([2, 3], "nv12"),
+            ([2, 3], "i420"),
         ] {
-            let raw = Some(RawFrames { size, format });
+            let raw = Some(raw(size, format));
             let (out, _into) = rustix::pipe::pipe().expect("a pipe");
             let opened = Piped::new(out.into(), &PipeOptions { raw, paced: false });
             assert!(opened.is_err(), "{size:?} {format:?}");

@@ -11,6 +11,8 @@ use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 use lariat_record::{Entry, Messages, Pixels, Place, Recording, Span};
 
 use crate::ahead::{Ahead, Decode, Layout, Moment, Plan, Step};
+use crate::bits::{Bits, largest};
+use crate::color_range::ColorRange;
 use crate::picture::PictureDecoder;
 use crate::range::{Position, Range};
 use crate::source::SourceError;
@@ -90,12 +92,13 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
     };
     let recorded = Recorded {
         path: path.clone(),
+        is_own: recording.about().version().is_some(),
         recording,
         span,
         every: options.range.every.get(),
         messages,
         is_fresh: true,
-        pictures: PictureDecoder::default(),
+        reader: Reader::default(),
         lookahead: Lookahead::new(has_truth),
         last: None,
     };
@@ -194,7 +197,9 @@ struct Recorded {
     messages: Messages,
     /// Whether nothing has been read since the last rewind.
     is_fresh: bool,
-    pictures: PictureDecoder,
+    /// True if lariat recorded it, with frames as they travel.
+    is_own: bool,
+    reader: Reader,
     lookahead: Lookahead,
     last: Option<Last>,
 }
@@ -251,11 +256,33 @@ fn place(last: &mut Option<Last>, every: u64, frame: &FrameHeader) -> Option<Mom
     })
 }
 
+/// Makes pixels of recorded ones.
+#[derive(Default)]
+struct Reader {
+    pictures: PictureDecoder,
+    /// The number of bits in samples of other programs' frames of 16 bits.
+    bits: Bits,
+    news: Option<String>,
+}
+
+impl Reader {
+    /// Brings another program's raw frame into the range that travels: its Y, U, V are limited, as cameras' drivers give
+    /// them, and its samples of 16 bits may have fewer.
+    fn normalize(&mut self, layout: &Layout, pixels: &mut [u8]) {
+        ColorRange::Limited.expand_yuv(layout.format, layout.stride, layout.height, pixels);
+        if layout.format == PixelFormat::Gray16 {
+            self.news = self.news.take().or(self.bits.see(largest(pixels)));
+            self.bits.widen_all(pixels);
+        }
+    }
+}
+
 /// Writes a recorded frame's pixels where they belong.
 fn fill(
     header: &FrameHeader,
     recorded: Pixels,
-    pictures: &mut PictureDecoder,
+    is_own: bool,
+    reader: &mut Reader,
     pixels: &mut [u8],
 ) -> Result<Layout, String> {
     let sequence = header.trace.sequence;
@@ -273,16 +300,20 @@ fn fill(
                 return Err(format!("frame {sequence} is larger than room was made for"));
             };
             room.copy_from_slice(bytes);
-            Ok(Layout {
+            let layout = Layout {
                 width: header.width,
                 height: header.height,
                 stride: header.stride,
                 format,
-            })
+            };
+            if !is_own {
+                reader.normalize(&layout, room);
+            }
+            Ok(layout)
         }
         Pixels::Png(file) | Pixels::Jpeg(file) => {
             let name = format!("the picture of frame {sequence}");
-            pictures.decode_file(Path::new(&name), file, pixels)
+            reader.pictures.decode_file(Path::new(&name), file, pixels)
         }
     }
 }
@@ -325,7 +356,8 @@ impl Decode for Recorded {
                 },
             };
             let moment = place(&mut self.last, self.every, &header);
-            let filled = moment.map(|_| fill(&header, recorded, &mut self.pictures, pixels));
+            let (is_own, reader) = (self.is_own, &mut self.reader);
+            let filled = moment.map(|_| fill(&header, recorded, is_own, reader, pixels));
             if let Some(stashed) = stashed {
                 self.lookahead.keep_room(stashed);
             }
@@ -344,10 +376,56 @@ impl Decode for Recorded {
         self.lookahead.truth(truth)
     }
 
+    fn take_news(&mut self) -> Option<String> {
+        self.reader
+            .news
+            .take()
+            .or_else(|| self.reader.pictures.take_news())
+    }
+
     fn nothing(&self) -> SourceError {
         SourceError::Recording {
             path: self.path.clone(),
             what: "there is no frame in the part that was asked for".to_owned(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame of 2 × 1 pixels as it is shown, and the notice on it.
+    fn shown(is_own: bool, format: PixelFormat, bytes: &[u8]) -> (Vec<u8>, Option<String>) {
+        let header = FrameHeader {
+            width: 2,
+            height: 1,
+            stride: bytes.len() as u32,
+            pixel_format: format as u32,
+            ..FrameHeader::default()
+        };
+        let (mut reader, mut pixels) = (Reader::default(), vec![0; bytes.len()]);
+        let filled = fill(
+            &header,
+            Pixels::Raw(bytes),
+            is_own,
+            &mut reader,
+            &mut pixels,
+        );
+        filled.expect("it has room");
+        (pixels, reader.news)
+    }
+
+    #[test]
+    fn other_programs_frames_are_brought_into_full_range_and_ones_own_are_in_it() {
+        let yuyv = [235, 128, 16, 240];
+        let (pixels, _) = shown(false, PixelFormat::Yuyv, &yuyv);
+        assert_eq!(pixels, [255, 128, 0, 255]);
+        assert_eq!(shown(true, PixelFormat::Yuyv, &yuyv).0, yuyv);
+        let gray = [4095u16, 0].map(u16::to_ne_bytes).concat();
+        let (pixels, said) = shown(false, PixelFormat::Gray16, &gray);
+        assert_eq!(pixels, [255, 255, 0, 0]);
+        assert!(said.is_some_and(|said| said.contains("12 bits")));
+        assert_eq!(shown(true, PixelFormat::Gray16, &gray), (gray, None));
     }
 }

@@ -199,12 +199,14 @@ pub enum SourceError {
         error: io::Error,
     },
     /// A folder without a picture.
-    #[error("the folder {} holds no picture ({PICTURES}; but {ignored} other files): name a folder that holds the pictures itself, not in folders of its own", path.display())]
+    #[error("the folder {} holds no picture ({PICTURES}; but {ignored} other files): {advice}", path.display())]
     NoPictures {
         /// The folder.
         path: PathBuf,
         /// How many other files are in it.
         ignored: usize,
+        /// What to do.
+        advice: String,
     },
     /// What is to be followed is no folder.
     #[error("{} is no folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
@@ -221,10 +223,12 @@ pub enum SourceError {
         error: io::Error,
     },
     /// A file of another kind.
-    #[error("{} is no picture ({PICTURES}) and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)", path.display(), path.display())]
+    #[error("{} {what}", path.display())]
     NotAPicture {
         /// The file.
         path: PathBuf,
+        /// Its kind, and the remedy.
+        what: String,
     },
     /// A picture that cannot be decoded.
     #[error("{reason}")]

@@ -188,7 +188,7 @@ impl Decode for Video {
             };
             return Step::End(Some(reason));
         }
-        let Stream { head, planes, .. } = &self.stream;
+        let Stream { head, planes, .. } = &mut self.stream;
         // The room was made for this layout.
         head.write(planes, &mut pixels[..head.layout.bytes()]);
         Step::Decoded(head.layout)

@@ -3,6 +3,7 @@
 use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
+use crate::color_range::ColorRange;
 
 /// How a video stores its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,8 +14,10 @@ pub(crate) enum Chroma {
     Half,
     /// At half the width.
     HalfWidth,
-    /// For each pixel; `full_range` if 0 is black and 255 white.
-    Full { full_range: bool },
+    /// At a quarter of the width.
+    QuarterWidth,
+    /// For each pixel.
+    Full,
 }
 
 /// Three planes without padding: Y, U, V; U and V empty for mono.
@@ -27,8 +30,10 @@ impl Chroma {
             Self::Mono => (PixelFormat::Gray8, width),
             // A row of U V pairs needs an even number of bytes, also where the image has an odd number of columns.
             Self::Half => (PixelFormat::Nv12, width.next_multiple_of(2)),
-            Self::HalfWidth => (PixelFormat::Yuyv, 2 * width.next_multiple_of(2)),
-            Self::Full { .. } => (PixelFormat::Rgb8, 3 * width),
+            Self::HalfWidth | Self::QuarterWidth => {
+                (PixelFormat::Yuyv, 2 * width.next_multiple_of(2))
+            }
+            Self::Full => (PixelFormat::Rgb8, 3 * width),
         };
         Layout {
             width,
@@ -38,25 +43,33 @@ impl Chroma {
         }
     }
 
-    /// Bytes of the planes together.
-    pub(crate) fn plane_bytes(self, width: usize, height: usize) -> usize {
-        let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
+    /// Samples of U, and as many of V.
+    pub(crate) fn samples(self, width: usize, height: usize) -> usize {
         match self {
-            Self::Mono => width * height,
-            Self::Half => width * height + 2 * half_width * half_height,
-            Self::HalfWidth => width * height + 2 * half_width * height,
-            Self::Full { .. } => 3 * width * height,
+            Self::Mono => 0,
+            Self::Half => width.div_ceil(2) * height.div_ceil(2),
+            Self::HalfWidth => width.div_ceil(2) * height,
+            Self::QuarterWidth => width.div_ceil(4) * height,
+            Self::Full => width * height,
         }
     }
 
-    /// Writes the planes as one image of that layout.
-    pub(crate) fn write(self, layout: &Layout, planes: Planes, pixels: &mut [u8]) {
+    /// Writes the planes as one image of that layout, in full range.
+    pub(crate) fn write(
+        self,
+        range: ColorRange,
+        layout: &Layout,
+        planes: Planes,
+        pixels: &mut [u8],
+    ) {
         match self {
             Self::Mono => pixels.copy_from_slice(planes[0]),
             Self::Half => write_nv12(layout, planes, pixels),
-            Self::HalfWidth => write_yuyv(layout, planes, pixels),
-            Self::Full { full_range } => write_rgb(full_range, planes, pixels),
+            Self::HalfWidth => write_yuyv(layout, planes, 1, pixels),
+            Self::QuarterWidth => write_yuyv(layout, planes, 2, pixels),
+            Self::Full => return write_rgb(range, planes, pixels),
         }
+        range.expand(layout.format, layout.stride, layout.height, pixels);
     }
 }
 
@@ -73,25 +86,26 @@ fn write_nv12(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
     }
 }
 
-fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
+/// `pairs`: of pixels side by side that share their colour.
+fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pairs: usize, pixels: &mut [u8]) {
     let (width, stride) = (layout.width as usize, layout.stride as usize);
-    let chroma_width = width.div_ceil(2);
+    let chroma_width = width.div_ceil(2 * pairs);
     let chroma = u
         .chunks_exact(chroma_width)
         .zip(v.chunks_exact(chroma_width));
     let rows = pixels.chunks_exact_mut(stride).zip(y.chunks_exact(width));
     for ((to, y), (u, v)) in rows.zip(chroma) {
-        let pairs = y.chunks(2).zip(u.iter().zip(v));
-        for (to, (y, (u, v))) in to.chunks_exact_mut(4).zip(pairs) {
-            to.copy_from_slice(&[y[0], *u, y[y.len() - 1], *v]);
+        for (pair, (to, y)) in to.chunks_exact_mut(4).zip(y.chunks(2)).enumerate() {
+            let place = pair / pairs;
+            to.copy_from_slice(&[y[0], u[place], y[y.len() - 1], v[place]]);
         }
     }
 }
 
 /// ITU-R BT.601, in 16-bit fixed point.
-fn write_rgb(full_range: bool, [y, u, v]: Planes, pixels: &mut [u8]) {
+pub(crate) fn write_rgb(range: ColorRange, [y, u, v]: Planes, pixels: &mut [u8]) {
     // Of Y; of V in red; of U and of V in green; of U in blue.
-    let ([luma, red, green_u, green_v, blue], black) = if full_range {
+    let ([luma, red, green_u, green_v, blue], black) = if range == ColorRange::Full {
         ([65536, 91881, 22554, 46802, 116_130], 0)
     } else {
         ([76309, 104_597, 25675, 53279, 132_201], 16)
@@ -118,7 +132,7 @@ mod tests {
         let y: Vec<u8> = (1..=9).collect();
         let mut pixels = vec![0; layout.bytes()];
         let planes: Planes = [&y, &[10, 11, 12, 13], &[20, 21, 22, 23]];
-        Chroma::Half.write(&layout, planes, &mut pixels);
+        Chroma::Half.write(ColorRange::Full, &layout, planes, &mut pixels);
         let expected = [
             [1, 2, 3, 3],
             [4, 5, 6, 6],
@@ -134,9 +148,38 @@ mod tests {
         let layout = Chroma::HalfWidth.layout(3, 2);
         let mut pixels = vec![0; layout.bytes()];
         let planes: Planes = [&[1, 2, 3, 4, 5, 6], &[10, 11, 12, 13], &[20, 21, 22, 23]];
-        Chroma::HalfWidth.write(&layout, planes, &mut pixels);
+        Chroma::HalfWidth.write(ColorRange::Full, &layout, planes, &mut pixels);
         let expected = [[1, 10, 2, 20, 3, 11, 3, 21], [4, 12, 5, 22, 6, 13, 6, 23]];
         assert_eq!(pixels, expected.concat());
+    }
+
+    #[test]
+    fn four_pixels_of_a_quarter_share_their_colour() {
+        let layout = Chroma::QuarterWidth.layout(5, 1);
+        let mut pixels = vec![0; layout.bytes()];
+        let planes: Planes = [&[1, 2, 3, 4, 5], &[10, 11], &[20, 21]];
+        Chroma::QuarterWidth.write(ColorRange::Full, &layout, planes, &mut pixels);
+        assert_eq!(pixels, [1, 10, 2, 20, 3, 10, 4, 20, 5, 11, 5, 21]);
+    }
+
+    #[test]
+    fn every_sampling_of_a_limited_colour_is_the_same_colour() {
+        // Red of BT.601 in limited range, and in full range.
+        let (y, u, v) = ([81; 8], [90; 8], [240; 8]);
+        for chroma in [Chroma::Half, Chroma::HalfWidth, Chroma::QuarterWidth] {
+            let layout = chroma.layout(4, 2);
+            let mut pixels = vec![0; layout.bytes()];
+            let samples = chroma.samples(4, 2);
+            let planes: Planes = [&y, &u[..samples], &v[..samples]];
+            chroma.write(ColorRange::Limited, &layout, planes, &mut pixels);
+            let full = [76, 85, 255];
+            for level in pixels {
+                assert!(
+                    full.iter().any(|&known| level.abs_diff(known) <= 1),
+                    "{level}"
+                );
+            }
+        }
     }
 
     #[test]
@@ -151,7 +194,7 @@ mod tests {
         ];
         for ([y, u, v], rgb) in known {
             let mut pixel = [0; 3];
-            write_rgb(false, [&[y], &[u], &[v]], &mut pixel);
+            write_rgb(ColorRange::Limited, [&[y], &[u], &[v]], &mut pixel);
             for (value, expected) in pixel.into_iter().zip(rgb) {
                 assert!(
                     i32::abs(i32::from(value) - expected) <= 2,
@@ -160,7 +203,7 @@ mod tests {
             }
         }
         let mut pixel = [0; 3];
-        write_rgb(true, [&[200], &[128], &[128]], &mut pixel);
+        write_rgb(ColorRange::Full, [&[200], &[128], &[128]], &mut pixel);
         assert_eq!(pixel, [200; 3]);
     }
 }

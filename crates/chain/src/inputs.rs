@@ -1,7 +1,7 @@
 //! From the paths that the user named to the pictures they mean.
 
 use anyhow::{Context, Result, bail};
-use lariat_capture::{PICTURES, names_a_picture, natural_order};
+use lariat_capture::{PICTURES, foreign_example, names_a_picture, natural_order};
 use std::cmp::Ordering;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
@@ -25,14 +25,23 @@ pub fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) {
 
 fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
     let about = || format!("cannot list the folder {}", folder.display());
-    let (mut pictures, mut folders) = (Vec::new(), Vec::new());
+    let (mut pictures, mut folders, mut others) = (Vec::new(), Vec::new(), Vec::new());
     for entry in std::fs::read_dir(folder).with_context(about)? {
         let path = entry.with_context(about)?.path();
         if path.is_dir() {
             folders.push(path);
         } else if names_a_picture(&path) && path.is_file() {
             pictures.push(path);
+        } else {
+            others.push(path);
         }
+    }
+    let foreign = foreign_example(&others);
+    if let (true, Some(foreign)) = (pictures.is_empty(), &foreign) {
+        bail!(
+            "there is no picture ({PICTURES}) in the folder {}: {foreign}",
+            folder.display()
+        );
     }
     if pictures.is_empty() && folders.is_empty() {
         bail!(
@@ -46,6 +55,12 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
             "there is no picture ({PICTURES}) in the folder {} itself: name one of its folders, such as {}",
             folder.display(),
             folders[0].display()
+        );
+    }
+    if let Some(foreign) = foreign {
+        tracing::warn!(
+            "left out files of {} that are not {PICTURES} by their names: {foreign}",
+            folder.display()
         );
     }
     pictures.sort_by(|a, b| by_name(a, b));

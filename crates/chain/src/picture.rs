@@ -1,7 +1,7 @@
 //! A picture, decoded: a file, or a frame of any source.
 
 use anyhow::{Context, Result};
-use image::{DynamicImage, RgbImage};
+use image::RgbImage;
 use lariat_capture::{Frame, StillPicture};
 use lariat_extract::{Image, ImageError};
 use lariat_wire::PixelFormat;
@@ -20,7 +20,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Reads a picture file, whatever its name says, as the chain sees it.
+    /// Reads a picture file, whatever its name says, as the chain sees it. Warns where the file leaves open what its
+    /// samples mean.
     ///
     /// # Errors
     /// There is no such file, it is no picture, or it is cut off or damaged.
@@ -32,7 +33,11 @@ impl Picture {
             height,
             format,
             pixels,
+            news,
         } = StillPicture::load(path)?;
+        if let Some(news) = news {
+            tracing::warn!("{news}");
+        }
         Ok(Self {
             width,
             height,
@@ -77,21 +82,6 @@ impl Picture {
             stride,
             pixel_format(self.format),
         )
-    }
-
-    /// As one byte a pixel.
-    pub fn into_gray(self) -> Self {
-        if self.format == PixelFormat::Gray8 {
-            return self;
-        }
-        let gray = DynamicImage::ImageRgb8(self.into_rgb()).into_luma8();
-        Self {
-            width: gray.width(),
-            height: gray.height(),
-            stride: gray.width(),
-            format: PixelFormat::Gray8,
-            pixels: gray.into_raw(),
-        }
     }
 
     /// As red, green and blue.

@@ -102,6 +102,11 @@ fn one_pass(
         if let Some(truth) = &mut buffer.truth {
             truth.is_known = decoder.truth(&mut truth.centerlines);
         }
+        if let Some(news) = decoder.take_news()
+            && said.insert(news.clone())
+        {
+            ready.send(Message::News(news)).ok()?;
+        }
         let after_ns = moment.map(|moment| moment.after_ns);
         ready.send(Message::Decoded(frame, after_ns, buffer)).ok()?;
     }

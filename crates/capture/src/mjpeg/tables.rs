@@ -2,7 +2,7 @@
 //! (OpenDML AVI file format extensions, "MJPG"; the UVC payload).
 
 /// The tables as a segment, marker and length in front.
-pub(super) const SEGMENT: [u8; 420] = segment();
+pub(crate) const SEGMENT: [u8; 420] = segment();
 
 /// Class and destination, how many codes there are of each length from 1 to 16, and what they stand for.
 type Table = (u8, [u8; 16], &'static [u8]);

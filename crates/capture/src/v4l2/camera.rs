@@ -22,6 +22,7 @@ use super::recovery::Recovery;
 use super::silence::Silence;
 use super::stamp::{Sequence, Stamper};
 use super::stream::Stream;
+use crate::color_range::ColorRange;
 use crate::lent::LentSlot;
 use crate::mjpeg::Mjpeg;
 use crate::source::{Frame, FrameSource, Next, SourceError};
@@ -49,6 +50,8 @@ pub(super) struct Shape {
     pub(super) height: u32,
     pub(super) stride: u32,
     pub(super) encoding: Encoding,
+    /// The range of the driver's Y, U and V.
+    pub(super) range: ColorRange,
     /// What the driver needs of memory that it is lent.
     pub(super) buffer_bytes: usize,
     pub(super) interval_ns: Option<u64>,
@@ -61,6 +64,15 @@ impl Shape {
             Encoding::Plain(format) => format.image_bytes(self.stride, self.height),
             // As `Rgb8`.
             Encoding::Jpeg => PixelFormat::Rgb8.row_bytes(self.width) * self.height as usize,
+        }
+    }
+
+    /// Brings a frame's pixels into full range.
+    fn expand(&self, pixels: &mut [u8]) {
+        if let Encoding::Plain(format) = self.encoding {
+            let bytes = self.frame_bytes().min(pixels.len());
+            let pixels = &mut pixels[..bytes];
+            self.range.expand(format, self.stride, self.height, pixels);
         }
     }
 

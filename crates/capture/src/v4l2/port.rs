@@ -76,6 +76,7 @@ fn shape_of(device: &Device, setup: &Setup) -> Result<Shape, CameraError> {
             None => Encoding::Jpeg,
         },
         buffer_bytes: buffer_bytes as usize,
+        range: setup.range,
         interval_ns: setup.interval.map(|interval| (1e9 / interval.fps()) as u64),
     })
 }

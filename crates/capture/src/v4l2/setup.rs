@@ -5,6 +5,7 @@ use super::error::CameraError;
 use super::negotiate::{Choice, Request, Wanted, negotiate};
 use super::offers::{FourCc, Interval};
 use super::sys;
+use crate::color_range::ColorRange;
 use lariat_message::PixelFormat;
 
 /// What a camera is set to.
@@ -22,6 +23,8 @@ pub(crate) struct Setup {
     pub(crate) plane_bytes: Vec<u32>,
     /// The time from one frame to the next, if the driver tells it.
     pub(crate) interval: Option<Interval>,
+    /// The range of Y, U and V that the driver reports.
+    pub(crate) range: ColorRange,
     /// Sentences that the user should read: what is otherwise than was asked for.
     pub(crate) told: Vec<String>,
 }
@@ -61,6 +64,18 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
     })
 }
 
+/// The range of a driver's Y, U and V, by the kernel's own rule (`V4L2_MAP_QUANTIZATION_DEFAULT`) where it leaves it open.
+fn range_of(pixelformat: u32, colorspace: u32, quantization: u32) -> ColorRange {
+    let is_yuv = matches!(pixelformat, sys::PIX_YUYV | sys::PIX_UYVY | sys::PIX_NV12);
+    match quantization {
+        _ if !is_yuv => ColorRange::Full,
+        sys::QUANTIZATION_FULL => ColorRange::Full,
+        sys::QUANTIZATION_LIMITED => ColorRange::Limited,
+        _ if colorspace == sys::COLORSPACE_JPEG => ColorRange::Full,
+        _ => ColorRange::Limited,
+    }
+}
+
 /// A rate with as many digits as a person would write.
 pub(super) fn shown(fps: f64) -> String {
     let rounded = (fps * 100.0).round() / 100.0;
@@ -74,6 +89,7 @@ struct Answer {
     field: u32,
     stride: u32,
     plane_bytes: Vec<u32>,
+    range: ColorRange,
 }
 
 impl Device {
@@ -113,6 +129,7 @@ impl Device {
             stride: answer.stride,
             plane_bytes: answer.plane_bytes,
             interval,
+            range: answer.range,
             told,
         })
     }
@@ -172,6 +189,7 @@ impl Device {
                 field: pix.field,
                 stride: pix.planes[0].bytesperline,
                 plane_bytes: pix.planes[..count].iter().map(|p| p.sizeimage).collect(),
+                range: range_of(pix.pixelformat, pix.colorspace, pix.quantization.into()),
             }
         } else {
             let pix = format.pix();
@@ -181,6 +199,7 @@ impl Device {
                 field: pix.field,
                 stride: pix.bytesperline,
                 plane_bytes: vec![pix.sizeimage],
+                range: range_of(pix.pixelformat, pix.colorspace, pix.quantization),
             }
         }
         .with_whole_rows()
@@ -276,4 +295,39 @@ impl Answer {
 
 fn words(code: FourCc, [width, height]: [u32; 2]) -> String {
     format!("{code} {width}x{height}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_driver_tells_the_range_or_its_colorspace_does() {
+        const SRGB: u32 = 8;
+        for (format, colorspace, quantization, range) in [
+            (sys::PIX_YUYV, SRGB, 0, ColorRange::Limited),
+            (sys::PIX_NV12, sys::COLORSPACE_JPEG, 0, ColorRange::Full),
+            (
+                sys::PIX_UYVY,
+                SRGB,
+                sys::QUANTIZATION_FULL,
+                ColorRange::Full,
+            ),
+            (
+                sys::PIX_YUYV,
+                sys::COLORSPACE_JPEG,
+                sys::QUANTIZATION_LIMITED,
+                ColorRange::Limited,
+            ),
+            (sys::PIX_GREY, SRGB, 0, ColorRange::Full),
+            (
+                sys::PIX_RGB3,
+                SRGB,
+                sys::QUANTIZATION_LIMITED,
+                ColorRange::Full,
+            ),
+        ] {
+            assert_eq!(range_of(format, colorspace, quantization), range);
+        }
+    }
 }

@@ -4,6 +4,7 @@
 mod jpeg;
 
 mod allocation;
+mod field;
 mod follow;
 mod kinds;
 mod lent;

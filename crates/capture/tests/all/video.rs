@@ -48,7 +48,7 @@ fn refusal(bytes: &[u8]) -> String {
 #[test]
 fn every_420_is_nv12_at_the_files_own_pace() {
     for chroma in ["", " C420", " C420jpeg", " C420mpeg2", " C420paldv"] {
-        let line = format!("W4 H2 F30000:1001{chroma}");
+        let line = format!("W4 H2 F30000:1001{chroma} XCOLORRANGE=FULL");
         let frame = [1, 2, 3, 4, 5, 6, 7, 8, 50, 51, 60, 61];
         let (opened, _folder) = open_bytes(&video(&line, &[&frame]), false);
         let mut source = opened.unwrap();
@@ -74,7 +74,10 @@ fn every_420_is_nv12_at_the_files_own_pace() {
 #[test]
 fn odd_sizes_have_room_for_the_odd_row_and_column_of_colour() {
     let frame: Vec<u8> = (0..15 + 6 + 6).collect();
-    let (opened, _folder) = open_bytes(&video("W5 H3 F25:1 C420", &[&frame]), false);
+    let (opened, _folder) = open_bytes(
+        &video("W5 H3 F25:1 C420 XCOLORRANGE=FULL", &[&frame]),
+        false,
+    );
     let (frame, pixels) = next_pixels(&mut *opened.unwrap()).unwrap();
     assert_eq!((frame.width, frame.height, frame.stride), (5, 3, 6));
     let expected = [
@@ -93,7 +96,10 @@ fn mono_422_and_444_become_formats_that_travel() {
     let (frame, pixels) = next_pixels(&mut *opened.unwrap()).unwrap();
     assert_eq!((frame.format, pixels), (PixelFormat::Gray8, vec![1, 2, 3]));
 
-    let (opened, _folder) = open_bytes(&video("W2 H1 F25:1 C422", &[&[1, 2, 50, 60]]), false);
+    let (opened, _folder) = open_bytes(
+        &video("W2 H1 F25:1 C422 XCOLORRANGE=FULL", &[&[1, 2, 50, 60]]),
+        false,
+    );
     let (frame, pixels) = next_pixels(&mut *opened.unwrap()).unwrap();
     assert_eq!(
         (frame.format, pixels),
@@ -172,8 +178,8 @@ fn what_cannot_be_shown_is_refused_with_what_would_be_right() {
             video("W99999999999999 H99999999999999 F30:1", &[]),
             "no width",
         ),
-        (video("W4 H2 F30:1 C420p10", &[&[0; 24]]), "8-bit 4:2:0"),
-        (video("W4 H2 F30:1 C411", &[&[0; 12]]), "8-bit 4:2:0"),
+        (video("W4 H2 F30:1 C440", &[&[0; 24]]), "none of 4:2:0"),
+        (video("W4 H2 F30:1 C410", &[&[0; 12]]), "none of 4:2:0"),
         (video("W4 H2 Fast", &[&[0; 12]]), "first line is not that"),
     ];
     for (bytes, part) in refused {

@@ -135,6 +135,47 @@ pub(crate) fn encode(rgb: &[u8], size: [usize; 2], coding: &Coding) -> Encoded {
     Encoded { jpeg, pixels, scan }
 }
 
+/// Encodes an RGB picture, of whole units, with a scan for each channel.
+pub(crate) fn encode_in_scans(rgb: &[u8], size: [usize; 2], factors: [[usize; 2]; 2]) -> Encoded {
+    let coding = Coding {
+        factors,
+        tables: true,
+        ..Coding::CAMERA
+    };
+    let factors = [factors[0], factors[1], factors[1]];
+    let most = [0, 1].map(|axis| factors.iter().map(|f| f[axis]).max().unwrap_or(1));
+    let units = [0, 1].map(|axis| size[axis] / (8 * most[axis]));
+    let tables = by_image(&[0; 3], [1, 1], false, 50);
+    let (quantization, codes) = ([2; 64], codes(&tables));
+    let mut jpeg = head(&factors, size, &quantization, &coding, &tables);
+    // Without the scan of all channels.
+    jpeg.truncate(jpeg.len() - 14);
+    let scan = jpeg.len();
+    let mut channels = Vec::new();
+    for c in 0..3 {
+        let mut channel = Channel::sample(rgb, size, units, most, factors[c], c);
+        let tables = if c == 0 { 0x00 } else { 0x11 };
+        jpeg.extend([0xFF, 0xDA, 0, 8, 1, c as u8 + 1, tables, 0, 63, 0]);
+        let (mut bits, mut last_dc) = (Bits::default(), 0);
+        let [across, down] = [0, 1].map(|axis| units[axis] * factors[c][axis]);
+        for (x, y) in (0..down).flat_map(|y| (0..across).map(move |x| (x, y))) {
+            let levels = channel.quantize([x, y], &quantization);
+            bits.block(
+                &levels,
+                &mut last_dc,
+                &codes[0][c.min(1)],
+                &codes[1][c.min(1)],
+            );
+        }
+        bits.end();
+        jpeg.extend(bits.bytes);
+        channels.push(channel);
+    }
+    jpeg.extend([0xFF, 0xD9]);
+    let pixels = blocks::pixels(&channels, size);
+    Encoded { jpeg, pixels, scan }
+}
+
 /// All that stands before the coded image.
 fn head(
     factors: &[[usize; 2]],

@@ -12,7 +12,7 @@ use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES,
 use std::path::Path;
 use std::sync::Arc;
 
-use super::Warned;
+use super::{Warned, mask_levels};
 
 /// A frame, or its mask, wherever it lies: in shared memory or in a recording.
 #[derive(Debug, Clone, Copy)]
@@ -151,6 +151,9 @@ pub struct FrameExtractor {
     prepared: Option<[usize; 2]>,
     unreadable: Warned,
     doubts: Doubts,
+    /// True if masks are cut by their own histograms.
+    chooses_level: bool,
+    relabelled: Warned,
 }
 
 /// The weights of a network take some hundred kilobytes.
@@ -183,6 +186,8 @@ impl FrameExtractor {
             prepared: None,
             unreadable: Warned::default(),
             doubts: Doubts::default(),
+            chooses_level: settings.mask_level.is_none(),
+            relabelled: Warned::default(),
         })
     }
 
@@ -330,6 +335,17 @@ impl FrameExtractor {
     ) -> Result<()> {
         let part = self.part(frame.image()?)?;
         let mask = mask.map(FrameView::image).transpose()?;
+        let read = match &mask {
+            Some(mask) if self.chooses_level => mask_levels(mask)?,
+            _ => None,
+        };
+        let mask = match &read {
+            Some(read) => Some(read.image()?),
+            None => mask,
+        };
+        if let Some(notice) = read.as_ref().and_then(|read| read.notice.as_ref()) {
+            self.relabelled.once(&anyhow::anyhow!(notice.clone()));
+        }
         self.prepare([part.image.width(), part.image.height()]);
         let exposed_ns = frame.header.trace.exposed_ns;
         let scene = self.extract(&part, mask, exposed_ns, &mut |_| {}, message)?;

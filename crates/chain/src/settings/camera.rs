@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use lariat_capture::{ControlSettings, FourCc, Io};
-use lariat_wire::PixelFormat;
+use lariat_capture::{ControlSettings, FourCc, Io, RawFormat};
 use toml::Value;
 
 /// A pixel format by name.
@@ -12,7 +11,7 @@ pub struct FormatName {
     /// What a camera calls so.
     pub code: Option<FourCc>,
     /// What raw frames may be.
-    pub raw: Option<PixelFormat>,
+    pub raw: Option<RawFormat>,
 }
 
 /// What only cameras have, but for the pixel format, which frames in a pipe have too.
@@ -55,7 +54,7 @@ pub(super) fn pixel_format(value: &Value) -> Result<Option<FormatName>, String> 
     }
     let name = FormatName {
         code: asked.parse().ok(),
-        raw: PixelFormat::from_name(asked),
+        raw: RawFormat::from_name(asked),
     };
     if name == FormatName::default() {
         return Err(format!(
@@ -69,16 +68,21 @@ pub(super) fn pixel_format(value: &Value) -> Result<Option<FormatName>, String> 
 
 /// What raw frames may be, as words of a sentence.
 pub(super) fn raw_names() -> String {
-    let names = PixelFormat::ALL.map(PixelFormat::name);
-    let [others @ .., last] = &names;
-    format!("{} or {last}", others.join(", "))
+    let names: Vec<_> = RawFormat::names().collect();
+    match &names[..] {
+        [others @ .., last] => format!("{} or {last}", others.join(", ")),
+        [] => String::new(),
+    }
 }
 
 pub(super) fn pixel_format_value(format: &Option<FormatName>) -> Value {
     let name = match format {
         None => "auto".to_owned(),
-        Some(FormatName { raw: Some(raw), .. }) => raw.name().to_owned(),
-        Some(FormatName { code, .. }) => code.map_or_else(String::new, |code| code.to_string()),
+        // A camera's code may be another name of raw frames, and be read back as both.
+        Some(FormatName {
+            code: Some(code), ..
+        }) => code.to_string(),
+        Some(FormatName { raw, .. }) => raw.map_or("", RawFormat::name).to_owned(),
     };
     Value::String(name.to_ascii_lowercase())
 }

@@ -3,7 +3,7 @@
 use crate::settings::CameraSettings;
 use lariat_capture::{
     CameraOptions, FileOptions, FollowOptions, Pace, PipeOptions, Range, RawFrames, RenderOptions,
-    Request, Source, Wanted, names_a_camera, names_a_recording, video_fps,
+    Request, Source, Wanted, names_a_camera, names_a_recording, names_a_video, video_fps,
 };
 use std::path::PathBuf;
 use std::time::Duration;
@@ -184,10 +184,7 @@ impl Capture {
     /// Whether frames are pictures in files.
     pub fn is_of_pictures(&self) -> bool {
         let is_drawn = self.is_simulated() || self.is_rendered();
-        let is_video = |path: &PathBuf| {
-            let ending = path.extension();
-            ending.is_some_and(|ending| ending.eq_ignore_ascii_case("y4m"))
-        };
+        let is_video = |path: &PathBuf| names_a_video(path);
         !self.has_own_pace() && !is_drawn && !self.source.iter().any(is_video)
     }
 

@@ -121,7 +121,7 @@ pub(super) const KEYS: &[Key] = keys! {
     capture.source: By(meaning::paths, |paths| meaning::paths_value(paths), Takes::Paths),
         "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), \"external\" (frames that a program of\n\
          yours writes), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
-         stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M video, or a list of them. \"-\": standard input, a\n\
+         stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M or MJPEG video, or a list of them. \"-\": standard input, a\n\
          Y4M video, or frames as they are (then size and pixel_format say what they are).",
         "--source PATH", "capture snapshot", "Source", "Camera, pictures, video, recording, external or -";
     capture.fps: By(meaning::fps, meaning::fps_value, Takes::Number),
@@ -167,7 +167,7 @@ pub(super) const KEYS: &[Key] = keys! {
          set, three fifths of the time between two of its images.";
     capture.camera.pixel_format: By(camera::pixel_format, camera::pixel_format_value, Takes::Text),
         "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.\n\
-         Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, yuyv, uyvy, nv12, gray16, bayer_rggb8, ...",
+         Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, i420, yuyv, nv12, gray16, bayer_rggb8, ...",
         "--pixel-format CODE", "capture snapshot trace", "Camera", "Pixel format, such as yuyv or mjpg; raw: rgb8";
     capture.camera.io: Named("ways", &camera::IO),
         "How frames come from a camera's driver: \"userptr\" straight into shared memory, \"mmap\" by one copy, or \"auto\".",

@@ -274,7 +274,10 @@ impl<'a> Image<'a> {
     }
 
     /// The bytes of row `y` of the first plane, exactly as long as the row.
-    pub(crate) fn row(&self, y: usize) -> &'a [u8] {
+    ///
+    /// # Panics
+    /// The image has no such row.
+    pub fn row(&self, y: usize) -> &'a [u8] {
         let start = y * self.stride;
         &self.bytes[start..start + self.format.row_bytes(self.width)]
     }

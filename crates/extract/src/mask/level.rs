@@ -14,8 +14,13 @@ const HALF: u8 = 128;
 const SHARE: f32 = 0.12;
 /// Least distance from the mean of the rest, in mean deviations: 5 standard deviations of Gaussian noise.
 const DEVIATIONS: f32 = 6.0;
-/// The least mean of what is a rope: below, nothing in the mask is sure, and only what is likelier rope than not is taken.
+/// The least mean of ropes in any mask. Below it, ropes have to stand out; otherwise only pixels that are likelier rope than not
+/// are taken.
 const LEAST_ROPE: f32 = 96.0;
+/// The least mean of ropes in a weak mask: a probability of an eighth, at which a mask of full strength is cut.
+const LEAST_WEAK: f32 = 32.0;
+/// The least distance of that mean from the rest's, in mean deviations of the rest: twice that of the cut.
+const APART: f32 = 2.0 * DEVIATIONS;
 /// Rows that are counted, evenly spread: the means change little from row to row.
 const ROWS: usize = 64;
 
@@ -61,10 +66,11 @@ pub(crate) fn choose(mask: &GrayPlane) -> u8 {
         }
         cut = next.clamp(1, 255);
     }
-    if rope < LEAST_ROPE {
+    let deviation = mean(0..cut, &|level| (level as f32 - rest).abs());
+    let stands_out = rope >= LEAST_WEAK && rope - rest >= APART * deviation;
+    if rope < LEAST_ROPE && !stands_out {
         return HALF;
     }
-    let deviation = mean(0..cut, &|level| (level as f32 - rest).abs());
     let low = (SHARE * (rope - rest)).max(DEVIATIONS * deviation);
     (rest + low).ceil().clamp(1.0, cut as f32) as u8
 }
@@ -96,6 +102,17 @@ mod tests {
     fn a_restless_background_stays_out() {
         let levels = [[30, 50, 40, 60, 35].repeat(16), vec![240; 12]].concat();
         assert!(choose(&plane(&levels)) > 60);
+    }
+
+    #[test]
+    fn a_weak_mask_is_cut_like_a_strong_one_where_its_heaps_are_apart() {
+        for strength in [0.25, 0.45, 0.7] {
+            let rope =
+                [250, 250, 240, 170, 110, 60, 20].map(|level| (f64::from(level) * strength) as u8);
+            let levels = [vec![0; 120], rope.to_vec()].concat();
+            let level = f64::from(choose(&plane(&levels))) / strength;
+            assert!((10.0..60.0).contains(&level), "{strength}: {level}");
+        }
     }
 
     #[test]

@@ -56,7 +56,9 @@ impl<P: Port> Camera<P> {
                 let State::Streaming(stream) = &mut self.state else {
                     return None;
                 };
-                frame.slot = Some(stream.take_slot(filled)?.give_back());
+                let mut slot = stream.take_slot(filled)?;
+                self.shape.expand(&mut slot);
+                frame.slot = Some(slot.give_back());
             }
             Memory::Mapped => {
                 let read = self.read(filled, &mut frame, now_ns);
@@ -111,6 +113,7 @@ impl<P: Port> Camera<P> {
         let Some(decoder) = &mut self.decoder else {
             let count = bytes.len().min(into.len());
             into[..count].copy_from_slice(&bytes[..count]);
+            self.shape.expand(&mut into[..count]);
             frame.slot = slot.map(LentSlot::give_back);
             return true;
         };

@@ -49,6 +49,17 @@ fn what_does_not_take_memory_is_copied_from() {
 }
 
 #[test]
+fn frames_in_limited_range_are_expanded_wherever_they_are() {
+    // (100 − 16) · 255 / 219 ≈ 98, and 77, which the fake's own memory holds, is 71.
+    for (io, shown) in [(Io::Auto, 98), (Io::Mapped, 71)] {
+        let mut bench = Bench::new(io, true);
+        bench.camera.shape.range = ColorRange::Limited;
+        bench.expose(100, GOOD);
+        assert_eq!(bench.shown(), (1, shown), "{io:?}");
+    }
+}
+
+#[test]
 fn without_slots_a_frame_is_kept_until_it_is_asked_for() {
     let mut bench = Bench::new(Io::Mapped, true);
     bench.camera.slots.clear();

@@ -102,3 +102,10 @@ pub(crate) const CID_AUTO_N_PRESET_WHITE_BALANCE: u32 = 0x009a_0914;
 pub(crate) const CID_ISO_SENSITIVITY_AUTO: u32 = 0x009a_0918;
 /// The so-called 3A lock: exposure, white balance and focus, a bit each.
 pub(crate) const CID_3A_LOCK: u32 = 0x009a_091b;
+
+/// `V4L2_COLORSPACE_JPEG`: that of JFIF.
+pub(crate) const COLORSPACE_JPEG: u32 = 7;
+/// `V4L2_QUANTIZATION_FULL_RANGE`: levels from 0 to 255.
+pub(crate) const QUANTIZATION_FULL: u32 = 1;
+/// `V4L2_QUANTIZATION_LIM_RANGE`: levels from 16 to 235, and to 240.
+pub(crate) const QUANTIZATION_LIMITED: u32 = 2;

@@ -239,6 +239,7 @@ impl Bench {
             height: SIDE,
             stride: SIDE,
             encoding: Encoding::Plain(PixelFormat::Gray8),
+            range: ColorRange::Full,
             buffer_bytes: BYTES,
             interval_ns: Some(PERIOD_NS),
         };

@@ -1,0 +1,304 @@
+//! The meaning of a mask's bytes.
+//!
+//! Extraction takes a mask that is high where a rope is. Programs also write 0 and 1, the numbers of instances, or ropes
+//! that are black on white. Each is recognised by the mask alone and turned into what extraction takes, with a notice.
+
+use anyhow::{Result, bail};
+use lariat_extract::{Image, ImageError, PixelFormat};
+
+/// The least level that the automatic cut keeps, alone or next to a rope of 255: an eighth (`level.rs` of extract).
+const LEAST_KEPT: u8 = 32;
+/// The level of pixels without a label, next to labels that are small numbers (PASCAL VOC, Cityscapes).
+const UNLABELLED: u8 = 255;
+/// The smallest share of the pixels with small levels that lie inside of areas of one level, where these are labels. All pixels
+/// of a label's area do but single corners; in a soft edge or noise, few.
+const INSIDE: f32 = 0.9;
+/// Small levels that are looked at one by one, and the rows that are looked at of a mask with more, evenly spread: in noise
+/// all over VGA that is a fifth of the pixels.
+const MOST_SMALL: usize = 1 << 15;
+const ROWS: usize = 64;
+
+/// A mask that extraction can take, and a sentence if its bytes meant something else.
+#[derive(Debug)]
+pub struct MaskLevels {
+    /// A byte a pixel, row by row without padding; the higher the likelier rope.
+    pub levels: Vec<u8>,
+    /// Width and height, in pixels.
+    pub size: [usize; 2],
+    /// A sentence on what the mask's bytes mean.
+    pub notice: Option<String>,
+}
+
+impl MaskLevels {
+    /// The levels as extraction takes them.
+    ///
+    /// # Errors
+    /// They are more than extraction takes.
+    pub fn image(&self) -> Result<Image<'_>, ImageError> {
+        let [width, height] = self.size;
+        Image::new(&self.levels, width, height, width, PixelFormat::Gray8)
+    }
+}
+
+/// Reads the levels of a mask whose level is chosen by its own histogram.
+///
+/// # Errors
+/// All of its pixels have one level that is not 0: nothing tells ropes from the rest.
+pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>> {
+    // The extractor refuses masks of other formats.
+    if mask.format() != PixelFormat::Gray8 {
+        return Ok(None);
+    }
+    let (width, height) = (mask.width(), mask.height());
+    let counts = histogram(mask);
+    let total = width * height;
+    let used = |level: &usize| counts[*level] > 0;
+    let least = (0..256).find(used).unwrap_or(0);
+    let most = (0..256).rfind(used).unwrap_or(0);
+    if most == 0 {
+        return Ok(None);
+    }
+    if least == most {
+        bail!(
+            "the mask has the level {most} everywhere, which tells no rope from the rest: give a mask that is 0 where there is no rope"
+        );
+    }
+    let bright: usize = counts[(least + most).div_ceil(2)..].iter().sum();
+    let is_inverted = 2 * bright > total;
+    // The smallest level above the ground's.
+    let step = counts[least + 1..].iter().position(|&count| count > 0);
+    let has_small = step.is_some_and(|step| step + 1 < usize::from(LEAST_KEPT));
+    if !is_inverted && !has_small {
+        return Ok(None);
+    }
+    let (least, most) = (least as u8, most as u8);
+    let turned = |level: u8| {
+        if is_inverted {
+            most - level
+        } else {
+            level - least
+        }
+    };
+    let is_labelled = is_labelled(mask, &counts, turned);
+    if !is_inverted && !is_labelled {
+        return Ok(None);
+    }
+    let mut levels = Vec::with_capacity(total);
+    for y in 0..height {
+        levels.extend(mask.row(y).iter().map(|&level| turned(level)));
+    }
+    let inverted = is_inverted.then(|| {
+        let share = 100.0 * bright as f32 / total as f32;
+        format!(
+            "the bright part of the mask covers {share:.0} % of it, more than ropes do: its dark part is taken for the ropes \
+             (write ropes brighter than the rest)"
+        )
+    });
+    let labels = is_labelled.then(|| number_labels(&mut levels, least, most - least));
+    let size = [width, height];
+    Ok(Some(MaskLevels {
+        levels,
+        size,
+        notice: inverted.or(labels.flatten()),
+    }))
+}
+
+/// Turns labels into 255, and says so. `ground`: what was subtracted from them; `top`: the largest.
+fn number_labels(levels: &mut [u8], ground: u8, top: u8) -> Option<String> {
+    let mut seen = [false; 256];
+    (levels.iter()).for_each(|&level| seen[usize::from(level)] = true);
+    let unlabelled = UNLABELLED - ground;
+    let label = |level: &u8| seen[usize::from(*level)] && *level != unlabelled;
+    let smallest = (1..=top).find(label)?;
+    let largest = (1..=top).rfind(label)?;
+    for level in levels.iter_mut() {
+        *level = if (1..=largest).contains(level) {
+            255
+        } else {
+            0
+        };
+    }
+    let numbers = if smallest == largest {
+        format!("{}", ground + largest)
+    } else {
+        format!("{} to {}", ground + smallest, ground + largest)
+    };
+    let beside = if largest < top {
+        ", and 255 for pixels without a label"
+    } else {
+        ""
+    };
+    Some(format!(
+        "the mask's levels are numbers: {numbers} is taken for rope{beside} (mask_level says otherwise)"
+    ))
+}
+
+/// The number of pixels of each level.
+fn histogram(mask: &Image) -> [usize; 256] {
+    let mut counts = [0; 256];
+    let mut zeros = 0;
+    for y in 0..mask.height() {
+        let (eights, rest) = mask.row(y).as_chunks::<8>();
+        for eight in eights {
+            // Most of a mask is 0.
+            if u64::from_ne_bytes(*eight) == 0 {
+                zeros += 8;
+            } else {
+                eight
+                    .iter()
+                    .for_each(|&level| counts[usize::from(level)] += 1);
+            }
+        }
+        rest.iter()
+            .for_each(|&level| counts[usize::from(level)] += 1);
+    }
+    counts[0] += zeros;
+    counts
+}
+
+/// Returns true if there are small levels, once `turned`, and they are labels: areas of one level, not slopes or noise.
+///
+/// A pixel is inside of an area if a square of 2 × 2 pixels that it belongs to has its level.
+fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -> bool {
+    let (width, height) = (mask.width(), mask.height());
+    let is_small = |level: u8| (1..LEAST_KEPT).contains(&turned(level));
+    let levels = (0..=255u8).zip(counts).filter(|&(_, &count)| count > 0);
+    let all: usize = levels
+        .filter(|&(level, _)| is_small(level))
+        .map(|(_, count)| count)
+        .sum();
+    let step = if all > MOST_SMALL {
+        (height / ROWS).max(1)
+    } else {
+        1
+    };
+    let is_square = |x: usize, y: usize| {
+        let (upper, lower) = (&mask.row(y)[x..x + 2], &mask.row(y + 1)[x..x + 2]);
+        upper == lower && upper[0] == upper[1]
+    };
+    let (mut small, mut inside) = (0u32, 0u32);
+    for y in (0..height).step_by(step) {
+        for x in 0..width {
+            if !is_small(mask.row(y)[x]) {
+                continue;
+            }
+            small += 1;
+            let mut columns = (x.saturating_sub(1)..=x).filter(|&left| left + 1 < width);
+            let is_inside = columns.any(|left| {
+                let mut rows = (y.saturating_sub(1)..=y).filter(|&top| top + 1 < height);
+                rows.any(|top| is_square(left, top))
+            });
+            inside += u32::from(is_inside);
+        }
+    }
+    small > 0 && inside as f32 >= INSIDE * small as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::{FrameExtractor, FrameView};
+    use crate::settings;
+    use lariat_extract::Mask;
+    use lariat_wire::{Centerlines, FrameHeader};
+
+    const SIZE: (usize, usize) = (60, 40);
+
+    /// Bars of 6 rows, each of its own level, on a ground of one level.
+    fn bars(ground: u8, levels: &[u8]) -> Vec<u8> {
+        let mut mask = vec![ground; SIZE.0 * SIZE.1];
+        for (index, level) in levels.iter().enumerate() {
+            let from = (2 + 9 * index) * SIZE.0;
+            mask[from..from + 6 * SIZE.0].fill(*level);
+        }
+        mask
+    }
+
+    fn read(mask: &[u8]) -> Result<Option<(Vec<u8>, Option<String>)>> {
+        let image = Image::new(mask, SIZE.0, SIZE.1, SIZE.0, PixelFormat::Gray8)?;
+        let read = mask_levels(&image)?;
+        Ok(read.map(|read| (read.levels, read.notice)))
+    }
+
+    #[test]
+    fn small_numbers_are_ropes_each() {
+        for ground in [0, 1] {
+            for labels in [&[2, 2][..], &[2, 3], &[2, 3, 31, 4], &[3, 200]] {
+                let (levels, notice) = read(&bars(ground, labels)).unwrap().unwrap();
+                assert_eq!(levels, bars(0, &vec![255; labels.len()]), "{labels:?}");
+                assert!(notice.unwrap().contains("numbers: "), "{labels:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_without_a_label_are_not_rope() {
+        let (levels, notice) = read(&bars(0, &[1, 255, 2])).unwrap().unwrap();
+        assert_eq!(levels, bars(0, &[255, 0, 255]));
+        assert!(notice.unwrap().contains("without a label"));
+    }
+
+    #[test]
+    fn what_is_high_where_a_rope_is_stays_as_it_is() {
+        assert!(read(&bars(0, &[255, 255])).unwrap().is_none());
+        assert!(read(&bars(0, &[60, 250])).unwrap().is_none());
+        assert!(read(&bars(0, &[])).unwrap().is_none());
+        // A soft mask whose slopes begin at 1.
+        let mut soft = bars(0, &[255]);
+        for x in 0..SIZE.0 {
+            for (y, level) in [(0, 9), (1, 120), (8, 120), (9, 9)] {
+                soft[y * SIZE.0 + x] = level + (x % 3) as u8;
+            }
+        }
+        assert!(read(&soft).unwrap().is_none());
+    }
+
+    #[test]
+    fn ropes_that_are_black_on_white_are_turned() {
+        for (ground, level) in [(255, 0), (1, 0), (200, 40)] {
+            let (levels, notice) = read(&bars(ground, &[level])).unwrap().unwrap();
+            let expected = if ground == 1 { 255 } else { ground - level };
+            assert_eq!(levels, bars(0, &[expected]));
+            assert!(notice.unwrap().contains("dark part"));
+        }
+    }
+
+    #[test]
+    fn a_mask_of_one_level_is_refused() {
+        for level in [1, 128, 255] {
+            let said = read(&bars(level, &[])).unwrap_err().to_string();
+            assert!(
+                said.contains(&format!("level {level} everywhere")),
+                "{said}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_process_that_writes_numbers_has_its_rope_seen() {
+        let (width, height) = (320, 240);
+        let header = FrameHeader {
+            width,
+            height,
+            stride: width,
+            pixel_format: lariat_wire::PixelFormat::Gray8 as u32,
+            ..FrameHeader::default()
+        };
+        let picture = vec![210; (width * height) as usize];
+        let settings = settings::Extract {
+            mask: Mask::External,
+            ..settings::Extract::default()
+        };
+        for (label, ropes) in [(0, 0), (1, 1), (7, 1), (255, 1)] {
+            let mut mask = vec![0; picture.len()];
+            for row in mask.chunks_exact_mut(width as usize).skip(100).take(12) {
+                row[40..280].fill(label);
+            }
+            let mut extractor = FrameExtractor::new(&settings).unwrap();
+            let mut message = Box::new(Centerlines::EMPTY);
+            let [frame, mask] = [&picture, &mask].map(|bytes| FrameView::new(&header, bytes));
+            extractor.answer(frame, Some(mask), &mut message);
+            assert_eq!(message.count, ropes, "{label}");
+        }
+    }
+}
