@@ -87,6 +87,7 @@ mod ahead;
 #[cfg(all(debug_assertions, not(test)))]
 mod compiled;
 mod depth_files;
+mod depth_pairs;
 mod follow;
 mod lent;
 mod mjpeg;
@@ -109,7 +110,7 @@ mod video;
 mod y4m;
 mod yuv;
 
-pub use depth_files::DepthFiles;
+pub use depth_files::{DepthFiles, READ as DEPTH_IMAGES};
 pub use follow::FollowOptions;
 pub use lariat_drawn::{HandOptions, RenderOptions, SpaceCameras};
 pub use lent::{LentSlot, SlotKey};
