@@ -70,6 +70,8 @@ pub(crate) enum Step {
     Lost(String),
     /// Something is wrong, of which the numbers tell how many frames it cost: a sentence.
     Wrong(String),
+    /// Worth knowing, and nothing is lost: a sentence.
+    News(String),
     /// The pass is over: what was wrong with the end of it, if anything was.
     End(Option<String>),
 }
@@ -157,6 +159,7 @@ struct Picture {
 enum Message {
     Decoded(Frame, Option<u64>, Buffer),
     Warning(String),
+    News(String),
     /// All is decoded; so many sequence numbers were used.
     End(u64),
     Failed(SourceError),
@@ -170,6 +173,7 @@ pub(crate) struct Ahead {
     spare: Option<Sender<Buffer>>,
     decoder: Option<JoinHandle<()>>,
     warnings: VecDeque<String>,
+    news: VecDeque<String>,
     /// Whether all pictures are held, to be shown again; else only the one in use.
     keeps: bool,
     held: Vec<Picture>,
@@ -207,6 +211,7 @@ impl Ahead {
             .map_err(SourceError::NoThread)?;
         let mut source = Self {
             warnings: plan.warnings.iter().cloned().collect(),
+            news: plan.news.iter().cloned().collect(),
             plan,
             ready: Some(ready),
             spare: Some(spare),
@@ -251,6 +256,7 @@ impl Ahead {
                     return Ok(true);
                 }
                 Some(Message::Warning(warning)) => self.warnings.push_back(warning),
+                Some(Message::News(news)) => self.news.push_back(news),
                 Some(Message::End(round)) => {
                     self.round = Some(round);
                     self.current = self.held.len();
@@ -402,7 +408,7 @@ impl FrameSource for Ahead {
     }
 
     fn take_news(&mut self) -> Option<String> {
-        self.plan.news.take()
+        self.news.pop_front()
     }
 }
 
