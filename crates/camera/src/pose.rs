@@ -40,7 +40,7 @@ fn in_plausible_mm(
         return calibration::wrong(
             key,
             format!(
-                "a shift of {size} mm is too short for cameras: if the numbers are metres, name them translation_m; if they are \
+                "a shift of {size:.3} mm is too short for cameras: if the numbers are metres, name them translation_m; if they are \
                  millimetres, name their thousandths so"
             ),
         );

@@ -1,8 +1,8 @@
-//! Which depth image belongs to which picture, where both are files: by the number or the time in their names, else by order.
+//! Pairs of pictures and depth images that are files: by the number or the time in their names, or by their order.
 //!
 //! Data sets leave images out, or take both by clocks of their own, so that the n-th of one folder is not the n-th of the other. A
 //! number that is different in every name of a folder identifies its files. Equal numbers in both folders
-//! belong together. Of times the nearest do, within three fifths of the depth images' period, as for cameras
+//! belong together. Times need not be equal: the nearest belong together, within three fifths of the depth images' period, as for cameras
 //! ([`Pairing`](crate::pairing::Pairing)).
 
 use std::collections::{HashMap, HashSet};

@@ -109,7 +109,7 @@ fn is_video(path: &Path) -> bool {
     is_named(path, "y4m") && !path.is_dir()
 }
 
-/// Whether a path is that of a recording: a file by its name, or a folder that holds such files and is none of pictures, as
+/// Returns true if a path is that of a recording: a file by its name, or a folder that holds such files and is none of pictures, as
 /// `ros2 bag record` makes it.
 pub fn names_a_recording(path: &Path) -> bool {
     if !path.is_dir() {

@@ -144,7 +144,7 @@ const BESIDE_BYTES: u64 = 64 << 10;
 struct Opening {
     kind: SourceKind,
     size: Size,
-    /// Of the message that holds the image.
+    /// Bytes of the message that holds the image.
     message_bytes: usize,
 }
 

@@ -176,7 +176,7 @@ fn check_unit(pairs: &[Pair]) -> Result<()> {
     let span_mm = span(0).max(span(1));
     if !pairs.is_empty() && span_mm < LEAST_MM {
         bail!(
-            "the points lie within {span_mm} mm of each other on the table: their places are in millimetres, so multiply metres by 1000"
+            "the points lie within {span_mm:.3} mm of each other on the table: their places are in millimetres, so multiply metres by 1000"
         );
     }
     Ok(())

@@ -104,7 +104,7 @@ fn in_plausible_mm(translation: [f64; 3]) -> Result<[f64; 3]> {
     let size = length(translation);
     if size < LEAST_MM {
         bail!(
-            "translation_mm = {translation:?} puts the table {size} mm before the camera: name it translation_m if it is in metres"
+            "translation_mm = {translation:?} puts the table {size:.3} mm before the camera: name it translation_m if it is in metres"
         );
     }
     Ok(translation)

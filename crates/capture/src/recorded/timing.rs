@@ -13,9 +13,9 @@ const MOST_LOST: u64 = u32::MAX as u64;
 /// The longest step that is waited for. Ten seconds is how long people keep their attention on a program that does not move
 /// (J. Nielsen, *Usability Engineering*, 1993, section 5.5).
 const LONGEST_NS: u64 = 10_000_000_000;
-/// How much longer a step may be by the stamps than by the recorder's clock: queues between camera and recorder are shorter.
+/// The most that a step by the stamps may exceed that by the recorder's clock: queues between camera and recorder are shorter.
 const MOST_AHEAD_NS: u64 = 1_000_000_000;
-/// The period of frames of which nothing is known: a thirtieth of a second, the usual camera's.
+/// The period of frames without any other: a thirtieth of a second, the usual camera's.
 const USUAL_NS: u64 = 1_000_000_000 / 30;
 
 /// Places frames on the time of their pass.
@@ -32,11 +32,11 @@ pub(super) struct Timing {
 #[derive(Debug, Clone, Copy)]
 struct Last {
     sequence: u64,
-    /// How many frames of the source it came after the first.
+    /// Frames of the source since the first one.
     steps: u64,
     exposed_ns: u64,
     log_time_ns: u64,
-    /// How long it came after the first.
+    /// Time since the first one.
     after_ns: u64,
 }
 
@@ -59,7 +59,7 @@ impl Timing {
         self.news.take()
     }
 
-    /// Where the next frame is in its pass; none if it is left out. `log_time_ns`: when the recorder wrote it.
+    /// Places the next frame in its pass; none if it is left out. The recorder wrote it at `log_time_ns`.
     pub(super) fn place(
         &mut self,
         every: u64,
@@ -95,7 +95,7 @@ impl Timing {
         })
     }
 
-    /// How long after the last frame one is shown. `step`: how many frames of the source lie between them, and one.
+    /// The time from the last frame to this one, `step` frames of the source later.
     fn step_ns(
         &mut self,
         last: Last,
@@ -132,7 +132,7 @@ impl Timing {
                 Fault::Still => "has the stamp of the one before it".to_owned(),
             };
             self.news = Some(format!(
-                "frame {} {what}: it is shown {instead_ms:.1} ms after it, and others like it likewise (--fps max ignores the stamps)",
+                "frame {} {what}: it is shown {instead_ms:.1} ms after it, and so are others like it (--fps max ignores the stamps)",
                 steps + 1
             ));
         }
@@ -146,7 +146,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// When frames of these stamps and log times are shown, ms; and what is said.
+    /// The times at which frames of these stamps and log times are shown, ms; and the notices.
     fn shown(frames: &[(u64, u64)]) -> (Vec<u64>, Vec<String>) {
         let mut timing = Timing::default();
         let mut said = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::slice::from_ref;
 
 use image::{ImageBuffer, Luma, RgbImage};
 use lariat_capture::{DepthFiles, FileOptions, Position, Range};
@@ -31,7 +32,7 @@ fn write_depth(path: &Path, mm: u16, nearer: u16) {
 
 fn open(folders: &[PathBuf; 2], options: FileOptions) -> DepthFiles {
     let [color, depth] = folders;
-    DepthFiles::open(&[depth.clone()], &[color.clone()], &options).unwrap()
+    DepthFiles::open(from_ref(depth), from_ref(color), &options).unwrap()
 }
 
 /// The depth that each picture is given.
