@@ -234,7 +234,9 @@ impl<'a> Check<'a> {
             if needs_masks && !prepared.has_mask() && !prepared.is_blank() {
                 bail!("its mask was not recorded");
             }
-            let is_jpeg = gathered.frame().is_some_and(|frame| frame.pixels == Pixels::Jpeg);
+            let is_jpeg = gathered
+                .frame()
+                .is_some_and(|frame| matches!(frame.pixels, Pixels::Jpeg | Pixels::Other));
             if is_jpeg && self.within_px.is_none() {
                 bail!("a JPEG is not the image that extract saw (--within PX compares it all the same)");
             }

@@ -1,8 +1,19 @@
-//! What a calibration file says: the names that OpenCV's samples, its users' scripts and ROS give the same few numbers.
+//! Calibration files: the names that OpenCV, ROS, Kalibr, SLAM programs and users' scripts give the same few numbers.
+//!
+//! A file is read as a tree ([`document`](crate::document)), whatever its format. `cameras` finds the maps of the tree that hold a
+//! camera; `matrix`, `lens` and `size` read the numbers of one. [`READ`] lists what is understood.
+
+mod cameras;
+mod lens;
+mod matrix;
+mod names;
+mod size;
 
 use crate::camera::{Camera, CameraError};
-use crate::lens::Lens;
-use crate::yaml::{self, Node};
+use crate::document::{self, Node};
+use cameras::Found;
+pub use names::READ;
+use names::{MATRIX_NAMES, squeezed};
 use thiserror::Error;
 
 /// Why a file is no calibration.
@@ -18,6 +29,9 @@ pub enum CalibrationError {
         "it is no YAML ({0}): give the file as OpenCV's FileStorage or ROS's camera_calibration wrote it"
     )]
     Yaml(String),
+    /// No XML.
+    #[error("it begins as XML and is not ({0}): give the file as OpenCV's FileStorage wrote it")]
+    Xml(String),
     /// A reference.
     #[error("line {0}: references (*name) are not read: write the value out")]
     Alias(usize),
@@ -31,7 +45,7 @@ pub enum CalibrationError {
     Empty,
     /// A key that must be there.
     #[error(
-        "it has no {0}: OpenCV and ROS call it {1}; add it, or give the whole file that they wrote"
+        "it has no {0} (names looked for: {1}): add it, or give the whole file that the calibration wrote"
     )]
     Missing(&'static str, &'static str),
     /// A key of which the value is something else.
@@ -47,34 +61,61 @@ pub enum CalibrationError {
     Camera(#[from] CameraError),
 }
 
-/// As many numbers as any entry has that is read, and a good many more.
+/// The most numbers of an entry: four times the 14 coefficients of OpenCV's largest lens model.
 const MOST_NUMBERS: usize = 64;
 
-/// What is missing where there is no camera.
+/// The entry that makes a map a camera.
 pub(crate) const MATRIX: &str = "camera matrix";
 
-pub(crate) fn read(text: &str) -> Result<Camera, CalibrationError> {
-    camera(&yaml::read(text)?)
+/// Reads the first camera of a text; with a sentence about the others, if there are any.
+pub(crate) fn read(text: &str) -> Result<(Camera, Option<String>), CalibrationError> {
+    let file = document::read(text)?;
+    let found = cameras::cameras(&file);
+    let first = first(&found)?;
+    let notice = (found.len() > 1).then(|| {
+        format!(
+            "it has {} cameras ({}), and {} is used: for another one, give a file with that camera alone",
+            found.len(),
+            listed(&found),
+            first.name
+        )
+    });
+    Ok((camera_of(first)?, notice))
 }
 
+/// Reads the first camera of a file.
 pub(crate) fn camera(file: &Node) -> Result<Camera, CalibrationError> {
-    let (key, value) = find(file, &["cameramatrix", "k", "intrinsicmatrix"]).ok_or(
-        CalibrationError::Missing(MATRIX, "camera_matrix, cameraMatrix or K"),
-    )?;
-    let (focal_px, center_px) = intrinsics(key, value)?;
-    let lens = lens(file)?;
-    let size = size(file)?;
-    Ok(Camera::new(focal_px, center_px, lens, size)?)
+    camera_of(first(&cameras::cameras(file))?)
 }
 
-/// The entry of one of these names, in whatever case and with or without underscores.
+fn first<'f, 'n>(found: &'f [Found<'n>]) -> Result<&'f Found<'n>, CalibrationError> {
+    found
+        .first()
+        .ok_or(CalibrationError::Missing(MATRIX, MATRIX_NAMES))
+}
+
+fn listed(found: &[Found]) -> String {
+    let names = found.iter().map(|found| match found.topic() {
+        Some(topic) => format!("{} of {topic}", found.name),
+        None => found.name.clone(),
+    });
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn camera_of(found: &Found) -> Result<Camera, CalibrationError> {
+    let (focal_px, center_px) = matrix::read(found)?;
+    let lens = lens::read(found)?;
+    let size = size::size(found)?;
+    let camera = Camera::new(focal_px, center_px, lens, size)?;
+    match size::crop(found, size)? {
+        Some(crop) => Ok(camera.cropped(crop)?),
+        None => Ok(camera),
+    }
+}
+
+/// The first of these names that a map has, in any case and with or without underscores, hyphens and spaces.
 pub(crate) fn find<'a>(file: &'a Node, names: &[&str]) -> Option<(&'a str, &'a Node)> {
-    names.iter().find_map(|name| {
-        file.get(|key| {
-            let letters = key.chars().filter(|c| *c != '_' && *c != '-');
-            letters.map(|c| c.to_ascii_lowercase()).eq(name.chars())
-        })
-    })
+    (names.iter()).find_map(|name| file.get(|key| squeezed(key).eq(name.chars())))
 }
 
 pub(crate) fn wrong<T>(key: &str, why: impl Into<String>) -> Result<T, CalibrationError> {
@@ -128,114 +169,5 @@ fn shown(node: &Node) -> String {
             format!("\"{short}\"")
         }
         _ => "a map or a list".to_owned(),
-    }
-}
-
-type Intrinsics = ([f64; 2], [f64; 2]);
-
-fn intrinsics(key: &str, value: &Node) -> Result<Intrinsics, CalibrationError> {
-    let numbers = numbers(key, value)?;
-    let [fx, skew, cx, below, fy, cy, 0.0, 0.0, 1.0] = numbers[..] else {
-        return wrong(
-            key,
-            "a camera matrix is nine numbers, row by row, the last row 0, 0, 1",
-        );
-    };
-    if skew != 0.0 || below != 0.0 {
-        return wrong(
-            key,
-            "a camera with skewed pixels is not known here (nor to OpenCV's undistortPoints): its second and fourth \
-             numbers must be 0",
-        );
-    }
-    Ok(([fx, fy], [cx, cy]))
-}
-
-/// The lens: its model by name, else by how many coefficients there are.
-fn lens(file: &Node) -> Result<Lens, CalibrationError> {
-    let model = find(file, &["distortionmodel", "cameramodel"]);
-    let fisheye_flag = find(file, &["fisheyemodel"]);
-    let coefficients = find(
-        file,
-        &["distortioncoefficients", "distcoeffs", "distcoefs", "d"],
-    );
-    let (key, numbers) = match coefficients {
-        Some((key, value)) => (key, numbers(key, value)?),
-        None => {
-            return Err(CalibrationError::Missing(
-                "distortion coefficients (a list of 0 for a lens without distortion)",
-                "distortion_coefficients, distCoeffs or D",
-            ));
-        }
-    };
-    if numbers.iter().any(|c| c.abs() > 1e6) {
-        return wrong(key, "invalid coefficient above a million: look at the file");
-    }
-    let name = match model {
-        Some((_, Node::Scalar(name))) => name.trim().to_ascii_lowercase(),
-        Some((key, _)) => return wrong(key, MODELS),
-        None => String::new(),
-    };
-    let flagged = fisheye_flag.is_some_and(|(_, flag)| number(flag).is_some_and(|x| x != 0.0));
-    match &name[..] {
-        "equidistant" | "fisheye" | "kannala_brandt" => fisheye(key, &numbers),
-        "" if flagged => fisheye(key, &numbers),
-        ""
-        | "plumb_bob"
-        | "rational_polynomial"
-        | "thin_prism"
-        | "pinhole"
-        | "brown_conrady"
-        | "radtan"
-        | "none" => brown(key, &numbers),
-        _ => wrong(model.map_or("", |(key, _)| key), MODELS),
-    }
-}
-
-const MODELS: &str =
-    "the lens models are plumb_bob (Brown-Conrady), rational_polynomial and equidistant (fisheye)";
-
-fn brown(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
-    if ![0, 4, 5, 8, 12, 14].contains(&numbers.len()) {
-        let why = format!(
-            "{} coefficients are none of OpenCV's sets: 4, 5, 8, 12 or 14 (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty), or \
-             none",
-            numbers.len()
-        );
-        return wrong(key, why);
-    }
-    Lens::brown_conrady(numbers).map_or_else(|| wrong(key, UNUSABLE), Ok)
-}
-
-fn fisheye(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
-    let Ok(coefficients) = numbers.try_into() else {
-        let why = format!(
-            "a fisheye lens has 4 coefficients, and there are {}",
-            numbers.len()
-        );
-        return wrong(key, why);
-    };
-    Lens::fisheye(coefficients).map_or_else(|| wrong(key, UNUSABLE), Ok)
-}
-
-const UNUSABLE: &str =
-    "with these coefficients the picture folds over in its very middle: calibrate anew";
-
-fn size(file: &Node) -> Result<Option<[u32; 2]>, CalibrationError> {
-    let width = find(file, &["imagewidth", "width"]);
-    let height = find(file, &["imageheight", "height"]);
-    let side = |(key, value): (&str, &Node)| match number(value) {
-        Some(side) if side.fract() == 0.0 && (1.0..=65_535.0).contains(&side) => Ok(side as u32),
-        _ => wrong(
-            key,
-            format!("{} is no number of pixels from 1 to 65535", shown(value)),
-        ),
-    };
-    match (width, height) {
-        (Some(width), Some(height)) => Ok(Some([side(width)?, side(height)?])),
-        (None, None) => Ok(None),
-        (Some((key, _)), None) | (None, Some((key, _))) => {
-            wrong(key, "give both image_width and image_height, or neither")
-        }
     }
 }

@@ -27,6 +27,21 @@ pub struct Camera {
     center_px: [f64; 2],
     lens: Lens,
     size: Option<[u32; 2]>,
+    /// Width and height of the region of the sensor that its images show, unbinned; `None`: the whole sensor.
+    region: Option<[u32; 2]>,
+}
+
+/// The part of a sensor that images show, and how many of its pixels make one of theirs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Crop {
+    /// The region's first column and row on the sensor.
+    pub(crate) offset: [u32; 2],
+    /// The region's width and height on the sensor.
+    pub(crate) region: [u32; 2],
+    /// Columns and rows of the sensor for each of the image.
+    pub(crate) binning: [u32; 2],
+    /// The region is less than the sensor.
+    pub(crate) is_part: bool,
 }
 
 impl Camera {
@@ -57,15 +72,39 @@ impl Camera {
             center_px,
             lens,
             size,
+            region: None,
         })
     }
 
-    /// The camera of a calibration file, as OpenCV's `FileStorage` or ROS's `camera_info` writes it.
+    /// The first camera of a calibration file, as OpenCV, ROS, Kalibr and others write it ([`CALIBRATIONS`](crate::CALIBRATIONS)).
     ///
     /// # Errors
     /// It is no such file, or says what cannot be; each with the key and what to do.
     pub fn from_yaml(text: &str) -> Result<Self, CalibrationError> {
+        Self::first_of(text).map(|(camera, _)| camera)
+    }
+
+    /// The same, with a sentence that names the others if the file has several cameras.
+    ///
+    /// # Errors
+    /// As [`from_yaml`](Self::from_yaml).
+    pub fn first_of(text: &str) -> Result<(Self, Option<String>), CalibrationError> {
         calibration::read(text)
+    }
+
+    /// This camera in images of a part of its sensor.
+    pub(crate) fn cropped(self, crop: Crop) -> Result<Self, CameraError> {
+        let binning = crop.binning.map(f64::from);
+        let center = [0, 1].map(|i| {
+            let on_region = self.center_px[i] - f64::from(crop.offset[i]);
+            scaled(on_region, 1.0 / binning[i])
+        });
+        let focal = [0, 1].map(|i| self.focal_px[i] / binning[i]);
+        let size = [0, 1].map(|i| (crop.region[i] / crop.binning[i]).max(1));
+        Ok(Self {
+            region: Some(crop.region).filter(|_| crop.is_part),
+            ..Self::new(focal, center, self.lens, Some(size))?
+        })
     }
 
     /// Focal lengths, px.
@@ -128,8 +167,16 @@ impl Camera {
     ///
     /// # Errors
     /// The sides' ratio is another one (a crop: which part it is nobody knows), or, of a camera whose size is not known,
-    /// the principal point does not lie in such images.
+    /// the principal point does not lie in such images; of a camera of a part of the sensor, they are larger than that part.
     pub fn scaled_to(&self, size: [u32; 2]) -> Result<Self, SizeError> {
+        if let Some(region) = self.region
+            && (size[0] > region[0] || size[1] > region[1])
+        {
+            return Err(SizeError::Region {
+                region,
+                frames: size,
+            });
+        }
         let Some(own) = self.size else {
             let inside = (0..2).all(|i| (0.0..f64::from(size[i])).contains(&self.center_px[i]));
             return if inside {
@@ -150,6 +197,7 @@ impl Camera {
             center_px: [0, 1].map(|i| scaled(self.center_px[i], scale[i])),
             lens: self.lens,
             size: Some(size),
+            region: self.region,
         })
     }
 }

@@ -72,6 +72,7 @@ mod brown;
 mod calibration;
 mod camera;
 mod depth;
+mod document;
 mod fisheye;
 mod homography;
 mod jacobian;
@@ -84,9 +85,8 @@ mod rotation;
 mod solve;
 mod space;
 mod views;
-mod yaml;
 
-pub use calibration::CalibrationError;
+pub use calibration::{CalibrationError, READ as CALIBRATIONS};
 pub use camera::{Camera, CameraError};
 pub use depth::{
     DepthCalibration, DepthCamera, DepthCameraError, DepthImage, DepthImageError, DepthKind,
@@ -97,6 +97,6 @@ pub use jacobian::{Jacobian, Place};
 pub use lens::Lens;
 pub use mapping::{Mapping, Outside, SizeError};
 pub use plane::{Plane, PlaneError};
-pub use pose::{Pose, PoseError};
+pub use pose::{LEAST_MM, Pose, PoseError};
 pub use space::{SeenRope, SpacePoint};
 pub use views::{NoSecondView, Partner, RopeViews, SecondCalibration, ViewPair, ViewPairError};

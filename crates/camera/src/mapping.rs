@@ -21,6 +21,17 @@ pub enum SizeError {
         /// Width and height of the frames.
         frames: [u32; 2],
     },
+    /// The frames show more than the calibration's region.
+    #[error(
+        "it is for a region (roi) of {}×{} pixels of the sensor, and the frames of {}×{} pixels are larger: remove roi from the \
+         calibration file if the frames show the whole sensor", .region[0], .region[1], .frames[0], .frames[1]
+    )]
+    Region {
+        /// Width and height of the region.
+        region: [u32; 2],
+        /// Width and height of the frames.
+        frames: [u32; 2],
+    },
     /// The principal point is elsewhere.
     #[error(
         "its principal point ({:.1}, {:.1}) lies outside of the frames of {}×{} pixels: it is for larger images. Say which by \

@@ -1,8 +1,8 @@
 //! Where one frame of coordinates stands in another.
 
 use crate::calibration::{self, CalibrationError};
+use crate::document::{self, Node};
 use crate::rotation::is_rotation;
-use crate::yaml::{self, Node};
 use thiserror::Error;
 
 /// Why numbers make no pose.
@@ -16,6 +16,36 @@ pub enum PoseError {
     /// An invalid translation.
     #[error("invalid translation: three lengths in mm, below 100 m")]
     Translation,
+}
+
+/// The least distance of a camera from the frame of a robot or a table, mm. It is the shortest working distance of a lens, and
+/// lengths in metres that are read as millimetres are below it within 10 m.
+pub const LEAST_MM: f64 = 10.0;
+/// The least distance of a depth camera from its colour camera, if they are not one: housings are below 1 m, as numbers below this.
+pub(crate) const LEAST_BESIDE_MM: f64 = 1.0;
+/// Shifts up to here are the same to every rope, mm: a micrometre.
+const NONE_MM: f64 = 1e-3;
+
+/// A shift that may be in millimetres.
+///
+/// # Errors
+/// It is too short: more likely metres.
+fn in_plausible_mm(
+    key: &str,
+    shift: [f64; 3],
+    least_mm: f64,
+) -> Result<[f64; 3], CalibrationError> {
+    let size = dot(shift, shift).sqrt();
+    if (NONE_MM..least_mm).contains(&size) {
+        return calibration::wrong(
+            key,
+            format!(
+                "a shift of {size:.3} mm is too short for cameras: if the numbers are metres, name them translation_m; if they are \
+                 millimetres, name their thousandths so"
+            ),
+        );
+    }
+    Ok(shift)
 }
 
 /// A turn and a shift: of points of one frame to another.
@@ -49,28 +79,35 @@ impl Pose {
         })
     }
 
-    /// Reads `rotation`, nine numbers row by row or a quaternion x, y, z, w, and `translation_mm`, three numbers, of YAML.
+    /// Reads the pose of a camera before the robot, of YAML: `rotation`, nine numbers row by row or a quaternion x, y, z, w, and
+    /// `translation_mm`, three numbers, or `translation_m`.
     ///
     /// # Errors
     /// It has no such keys, or they say what cannot be.
     pub fn from_yaml(text: &str) -> Result<Self, CalibrationError> {
-        let file = yaml::read(text)?;
-        Self::read(&file)?.ok_or(CalibrationError::Missing(
+        let file = document::read(text)?;
+        Self::read(&file, LEAST_MM)?.ok_or(CalibrationError::Missing(
             "pose",
             "rotation (nine numbers, or a quaternion x, y, z, w) and translation_mm",
         ))
     }
 
-    /// What a file says of it; `None` if nothing.
-    pub(crate) fn read(file: &Node) -> Result<Option<Self>, CalibrationError> {
+    /// Reads the pose of a file; `None` without one. A shift of less than `least_mm` under `translation_mm` is refused as metres.
+    pub(crate) fn read(file: &Node, least_mm: f64) -> Result<Option<Self>, CalibrationError> {
         let rotation = calibration::find(file, &["rotation"]);
-        let translation = calibration::find(file, &["translationmm"]);
+        let in_mm = calibration::find(file, &["translationmm"]);
+        let in_m = calibration::find(file, &["translationm"]);
+        if let (Some(_), Some((key, _))) = (in_mm, in_m) {
+            return calibration::wrong(key, "give translation_mm or translation_m, not both");
+        }
+        let translation = in_mm.or(in_m);
         let (Some((key, turn)), Some((beside, shift))) = (rotation, translation) else {
             return match (rotation, translation) {
                 (None, None) => Ok(None),
-                (Some((key, _)), _) | (_, Some((key, _))) => {
-                    calibration::wrong(key, "give both rotation and translation_mm, or neither")
-                }
+                (Some((key, _)), _) | (_, Some((key, _))) => calibration::wrong(
+                    key,
+                    "give both rotation and translation_mm (or translation_m), or neither",
+                ),
             };
         };
         let rotation = match calibration::numbers(key, turn)?[..] {
@@ -87,7 +124,11 @@ impl Pose {
         let [x, y, z] = calibration::numbers(beside, shift)?[..] else {
             return calibration::wrong(beside, "a translation is three numbers, in mm");
         };
-        match Self::new(rotation, [x, y, z]) {
+        let shift_mm = match in_m {
+            Some(_) => [x, y, z].map(|c| 1000.0 * c),
+            None => in_plausible_mm(beside, [x, y, z], least_mm)?,
+        };
+        match Self::new(rotation, shift_mm) {
             Ok(pose) => Ok(Some(pose)),
             Err(cause @ PoseError::Rotation) => calibration::wrong(key, cause.to_string()),
             Err(cause) => calibration::wrong(beside, cause.to_string()),

@@ -70,6 +70,8 @@ pub(crate) enum Step {
     Lost(String),
     /// Something is wrong, of which the numbers tell how many frames it cost: a sentence.
     Wrong(String),
+    /// Worth knowing, and nothing is lost: a sentence.
+    News(String),
     /// The pass is over: what was wrong with the end of it, if anything was.
     End(Option<String>),
 }

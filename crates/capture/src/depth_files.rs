@@ -1,4 +1,4 @@
-//! Depth images beside the pictures of a folder: PNG or TIFF of 16 bits a pixel, one for each picture, in the same order.
+//! Depth images alongside the pictures of a folder: PNG or TIFF of 16 bits a pixel, paired by their names ([`depth_pairs`](crate::depth_pairs)).
 
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -6,36 +6,68 @@ use std::path::PathBuf;
 
 use image::{ColorType, ImageDecoder, ImageReader};
 
+use crate::depth_pairs::{By, pair};
 use crate::open::FileOptions;
 use crate::picture::LARGEST_BYTES;
-use crate::pictures::chosen;
+use crate::pictures::{listed, selected};
 use crate::source::SourceError;
+
+/// The depth images that are read from files.
+pub const READ: [[&str; 2]; 2] = [
+    [
+        "PNG, TIFF (where it is built in)",
+        "one whole number of 16 bits a pixel, `depth_unit_mm` each; 0 is not measured",
+    ],
+    [
+        "pairing with pictures",
+        "by the number or the time in the names of both, else by order; a notice says which",
+    ],
+];
 
 /// Depth images as files.
 #[derive(Debug)]
 pub struct DepthFiles {
     files: Vec<PathBuf>,
+    /// For each picture that is shown: its name, and which of the files is its depth image.
+    pictures: Vec<(PathBuf, Option<usize>)>,
+    notice: String,
     looped: bool,
     size: [u32; 2],
     file: Vec<u8>,
 }
 
 impl DepthFiles {
-    /// Finds them: files and folders in the order given, a folder's in natural order, and of them the same part as of the pictures.
+    /// Finds the depth images of these pictures: files and folders in the order given, a folder's in natural order. The options choose
+    /// among the pictures.
     ///
     /// # Errors
-    /// A path that does not exist, a folder without pictures, or no depth image in the first file.
-    pub fn open(paths: &[PathBuf], options: &FileOptions) -> Result<Self, SourceError> {
-        let (files, _) = chosen(paths, options)?;
+    /// A path that does not exist, a folder without pictures, names that contradict each other, or no depth image in the first file.
+    pub fn open(
+        paths: &[PathBuf],
+        pictures: &[PathBuf],
+        options: &FileOptions,
+    ) -> Result<Self, SourceError> {
+        let broken = |reason| SourceError::Picture { reason };
+        let (files, left_out) = listed(paths)?;
+        let (pictures, _) = listed(pictures)?;
+        let (of, by) = pair(&pictures, &files).map_err(broken)?;
+        let frames = options.range.frames(options.fps)?;
+        let pictures = selected(pictures.into_iter().zip(of).collect(), frames)?;
         let mut images = Self {
+            notice: notice(by, &pictures, left_out),
             files,
+            pictures,
             looped: options.looped,
             size: [0; 2],
             file: Vec::new(),
         };
-        let broken = |reason| SourceError::Picture { reason };
         images.size = images.decode(0, None).map_err(broken)?;
         Ok(images)
+    }
+
+    /// A sentence about how depth images and pictures were paired.
+    pub fn notice(&self) -> &str {
+        &self.notice
     }
 
     /// Width and height of the first.
@@ -51,17 +83,36 @@ impl DepthFiles {
     /// Writes the depth image of the picture of this number, from 1: whole numbers of 16 bits in the machine's own order.
     ///
     /// # Errors
-    /// A sentence: there is none, it cannot be decoded, or has another size than the first.
+    /// A sentence: there is none, it cannot be decoded, shows nothing, or has another size than the first.
     pub fn write(&mut self, sequence: u64, pixels: &mut [u8]) -> Result<(), String> {
-        let count = self.files.len() as u64;
+        let count = self.pictures.len() as u64;
         let place = sequence.saturating_sub(1);
         let place = if self.looped { place % count } else { place };
-        if place >= count {
+        let picture = usize::try_from(place)
+            .ok()
+            .and_then(|place| self.pictures.get(place));
+        let Some((name, image)) = picture else {
             return Err(format!(
-                "picture {sequence} has no depth image: there are only {count}"
+                "there are only {count} pictures, and none is the {sequence}th"
+            ));
+        };
+        let Some(image) = *image else {
+            let name = name.display();
+            return Err(format!(
+                "the picture {name} (frame {sequence}) has no depth image"
+            ));
+        };
+        self.decode(image, Some(pixels))?;
+        let mut depths = pixels.chunks_exact(2);
+        let first = depths.next();
+        if depths.all(|depth| Some(depth) == first) {
+            let value = first.map_or(0, |pair| u16::from_ne_bytes([pair[0], pair[1]]));
+            return Err(format!(
+                "the depth image {} shows nothing: all its pixels are {value}",
+                self.files[image].display()
             ));
         }
-        self.decode(place as usize, Some(pixels)).map(|_| ())
+        Ok(())
     }
 
     /// Its size; and its pixels, where they are wanted.
@@ -95,4 +146,22 @@ impl DepthFiles {
         decoder.read_image(pixels).map_err(|error| cannot(&error))?;
         Ok([width, height])
     }
+}
+
+fn notice(by: By, pictures: &[(PathBuf, Option<usize>)], left_out: Vec<String>) -> String {
+    let with = pictures.iter().filter(|(_, image)| image.is_some()).count();
+    let how = match by {
+        By::Number => "by the number in their names",
+        By::Time => "by the time in their names",
+        By::Order => "by their order, as their names have no number or time in common",
+    };
+    let mut notice = format!(
+        "depth images are paired with pictures {how}: {with} of {} pictures have one",
+        pictures.len()
+    );
+    for sentence in left_out {
+        notice.push_str("; ");
+        notice.push_str(&sentence);
+    }
+    notice
 }

@@ -92,6 +92,7 @@ mod color_range;
 #[cfg(all(debug_assertions, not(test)))]
 mod compiled;
 mod depth_files;
+mod depth_pairs;
 mod follow;
 mod foreign;
 mod lent;
@@ -118,7 +119,7 @@ mod video;
 mod y4m;
 mod yuv;
 
-pub use depth_files::DepthFiles;
+pub use depth_files::{DepthFiles, READ as DEPTH_IMAGES};
 pub use follow::FollowOptions;
 pub use lariat_drawn::{HandOptions, RenderOptions, SpaceCameras};
 pub use lent::{LentSlot, SlotKey};

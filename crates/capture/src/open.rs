@@ -7,6 +7,7 @@ use lariat_drawn::RenderOptions;
 
 use crate::follow::{Follow, FollowOptions};
 use crate::mjpeg_file::{names_mjpeg, open_mjpeg};
+use crate::picture::names_a_picture;
 use crate::pictures::open_pictures;
 use crate::piped::{PipeOptions, Piped};
 use crate::range::Range;
@@ -56,8 +57,8 @@ pub struct FileOptions {
 }
 
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, `external` a program of the user's, a name that ends in `.mcap` a
-    /// recording, anything else is paths (a folder of the name `rendered` is `./rendered`).
+    /// The source that these words name: `rendered` alone is the rendered rope, `external` a program of the user's, what [names a recording](names_a_recording)
+    /// one, anything else is paths (a folder of the name `rendered` is `./rendered`).
     pub fn named<P: AsRef<Path>>(
         names: &[P],
         options: FileOptions,
@@ -118,9 +119,22 @@ pub fn names_a_video(path: &Path) -> bool {
     is_named(path, "y4m") || names_mjpeg(path)
 }
 
-/// Whether a path is that of a recording, by its name.
+/// Returns true if a path is that of a recording: a file by its name, or a folder that holds such files and is none of pictures, as
+/// `ros2 bag record` makes it.
 pub fn names_a_recording(path: &Path) -> bool {
-    is_named(path, "mcap")
+    if !path.is_dir() {
+        return lariat_record::names_a_recording(path);
+    }
+    let Ok(entries) = std::fs::read_dir(path) else {
+        return false;
+    };
+    let files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let is_bag =
+        path.join("metadata.yaml").is_file() || !files.iter().any(|file| names_a_picture(file));
+    is_bag
+        && files
+            .iter()
+            .any(|file| lariat_record::names_a_recording(file))
 }
 
 fn is_named(path: &Path, extension: &str) -> bool {

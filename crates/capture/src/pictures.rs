@@ -16,12 +16,9 @@ use crate::picture::{
 use crate::range::Frames;
 use crate::source::SourceError;
 
-/// The files that pictures and folders mean, in the order given, a folder's in natural order; those of the range. And what
-/// there is to say of folders.
-pub(crate) fn chosen(
-    paths: &[PathBuf],
-    options: &FileOptions,
-) -> Result<(Vec<PathBuf>, Vec<String>), SourceError> {
+/// The files that pictures and folders mean, in the order given, a folder's in natural order; and sentences about files that were
+/// left out.
+pub(crate) fn listed(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), SourceError> {
     let mut files = Vec::new();
     let mut warnings = Vec::new();
     for path in paths {
@@ -44,8 +41,7 @@ pub(crate) fn chosen(
             files.push(path.clone());
         }
     }
-    let frames = options.range.frames(options.fps)?;
-    Ok((selected(files, frames)?, warnings))
+    Ok((files, warnings))
 }
 
 /// The reason to refuse a file with these first bytes.
@@ -61,8 +57,9 @@ pub(crate) fn open_pictures(
     paths: &[PathBuf],
     options: &FileOptions,
 ) -> Result<Ahead, SourceError> {
-    let (files, warnings) = chosen(paths, options)?;
+    let (files, warnings) = listed(paths)?;
     let frames = options.range.frames(options.fps)?;
+    let files = selected(files, frames)?;
     // A file whose head is broken is left in the sequence, to be lost when its turn comes.
     let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
     for layout in files.iter().filter_map(|file| probe(file).ok()) {
@@ -88,7 +85,7 @@ pub(crate) fn open_pictures(
 }
 
 /// Those of the files that are in the range.
-fn selected(files: Vec<PathBuf>, frames: Frames) -> Result<Vec<PathBuf>, SourceError> {
+pub(crate) fn selected<T>(files: Vec<T>, frames: Frames) -> Result<Vec<T>, SourceError> {
     let count = files.len() as u64;
     if frames.of(count) == 0 {
         return Err(SourceError::BehindEnd {

@@ -4,19 +4,21 @@
 //! What was lost then is lost again: the numbers have the same gaps. What had no image has none now.
 
 mod lookahead;
+mod timing;
 
 use std::path::{Path, PathBuf};
 
-use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
+use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind};
 use lariat_record::{Entry, Messages, Pixels, Place, Recording, Span};
 
-use crate::ahead::{Ahead, Decode, Layout, Moment, Plan, Step};
+use crate::ahead::{Ahead, Decode, Layout, Plan, Step};
 use crate::bits::{Bits, largest};
 use crate::color_range::ColorRange;
 use crate::picture::PictureDecoder;
 use crate::range::{Position, Range};
 use crate::source::SourceError;
 use lookahead::Lookahead;
+use timing::Timing;
 
 /// Which part of a recording to show.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,14 +70,21 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
     let span = span_of(&options.range)?;
     let messages = recording.messages(span).map_err(|error| unfit(&error))?;
     let mut first = recording.messages(span).map_err(|error| unfit(&error))?;
-    let Opening { kind, size } = Opening::of(&mut first);
+    let Opening {
+        kind,
+        size,
+        message_bytes,
+    } = Opening::of(&mut first);
     let (largest, total_bytes) = match size {
         // A picture file tells its size by itself; the others are taken to be no larger.
         Size::Unpacked(bytes) => (bytes, u64::MAX),
-        Size::Raw(bytes) if largest > bytes as u64 + BESIDE_BYTES => {
+        Size::Raw(bytes) if largest > message_bytes as u64 + BESIDE_BYTES => {
             (largest_of(&mut first).max(bytes), total_bytes)
         }
-        Size::Raw(_) => (usize::try_from(largest).unwrap_or(usize::MAX), total_bytes),
+        Size::Raw(bytes) => {
+            let largest = usize::try_from(largest).unwrap_or(usize::MAX);
+            (largest.max(bytes), total_bytes)
+        }
     };
     let has_truth = topics
         .iter()
@@ -100,7 +109,7 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
         is_fresh: true,
         reader: Reader::default(),
         lookahead: Lookahead::new(has_truth),
-        last: None,
+        timing: Timing::default(),
     };
     Ahead::start(recorded, plan)
 }
@@ -138,6 +147,8 @@ const BESIDE_BYTES: u64 = 64 << 10;
 struct Opening {
     kind: SourceKind,
     size: Size,
+    /// Bytes of the message that holds the image.
+    message_bytes: usize,
 }
 
 /// Bytes of the first image's pixels.
@@ -149,7 +160,7 @@ enum Size {
 
 impl Opening {
     fn of(messages: &mut Messages) -> Self {
-        let mut kind = SourceKind::Files;
+        let (mut kind, mut message_bytes) = (SourceKind::Files, 0);
         let size = loop {
             let frame = match messages.next_frame() {
                 Ok(None) => break Size::Raw(0),
@@ -158,16 +169,21 @@ impl Opening {
                 Ok(Some(frame)) => frame,
             };
             kind = SourceKind::from_code(frame.header.source).unwrap_or(SourceKind::Files);
+            message_bytes = frame.message_bytes;
             match frame.pixels {
                 Pixels::None => {}
                 Pixels::Raw(bytes) => break Size::Raw(bytes.len()),
-                Pixels::Png(file) | Pixels::Jpeg(file) => {
+                Pixels::Png(file) | Pixels::Jpeg(file) | Pixels::Other(file) => {
                     let size = PictureDecoder::size(Path::new("a picture"), file);
                     break Size::Unpacked(size.unwrap_or(0));
                 }
             }
         };
-        Self { kind, size }
+        Self {
+            kind,
+            size,
+            message_bytes,
+        }
     }
 }
 
@@ -201,59 +217,7 @@ struct Recorded {
     is_own: bool,
     reader: Reader,
     lookahead: Lookahead,
-    last: Option<Last>,
-}
-
-/// The frame that was read last, shown or not, as of the pass's first.
-#[derive(Debug, Clone, Copy)]
-struct Last {
-    sequence: u64,
-    /// How many frames of the source it came after the first.
-    steps: u64,
-    exposed_ns: u64,
-    /// How long it came after the first.
-    after_ns: u64,
-}
-
-/// No more frames are lost between two: further on it is another count.
-const MOST_LOST: u64 = u32::MAX as u64;
-/// Nobody waits longer than a day for the next frame: further on it is another clock.
-const LONGEST_NS: u64 = 24 * 3600 * 1_000_000_000;
-
-/// Where the next frame stands; none if it is left out.
-fn place(last: &mut Option<Last>, every: u64, frame: &FrameHeader) -> Option<Moment> {
-    let Trace {
-        sequence,
-        exposed_ns,
-        ..
-    } = frame.trace;
-    let (steps, after_ns) = match *last {
-        None => (0, 0),
-        Some(last) => {
-            // A source that was begun anew while it was recorded counts from 1 again, and a clock that was set back does not
-            // take the frames back.
-            let step = sequence.checked_sub(last.sequence).unwrap_or(1);
-            let step = if step > MOST_LOST { 1 } else { step.max(1) };
-            let step_ns = exposed_ns.saturating_sub(last.exposed_ns);
-            let step_ns = step_ns.clamp(1, LONGEST_NS);
-            (
-                last.steps.saturating_add(step),
-                last.after_ns.saturating_add(step_ns),
-            )
-        }
-    };
-    let now = Last {
-        sequence,
-        exposed_ns,
-        steps,
-        after_ns,
-    };
-    *last = Some(now);
-    let is_shown = now.steps.is_multiple_of(every);
-    is_shown.then_some(Moment {
-        number: now.steps / every + 1,
-        after_ns: now.after_ns,
-    })
+    timing: Timing,
 }
 
 /// Makes pixels of recorded ones.
@@ -311,7 +275,7 @@ fn fill(
             }
             Ok(layout)
         }
-        Pixels::Png(file) | Pixels::Jpeg(file) => {
+        Pixels::Png(file) | Pixels::Jpeg(file) | Pixels::Other(file) => {
             let name = format!("the picture of frame {sequence}");
             reader.pictures.decode_file(Path::new(&name), file, pixels)
         }
@@ -329,7 +293,7 @@ impl Decode for Recorded {
                         what: with_causes(&error),
                     })?;
             self.lookahead.clear();
-            self.last = None;
+            self.timing.restart();
         }
         Ok(())
     }
@@ -340,14 +304,19 @@ impl Decode for Recorded {
         if let Some(error) = self.lookahead.take_error() {
             return about(&with_causes(&error));
         }
+        if let Some(news) = self.timing.take_news() {
+            return Step::News(format!("{}: {news}", self.path.display()));
+        }
         loop {
             let stashed = self.lookahead.next_frame();
-            let (header, recorded) = match &stashed {
-                Some(stashed) => (stashed.header, stashed.pixels()),
+            let (header, log_time_ns, recorded) = match &stashed {
+                Some(stashed) => (stashed.header, stashed.log_time_ns, stashed.pixels()),
                 None => match self.messages.next() {
                     Ok(None) => return Step::End(None),
                     Err(error) => return about(&with_causes(&error)),
-                    Ok(Some(Entry::Frame(frame))) => (frame.header, frame.pixels),
+                    Ok(Some(Entry::Frame(frame))) => {
+                        (frame.header, frame.log_time_ns, frame.pixels)
+                    }
                     Ok(Some(Entry::Truth(truth))) => {
                         self.lookahead.truth_came(truth);
                         continue;
@@ -355,7 +324,7 @@ impl Decode for Recorded {
                     Ok(Some(_)) => continue,
                 },
             };
-            let moment = place(&mut self.last, self.every, &header);
+            let moment = self.timing.place(self.every, &header, log_time_ns);
             let (is_own, reader) = (self.is_own, &mut self.reader);
             let filled = moment.map(|_| fill(&header, recorded, is_own, reader, pixels));
             if let Some(stashed) = stashed {

@@ -15,6 +15,8 @@ pub struct Calibrated {
     camera: Option<Camera>,
     plane: Option<Plane>,
     unit: Unit,
+    /// A sentence about the camera that was chosen among those of the calibration file.
+    notice: Option<String>,
 }
 
 /// What stands beside the colour camera, so that ropes are found in space.
@@ -32,11 +34,12 @@ impl Calibrated {
     /// # Errors
     /// A file that cannot be read or says what cannot be; millimetres without a plane.
     pub fn load(settings: &settings::Camera) -> Result<Option<Self>> {
-        let camera = settings
-            .calibration
-            .as_deref()
-            .map(read_camera)
-            .transpose()?;
+        let read = settings.calibration.as_deref();
+        let read = read.map(read_first).transpose()?;
+        let (camera, notice) = match read {
+            Some((camera, notice)) => (Some(camera), notice),
+            None => (None, None),
+        };
         // What is in it is looked at even if it is not used now.
         let plane = match &settings.plane {
             Some(path) => Some(plane_file::read(path, camera.as_ref())?),
@@ -60,6 +63,7 @@ impl Calibrated {
             camera,
             plane,
             unit,
+            notice,
         }))
     }
 
@@ -115,6 +119,11 @@ impl Calibrated {
         Ok(Some((beside, pose)))
     }
 
+    /// A sentence about the camera that was chosen among those of the calibration file, if it has several.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
     /// What points come in.
     pub fn unit(&self) -> Unit {
         self.unit
@@ -136,10 +145,16 @@ impl Calibrated {
 /// # Errors
 /// It cannot be read, or is not a calibration.
 pub fn read_camera(path: &Path) -> Result<Camera> {
+    read_first(path).map(|(camera, _)| camera)
+}
+
+/// Reads the lens calibration of a file's first camera; with a sentence that says so, if the file has several.
+fn read_first(path: &Path) -> Result<(Camera, Option<String>)> {
     let shown = path.display();
     let text = crate::bounded::read_text(path)
-        .with_context(|| format!("cannot read the calibration {shown}"))?;
-    Camera::from_yaml(&text).with_context(|| shown.to_string())
+        .with_context(|| format!("cannot read the calibration {shown} (text of OpenCV, ROS, Kalibr and others; of NumPy's arrays write mtx and dist as JSON)"))?;
+    let (camera, notice) = Camera::first_of(&text).with_context(|| shown.to_string())?;
+    Ok((camera, notice.map(|notice| format!("{shown}: {notice}"))))
 }
 
 /// The file of the lens calibration that a running rig goes by, as its fit says of itself; `None` if there is none.

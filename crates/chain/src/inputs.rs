@@ -1,7 +1,9 @@
 //! From the paths that the user named to the pictures they mean.
 
 use anyhow::{Context, Result, bail};
-use lariat_capture::{PICTURES, foreign_example, names_a_picture, natural_order};
+use lariat_capture::{
+    PICTURES, foreign_example, names_a_picture, names_a_recording, natural_order,
+};
 use std::cmp::Ordering;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
@@ -10,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) {
     let (mut found, mut wrong) = (Vec::new(), Vec::new());
     for path in paths {
-        if !path.is_dir() {
+        if !path.is_dir() || names_a_recording(path) {
             // Whether it is a picture, and there at all, shows when it is opened.
             found.push(path.clone());
             continue;

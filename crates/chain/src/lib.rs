@@ -48,6 +48,8 @@ pub mod measured_plane;
 pub mod messages;
 pub mod notify;
 pub mod output;
+#[cfg(test)]
+mod outside;
 pub mod picture;
 pub mod pipeline;
 pub mod places;

@@ -1,7 +1,7 @@
 //! The plane of points that were measured: how it comes of them, how well they agree, and what it looks like in the picture.
 
-use anyhow::{Context, Result};
-use lariat_camera::{Camera, Mapping, Pair, Plane};
+use anyhow::{Context, Result, bail};
+use lariat_camera::{Camera, LEAST_MM, Mapping, Pair, Plane};
 
 use crate::plane_file;
 
@@ -58,6 +58,7 @@ impl MeasuredPlane {
         });
         let ideal = ideal.collect::<Result<Vec<Pair>>>()?;
         let mut plane = Plane::from_pairs(&ideal)?.in_images_of(size);
+        check_unit(pairs)?;
         if let Some(camera) = camera {
             let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
             plane = plane.undistorted_by([fx, fy, cx, cy]);
@@ -165,6 +166,22 @@ fn round_step(step: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
+/// # Errors
+/// The points lie nearer to each other than any camera is to a table: more likely metres.
+fn check_unit(pairs: &[Pair]) -> Result<()> {
+    let span = |axis: usize| {
+        let places = || pairs.iter().map(|pair| pair.plane_mm[axis]);
+        places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min)
+    };
+    let span_mm = span(0).max(span(1));
+    if !pairs.is_empty() && span_mm < LEAST_MM {
+        bail!(
+            "the points lie within {span_mm:.3} mm of each other on the table: their places are in millimetres, so multiply metres by 1000"
+        );
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,6 +215,21 @@ mod tests {
             .unwrap()
             .point;
         assert!(corner[0].hypot(corner[1]) < 1e-6, "{corner:?}");
+    }
+
+    #[test]
+    fn points_in_metres_are_refused() {
+        let pairs = pairs(&[
+            [60.0, 50.0, 0.0, 0.0],
+            [590.0, 45.0, 0.297, 0.0],
+            [600.0, 430.0, 0.297, 0.21],
+            [40.0, 440.0, 0.0, 0.21],
+        ]);
+        let refused = MeasuredPlane::of(&pairs, None, [640, 480]).unwrap_err();
+        assert!(
+            refused.to_string().contains("multiply metres by 1000"),
+            "{refused}"
+        );
     }
 
     #[test]

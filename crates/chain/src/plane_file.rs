@@ -1,12 +1,13 @@
 //! `plane.toml`: the plane that the rope lies on, as `lariat calibrate plane` writes it or a user does.
 //!
 //! Either a homography from ideal pixels to millimetres, with the size of the images and, if a lens was taken off, the
-//! intrinsics of its camera; or a pose, `rotation` (a vector of Rodrigues, or three rows) and `translation_mm`.
+//! intrinsics of its camera; or a pose, `rotation` (a vector of Rodrigues, or three rows) and `translation_mm` or `translation_m`.
 
 use crate::settings::number_text;
 use anyhow::{Context, Result, bail};
-use lariat_camera::{Camera, Plane};
+use lariat_camera::{Camera, LEAST_MM, Mapping, Plane};
 use serde::Deserialize;
+use std::f64::consts::TAU;
 use std::path::Path;
 
 #[derive(Deserialize)]
@@ -18,6 +19,7 @@ struct File {
     undistorted_by: Option<[f64; 4]>,
     rotation: Option<Rotation>,
     translation_mm: Option<[f64; 3]>,
+    translation_m: Option<[f64; 3]>,
 }
 
 #[derive(Deserialize)]
@@ -45,10 +47,15 @@ fn parse(text: &str, camera: Option<&Camera>) -> Result<Plane> {
         let message = error.message().replace('\n', ", ");
         anyhow::anyhow!(
             "line {line}: {message}. A plane has homography (three rows of three numbers), image_size and undistorted_by, or \
-             rotation and translation_mm"
+             rotation and translation_mm (or translation_m)"
         )
     })?;
-    let plane = match (file.homography, file.rotation, file.translation_mm) {
+    let translation = match (file.translation_mm, file.translation_m) {
+        (Some(_), Some(_)) => bail!("give translation_mm or translation_m, not both"),
+        (Some(mm), None) => Some(in_plausible_mm(mm)?),
+        (None, m) => m.map(|m| m.map(|c| 1000.0 * c)),
+    };
+    let plane = match (file.homography, file.rotation, translation) {
         (Some(homography), None, None) => {
             let mut plane = Plane::from_homography(homography)?;
             if let Some(intrinsics) = file.undistorted_by {
@@ -63,6 +70,10 @@ fn parse(text: &str, camera: Option<&Camera>) -> Result<Plane> {
                 );
             };
             match rotation {
+                Rotation::Vector(vector) if length(vector) > TAU => bail!(
+                    "rotation = {vector:?} is more than a full turn: it is a vector of Rodrigues in radians, as cv2.solvePnP \
+                     gives it"
+                ),
                 Rotation::Vector(vector) => Plane::from_pose(vector, translation, camera)?,
                 Rotation::Rows(rows) => Plane::from_rotation(rows, translation, camera)?,
             }
@@ -76,9 +87,57 @@ fn parse(text: &str, camera: Option<&Camera>) -> Result<Plane> {
         Some(size) if size.contains(&0) => {
             bail!("image_size = {size:?}: both sides must be at least 1")
         }
-        Some(size) => plane.in_images_of(size),
+        Some(size) => {
+            let plane = plane.in_images_of(size);
+            check_scale(&plane, camera, size)?;
+            plane
+        }
         None => plane,
     })
+}
+
+/// A translation that may be in millimetres.
+///
+/// # Errors
+/// It is shorter than any camera is from a table: more likely metres.
+fn in_plausible_mm(translation: [f64; 3]) -> Result<[f64; 3]> {
+    let size = length(translation);
+    if size < LEAST_MM {
+        bail!(
+            "translation_mm = {translation:?} puts the table {size:.3} mm before the camera: name it translation_m if it is in metres"
+        );
+    }
+    Ok(translation)
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// # Errors
+/// The images show less of the table than any camera does: more likely metres.
+fn check_scale(plane: &Plane, camera: Option<&Camera>, size: [u32; 2]) -> Result<()> {
+    // Whether both fit the frames is checked elsewhere.
+    let Ok(mapping) = Mapping::new(camera, Some(plane), size) else {
+        return Ok(());
+    };
+    let [width, height] = size.map(f64::from);
+    let Ok(middle) = mapping.place([0.5 * width, 0.5 * height]) else {
+        return Ok(());
+    };
+    let longest = middle
+        .jacobian
+        .as_flattened()
+        .iter()
+        .fold(0.0_f64, |longest, d| longest.max(d.abs()));
+    let shown_mm = longest * width.max(height);
+    if shown_mm < LEAST_MM {
+        bail!(
+            "the images would show {shown_mm:.3} mm of the table: the homography must give millimetres, so multiply the first two \
+             rows of one in metres by 1000"
+        );
+    }
+    Ok(())
 }
 
 /// The text of a plane's file.
@@ -116,7 +175,6 @@ pub fn text(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lariat_camera::Mapping;
 
     const H: [[f64; 3]; 3] = [
         [0.9, 0.1, -200.0],
@@ -159,6 +217,21 @@ mod tests {
     }
 
     #[test]
+    fn a_translation_may_be_in_metres_by_name() {
+        let read = |translation: &str| {
+            parse(
+                &format!("rotation = [0.1, 0, 0]\n{translation}"),
+                Some(&camera()),
+            )
+            .unwrap()
+        };
+        assert_eq!(
+            read("translation_m = [0.01, -0.02, 0.5]"),
+            read("translation_mm = [10, -20, 500]")
+        );
+    }
+
+    #[test]
     fn what_is_wrong_is_said() {
         for (text, words) in [
             ("", "either a homography, or a pose"),
@@ -174,8 +247,20 @@ mod tests {
             ),
             ("rotation = [0, 0, 0]", "either a homography, or a pose"),
             (
-                "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\ntranslation_mm = [0, 0, 5]",
+                "rotation = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\ntranslation_mm = [0, 0, 500]",
                 "invalid rotation",
+            ),
+            (
+                "rotation = [178, 2, 0]\ntranslation_mm = [0, 0, 500]",
+                "in radians",
+            ),
+            (
+                "rotation = [0, 0, 0]\ntranslation_mm = [0.01, -0.02, 0.5]",
+                "name it translation_m",
+            ),
+            (
+                "homography = [[5e-4, 0, -0.1], [0, 5e-4, -0.1], [0, 0, 1]]\nimage_size = [640, 480]",
+                "multiply the first two rows",
             ),
         ] {
             let error = format!("{:#}", parse(text, Some(&camera())).unwrap_err());

@@ -2,7 +2,7 @@
 
 use std::str;
 
-/// What every message begins with: plain CDR, little endian.
+/// The start of every message: plain CDR, little endian, and options that this encoding does not use.
 const HEAD: [u8; 4] = [0, 1, 0, 0];
 
 /// What is wrong with the bytes of a message.
@@ -14,6 +14,15 @@ pub enum CdrError {
     /// It ends too early.
     #[error("it is cut off")]
     Short,
+    /// It is not a protocol buffer.
+    #[error("it is not a protocol buffer of Foxglove's schema")]
+    Protobuf,
+    /// It is not JSON.
+    #[error("it is not JSON of Foxglove's schema")]
+    Json,
+    /// Its bytes are not in base64.
+    #[error("its data is not base64")]
+    Base64,
     /// A list has more entries than the message has room for.
     #[error("it holds a list of {count} entries where at most {most} are known")]
     TooMany {
@@ -102,8 +111,11 @@ impl<'a> Decoder<'a> {
     /// # Errors
     /// It is not little-endian CDR.
     pub fn new(message: &'a [u8]) -> Result<Self, CdrError> {
-        let bytes = message.strip_prefix(&HEAD).ok_or(CdrError::Head)?;
-        Ok(Self { bytes, at: 0 })
+        // Some writers put the count of padding bytes at the end into the options.
+        match message {
+            [0, 1, _, _, bytes @ ..] => Ok(Self { bytes, at: 0 }),
+            _ => Err(CdrError::Head),
+        }
     }
 
     pub(crate) fn raw(&mut self, count: usize) -> Result<&'a [u8], CdrError> {

@@ -3,6 +3,7 @@
 use lariat_message::{FrameHeader, PixelFormat};
 
 use crate::cdr::{Cdr, CdrError, Decoder, Encoder};
+use crate::conversion::is_convertible;
 use crate::schema::{Schema, schema};
 
 const NS_PER_S: u64 = 1_000_000_000;
@@ -58,7 +59,7 @@ pub(crate) fn put_time(to: &mut Encoder, ns: u64) {
     ((ns % NS_PER_S) as u32).put(to);
 }
 
-fn stamp(from: &mut Decoder) -> Result<u64, CdrError> {
+pub(crate) fn stamp(from: &mut Decoder) -> Result<u64, CdrError> {
     let (s, ns): (i32, u32) = (from.value()?, from.value()?);
     Ok(s.max(0) as u64 * NS_PER_S + u64::from(ns))
 }
@@ -154,6 +155,11 @@ impl<'a> ImageRecord<'a> {
         let is_turned = self.is_big_endian != cfg!(target_endian = "big");
         // No format of this machine has another machine's byte order.
         format_of(self.encoding).filter(|format| !(is_turned && *format == PixelFormat::Gray16))
+    }
+
+    /// Returns true if the encoding is read: as it is, or [converted](crate::convert).
+    pub fn is_known(&self) -> bool {
+        self.format().is_some() || is_convertible(self.encoding)
     }
 
     /// Whether there are as many bytes as width, height and step ask for, in a format that lariat knows.

@@ -88,6 +88,8 @@
 
 mod annotations;
 mod cdr;
+mod conversion;
+mod foxglove;
 mod images;
 mod losses;
 mod messages;
@@ -98,6 +100,7 @@ mod writing;
 
 pub use annotations::{ANNOTATIONS, encode_control_points, encode_ropes};
 pub use cdr::{Cdr, CdrError, Decoder, Encoder};
+pub use conversion::{Converted, ENCODINGS, convert};
 pub use images::{
     COMPRESSED_IMAGE, CompressedImageRecord, IMAGE, ImageRecord, encode_compressed_image,
     encode_image, put_header,
@@ -106,8 +109,8 @@ pub use losses::Losses;
 pub use messages::Record;
 pub use palette::rope_color;
 pub use reading::{
-    About, Entry, Frame, METADATA, Messages, Pixels, Place, Recording, RecordingError, Span,
-    TopicSummary,
+    About, Entry, Frame, METADATA, Messages, Pixels, Place, READ, Recording, RecordingError, Span,
+    TopicSummary, names_a_recording,
 };
 pub use schema::{ENCODING, SCHEMA_ENCODING, Schema};
 pub use writing::{

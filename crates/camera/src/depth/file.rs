@@ -3,8 +3,8 @@
 use super::{DepthCamera, DepthKind};
 use crate::calibration::{self, CalibrationError};
 use crate::camera::Camera;
-use crate::pose::Pose;
-use crate::yaml::{self, Node};
+use crate::document::{self, Node};
+use crate::pose::{LEAST_BESIDE_MM, LEAST_MM, Pose};
 
 /// Of a stereo camera of a few centimetres' baseline, and what those see.
 const NOISE_MM: f64 = 4.0;
@@ -21,6 +21,11 @@ pub struct DepthCalibration {
     pub size: [u32; 2],
 }
 
+/// The coarsest step of depth images: a centimetre, as some simulators write them.
+const COARSEST_MM: f64 = 10.0;
+/// Below the noise of every depth camera at 1 m: structured light for metrology has some 0.05 mm.
+const FINEST_MM: f64 = 0.02;
+
 impl DepthCalibration {
     /// The depth camera of a file, beside this colour camera: its own calibration by the same names, `rotation` and `translation_mm`
     /// to the colour camera's frame (none: the two are at one place), `depth_unit_mm` (1), `noise_mm_at_1m` (4: the standard
@@ -30,7 +35,7 @@ impl DepthCalibration {
     /// # Errors
     /// It says what cannot be, or not enough; each with the key and what to do.
     pub fn from_yaml(text: &str, color: Camera) -> Result<Self, CalibrationError> {
-        let file = yaml::read(text)?;
+        let file = document::read(text)?;
         let own = calibration::camera(&file);
         let depth = match own {
             Err(CalibrationError::Missing(what, _)) if what == calibration::MATRIX => color,
@@ -42,17 +47,12 @@ impl DepthCalibration {
                 "image_width and image_height",
             ));
         };
-        let pose = Pose::read(&file)?.unwrap_or(Pose::SAME);
+        let pose = Pose::read(&file, LEAST_BESIDE_MM)?.unwrap_or(Pose::SAME);
         let number = |name: &str, default: f64| number(&file, name, default);
         let unit_mm = number("depthunitmm", 1.0)?;
         let noise_mm = number("noisemmat1m", NOISE_MM)?;
         let range_mm = read_range(&file)?;
-        if !(unit_mm > 0.0 && unit_mm <= 1000.0) {
-            return calibration::wrong(
-                "depth_unit_mm",
-                "a unit is more than 0 and at most 1000 mm",
-            );
-        }
+        check_units(unit_mm, noise_mm, range_mm)?;
         let camera = DepthCamera::new(color, depth, pose, noise_mm, range_mm)
             .or_else(|cause| calibration::wrong("depth camera", cause.to_string()))?;
         Ok(Self {
@@ -63,11 +63,50 @@ impl DepthCalibration {
     }
 }
 
+/// # Errors
+/// A number that is more likely in metres, or a count of units in a metre.
+fn check_units(unit_mm: f64, noise_mm: f64, [near, _]: [f64; 2]) -> Result<(), CalibrationError> {
+    if !(unit_mm > 0.0 && unit_mm <= COARSEST_MM) {
+        return calibration::wrong(
+            "depth_unit_mm",
+            format!(
+                "a unit of {unit_mm} mm is not within 0 and {COARSEST_MM}: it is the length of one step in mm, so that 1000 steps \
+                 in a metre are 1"
+            ),
+        );
+    }
+    let farthest = f64::from(u16::MAX) * unit_mm;
+    if farthest < near {
+        return calibration::wrong(
+            "depth_unit_mm",
+            format!(
+                "with a unit of {unit_mm} mm the largest depth is {farthest:.0} mm, and ropes are looked for from {near} mm: \
+                 the unit is in millimetres, a step of 0.001 m is 1"
+            ),
+        );
+    }
+    if noise_mm > 0.0 && noise_mm < FINEST_MM {
+        return calibration::wrong(
+            "noise_mm_at_1m",
+            format!("no depth camera has a noise of {noise_mm} mm at 1 m: it is in millimetres"),
+        );
+    }
+    Ok(())
+}
+
 /// Where ropes are looked for, mm.
 pub(crate) fn read_range(file: &Node) -> Result<[f64; 2], CalibrationError> {
     match calibration::find(file, &["rangemm"]) {
         None => Ok(RANGE_MM),
         Some((key, value)) => match calibration::numbers(key, value)?[..] {
+            [near, far] if (0.0..LEAST_MM).contains(&near) && near < far && far < LEAST_MM => {
+                calibration::wrong(
+                    key,
+                    format!(
+                        "depths from {near} to {far} mm are too near for a camera: it is in millimetres"
+                    ),
+                )
+            }
             [near, far] => Ok([near, far]),
             _ => calibration::wrong(key, "a range is two depths in mm: [ near, far ]"),
         },

@@ -6,6 +6,7 @@ mod glance;
 mod look;
 mod places;
 mod reading;
+mod relief;
 mod sections;
 mod unsure;
 
@@ -49,6 +50,12 @@ pub enum NoDepth {
         /// Of how many.
         points: usize,
     },
+    /// The depth image does not show it.
+    #[error(
+        "the depth image shows no rope where the colour image has one, only what it lies on: look whether it is of the same moment, \
+         and whether the depth camera sees this rope at all (black and shiny ones it may not)"
+    )]
+    Flat,
     /// It is too thin.
     #[error(
         "the rope is {pixels} depth pixels wide, too thin to tell it from what is behind: go nearer"
@@ -155,6 +162,9 @@ impl RopeDepth {
                 },
                 false => self.unmeasured(),
             });
+        }
+        if self.is_flat(image, rope) {
+            return Err(NoDepth::Flat);
         }
         self.doubt();
         self.bridge();

@@ -4,8 +4,8 @@ use super::ViewPair;
 use crate::calibration::{self, CalibrationError};
 use crate::camera::Camera;
 use crate::depth::read_range;
-use crate::pose::Pose;
-use crate::yaml;
+use crate::document;
+use crate::pose::{LEAST_MM, Pose};
 
 /// A second colour camera beside the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +21,9 @@ impl SecondCalibration {
     /// # Errors
     /// It says what cannot be, or not enough; each with the key and what to do.
     pub fn from_yaml(text: &str, first: Camera) -> Result<Self, CalibrationError> {
-        let file = yaml::read(text)?;
+        let file = document::read(text)?;
         let second = calibration::camera(&file)?;
-        let Some(pose) = Pose::read(&file)? else {
+        let Some(pose) = Pose::read(&file, LEAST_MM)? else {
             return Err(CalibrationError::Missing(
                 "pose beside the first camera",
                 "rotation (nine numbers, or a quaternion x, y, z, w) and translation_mm",

@@ -269,6 +269,37 @@ fn place(scene: &Scene, i: usize) -> [f64; 2] {
         .pixel(scene.depth.see(*nearest.expect("a rope has points")))
 }
 
+#[test]
+fn a_depth_image_of_the_table_alone_gives_a_rope_no_place() {
+    let far: Vec<_> = (0..20)
+        .map(|k| [10_000.0 + f64::from(k), 0.0, 5.0])
+        .collect();
+    let elsewhere = LiftedRope::along(&far, 4.0);
+    for grain_px in [1, 3] {
+        let sensor = DepthSensor {
+            grain_px,
+            ..DepthSensor::STEREO
+        };
+        for (seed, scene) in scenes(4.0) {
+            let units = depth(&elsewhere, &scene.depth, &sensor, seed);
+            let mut finder = RopeDepth::new(pair(&scene));
+            let place = locate_in(&mut finder, &scene, &units, sensor.unit_mm);
+            assert!(
+                matches!(place, Err(NoDepth::Flat | NoDepth::Unmeasured { .. })),
+                "{seed}: {:?}",
+                place.map(|places| places[60])
+            );
+        }
+    }
+    let (seed, scene) = scenes(4.0).next().expect("a rope");
+    for nothing in [0, 500] {
+        let units = vec![nothing; SIZE[0] * SIZE[1]];
+        let mut finder = RopeDepth::new(pair(&scene));
+        let place = locate_in(&mut finder, &scene, &units, 1.0);
+        assert!(place.is_err(), "{seed}, all {nothing}");
+    }
+}
+
 /// Takes the depths away around a place.
 fn dig(units: &mut [u16], at: [f64; 2], reach_px: f64) {
     for (i, unit) in units.iter_mut().enumerate() {

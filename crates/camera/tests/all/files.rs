@@ -99,7 +99,7 @@ fn what_is_wrong_is_said_with_its_key() {
         (said("a: 1"), "it has no camera matrix"),
         (with("camera_matrix", "camera"), "it has no camera matrix"),
         (
-            with("distortion_coefficients", "dist"),
+            with("distortion_coefficients", "distortions"),
             "it has no distortion coefficients",
         ),
         (
@@ -113,10 +113,13 @@ fn what_is_wrong_is_said_with_its_key() {
         (with("[618.94, 0,", "[618.94,"), "nine numbers"),
         (
             with("plumb_bob", "double_sphere"),
-            "distortion_model: the lens models are",
+            "distortion_model: \"double_sphere\" is not read: the lens models are",
         ),
         (
-            with("plumb_bob", "equidistant"),
+            said(
+                &ROS.replace("plumb_bob", "equidistant")
+                    .replace("-0.002, 0]", "-0.002, 0.1]"),
+            ),
             "has 4 coefficients, and there are 5",
         ),
         (

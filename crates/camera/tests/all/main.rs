@@ -6,4 +6,5 @@ mod files;
 mod lens;
 mod opencv;
 mod sizes;
+mod tools;
 mod views;

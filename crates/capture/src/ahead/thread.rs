@@ -76,6 +76,13 @@ fn one_pass(
                 room.left = Some(buffer);
                 break;
             }
+            Step::News(news) => {
+                room.left = Some(buffer);
+                if said.insert(news.clone()) {
+                    ready.send(Message::News(news)).ok()?;
+                }
+                continue;
+            }
             wrong => {
                 room.left = Some(buffer);
                 let is_end = matches!(wrong, Step::End(_));
@@ -127,6 +134,8 @@ fn said_of(step: Step, sequence: &mut u64) -> (String, String) {
             (format!("lost frame {sequence}: {reason}"), reason)
         }
         Step::Wrong(reason) | Step::End(Some(reason)) => (reason.clone(), reason),
-        Step::Decoded(_) | Step::Recorded(..) | Step::End(None) => Default::default(),
+        Step::Decoded(_) | Step::Recorded(..) | Step::News(_) | Step::End(None) => {
+            Default::default()
+        }
     }
 }

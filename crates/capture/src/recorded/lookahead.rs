@@ -14,6 +14,7 @@ const TRUTHS: usize = 16;
 /// A frame that was met on the way to a truth.
 pub(super) struct Stashed {
     pub(super) header: FrameHeader,
+    pub(super) log_time_ns: u64,
     bytes: Vec<u8>,
     kind: Kind,
 }
@@ -24,6 +25,7 @@ enum Kind {
     Raw,
     Png,
     Jpeg,
+    Other,
 }
 
 impl Stashed {
@@ -33,6 +35,7 @@ impl Stashed {
             Kind::Raw => Pixels::Raw(&self.bytes),
             Kind::Png => Pixels::Png(&self.bytes),
             Kind::Jpeg => Pixels::Jpeg(&self.bytes),
+            Kind::Other => Pixels::Other(&self.bytes),
         }
     }
 }
@@ -125,12 +128,14 @@ impl Lookahead {
             Pixels::Raw(bytes) => (Kind::Raw, bytes),
             Pixels::Png(bytes) => (Kind::Png, bytes),
             Pixels::Jpeg(bytes) => (Kind::Jpeg, bytes),
+            Pixels::Other(bytes) => (Kind::Other, bytes),
         };
         let mut bytes = self.spare.pop().unwrap_or_default();
         bytes.clear();
         bytes.extend_from_slice(found);
         self.frames.push_back(Stashed {
             header: frame.header,
+            log_time_ns: frame.log_time_ns,
             bytes,
             kind,
         });

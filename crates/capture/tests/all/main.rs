@@ -4,6 +4,7 @@
 mod jpeg;
 
 mod allocation;
+mod depth_files;
 mod field;
 mod follow;
 mod kinds;

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use image::{ImageFormat, Rgb, RgbImage};
 use lariat_capture::{
-    FileOptions, Frame, FrameSource, Position, Range, RenderOptions, Source, SourceError, open,
+    FileOptions, Frame, FrameSource, Position, Range, RenderOptions, Source, SourceError,
+    names_a_recording, open,
 };
 use lariat_message::{Centerlines, FrameHeader, PixelFormat, SourceKind, Trace};
 use lariat_record::{
@@ -311,7 +312,7 @@ fn the_truth_comes_with_its_frame_wherever_it_stands() {
 }
 
 #[test]
-fn a_count_or_a_clock_that_begins_anew_goes_on_and_one_that_jumps_does_not_run_away() {
+fn a_count_or_a_clock_that_restarts_or_jumps_continues_by_a_period_and_says_so() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("anew.mcap");
     let mut made = Made::new(&path, Compression::None);
@@ -327,18 +328,15 @@ fn a_count_or_a_clock_that_begins_anew_goes_on_and_one_that_jumps_does_not_run_a
         made.frame(&header(sequence, at_ms), 7);
     }
     made.writer.finish().unwrap();
-    let day_ms = 24 * 3600 * 1000;
-    let expected = [
-        (1, 0),
-        (2, 10),
-        (3, 10),
-        (4, 20),
-        (5, 20 + day_ms),
-        (6, 20 + day_ms),
-    ];
-    let shown = shown(&mut *open_whole(&path), 99);
+    let expected = [(1, 0), (2, 10), (3, 20), (4, 30), (5, 40), (6, 50)];
+    let mut source = open_whole(&path);
+    let shown = shown(&mut *source, 99);
     let shown: Vec<_> = shown.iter().map(|frame| (frame.0, frame.2)).collect();
     assert_eq!(shown, expected);
+    let news: Vec<String> = std::iter::from_fn(|| source.take_news()).collect();
+    assert_eq!(news.len(), 2, "{news:?}");
+    assert!(news[0].contains("frame 3 is stamped before the one before it"));
+    assert!(news[1].contains("frame 5 is stamped"));
 }
 
 #[test]
@@ -401,6 +399,52 @@ fn pictures_in_a_recording_are_decoded_and_a_broken_one_is_lost() {
     );
     let said = source.take_warning().expect("it is said");
     assert!(said.contains("picture of frame 2"), "{said}");
+}
+
+#[test]
+fn a_picture_is_decoded_by_its_bytes_whatever_its_format_says() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("pictures.mcap");
+    let mut made = Made::new(&path, Compression::None);
+    let kinds = [ImageFormat::WebP, ImageFormat::Png, ImageFormat::Jpeg];
+    for (sequence, kind) in (1..).zip(kinds) {
+        let header = header(sequence, 10 * sequence);
+        made.message(Topic::Frames, &header.trace, &header);
+        let mut file = Vec::new();
+        RgbImage::from_pixel(8, 4, Rgb([10 * sequence as u8; 3]))
+            .write_to(&mut Cursor::new(&mut file), kind)
+            .unwrap();
+        let log_ns = OFFSET_NS + header.trace.captured_ns;
+        encode_compressed_image(&file, "", log_ns, RIG, &mut made.cdr);
+        (made.writer)
+            .write(Topic::Picture, sequence as u32, log_ns, &made.cdr)
+            .unwrap();
+    }
+    made.writer.finish().unwrap();
+    let right = [(1, 10, 0), (2, 20, 10), (3, 30, 20)];
+    assert_eq!(shown(&mut *open_whole(&path), 99), right);
+}
+
+#[test]
+fn the_folder_of_a_bag_is_one_source() {
+    let folder = TempDir::new().unwrap();
+    for (number, sequences) in [(0, 1..=3), (1, 4..=5)] {
+        let path = folder.path().join(format!("x_{number}.mcap"));
+        let mut made = Made::new(&path, Compression::Zstd);
+        for sequence in sequences {
+            made.frame(&header(sequence, 10 * sequence), sequence as u8);
+        }
+        made.writer.finish().unwrap();
+    }
+    let right = [(1, 1, 0), (2, 2, 10), (3, 3, 20), (4, 4, 30), (5, 5, 40)];
+    assert_eq!(shown(&mut *open_whole(folder.path()), 99), right);
+    // Recordings among pictures are left out, as other files are.
+    RgbImage::new(8, 4)
+        .save(folder.path().join("a.png"))
+        .unwrap();
+    assert!(!names_a_recording(folder.path()));
+    std::fs::write(folder.path().join("metadata.yaml"), "").unwrap();
+    assert!(names_a_recording(folder.path()));
 }
 
 #[test]

@@ -40,8 +40,12 @@ pub struct CurveFitter {
 impl CurveFitter {
     /// Precomputes for the settings' number of points, and reads the calibration they name.
     pub fn new(settings: &Settings) -> Result<Self> {
+        let calibrated = Calibrated::load(&settings.camera)?;
+        if let Some(notice) = calibrated.as_ref().and_then(Calibrated::notice) {
+            tracing::warn!("{notice}");
+        }
         let mut fitter = Self {
-            placer: Calibrated::load(&settings.camera)?.map(Placer::new),
+            placer: calibrated.map(Placer::new),
             fitter: RopeFitter::new(&settings.fit, settings.extract.points)?,
             settings: settings.fit.clone(),
             filters: None,

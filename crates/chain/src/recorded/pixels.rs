@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageReader};
 use lariat_record::Pixels as Recorded;
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Cursor;
@@ -19,6 +19,8 @@ pub enum Pixels {
     Png,
     /// A JPEG file.
     Jpeg,
+    /// Another picture file.
+    Other,
 }
 
 impl Pixels {
@@ -29,6 +31,7 @@ impl Pixels {
             Recorded::Raw(bytes) => (Self::Raw, bytes),
             Recorded::Png(bytes) => (Self::Png, bytes),
             Recorded::Jpeg(bytes) => (Self::Jpeg, bytes),
+            Recorded::Other(bytes) => (Self::Other, bytes),
         }
     }
 }
@@ -69,6 +72,14 @@ impl Decoder {
             }
             Pixels::Jpeg => {
                 let decoder = JpegDecoder::new(Cursor::new(bytes)).with_context(about)?;
+                self.read(header, decoder).with_context(about)
+            }
+            Pixels::Other => {
+                let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
+                let decoder = reader
+                    .with_context(about)?
+                    .into_decoder()
+                    .with_context(about)?;
                 self.read(header, decoder).with_context(about)
             }
         }

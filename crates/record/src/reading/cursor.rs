@@ -3,17 +3,18 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use lariat_message::{Centerlines, Descriptors, FrameHeader, SourceKind, Trace};
+use lariat_message::{Centerlines, Descriptors, FrameHeader, Trace};
 
 use super::chunk::Unpacker;
-use super::entry::{Entry, Frame, Pixels};
+use super::entry::{Entry, Frame};
 use super::error::RecordingError;
 use super::index::Index;
 use super::layout::{Message, Records, kind};
+use super::pictures::{self, Bytes, Wrong};
 use super::storage::Storage;
 use super::topics::{Kind, Topics};
-use crate::cdr::CdrError;
-use crate::{CompressedImageRecord, ImageRecord, Losses, Record};
+use crate::foxglove::{Form, Room};
+use crate::{Losses, Record};
 
 /// What a frame's messages may come later than the next frames, at most: behind the end of a time span they are looked for
 /// as long.
@@ -33,6 +34,8 @@ pub(super) struct Source {
 /// costs no allocation.
 pub struct Messages {
     source: Source,
+    /// The files that follow, the next one last.
+    rest: Vec<Source>,
     unpacker: Unpacker,
     /// Log times of the frames that are wanted; the other messages are wanted with their frame.
     span_ns: Range<u64>,
@@ -54,6 +57,9 @@ struct Scratch {
     centerlines: Centerlines,
     descriptors: Descriptors,
     losses: Losses,
+    /// Pixels that were not in the message as they are.
+    room: Room,
+    converted: Vec<u8>,
 }
 
 /// What was found, so that it can be lent once the search is over.
@@ -69,6 +75,7 @@ struct FoundFrame {
     header: FrameHeader,
     log_time_ns: u64,
     side: Side,
+    message_bytes: usize,
     bytes: Bytes,
 }
 
@@ -78,35 +85,26 @@ enum Side {
     Mask,
 }
 
-/// Where among the loaded part's records a frame's bytes are, and what they are.
-#[derive(Debug, Clone)]
-enum Bytes {
-    None,
-    Raw(Range<usize>),
-    Png(Range<usize>),
-    Jpeg(Range<usize>),
-}
-
 impl FoundFrame {
-    fn lend(self, records: &[u8]) -> Frame<'_> {
+    fn lend<'a>(self, records: &'a [u8], scratch: &'a Scratch) -> Frame<'a> {
         Frame {
             header: self.header,
             log_time_ns: self.log_time_ns,
-            pixels: match self.bytes {
-                Bytes::None => Pixels::None,
-                Bytes::Raw(range) => Pixels::Raw(&records[range]),
-                Bytes::Png(range) => Pixels::Png(&records[range]),
-                Bytes::Jpeg(range) => Pixels::Jpeg(&records[range]),
-            },
+            message_bytes: self.message_bytes,
+            pixels: self
+                .bytes
+                .lend(records, &scratch.room.data, &scratch.converted),
         }
     }
 }
 
 impl Messages {
-    pub(super) fn new(source: Source, span_ns: Range<u64>, counted: u64) -> Self {
+    /// `source`: the first file; `rest`: those that follow it.
+    pub(super) fn new(source: Source, rest: &[Source], span_ns: Range<u64>, counted: u64) -> Self {
         Self {
             unpacker: Unpacker::new(source.storage.clone()),
             source,
+            rest: rest.iter().rev().cloned().collect(),
             span_ns,
             part: 0,
             at: 0,
@@ -118,6 +116,8 @@ impl Messages {
                 centerlines: Centerlines::EMPTY,
                 descriptors: Descriptors::EMPTY,
                 losses: Losses::default(),
+                room: Room::default(),
+                converted: Vec::new(),
             }),
         }
     }
@@ -138,8 +138,8 @@ impl Messages {
             Found::Descriptors => Entry::Descriptors(&scratch.descriptors),
             Found::Losses => Entry::Losses(&scratch.losses),
             Found::Frame(frame) => match frame.side {
-                Side::Frame => Entry::Frame(frame.lend(self.unpacker.records())),
-                Side::Mask => Entry::Mask(frame.lend(self.unpacker.records())),
+                Side::Frame => Entry::Frame(frame.lend(self.unpacker.records(), scratch)),
+                Side::Mask => Entry::Mask(frame.lend(self.unpacker.records(), scratch)),
             },
         }))
     }
@@ -153,7 +153,7 @@ impl Messages {
             match self.find()? {
                 None => return Ok(None),
                 Some(Found::Frame(frame)) if frame.side == Side::Frame => {
-                    return Ok(Some(frame.lend(self.unpacker.records())));
+                    return Ok(Some(frame.lend(self.unpacker.records(), &self.scratch)));
                 }
                 Some(_) => {}
             }
@@ -195,6 +195,7 @@ impl Messages {
             Wrong::Cdr(why) => RecordingError::Message { topic, why },
             Wrong::Image => RecordingError::Image { topic },
             Wrong::Encoding(encoding) => RecordingError::Encoding { topic, encoding },
+            Wrong::Depth => RecordingError::Depth { topic },
         }
     }
 
@@ -226,13 +227,20 @@ impl Messages {
     /// Loads the next part that can hold something that is wanted; `false` behind the last.
     fn load_next(&mut self) -> Result<bool, RecordingError> {
         let last_ns = self.span_ns.end.saturating_add(LATE_NS);
-        while let Some(indexed) = self.source.index.parts.get(self.part) {
-            self.part += 1;
-            if indexed.end_ns >= self.span_ns.start && indexed.start_ns < last_ns {
-                self.at = 0;
-                self.unpacker.load(indexed.part)?;
-                return Ok(true);
+        loop {
+            while let Some(indexed) = self.source.index.parts.get(self.part) {
+                self.part += 1;
+                if indexed.end_ns >= self.span_ns.start && indexed.start_ns < last_ns {
+                    self.at = 0;
+                    self.unpacker.load(indexed.part)?;
+                    return Ok(true);
+                }
             }
+            let Some(next) = self.rest.pop() else {
+                break;
+            };
+            self.unpacker = Unpacker::new(next.storage.clone());
+            (self.source, self.part) = (next, 0);
         }
         self.at = self.unpacker.records().len();
         Ok(false)
@@ -252,7 +260,7 @@ impl Messages {
                 scratch.header.decode(bytes)?;
                 return Ok(self.take_header(kind, log_time_ns));
             }
-            Kind::Image | Kind::Picture | Kind::MaskImage | Kind::MaskPicture => {
+            Kind::Image(_) | Kind::Picture(_) | Kind::MaskImage | Kind::MaskPicture => {
                 return self.take_image(kind, log_time_ns, range);
             }
             Kind::Centerlines => {
@@ -313,11 +321,21 @@ impl Messages {
             return Ok(None);
         }
         let records = self.unpacker.records();
-        let cdr = &records[range];
+        let message_bytes = range.len();
+        let message = &records[range];
         let known = held.map(|(header, _)| header);
+        let Scratch {
+            room, converted, ..
+        } = &mut *self.scratch;
+        let form = match kind {
+            Kind::Image(form) | Kind::Picture(form) => form,
+            _ => Form::Ros2,
+        };
         let (header, bytes) = match kind {
-            Kind::Image | Kind::MaskImage => raw(ImageRecord::decode(cdr)?, known, records)?,
-            _ => picture(CompressedImageRecord::decode(cdr)?, known, records)?,
+            Kind::Image(_) | Kind::MaskImage => {
+                pictures::raw(form.image(message, room)?, known, records, converted)?
+            }
+            _ => pictures::picture(form.picture(message, room)?, known, records)?,
         };
         let mut header = header;
         if known.is_none() {
@@ -329,21 +347,9 @@ impl Messages {
             header,
             log_time_ns,
             side,
+            message_bytes,
             bytes,
         })))
-    }
-}
-
-/// What is wrong with a message.
-enum Wrong {
-    Cdr(CdrError),
-    Image,
-    Encoding(String),
-}
-
-impl From<CdrError> for Wrong {
-    fn from(why: CdrError) -> Self {
-        Self::Cdr(why)
     }
 }
 
@@ -352,69 +358,7 @@ fn without_image(header: FrameHeader, log_time_ns: u64, side: Side) -> Option<Fo
         header,
         log_time_ns,
         side,
+        message_bytes: 0,
         bytes: Bytes::None,
     }))
-}
-
-/// Where a part of a buffer lies in it.
-fn place(part: &[u8], whole: &[u8]) -> Range<usize> {
-    let begin = part.as_ptr().addr() - whole.as_ptr().addr();
-    begin..begin + part.len()
-}
-
-/// An image as it is, with the header that came before it, or one made of what it says itself.
-fn raw(
-    image: ImageRecord,
-    known: Option<FrameHeader>,
-    records: &[u8],
-) -> Result<(FrameHeader, Bytes), Wrong> {
-    let Some(format) = image.format() else {
-        return Err(Wrong::Encoding(image.encoding.to_owned()));
-    };
-    let of_image = FrameHeader {
-        width: image.width,
-        height: image.height,
-        stride: image.step,
-        pixel_format: format as u32,
-        ..known.unwrap_or_else(|| header_of(image.stamp_ns))
-    };
-    let agrees = known.is_none_or(|known| {
-        let size = (known.width, known.height, known.pixel_format);
-        size == (of_image.width, of_image.height, of_image.pixel_format)
-    });
-    if !image.is_whole() || !agrees {
-        return Err(Wrong::Image);
-    }
-    Ok((of_image, Bytes::Raw(place(image.data, records))))
-}
-
-fn picture(
-    picture: CompressedImageRecord,
-    known: Option<FrameHeader>,
-    records: &[u8],
-) -> Result<(FrameHeader, Bytes), Wrong> {
-    let header = known.unwrap_or_else(|| header_of(picture.stamp_ns));
-    let range = place(picture.data, records);
-    // ROS says the like of `rgb8; jpeg compressed bgr8`.
-    let is = |name: &str| picture.format.contains(name);
-    if is("png") {
-        Ok((header, Bytes::Png(range)))
-    } else if is("jpeg") || is("jpg") {
-        Ok((header, Bytes::Jpeg(range)))
-    } else {
-        Err(Wrong::Encoding(picture.format.to_owned()))
-    }
-}
-
-/// Of an image that lariat did not take.
-fn header_of(stamp_ns: u64) -> FrameHeader {
-    FrameHeader {
-        trace: Trace {
-            exposed_ns: stamp_ns,
-            captured_ns: stamp_ns,
-            ..Trace::EMPTY
-        },
-        source: SourceKind::Files as u32,
-        ..FrameHeader::default()
-    }
 }

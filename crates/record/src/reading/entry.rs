@@ -32,6 +32,8 @@ pub struct Frame<'a> {
     pub pixels: Pixels<'a>,
     /// When it was logged, in nanoseconds of Unix time.
     pub log_time_ns: u64,
+    /// Bytes of the message that held the pixels.
+    pub message_bytes: usize,
 }
 
 /// What is seen in a frame.
@@ -45,4 +47,6 @@ pub enum Pixels<'a> {
     Png(&'a [u8]),
     /// A JPEG file.
     Jpeg(&'a [u8]),
+    /// A picture file of another kind, such as WebP: its first bytes say which.
+    Other(&'a [u8]),
 }

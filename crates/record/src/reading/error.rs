@@ -1,6 +1,9 @@
 //! What can be wrong with a recording, for whoever wants to read it.
 
+use std::path::PathBuf;
+
 use crate::cdr::CdrError;
+use crate::conversion::ENCODINGS;
 
 /// Why a recording cannot be read, or not here.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +16,37 @@ pub enum RecordingError {
         "this is no recording: it does not begin as an MCAP file does. `lariat run --record FILE.mcap` makes one"
     )]
     NotMcap,
+    /// A recording of ROS 1.
+    #[error(
+        "it is a recording of ROS 1: convert it with `rosbags-convert --src FILE.bag --dst FOLDER --dst-storage mcap` (of the Python package rosbags)"
+    )]
+    Ros1,
+    /// A recording of ROS 2 in a database.
+    #[error(
+        "it is a recording of ROS 2 in SQLite: convert it to MCAP with `mcap convert FILE.db3 FILE.mcap`, or with `ros2 bag convert`"
+    )]
+    Sqlite,
+    /// A folder without a recording.
+    #[error(
+        "the folder holds no MCAP file: name the folder that `ros2 bag record` made, or the file itself"
+    )]
+    NoFile,
+    /// A file that is compressed as a whole.
+    #[error("it is compressed as a whole and cannot be unpacked into {} ({error}): make room there, or unpack it with `zstd -d`", folder.display())]
+    Unpack {
+        /// Where it was to be unpacked.
+        folder: PathBuf,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// A file of a recording of several.
+    #[error("its file {name} is not read: {error}")]
+    OfFile {
+        /// The file's name.
+        name: String,
+        /// What is wrong with it.
+        error: Box<RecordingError>,
+    },
     /// There is nothing in it.
     #[error(
         "this recording holds no message: {}",
@@ -24,7 +58,7 @@ pub enum RecordingError {
     },
     /// There are no frames that lariat could read.
     #[error(
-        "there are no images in this recording that lariat reads (sensor_msgs/Image or CompressedImage, encoded as ROS 2 does). Its topics are {topics}"
+        "there are no images in this recording that lariat reads (sensor_msgs/Image or CompressedImage of ROS 2 or 1; foxglove.RawImage or CompressedImage as protobuf, JSON or ROS 2). Its topics are {topics}"
     )]
     NoImages {
         /// What there is.
@@ -91,13 +125,22 @@ pub enum RecordingError {
     },
     /// Images are encoded in a way that is not known here.
     #[error(
-        "the images on {topic} are encoded as \"{encoding}\": lariat knows mono8, mono16 (in this machine's byte order), rgb8, bgr8, bgra8, yuv422_yuy2, uyvy, nv12, bayer_rggb8 and its like of 8 bits, png and jpeg"
+        "the images on {topic} are encoded as \"{encoding}\": lariat reads {}; of picture files PNG, JPEG and WebP (a video such as h264 is made into frames by its own tools)",
+        ENCODINGS.join(", ")
     )]
     Encoding {
         /// Their topic.
         topic: String,
         /// What they are.
         encoding: String,
+    },
+    /// Depth images where colour ones are asked for.
+    #[error(
+        "the images on {topic} are depth images (compressedDepth), and ropes are found in colour or gray ones: choose the topic of those with --topic"
+    )]
+    Depth {
+        /// Their topic.
+        topic: String,
     },
     /// There is no such frame.
     #[error("there is no frame {frame}: the recording holds {count}, counted from 1")]

@@ -1,6 +1,5 @@
 //! A recording, opened.
 
-use std::fs::File;
 use std::io;
 use std::ops::Range;
 use std::path::Path;
@@ -13,18 +12,19 @@ use super::chunk::Unpacker;
 use super::cursor::{Messages, Source};
 use super::error::RecordingError;
 use super::index::Indexed;
-use super::layout::{HEAD_BYTES, MAGIC, attachment};
-use super::scan::{self, End, times_among, times_of};
-use super::storage::{FileStorage, Storage};
-use super::summary;
-use super::topics::Topics;
+use super::layout::{HEAD_BYTES, attachment};
+use super::opening::{self, Opened};
+use super::scan::{times_among, times_of};
 
-/// A recording: an MCAP file that lariat made, or another with images in it.
+/// A recording: an MCAP file that lariat made, or another with images in it, or the folder of several that ROS 2 makes.
 ///
 /// Any bytes may be in the file. No length in it is believed before the bytes are there, so that memory stays within some
 /// times the file's size and 1 GiB for a chunk.
 pub struct Recording {
-    source: Source,
+    /// Its files in their order, at least one.
+    files: Vec<Source>,
+    /// All topics of images among which that one was chosen.
+    candidates: Vec<String>,
     about: About,
     cut_off: Option<String>,
 }
@@ -63,7 +63,7 @@ pub struct TopicSummary {
 }
 
 impl Recording {
-    /// Opens a file.
+    /// Opens a file, or a folder.
     ///
     /// # Errors
     /// It cannot be read, is no recording, or holds nothing that lariat reads.
@@ -76,7 +76,10 @@ impl Recording {
     /// # Errors
     /// As [`open`](Self::open); or there is no such topic.
     pub fn open_topic(path: &Path, topic: Option<&str>) -> Result<Self, RecordingError> {
-        Self::new(Arc::new(FileStorage::new(File::open(path)?)?), topic)
+        let (files, notes) = opening::open(path, topic)?;
+        let mut recording = Self::of_files(files);
+        recording.cut_off = (!notes.is_empty()).then(|| notes.join("; "));
+        Ok(recording)
     }
 
     /// A recording in memory.
@@ -84,38 +87,24 @@ impl Recording {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, RecordingError> {
-        Self::new(Arc::new(bytes), None)
+        Ok(Self::of_files(vec![Opened::new(Arc::new(bytes), None)?]))
     }
 
-    fn new(storage: Arc<dyn Storage>, topic: Option<&str>) -> Result<Self, RecordingError> {
-        let mut magic = [0; MAGIC.len()];
-        if storage.read_some(0, &mut magic)? != MAGIC {
-            return Err(RecordingError::NotMcap);
-        }
-        let (index, end) = match summary::read(storage.as_ref())? {
-            Some(index) => (index, End::Closed),
-            None => {
-                let found = scan::scan(&storage)?;
-                (found.index, found.end)
-            }
-        };
-        let cut = matches!(end, End::Torn { .. });
-        if index.parts.is_empty() {
-            return Err(RecordingError::Empty { cut });
-        }
-        let about = About::read(storage.as_ref(), &index)?;
-        let topics = Topics::choose(&index, about.version(), topic)?;
-        let cut_off = cut_off(end, storage.size(), about.version().is_some());
-        Ok(Self {
-            source: Source {
-                offset_ns: about.monotonic_to_wall_ns(),
-                storage,
-                index: Arc::new(index),
-                topics: Arc::new(topics),
-            },
+    /// The first of these files tells what holds for all of them.
+    fn of_files(mut files: Vec<Opened>) -> Self {
+        let mut candidates: Vec<String> = (files.iter())
+            .flat_map(|file| file.source.topics.candidates.iter().cloned())
+            .collect();
+        candidates.sort();
+        candidates.dedup();
+        let about = std::mem::take(&mut files[0].about);
+        let cut_off = files[0].cut_off.take();
+        Self {
+            files: files.into_iter().map(|file| file.source).collect(),
+            candidates,
             about,
             cut_off,
-        })
+        }
     }
 
     /// What it says of itself.
@@ -128,29 +117,29 @@ impl Recording {
         self.cut_off.as_deref()
     }
 
-    /// Bytes of the file.
+    /// Bytes of its files.
     pub fn size(&self) -> u64 {
-        self.source.storage.size()
+        self.files.iter().map(|file| file.storage.size()).sum()
     }
 
     /// The topic whose images are the frames.
     pub fn images(&self) -> Option<&str> {
-        self.source.topics.images.as_deref()
+        (self.files.iter()).find_map(|file| file.topics.images.as_deref())
     }
 
     /// The topics of images among which that one was chosen: several, if several cameras were recorded.
     pub fn cameras(&self) -> &[String] {
-        &self.source.topics.candidates
+        &self.candidates
     }
 
     /// Whether its frames are lariat's own, with the traces they had.
     pub fn has_traces(&self) -> bool {
-        self.source.topics.has_headers
+        self.files.iter().any(|file| file.topics.has_headers)
     }
 
     /// Log times of the first and the last message, in nanoseconds of Unix time.
     pub fn times_ns(&self) -> (u64, u64) {
-        let parts = || self.source.index.parts.iter();
+        let parts = || self.files.iter().flat_map(|file| &file.index.parts);
         let first = parts().map(|part| part.start_ns).min();
         let last = parts().map(|part| part.end_ns).max();
         (first.unwrap_or(0), last.unwrap_or(0))
@@ -162,8 +151,11 @@ impl Recording {
     /// It is damaged.
     pub fn attachment(&self, name: &str) -> Result<Option<Vec<u8>>, RecordingError> {
         // The last of a name holds.
-        let mut placed = self.source.index.attachments.iter().rev();
-        let Some(placed) = placed.find(|placed| placed.name == name) else {
+        let mut placed = self.files.iter().rev().flat_map(|file| {
+            let placed = file.index.attachments.iter().rev();
+            placed.map(move |placed| (&file.storage, placed))
+        });
+        let Some((storage, placed)) = placed.find(|(_, placed)| placed.name == name) else {
             return Ok(None);
         };
         let offset = placed.offset;
@@ -178,7 +170,7 @@ impl Recording {
             return Err(damaged);
         };
         let mut buffer = Vec::new();
-        self.source.storage.read_into(at, bytes, &mut buffer)?;
+        storage.read_into(at, bytes, &mut buffer)?;
         match attachment(&buffer) {
             Some((of, bytes)) if of == name => Ok(Some(bytes.to_vec())),
             _ => Err(damaged),
@@ -187,7 +179,7 @@ impl Recording {
 
     /// The names of its attachments.
     pub fn attachments(&self) -> impl Iterator<Item = &str> {
-        let placed = self.source.index.attachments.iter();
+        let placed = self.files.iter().flat_map(|file| &file.index.attachments);
         placed.map(|placed| &placed.name[..])
     }
 
@@ -196,21 +188,36 @@ impl Recording {
     /// # Errors
     /// The file cannot be read.
     pub fn topics(&self) -> Result<Vec<TopicSummary>, RecordingError> {
-        let Source { storage, index, .. } = &self.source;
-        let mut unpacker = Unpacker::new(storage.clone());
-        let counts = census::take(storage.as_ref(), index, &mut unpacker)?;
-        let topics = index.channels.iter().map(|(id, listed)| {
-            let schema = index.schemas.get(&listed.schema);
-            let count = counts.get(id).copied().unwrap_or_default();
-            TopicSummary {
-                name: listed.topic.clone(),
-                schema: schema.map_or_else(String::new, |schema| schema.name.clone()),
-                messages: count.messages,
-                bytes: count.bytes,
-                largest: count.largest,
+        let mut topics: Vec<TopicSummary> = Vec::new();
+        for Source { storage, index, .. } in &self.files {
+            let mut unpacker = Unpacker::new(storage.clone());
+            let counts = census::take(storage.as_ref(), index, &mut unpacker)?;
+            for (id, listed) in &index.channels {
+                let schema = index.schemas.get(&listed.schema);
+                let schema = schema.map_or("", |schema| &schema.name);
+                let count = counts.get(id).copied().unwrap_or_default();
+                let is_it = |of: &&mut TopicSummary| of.name == listed.topic && of.schema == schema;
+                // A topic may have a channel in each file.
+                match topics
+                    .iter_mut()
+                    .find(is_it)
+                    .filter(|_| self.files.len() > 1)
+                {
+                    Some(topic) => {
+                        topic.messages += count.messages;
+                        topic.bytes += count.bytes;
+                        topic.largest = topic.largest.max(count.largest);
+                    }
+                    None => topics.push(TopicSummary {
+                        name: listed.topic.clone(),
+                        schema: schema.to_owned(),
+                        messages: count.messages,
+                        bytes: count.bytes,
+                        largest: count.largest,
+                    }),
+                }
             }
-        });
-        let mut topics: Vec<_> = topics.collect();
+        }
         topics.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(topics)
     }
@@ -249,10 +256,11 @@ impl Recording {
     pub fn messages(&self, span: Span) -> Result<Messages, RecordingError> {
         let span_ns = self.span_ns(span)?;
         let mut before = 0;
-        if !self.source.topics.has_headers && span.from.is_some() {
+        if !self.has_traces() && span.from.is_some() {
             self.each_frame(|at_ns| before += u64::from(at_ns < span_ns.start))?;
         }
-        Ok(Messages::new(self.source.clone(), span_ns, before))
+        let (first, rest) = (self.files[0].clone(), &self.files[1..]);
+        Ok(Messages::new(first, rest, span_ns, before))
     }
 
     /// A cursor over a part at the end that has what was said last of losses, and whatever else is there.
@@ -260,14 +268,15 @@ impl Recording {
     /// # Errors
     /// The file cannot be read.
     pub fn losses(&self) -> Result<Messages, RecordingError> {
-        let Source { index, topics, .. } = &self.source;
+        // At least one: a recording without a file is not opened.
+        let file = &self.files[self.files.len() - 1];
         let has_losses = |indexed: &&Indexed| {
-            let is_losses = |(channel, _): &(u16, u64)| topics.is_losses(*channel);
+            let is_losses = |(channel, _): &(u16, u64)| file.topics.is_losses(*channel);
             indexed.indexes.is_empty() || indexed.indexes.iter().any(is_losses)
         };
-        let last = index.parts.iter().rev().find(has_losses);
+        let last = file.index.parts.iter().rev().find(has_losses);
         let from = last.map_or(u64::MAX, |last| last.start_ns);
-        Ok(Messages::new(self.source.clone(), from..u64::MAX, 0))
+        Ok(Messages::new(file.clone(), &[], from..u64::MAX, 0))
     }
 
     fn span_ns(&self, span: Span) -> Result<Range<u64>, RecordingError> {
@@ -306,42 +315,30 @@ impl Recording {
 
     /// Tells of the log time of each frame, in the order of the file.
     fn each_frame(&self, mut each: impl FnMut(u64)) -> Result<(), RecordingError> {
-        let Some((channel, _)) = self.source.topics.frames else {
-            return Ok(());
-        };
-        let storage = self.source.storage.as_ref();
-        let mut unpacker = Unpacker::new(self.source.storage.clone());
         let mut buffer = Vec::new();
-        for indexed in &self.source.index.parts {
-            if times_of(storage, indexed, channel, &mut buffer, &mut each)?.is_none() {
-                self.load(&mut unpacker, indexed)?;
-                times_among(unpacker.records(), channel, &mut each);
+        for file in &self.files {
+            let Some((channel, _)) = file.topics.frames else {
+                continue;
+            };
+            let mut unpacker = Unpacker::new(file.storage.clone());
+            for indexed in &file.index.parts {
+                let storage = file.storage.as_ref();
+                if times_of(storage, indexed, channel, &mut buffer, &mut each)?.is_none() {
+                    load(&mut unpacker, indexed)?;
+                    times_among(unpacker.records(), channel, &mut each);
+                }
             }
         }
         Ok(())
     }
-
-    /// A damaged part counts as empty: so it is to a cursor, too.
-    fn load(&self, unpacker: &mut Unpacker, indexed: &Indexed) -> Result<(), RecordingError> {
-        match unpacker.load(indexed.part) {
-            Err(RecordingError::Io(error)) if error.kind() != io::ErrorKind::UnexpectedEof => {
-                Err(error.into())
-            }
-            _ => Ok(()),
-        }
-    }
 }
 
-fn cut_off(end: End, size: u64, is_ours: bool) -> Option<String> {
-    match end {
-        End::Torn { at } => Some(format!(
-            "this recording was not closed (its writer was killed, or the machine went down): what was written up to byte {at} \
-             of {size} is whole and is read, what was not yet in a whole chunk then is missing"
-        )),
-        // Others may close theirs so.
-        End::WithoutIndex if is_ours => Some(
-            "this recording was closed in need (its disk was full, or failed): it is whole up to there".to_owned(),
-        ),
-        End::WithoutIndex | End::Closed => None,
+/// A damaged part counts as empty: so it is to a cursor, too.
+fn load(unpacker: &mut Unpacker, indexed: &Indexed) -> Result<(), RecordingError> {
+    match unpacker.load(indexed.part) {
+        Err(RecordingError::Io(error)) if error.kind() != io::ErrorKind::UnexpectedEof => {
+            Err(error.into())
+        }
+        _ => Ok(()),
     }
 }

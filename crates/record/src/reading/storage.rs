@@ -1,8 +1,9 @@
 //! Where the bytes of a recording are: in a file, or in memory. Read at places, so that several readers share one.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read, Write};
 use std::os::unix::fs::FileExt;
+use std::path::Path;
 
 use super::error::RecordingError;
 
@@ -24,9 +25,42 @@ pub(super) struct FileStorage {
 }
 
 impl FileStorage {
-    pub(super) fn new(file: File) -> io::Result<Self> {
+    /// Opens a file. One that is compressed by zstd as a whole is unpacked into a temporary file, as only the parts of a recording
+    /// can be read at places.
+    pub(super) fn open(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path)?;
+        let mut magic = [0; ZSTD.len()];
+        let is_packed = file.read_exact_at(&mut magic, 0).is_ok() && magic == ZSTD;
+        let file = match is_packed {
+            true => unpacked(&file)?,
+            false => file,
+        };
         let size = file.metadata()?.len();
         Ok(Self { file, size })
+    }
+}
+
+/// The first bytes of a zstd frame (RFC 8878, section 3.1.1).
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+
+/// The file that a file was packed from. If that is cut off or damaged, as much of it as there is.
+fn unpacked(packed: &File) -> Result<File, RecordingError> {
+    let unpackable = |error| RecordingError::Unpack {
+        folder: std::env::temp_dir(),
+        error,
+    };
+    let mut file = tempfile::tempfile().map_err(unpackable)?;
+    let mut decoder = zstd::stream::read::Decoder::new(packed).map_err(unpackable)?;
+    let mut buffer = vec![0; 1 << 20];
+    let mut is_empty = true;
+    loop {
+        match decoder.read(&mut buffer) {
+            Ok(0) => return Ok(file),
+            Ok(count) => file.write_all(&buffer[..count]).map_err(unpackable)?,
+            Err(error) if is_empty => return Err(unpackable(error)),
+            Err(_) => return Ok(file),
+        }
+        is_empty = false;
     }
 }
 

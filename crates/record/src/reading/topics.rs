@@ -6,6 +6,7 @@ use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 use super::error::RecordingError;
 use super::index::{Definition, Index, Listed};
+use crate::foxglove::Form;
 use crate::schema::{ENCODING, Schema};
 use crate::{COMPRESSED_IMAGE, IMAGE, Losses, Record};
 
@@ -13,8 +14,8 @@ use crate::{COMPRESSED_IMAGE, IMAGE, Losses, Record};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     FrameHeader,
-    Image,
-    Picture,
+    Image(Form),
+    Picture(Form),
     MaskHeader,
     MaskImage,
     MaskPicture,
@@ -70,18 +71,22 @@ impl Topics {
         let headers = with_headers
             .filter(|(id, _)| is(id, Kind::FrameHeader))
             .find(|(_, listed)| wanted.is_none_or(|topic| siblings(&listed.topic, topic)));
-        let images = index
-            .channels
-            .iter()
-            .filter(|(id, _)| is(id, Kind::Image) || is(id, Kind::Picture));
+        let images = index.channels.iter().filter(|(id, _)| {
+            matches!(
+                topics.kinds.get(id),
+                Some(Kind::Image(_) | Kind::Picture(_))
+            )
+        });
         // With headers it is the image beside them.
         let has_headers = index
             .channels
             .iter()
             .filter(|(id, _)| is(id, Kind::FrameHeader));
         let has_headers: Vec<_> = has_headers.map(|(_, header)| &header.topic).collect();
+        // Depth images (of image transport) are frames only if they are asked for, to be refused by name.
         let is_candidate = |topic: &str| {
-            has_headers.is_empty() || has_headers.iter().any(|header| siblings(header, topic))
+            let is_of_header = || has_headers.iter().any(|header| siblings(header, topic));
+            !topic.ends_with(DEPTH_TRANSPORT) && (has_headers.is_empty() || is_of_header())
         };
         let mut candidates: Vec<String> = images
             .clone()
@@ -94,7 +99,7 @@ impl Topics {
         let mut images = images.filter(|(_, listed)| match (wanted, headers) {
             (Some(topic), _) => listed.topic == topic,
             (None, Some((_, header))) => siblings(&header.topic, &listed.topic),
-            (None, None) => true,
+            (None, None) => !listed.topic.ends_with(DEPTH_TRANSPORT) || candidates.is_empty(),
         });
         let image = images
             .next()
@@ -115,7 +120,7 @@ impl Topics {
         let chosen = image.as_ref().map(|(_, topic)| topic);
         let header = headers.as_ref().map(|(_, topic)| topic);
         topics.kinds.retain(|id, kind| match kind {
-            Kind::Image | Kind::Picture => topic_of(id) == chosen,
+            Kind::Image(_) | Kind::Picture(_) => topic_of(id) == chosen,
             Kind::FrameHeader => topic_of(id) == header,
             _ => true,
         });
@@ -158,11 +163,50 @@ fn names(index: &Index) -> String {
     names.join(", ")
 }
 
+/// The end of the topics on which image transport sends depth images as PNG.
+const DEPTH_TRANSPORT: &str = "/compressedDepth";
+
+/// The images of other writers: the encoding of a channel, the names of its schema, and how their messages are read.
+const OTHERS: [(&str, &str, &str, Form); 4] = [
+    (
+        "ros1",
+        "sensor_msgs/Image",
+        "sensor_msgs/CompressedImage",
+        Form::Ros1,
+    ),
+    (
+        ENCODING,
+        "foxglove_msgs/msg/RawImage",
+        "foxglove_msgs/msg/CompressedImage",
+        Form::FoxgloveCdr,
+    ),
+    (
+        "protobuf",
+        "foxglove.RawImage",
+        "foxglove.CompressedImage",
+        Form::Protobuf,
+    ),
+    (
+        "json",
+        "foxglove.RawImage",
+        "foxglove.CompressedImage",
+        Form::Json,
+    ),
+];
+
 fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
+    let schema = &index.schemas.get(&listed.schema)?.name;
+    for (encoding, image, picture, form) in OTHERS {
+        if listed.encoding == encoding && schema == image {
+            return Some(Kind::Image(form));
+        }
+        if listed.encoding == encoding && schema == picture {
+            return Some(Kind::Picture(form));
+        }
+    }
     if listed.encoding != ENCODING {
         return None;
     }
-    let schema = &index.schemas.get(&listed.schema)?.name;
     let last = listed.topic.rsplit('/').next().unwrap_or_default();
     let kind = if *schema == FrameHeader::SCHEMA.name {
         match last {
@@ -175,12 +219,12 @@ fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
         match last {
             "mask_image" => Kind::MaskImage,
             "depth_image" => return None,
-            _ => Kind::Image,
+            _ => Kind::Image(Form::Ros2),
         }
     } else if *schema == COMPRESSED_IMAGE.name {
         match last {
             "mask_image" => Kind::MaskPicture,
-            _ => Kind::Picture,
+            _ => Kind::Picture(Form::Ros2),
         }
     } else if *schema == Centerlines::SCHEMA.name {
         match last {

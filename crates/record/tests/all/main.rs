@@ -5,4 +5,5 @@ mod made;
 
 mod allocation;
 mod hostile_recordings;
+mod others;
 mod reading;

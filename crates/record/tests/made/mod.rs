@@ -93,6 +93,29 @@ impl Made {
         self.put(topic, schema, log_time_ns);
     }
 
+    /// A message in another encoding than ROS 2's.
+    pub(crate) fn encoded(
+        &mut self,
+        topic: &str,
+        [encoding, schema, schema_encoding]: [&str; 3],
+        log_time_ns: u64,
+        bytes: &[u8],
+    ) {
+        let writer = &mut self.writer;
+        let channel = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
+            let schema = writer.add_schema(schema, schema_encoding, b"").unwrap();
+            let none = BTreeMap::new();
+            writer.add_channel(schema, topic, encoding, &none).unwrap()
+        });
+        let header = MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: log_time_ns,
+            publish_time: log_time_ns,
+        };
+        writer.write_to_known_channel(&header, bytes).unwrap();
+    }
+
     /// An image on a channel of its own, though others may be on its topic.
     pub(crate) fn image_apart(
         &mut self,

@@ -1,9 +1,10 @@
 //! The pixels of an image of ROS, as a frame has them: its rows one after the other without gaps. Pure.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 
 use image::{ColorType, ImageReader, Limits};
-use lariat_record::ImageRecord;
+use lariat_record::{ImageRecord, convert};
 use lariat_wire::PixelFormat;
 
 use super::Trouble;
@@ -13,16 +14,15 @@ use super::received::Image;
 const MAX_SIDE: u32 = 8192;
 
 /// An image whose bytes are as many as it says.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Pixels<'a> {
     pub(super) width: u32,
     pub(super) height: u32,
     /// As they become.
     pub(super) format: PixelFormat,
-    /// Four bytes a pixel, of which three are copied.
-    is_rgba: bool,
     step: usize,
-    data: &'a [u8],
+    /// As they came, or converted.
+    data: Cow<'a, [u8]>,
 }
 
 impl<'a> Pixels<'a> {
@@ -31,37 +31,40 @@ impl<'a> Pixels<'a> {
     /// # Errors
     /// The encoding is not known, or the numbers do not fit together.
     pub(super) fn of(image: &'a Image) -> Result<Self, Trouble> {
-        let is_rgba = image.encoding == "rgba8";
         let record = ImageRecord {
             stamp_ns: 0,
             frame_id: "",
             width: image.width,
             height: image.height,
-            // These two lie alike.
-            encoding: if is_rgba { "bgra8" } else { &image.encoding },
+            encoding: &image.encoding,
             is_big_endian: image.is_bigendian != 0,
             step: image.step,
             data: image.data,
         };
-        let format = record
-            .format()
-            .ok_or_else(|| Trouble::Encoding(shown(&image.encoding)))?;
-        if !record.is_whole() || image.data.is_empty() {
-            return Err(Trouble::Size {
-                width: image.width,
-                height: image.height,
-                encoding: image.encoding.clone(),
-                step: image.step,
-                bytes: image.data.len(),
-            });
+        if !record.is_known() {
+            return Err(Trouble::Encoding(shown(&image.encoding)));
         }
+        let as_it_is = record.format().filter(|_| record.is_whole());
+        let (format, step, data) = match as_it_is.filter(|_| !image.data.is_empty()) {
+            Some(format) => (format, image.step, Cow::Borrowed(image.data)),
+            None => {
+                let mut pixels = Vec::new();
+                let converted = convert(&record, &mut pixels).ok_or_else(|| Trouble::Size {
+                    width: image.width,
+                    height: image.height,
+                    encoding: image.encoding.clone(),
+                    step: image.step,
+                    bytes: image.data.len(),
+                })?;
+                (converted.format, converted.stride, Cow::Owned(pixels))
+            }
+        };
         Ok(Self {
             width: image.width,
             height: image.height,
-            format: if is_rgba { PixelFormat::Rgb8 } else { format },
-            is_rgba,
-            step: image.step as usize,
-            data: image.data,
+            format,
+            step: step as usize,
+            data,
         })
     }
 
@@ -71,15 +74,8 @@ impl<'a> Pixels<'a> {
         let rows = into
             .chunks_exact_mut(row)
             .zip(self.data.chunks_exact(self.step));
-        if self.is_rgba {
-            for (to, from) in rows {
-                let pixels = to.as_chunks_mut::<3>().0.iter_mut();
-                pixels
-                    .zip(from.as_chunks::<4>().0)
-                    .for_each(|(to, [r, g, b, _])| *to = [*r, *g, *b]);
-            }
-        } else if row == self.step {
-            into.copy_from_slice(self.data);
+        if row == self.step {
+            into.copy_from_slice(&self.data);
         } else {
             rows.for_each(|(to, from)| to.copy_from_slice(&from[..row]));
         }

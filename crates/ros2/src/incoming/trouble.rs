@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error(
-        "the encoding {0} is not understood: rgb8, bgr8, rgba8, bgra8, mono8, mono16, yuv422_yuy2, uyvy, nv12 and bayer_*8 are"
+        "the encoding {0} is not understood: rgb8, bgr8, rgba8, bgra8, mono8, mono16, rgb16, bgr16, yuv422_yuy2, uyvy, nv12, nv21, nv24, i420, bayer_*8, bayer_*16 and 32FC1 are"
     )]
     Encoding(String),
     #[error(

@@ -127,7 +127,9 @@ impl Files {
             return Ok(None);
         };
         let options = settings.capture.file_options();
-        let images = DepthFiles::open(std::slice::from_ref(folder), &options)?;
+        let pictures = &settings.capture.source;
+        let images = DepthFiles::open(std::slice::from_ref(folder), pictures, &options)?;
+        tracing::info!("{}", images.notice());
         let Station {
             domain,
             rig,

@@ -133,7 +133,7 @@ pub(super) fn place_of(cause: &anyhow::Error) -> Place {
     if let Some(cause) = cause.downcast_ref() {
         return match cause {
             NoDepth::Thin { .. } => Place::Thin,
-            NoDepth::Unmeasured { .. } | NoDepth::Points => Place::Unmeasured,
+            NoDepth::Unmeasured { .. } | NoDepth::Flat | NoDepth::Points => Place::Unmeasured,
             NoDepth::Lens => Place::Unreadable,
         };
     }

@@ -3,41 +3,13 @@
 //! OpenCV begins its files with `%YAML:1.0`, which no version of YAML has ever allowed; that line is passed over. Anchors and
 //! aliases, by which a short text can mean an endless one, are refused, and so is what is too large or nested too deeply.
 
+use super::{DEEPEST, Node};
 use crate::calibration::CalibrationError;
 use saphyr_parser::{Event, Parser};
 use std::borrow::Cow;
 
-/// The longest text that is read: OpenCV's files with all the views of a calibration have some 100 kB.
-const MOST_BYTES: usize = 1 << 20;
-/// Maps and lists within each other.
-const DEEPEST: usize = 12;
-
-/// A value.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Node {
-    Scalar(String),
-    List(Vec<Node>),
-    Map(Vec<(String, Node)>),
-}
-
-impl Node {
-    /// The value of this key of a map; the first, if there are several.
-    pub(crate) fn get(&self, is_key: impl Fn(&str) -> bool) -> Option<(&str, &Node)> {
-        match self {
-            Node::Map(entries) => {
-                let found = entries.iter().find(|(key, _)| is_key(key));
-                found.map(|(key, value)| (&key[..], value))
-            }
-            _ => None,
-        }
-    }
-}
-
 /// The first document of a text.
-pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
-    if text.len() > MOST_BYTES {
-        return Err(CalibrationError::TooLarge);
-    }
+pub(super) fn read(text: &str) -> Result<Node, CalibrationError> {
     let text = without_opencv_head(text);
     // Maps and lists that are open, each with the key that waits for its value.
     let mut open: Vec<(Node, Option<String>)> = Vec::new();
@@ -83,7 +55,6 @@ pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
 
 /// The text with OpenCV's first line made a comment, so that lines keep their numbers.
 fn without_opencv_head(text: &str) -> Cow<'_, str> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     match text.strip_prefix("%YAML:") {
         Some(rest) => Cow::Owned(format!("#{rest}")),
         None => Cow::Borrowed(text),

@@ -1,0 +1,65 @@
+//! A test for depth images that do not show the rope.
+//!
+//! A depth camera may miss a cable that is black, shiny or thin, and a depth image of another moment lacks it. The depths along the
+//! centerline are those of the table then. A rope that is shown stands out: its neighborhood lies behind its axis, or, of a cable in a
+//! groove, well before its surface. The table alone lies one radius before the axis that is computed from it.
+
+use super::{DepthImage, RopeDepth, SeenRope};
+
+/// Distances from the axis, in half widths: beyond the rope itself, and beyond a neighbor that touches it. And pixels more, as those at an
+/// edge see both of its sides.
+const BESIDE: [f64; 2] = [2.0, 4.0];
+const EDGE_PX: f64 = 2.0;
+/// The table alone lies between these two, in radii behind the axis: the middle between a rope's surface and half a radius before it,
+/// and the middle to a rope that lies on it.
+const FLAT: [f64; 2] = [-1.5, 0.0];
+/// A median of fewer says little.
+const LEAST: usize = 8;
+
+impl RopeDepth {
+    /// Returns true if the depth image is as flat across the rope as a table.
+    pub(super) fn is_flat(&mut self, image: &DepthImage, rope: &SeenRope) -> bool {
+        let mut relief = std::mem::take(&mut self.row);
+        relief.clear();
+        relief.extend((1..self.sections.len().saturating_sub(1)).filter_map(|k| {
+            let i = self.sections[k];
+            let is_seen = self.axes[i].is_measured && !rope.hidden[i];
+            is_seen.then(|| self.relief(image, k)).flatten()
+        }));
+        let count = relief.len();
+        let is_flat = count >= LEAST && {
+            let (_, median, _) = relief.select_nth_unstable_by(count / 2, f64::total_cmp);
+            (FLAT[0]..FLAT[1]).contains(median)
+        };
+        self.row = relief;
+        is_flat
+    }
+
+    /// The distance from the `k`-th section's axis back to the farther of two pairs of places next to the rope, in radii. The mean of a pair
+    /// cancels the slant of the table.
+    fn relief(&self, image: &DepthImage, k: usize) -> Option<f64> {
+        let pixel = |k: usize| {
+            let axis = &self.axes[self.sections[k]];
+            self.camera.pixel(self.place(axis, axis.depth))
+        };
+        let [before, at, after] = [pixel(k - 1)?, pixel(k)?, pixel(k + 1)?];
+        let [x, y] = [0, 1].map(|c| after[c] - before[c]);
+        let length = (x * x + y * y).sqrt();
+        if length < 1e-9 {
+            return None;
+        }
+        let axis = &self.axes[self.sections[k]];
+        let half = self.half_width_px(axis);
+        let pairs = BESIDE.into_iter().filter_map(|widths| {
+            let reach = (widths * half + EDGE_PX) / length;
+            let depth = |reach: f64| {
+                let [column, row] = [at[0] - reach * y, at[1] + reach * x];
+                image.at(column.round() as isize, row.round() as isize)
+            };
+            Some(0.5 * (depth(-reach)? + depth(reach)?))
+        });
+        let farther = pairs.max_by(f64::total_cmp)?;
+        let ahead = self.place(axis, axis.depth)[2];
+        Some((farther - ahead) / (axis.slim * axis.depth))
+    }
+}
