@@ -98,7 +98,7 @@ fn halved(still: &Still) -> Still {
     }
 }
 
-/// Who makes masks, by the names of their weights.
+/// The makers of masks, with the names of their weights.
 const MAKERS: [(&str, Maker); 4] = [
     ("OWN", Maker::Own),
     ("COLOR", Maker::Color),

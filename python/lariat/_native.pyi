@@ -117,7 +117,7 @@ class Scene:
         """Where they cross, at most 32."""
     @property
     def notice(self) -> Notice | None:
-        """What is probably wrong with what was seen, if anything."""
+        """The most important probable fault of what was seen, if any."""
     @property
     def followed(self) -> bool:
         """Whether the ropes were followed from the last picture, by reading this one only around them."""

@@ -13,7 +13,7 @@ pub(crate) struct Kept {
     curves: Vec<lariat_extract::Curve>,
     crossings: Vec<lariat_extract::Crossing>,
     notice: Option<lariat_extract::Notice>,
-    /// What the notice says to the user of this tracer.
+    /// The notice as a sentence for the user of this tracer.
     sentence: String,
     followed: bool,
     /// Width and height of the picture, px.
@@ -99,7 +99,7 @@ impl Scene {
         self.kept.crossings.iter().copied().map(Crossing).collect()
     }
 
-    /// What is probably wrong with what was seen, if anything.
+    /// The most important probable fault of what was seen, if any.
     #[getter]
     fn notice(&self) -> Option<Notice> {
         let sentence = || self.kept.sentence.clone();

@@ -1,4 +1,4 @@
-//! What is probably wrong with a chain's results, told to the user, but not in every frame.
+//! Notices about a chain's results, for the user, but not in every frame.
 
 use lariat_extract::Notice;
 

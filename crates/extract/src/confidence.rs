@@ -93,10 +93,10 @@ enum Clue {
 /// Who made the mask: what speaks for a curve weighs otherwise with each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Maker {
-    /// The extractor, by what differs from the table.
+    /// The extractor, from the difference to the table.
     #[default]
     Own,
-    /// The extractor, by the user's colours.
+    /// The extractor, with the user's color ranges.
     Color,
     /// The network.
     Network,

@@ -203,7 +203,7 @@ impl Extractor {
     }
 
     /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene. An image with
-    /// the pixels of the last one has the same answer, in which only time goes on.
+    /// the same pixels as the last one has the same answer; only lost ropes get older.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
     }
@@ -280,8 +280,7 @@ impl Extractor {
         Some(self.scene())
     }
 
-    /// Keeps what was said of the last image, of which this one has the pixels. Ropes that are lost get older. Returns how many are
-    /// seen.
+    /// Repeats the answer to the last image, which had the same pixels. Lost ropes get older. Returns the number of ropes in sight.
     fn stay(&mut self) -> usize {
         self.tracker.pass(self.now_ns);
         let is_seen = |curve: &&Curve| curve.status != Status::Lost;
@@ -526,7 +525,7 @@ impl Extractor {
         }
     }
 
-    /// What a notice says to the user of this extractor: no remedy that its mask already is.
+    /// The sentence of a notice for the user of this extractor: without the remedy that its mask already is.
     pub fn sentence(&self, notice: Notice) -> String {
         notice.sentence(&self.options.mask)
     }

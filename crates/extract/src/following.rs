@@ -75,7 +75,7 @@ impl Follower {
         !is_due && self.is_anchored()
     }
 
-    /// Whether ropes can be followed.
+    /// Returns true if there are ropes that can be followed.
     pub(crate) fn is_anchored(&self) -> bool {
         self.chords.is_ready() || self.contours.is_ready()
     }

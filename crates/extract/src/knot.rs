@@ -22,7 +22,7 @@ use crate::vec2::{self, Vec2};
 use diagram::Diagram;
 use std::fmt;
 
-/// Least probability at which an answer is given: that of the confidence from which a rope is relied upon elsewhere.
+/// Least probability at which an answer is given: one in ten may be wrong.
 const LEAST: f32 = 0.9;
 /// Crossings that are tried both ways, the least sure ones (64 diagrams); the others must be as they were seen.
 const MOST_UNSURE: usize = 6;
@@ -51,8 +51,8 @@ pub struct CrossingSequence {
     diagram: Diagram,
     /// Of each crossing.
     confidences: Vec<f32>,
-    /// Probability that the curve and all its crossings are as seen, but for which strand is over: 0 for a rope that has no two
-    /// ends to draw, is not seen whole, or has a bump.
+    /// Probability that the curve and the places of its crossings are right: 0 for a closed rope, one that is not seen whole, and
+    /// one with a bump.
     certainty: f32,
 }
 
@@ -115,9 +115,9 @@ impl CrossingSequence {
     /// Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided.
     ///
     /// The answer is given if its probability is 0.9 or more: that of the curve ([`Curve::confidence`]) times that of all ways in
-    /// which the crossings may lie ([`Crossing::confidence`]) and that have this answer. There is none for a rope without ends,
-    /// one that is lost or partly hidden, one with a bump, in which a tight knot may be, and crossings that do not fit
-    /// into a plane, so that one of them must have been missed.
+    /// which the crossings may lie ([`Crossing::confidence`]) and that have this answer. Four
+    /// kinds of ropes are undecided: a closed one, one that is lost or partly hidden, one with a bump, which may be a tight knot, and
+    /// one whose crossings do not fit into a plane, so that one of them must have been missed.
     pub fn pulls_straight(&self) -> Option<bool> {
         if self.certainty < LEAST || !self.diagram.is_planar() {
             return None;
@@ -155,7 +155,7 @@ fn is_seen_whole(rope: &Curve) -> bool {
     rope.status == Status::Ok && !rope.closed && !rope.hidden.contains(&true)
 }
 
-/// Whether the rope is anywhere as wide as more than one strand, away from its crossings.
+/// Returns true if the rope is wider than one strand anywhere away from its crossings.
 fn has_bump(scene: &Scene, curve: usize) -> bool {
     let rope = &scene.curves[curve];
     let is_along = |crossing: &&Crossing| [crossing.over, crossing.under].contains(&curve);

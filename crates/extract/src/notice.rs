@@ -1,11 +1,11 @@
-//! What is probably wrong with a result, and what to do, in words for the user.
+//! Notices: probable faults of a result, and what to do, in words for the user.
 
 use crate::options::Mask;
 use std::fmt;
 
-/// What is probably wrong with a result, and what to do: [`sentence`](Notice::sentence), which is its `Display` with the automatic mask.
+/// A probable fault of a result, and what to do. Its `Display` is its [`sentence`](Notice::sentence) for the automatic mask.
 ///
-/// A picture in which every curve is sure has none, whatever lies on the table, and neither has an empty table: no rope is an answer.
+/// A picture whose curves are all confident has no notice, whatever the table is like. An empty table has no notice either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Notice {
@@ -72,8 +72,8 @@ impl Notice {
 }
 
 impl Notice {
-    /// Whether it is about ropes: one that is missing, or may be none. The others are about the table, and matter only where no
-    /// rope was found.
+    /// Returns true if it is about ropes, which may be missing or wrong. The others are about the table, and matter only if no rope
+    /// was found.
     pub(crate) fn is_of_ropes(self) -> bool {
         matches!(
             self,
@@ -97,7 +97,7 @@ impl Notice {
         }
     }
 
-    /// What was seen, and what to do about it.
+    /// The words for what was seen, and the remedies.
     fn words(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Notice::CheckeredTable => (
@@ -189,7 +189,7 @@ impl Notice {
 
 /// The remedy that needs `lariat pick`.
 const OWN_COLOR: &str = "give the rope's own colour as the mask (lariat pick finds it)";
-/// What to do about a thing that may not be a rope.
+/// The remedies for a thing that may not be a rope.
 const NO_ROPE: &[&str] = &[
     "take it out of the picture or out of the region that is read (roi)",
     "ask for as many ropes as there are (ropes)",

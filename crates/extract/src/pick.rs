@@ -112,7 +112,7 @@ pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     })
 }
 
-/// The points, each moved onto the rope beside which it lies.
+/// Moves each point that lies next to a rope onto it.
 fn snapped(image: &Image, points: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let points = points.iter();
     points

@@ -107,8 +107,8 @@ pub struct Scene<'a> {
     pub curves: &'a [Curve],
     /// Where they cross, at most 32.
     pub crossings: &'a [Crossing],
-    /// What is probably wrong with these curves: what a doubtful one looks like, that one's confidence is below the threshold, or
-    /// that there were too many. Without a curve in sight, what the table is like for the automatic mask.
+    /// The most important probable fault of these curves: one may not be a rope, is unsure, or there were too many. Without a curve in
+    /// sight, the fault of the table for the automatic mask.
     pub notice: Option<Notice>,
     /// Whether the ropes were followed from the last image, by reading this one only around them; otherwise it was
     /// looked at whole.

@@ -264,7 +264,7 @@ impl FrameExtractor {
             .resume(size, past.exposed_ns, &curves, past.tracks);
     }
 
-    /// What a notice says to the user, with the command that helps.
+    /// The sentence of a notice, with the command that helps.
     pub fn sentence(&self, notice: Notice) -> String {
         self.extractor.sentence(notice)
     }

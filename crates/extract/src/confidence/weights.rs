@@ -35,7 +35,7 @@ pub(super) const OWN: [f32; CLUES] = [
     0.000, // light and shade across it
     0.000, // straight
 ];
-/// Where it did by the user's colours.
+/// Weights of masks from the user's color ranges.
 #[rustfmt::skip]
 pub(super) const COLOR: [f32; CLUES] = [
     -6.553, // constant

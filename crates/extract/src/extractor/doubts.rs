@@ -23,7 +23,7 @@ const UNLIKELY: f32 = 0.02;
 pub(super) const SURE: f32 = 0.5;
 const UNLIKELY_BESIDE: f32 = 0.2;
 
-/// Difference from the table, a quarter of all 256 levels, by which a rope is seen in any picture that is not mostly noise.
+/// Difference from the table at which a rope must not be hidden by noise: a quarter of all 256 levels.
 const HIDDEN: f32 = 64.0;
 
 /// What is known of all curves of a mask.
@@ -168,7 +168,7 @@ impl Extractor {
             .or(is_crowded.then_some(Notice::TooMany));
     }
 
-    /// What is probably wrong with this image's curves; of an image without one what the table is like, which may be why.
+    /// The most important notice about this image's curves. An image without a curve has the notice about its table, if any.
     pub(super) fn notice(&self) -> Option<Notice> {
         let is_seen = |curve: &Curve| curve.status != Status::Lost;
         let sees_some = self.curves[..self.count].iter().any(is_seen);

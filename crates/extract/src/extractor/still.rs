@@ -16,14 +16,14 @@ const LANES: usize = 16;
 pub(super) struct Still {
     layout: Option<(usize, usize, PixelFormat)>,
     samples: Vec<u8>,
-    /// Of all pixels, if the image was hashed.
+    /// The hash of all pixels, if the image was hashed.
     hash: Option<u64>,
 }
 
 /// How an image compares with the last one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Comparison {
-    /// Whether it is known to have the same pixels.
+    /// True if the pixels are known to be the same.
     pub(super) is_same: bool,
     hash: Option<u64>,
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::scene::{Crossing, Curve};
 
 type Vec3 = [f64; 3];
-/// The width of all ropes here, thin beside their loops.
+/// Width of all ropes here: thin compared with their loops.
 const WIDTH: f32 = 0.05;
 
 /// What an extractor would see of a rope that lies along `space`, y down and all.
@@ -289,7 +289,7 @@ fn a_bump_may_be_a_tight_knot() {
     let (mut curves, crossings) = seen(&[[0.0; 3], [9.0, 0.0, 0.0]]);
     curves[0].widths_px[100] = 2.0 * WIDTH;
     assert_eq!(sequence_of(&(curves, crossings)).pulls_straight(), None);
-    // Where the rope crosses itself it looks wide.
+    // It looks wide at its crossing.
     let (mut curves, crossings) = seen(&coils(1, |_| true));
     let crossed = (199.0 * crossings[0].over_rho).round() as usize;
     curves[0].widths_px[crossed] = 2.0 * WIDTH;

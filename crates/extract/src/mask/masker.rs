@@ -225,8 +225,8 @@ impl Masker {
         seemed_sure
     }
 
-    /// An automatic mask that holds nothing is unsure where the noise would hide a rope that differs from the table by
-    /// `level`. Whether it is such a one.
+    /// Marks an automatic mask that holds nothing as noisy if the noise would hide a rope that differs from the table by
+    /// `level`. Returns true if it did.
     pub(crate) fn doubts_noise(&mut self, level: f32) -> bool {
         let is_hidden = threshold::floor(self.background.noise) > level;
         let seemed_sure = self.notice.is_none() && self.cut.is_some() && is_hidden;

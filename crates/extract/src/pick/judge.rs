@@ -23,10 +23,10 @@ const MOST_ROPES: usize = 8;
 /// A mask of a smaller share of the picture is a highlight or a print on the rope, not the rope.
 const LEAST_COVERED: f32 = 0.0015;
 
-/// By how much the ropes of the automatic mask must be surer than those of the picked colours, to be better: as in extraction,
-/// where the network's ropes are compared with the table's.
+/// Least difference in confidence by which the automatic mask is better than the picked colours: as in extraction, where the
+/// network's ropes are compared with the table's.
 const SURER: f32 = 0.2;
-/// A point so many half-widths from the middle of a curve, or fewer, is on it.
+/// Distance of a point from the middle of its curve, in half-widths, at most.
 const ON: f32 = 1.5;
 
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
@@ -116,14 +116,14 @@ pub fn doubt_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option
     is_surer.then_some(PickDoubt::AutomaticIsSurer([seen.confidence, automatic]))
 }
 
-/// The mean confidence of the ropes that are meant, in a mask of `ranges` and in the automatic one; `None` where there are none.
+/// The mean confidence of the ropes that are meant, in a mask of `ranges` and in the automatic one; `None` without a rope.
 /// Allocates.
 pub fn compare_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> [Option<f32>; 2] {
     let points = &snapped(image, points)[..];
     [see(image, ranges, points), automatic(image, points)].map(|seen| Some(seen?.confidence))
 }
 
-/// What the automatic mask shows of the ropes at the points.
+/// Traces the ropes at the points in the automatic mask.
 fn automatic(image: &Image, points: &[Vec2]) -> Option<Seen> {
     see_in(image, Mask::Auto, points).filter(|seen| seen.beside <= ON)
 }

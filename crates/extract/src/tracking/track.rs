@@ -362,8 +362,8 @@ impl Tracker {
         }
     }
 
-    /// Lets the tracks go on in an image with the pixels of the last one, whose first `seen` curves were seen, and reports those
-    /// ropes that are still lost behind them. Returns how many curves there are.
+    /// Repeats the answer to the last image, in which the first `seen` curves were in sight, and reports the lost ropes after
+    /// them. Returns the number of curves.
     pub(crate) fn stay(
         &mut self,
         curves: &mut Vec<Curve>,
