@@ -117,8 +117,8 @@ pub const READ: [[&str; 3]; 9] = [
         "by the number of coefficients",
     ],
     [
-        "RealSense, Open3D, nerfstudio, BOP, DepthAI, Basalt, JSON",
-        "`fx`, `ppx`, `coeffs`; `intrinsic_matrix`; `fl_x`; `cam_K`; `intrinsicMatrix`, `distortionCoeff`; `intrinsics: {fx, …}`",
+        "RealSense, Open3D, nerfstudio, DepthAI, Basalt, JSON",
+        "`fx`, `ppx`, `coeffs`; `intrinsic_matrix`; `fl_x`; `intrinsicMatrix`, `distortionCoeff`; `intrinsics: {fx, …}`",
         "`brown_conrady`, `OPENCV`, `OPENCV_FISHEYE`, `kb4`",
     ],
     [
