@@ -41,7 +41,19 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
     let output = lariat(&folder, &["pick", "bars.png"]);
     assert!(output.status.success(), "{output:?}");
     let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(said, "lariat: the mask is drawn in bars-mask.png\n");
+    // Both masks show the same.
+    let (compared, drawn) = said.split_once('\n').unwrap();
+    let confidences = compared
+        .strip_prefix("lariat: confidence of the ropes: ")
+        .unwrap();
+    let [by_color, automatic] = ["by this mask", "by the automatic one"].map(|whose| {
+        let said = confidences
+            .split(", ")
+            .find_map(|part| part.strip_suffix(whose));
+        said.unwrap().trim().parse::<f32>().unwrap()
+    });
+    assert!((by_color - automatic).abs() < 0.1, "{said}");
+    assert_eq!(drawn, "lariat: the mask is drawn in bars-mask.png\n");
     let bars: Vec<u32> = (40..51).chain(110..121).collect();
     assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
 
@@ -188,7 +200,7 @@ fn what_cannot_be_picked_is_said_in_a_sentence() {
         ),
         (
             &["bars.png", "--at", "100,80"],
-            "bars.png: at (100, 80) is the table, and no rope within 3 pixels: give a point on the rope",
+            "bars.png: at (100, 80) is the table, and no rope within 10 pixels: give a point on the rope",
         ),
         (
             &["table.png"],

@@ -284,6 +284,7 @@ fn ropes_in_space(sequence: u64) -> (Box<Descriptors>, Box<Descriptors3>) {
         .enumerate()
     {
         (flat.track, in_space.track) = (i as u32 + 4, i as u32 + 4);
+        flat.confidence = 1.0;
         (flat.degree, flat.count, flat.samples) = (1, 2, 120);
         flat.control_points[1] = [100.0, 0.0];
         (in_space.degree, in_space.count, in_space.samples) = (1, 2, 120);

@@ -77,7 +77,8 @@ fn one_that_is_out_of_sight_is_lost_and_none_takes_its_place() {
         .map(|_| look(&mut extractor, &frame(0, true)).curves[0].status)
         .collect();
     assert_eq!(status, [Status::Lost; 3]);
-    for _ in 0..40 {
+    // The whole picture is looked at again after four seconds at most.
+    for _ in 0..130 {
         look(&mut extractor, &frame(0, true));
     }
     assert_eq!(extractor.scene().curves, [], "it is forgotten");
