@@ -78,7 +78,8 @@ impl<'a> Rope<'a> {
     pub(crate) fn in_space(rope: &'a Descriptor3) -> Option<Self> {
         let is_measured = rope.place() == Some(Place::Known);
         let shape = Shape::in_space(rope).ok();
-        let shape = shape.filter(|_| is_measured && is_sure(rope.status(), rope.fit(), rope.confidence))?;
+        let shape =
+            shape.filter(|_| is_measured && is_sure(rope.status(), rope.fit(), rope.confidence))?;
         Some(Self {
             track: rope.track,
             width: Scale::MILLIMETERS.length(rope.width),
