@@ -49,7 +49,7 @@ fn an_open_reader_allocates_nothing() {
         let rope = &mut slot.curves[0];
         *rope = Descriptor::EMPTY;
         (rope.degree, rope.count, rope.samples) = (8, 9, 120);
-        rope.filtered = 1;
+        (rope.filtered, rope.confidence) = (1, 1.0);
         for j in 0..9 {
             rope.control_points[j] = [j as f64, f64::from(frame)];
             rope.velocities[j] = [1.0, 2.0];
