@@ -4,12 +4,14 @@
 //! full extraction, which reads every pixel anyway, is the image hashed.
 
 use crate::image::{Image, PixelFormat};
-use lariat_portable::Arch;
 
 /// Samples along each side of the image.
 const SIDE: usize = 16;
-/// Words that are hashed side by side: two registers of AVX2.
-const LANES: usize = 16;
+/// Words that are hashed side by side, so that no multiplication waits for the one before.
+const LANES: usize = 8;
+/// The constants of FNV-1a (Fowler, Noll, Vo) of 64 bits.
+const OFFSET: u64 = 0xCBF2_9CE4_8422_2325;
+const PRIME: u64 = 0x0100_0000_01B3;
 
 /// The last image, as far as the next one is compared with it.
 #[derive(Debug, Default)]
@@ -68,36 +70,33 @@ fn samples(image: &Image) -> impl Iterator<Item = u8> {
     })
 }
 
-/// A hash of all pixels, without what lies between rows: the lanes of FNV-1a, each turned so that no bit of a word is lost at the
-/// upper end.
+/// A hash of all pixels, without what lies between rows: the lanes of FNV-1a with words of 64 bits, each turned so that no bit is
+/// lost at the upper end.
 fn hash(image: &Image) -> u64 {
-    let mut lanes = [0x811C_9DC5_u32; LANES];
-    let chroma = (image.format() == PixelFormat::Nv12).then(|| (0..image.height()).step_by(2));
-    let arch = Arch::new();
-    let mut add = |row: &[u8]| arch.dispatch(|| add(&mut lanes, row));
-    (0..image.height()).for_each(|y| add(image.row(y)));
-    let chroma = chroma.into_iter().flatten();
-    chroma.for_each(|y| add(image.chroma_row(y)));
-    lanes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, &lane| {
-        (hash ^ u64::from(lane))
-            .wrapping_mul(0x0100_0000_01B3)
-            .rotate_left(29)
-    })
+    let mut lanes = [OFFSET; LANES];
+    (0..image.height()).for_each(|y| add(&mut lanes, image.row(y)));
+    if image.format() == PixelFormat::Nv12 {
+        let rows = (0..image.height()).step_by(2);
+        rows.for_each(|y| add(&mut lanes, image.chroma_row(y)));
+    }
+    lanes.iter().fold(OFFSET, |hash, &lane| mixed(hash, lane))
+}
+
+fn add(lanes: &mut [u64; LANES], row: &[u8]) {
+    let (blocks, rest) = row.as_chunks::<{ 8 * LANES }>();
+    let mut last = [0; 8 * LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    for block in blocks.iter().chain([&last]) {
+        let words = block.as_chunks::<8>().0;
+        for (lane, word) in lanes.iter_mut().zip(words) {
+            *lane = mixed(*lane, u64::from_le_bytes(*word));
+        }
+    }
 }
 
 #[inline(always)]
-fn add(lanes: &mut [u32; LANES], row: &[u8]) {
-    let (blocks, rest) = row.as_chunks::<{ 4 * LANES }>();
-    let mut last = [0; 4 * LANES];
-    last[..rest.len()].copy_from_slice(rest);
-    for block in blocks.iter().chain([&last]) {
-        let words = block.as_chunks::<4>().0;
-        for (lane, word) in lanes.iter_mut().zip(words) {
-            *lane = (*lane ^ u32::from_le_bytes(*word))
-                .wrapping_mul(0x0100_0193)
-                .rotate_left(13);
-        }
-    }
+fn mixed(lane: u64, word: u64) -> u64 {
+    (lane ^ word).wrapping_mul(PRIME).rotate_left(29)
 }
 
 #[cfg(test)]
