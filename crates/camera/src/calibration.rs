@@ -1,6 +1,6 @@
 //! Calibration files: the names that OpenCV, ROS, Kalibr, SLAM programs and users' scripts give the same few numbers.
 //!
-//! A file is read as a tree ([`document`](crate::document)), whatever its format. `cameras` finds the maps of the tree that hold a
+//! A file is read as a tree ([`document`]), whatever its format. `cameras` finds the maps of the tree that hold a
 //! camera; `matrix`, `lens` and `size` read the numbers of one. [`READ`] lists what is understood.
 
 mod cameras;
