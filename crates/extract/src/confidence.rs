@@ -15,7 +15,7 @@ use crate::scene::{Curve, Status};
 use crate::statistics::{grade, median, quantile};
 use crate::vec2::{self, Vec2};
 use across::{Across, Place};
-use weights::{COLOR, ELSEWHERE, NETWORK, OWN};
+use weights::{ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
@@ -147,8 +147,8 @@ impl Evidence {
     /// The probability that a curve of this evidence is right.
     pub fn confidence(&self) -> f32 {
         let weights = match self.maker {
-            Maker::Own => &OWN,
-            Maker::Color => &COLOR,
+            // No weights are fitted for colors yet.
+            Maker::Own | Maker::Color => &OWN,
             Maker::Network => &NETWORK,
             Maker::Elsewhere => &ELSEWHERE,
         };

@@ -35,36 +35,6 @@ pub(super) const OWN: [f32; CLUES] = [
     0.000, // light and shade across it
     0.000, // straight
 ];
-/// Weights of masks from the user's color ranges.
-#[rustfmt::skip]
-pub(super) const COLOR: [f32; CLUES] = [
-    -6.553, // constant
-    -0.429, // edges on both sides
-    -2.853, // an edge on a side at least
-    6.110, // contrast in levels
-    -1.054, // contrast over texture
-    -0.808, // edges where the width says
-    -0.295, // unevenness of the width
-    -1.828, // unlikeness of colour along the curve
-    0.122, // unlikeness of the two sides
-    0.377, // unlikeness of the ground along the curve
-    -0.826, // like the ground in less light
-    7.119, // length in widths
-    -2.487, // thinness
-    0.026, // bends
-    -2.531, // straight through the picture
-    -1.390, // ends that go on
-    -0.141, // hidden share
-    -2.437, // seen in part
-    -1.803, // its own doubt
-    -0.466, // the mask's notice
-    -2.111, // a stretch without edges
-    2.892, // nothing against it
-    0.000, // an arc of a circle
-    0.000, // surely seen by the network
-    0.000, // light and shade across it
-    0.000, // straight
-];
 /// Where the network did.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
