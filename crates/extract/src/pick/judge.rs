@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::choose::ON;
 use super::seen::{Seen, see, see_in};
 use super::snapped;
 use crate::image::Image;
@@ -26,9 +27,6 @@ const LEAST_COVERED: f32 = 0.0015;
 /// Least difference in confidence by which the automatic mask is better than the picked colours: as in extraction, where the
 /// network's ropes are compared with the table's.
 const SURER: f32 = 0.2;
-/// Distance of a point from the middle of its curve, in half-widths, at most.
-const ON: f32 = 1.5;
-
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PickDoubt {
