@@ -7,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use lariat_chain::output::{Existing, Output, print};
 use lariat_chain::picture::Picture;
 use lariat_chain::settings::{image_positions, mask_text};
-use lariat_extract::{Mask, compare_pick, doubt_pick, mask_of, pick};
+use lariat_extract::{Mask, PickJudgement, judge_pick, mask_of, pick};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -55,8 +55,7 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let image = picture.image().with_context(|| shown.to_string())?;
     let at: Vec<[f32; 2]> = args.at.iter().flat_map(|at| at.0.clone()).collect();
     let picked = pick(&image, &at).with_context(|| shown.to_string())?;
-    let doubt = doubt_pick(&image, &picked.ranges, &at);
-    let confidences = compare_pick(&image, &picked.ranges, &at);
+    let PickJudgement { doubt, confidences } = judge_pick(&image, &picked.ranges, &at);
     let mask = Mask::Hsv(picked.ranges);
     let pixels = mask_of(&image, &mask);
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;

@@ -52,7 +52,7 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
             .find_map(|part| part.strip_suffix(whose));
         said.unwrap().trim().parse::<f32>().unwrap()
     });
-    assert!((by_color - automatic).abs() < 0.1, "{said}");
+    assert!(by_color > 0.5 && automatic > 0.5, "{said}");
     assert_eq!(drawn, "lariat: the mask is drawn in bars-mask.png\n");
     let bars: Vec<u32> = (40..51).chain(110..121).collect();
     assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);

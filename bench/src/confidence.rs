@@ -1,10 +1,10 @@
 //! `lariat-bench calibrate-confidence`: the weights of a curve's confidence, fitted to drawn pictures, and how true it is on others.
 //!
 //! Each picture of every class, the hard ones too, is drawn plain, on grounds of growing texture and in noise. The extractor makes its
-//! own mask of it, asks the network, and is given others: the true one, one that is uneven as a network's, and both with gaps and false strands.
+//! own mask of it, asks the network, and is given others: the true one, one that is uneven as a network's, and one that has gaps and false strands, too.
 //! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
-//! along it in order. Four seeds by turns are fitted, four tell how good that is. What the network finds may be fitted to labelled pictures
-//! as well, `lariat-scenes` draws such; every other one tells how good that is.
+//! along it in order. Seeds go to the fit and to its check in turns, four at a time. Labelled pictures, as `lariat-scenes` draws them,
+//! are used in the same way.
 
 mod ground;
 mod logistic;
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{Curve, Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat, pick};
+use lariat_plot::{Axis, Chart, Look, Marker, Stroke, draw as draw_charts};
 use lariat_portable::SplitMix64;
 
 use lariat_chain::output::{Existing, Output};
@@ -41,7 +42,10 @@ pub(crate) struct Args {
     /// Fit nothing: say how true the confidence is, as it is built in, on these labelled pictures
     #[arg(long, value_name = "DIR", conflicts_with_all = ["seeds", "labelled"])]
     check: Option<PathBuf>,
-    /// Write what was judged, a line for each curve: who made the mask, whether it is right, fitted and labelled, and its clues
+    /// Draw how often curves are right over the confidence that they are given, a chart for each maker of masks
+    #[arg(long, value_name = "FILE.svg", requires = "check")]
+    diagram: Option<PathBuf>,
+    /// Write what was judged, a line for each curve: who made the mask, whether it is right and fitted, and its clues
     #[arg(long, value_name = "FILE.csv")]
     examples: Option<PathBuf>,
 }
@@ -106,8 +110,9 @@ const MAKERS: [(&str, Maker); 4] = [
     ("ELSEWHERE", Maker::Elsewhere),
 ];
 
-/// Prints how true the built-in confidence is, and what a loop that asks for half of it gets.
-fn check(examples: &[Example]) -> Result<()> {
+/// Prints how true the built-in confidence is, and what a loop gets that asks for 0.5. Draws the diagram, if one is wanted.
+fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
+    let mut charts = Vec::new();
     for (name, maker) in MAKERS {
         let of = examples
             .iter()
@@ -118,6 +123,7 @@ fn check(examples: &[Example]) -> Result<()> {
         let mut reliability = Reliability::default();
         said.iter()
             .for_each(|&(confidence, is_right)| reliability.add(confidence, is_right));
+        charts.push(chart(maker, &reliability));
         let count =
             |is: &dyn Fn(f64, bool) -> bool| said.iter().filter(|one| is(one.0, one.1)).count();
         let is_given = |confidence: f64| confidence >= f64::from(MIN_CONFIDENCE);
@@ -134,7 +140,27 @@ fn check(examples: &[Example]) -> Result<()> {
             "  {held} of {right} right curves are below {MIN_CONFIDENCE}, {wrong} of {given} above are wrong"
         )?;
     }
-    Ok(())
+    let Some(file) = diagram else {
+        return Ok(());
+    };
+    let output = Output::new(file, Existing::Replace, std::iter::empty::<&Path>())?;
+    output.write(draw_charts("reliability", &charts, 2)?.as_bytes())
+}
+
+/// A reliability diagram: where the confidence is true it is a diagonal.
+fn chart(maker: Maker, reliability: &Reliability) -> Chart {
+    let title = match maker {
+        Maker::Own => "mask from the table",
+        Maker::Color => "mask from colours",
+        Maker::Network => "mask from the network",
+        Maker::Elsewhere => "mask given",
+    };
+    let axis = |label| Axis::linear(label, [0.0, 1.0], 0.2);
+    let mut chart = Chart::new(axis("confidence"), axis("share that is right")).titled(title);
+    let diagonal = Look::nth(1).marker(Marker::None).stroke(Stroke::Dashed);
+    chart.line("as said", diagonal, vec![[0.0; 2], [1.0; 2]]);
+    chart.line("curves", Look::nth(0), reliability.points());
+    chart
 }
 
 /// A line for each curve.
@@ -142,19 +168,16 @@ fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
     let Some(file) = file else {
         return Ok(());
     };
-    let mut text = format!(
-        "maker,right,fitted,labelled,{}\n",
-        Evidence::NAMES.join(",")
-    );
+    let names = Evidence::MEANINGS.map(|(name, _)| name).join(",");
+    let mut text = format!("maker,right,fitted,{names}\n");
     for Example {
         evidence,
         is_right,
         is_fitted,
-        is_labelled,
     } in examples
     {
         let clues: Vec<String> = evidence.clues.iter().map(f32::to_string).collect();
-        let flags = [is_right, is_fitted, is_labelled].map(|&is| u8::from(is).to_string());
+        let flags = [is_right, is_fitted].map(|&is| u8::from(is).to_string());
         text += &format!(
             "{:?},{},{}\n",
             evidence.maker,
@@ -175,7 +198,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.check {
         look_at_labelled(folder, &mut examples)?;
         write_examples(args.examples.as_deref(), &examples)?;
-        return check(&examples);
+        return check(&examples, args.diagram.as_deref());
     }
     let hard = Class::HARD
         .into_iter()
@@ -209,6 +232,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// Whether the picture shows the curve. A mask that has a rope where the picture has none is a guess, even where it is right.
+fn is_shown(evidence: &Evidence) -> bool {
+    let named = |(name, _): &(&str, i8)| *name == "not shown by the picture";
+    let faint = Evidence::MEANINGS.iter().position(named);
+    faint.is_none_or(|faint| evidence.clues[faint] < 0.5)
+}
+
 /// Extracts from a picture on a ground, with every kind of mask.
 fn look(
     still: &Still,
@@ -222,17 +252,20 @@ fn look(
     let mut rgb = still.rgb.clone();
     ground.lay(&mut rgb, &cover, width, &mut random);
     let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
-    let damaged = masks::damaged(&cover, still, &mut random);
     let uneven = masks::uneven(&cover, width, &mut random);
-    let both = masks::uneven(&damaged, width, &mut random);
-    for (how, mask) in kinds(&image, seed, [&cover, &uneven, &damaged, &both]) {
+    let damaged = masks::damaged(&cover, still, &mut random);
+    let damaged = masks::uneven(&damaged, width, &mut random);
+    // A mask that is given is the same on each ground.
+    let is_given = ground as u64 == seed % Ground::ALL.len() as u64;
+    let given = [&cover, &uneven, &damaged];
+    let given = given.into_iter().filter(|_| is_given);
+    for (how, mask) in kinds(&image, seed, given) {
         let (curves, evidence) = extract(&image, how, mask)?;
         let judged = curves.iter().zip(&evidence);
         examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| Example {
             evidence: *evidence,
-            is_right: right::is_right(&still.truth, curve),
+            is_right: right::is_right(&still.truth, curve) && is_shown(evidence),
             is_fitted: seed / 4 % 2 == 0,
-            is_labelled: false,
         }));
     }
     Ok(())
@@ -257,9 +290,8 @@ fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
                     .zip(right)
                     .map(|(evidence, is_right)| Example {
                         evidence: *evidence,
-                        is_right,
-                        is_fitted: number % 2 == 0,
-                        is_labelled: true,
+                        is_right: is_right && is_shown(evidence),
+                        is_fitted: number / 4 % 2 == 0,
                     }),
             );
         }

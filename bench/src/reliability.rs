@@ -5,6 +5,9 @@ use std::fmt;
 /// Steps of confidence in which what is said is held against what is right.
 const BINS: usize = 10;
 
+/// Fewest curves whose share of right ones is worth drawing: the standard error is then below 0.16.
+const LEAST: usize = 10;
+
 /// How often curves of each confidence are right: how many there are, the sum of what is said, how many are right.
 #[derive(Default)]
 pub(crate) struct Reliability([(usize, f64, usize); BINS]);
@@ -22,6 +25,15 @@ impl Reliability {
         for (to, from) in self.0.iter_mut().zip(other.0) {
             *to = (to.0 + from.0, to.1 + from.1, to.2 + from.2);
         }
+    }
+
+    /// The mean confidence and the share of right curves, for each step that has enough curves.
+    pub(crate) fn points(&self) -> Vec<[f64; 2]> {
+        let steps = self.0.iter().filter(|step| step.0 >= LEAST);
+        let point = |&(count, said, right): &(usize, f64, usize)| {
+            [said / count as f64, right as f64 / count as f64]
+        };
+        steps.map(point).collect()
     }
 
     fn count(&self) -> usize {

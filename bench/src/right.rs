@@ -27,7 +27,7 @@ pub(super) fn is_false(truth: &Truth, curve: &Curve) -> bool {
         !ropes.clone().any(|rope| {
             let reach_px = reach_px(rope) + 0.1 * rope.width_px;
             let mut places = rope.points.iter().step_by(8);
-            places.any(|q| libm::hypot(p[0] - q[0], p[1] - q[1]) <= reach_px)
+            places.any(|q| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2) <= reach_px.powi(2))
         })
     };
     2 * points.iter().filter(off).count() > points.len()
@@ -62,9 +62,16 @@ fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
 
 /// The share of these points that others are near to.
 pub(super) fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64) -> f64 {
+    // Neighbouring points have neighbouring matches, so the last match is tried first.
+    let mut last = 0;
     let is_near = |p: &&[f64; 2]| {
-        let mut others = others.iter();
-        others.any(|q| libm::hypot(p[0] - q[0], p[1] - q[1]) <= reach_px)
+        let near = |q: &[f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2) <= reach_px.powi(2);
+        let found = match others.get(last) {
+            Some(q) if near(q) => Some(last),
+            _ => others.iter().position(near),
+        };
+        last = found.unwrap_or(last);
+        found.is_some()
     };
     points.iter().filter(is_near).count() as f64 / points.len().max(1) as f64
 }

@@ -316,7 +316,7 @@ class Reader:
         *,
         timeout: float = 0.1,
         accept_coarse: bool = False,
-        min_confidence: float = 0.0,
+        min_confidence: float = 0.5,
         space: bool = False,
     ) -> Self: ...
     def latest(self) -> Frame:

@@ -36,7 +36,7 @@ pub(crate) struct Reader {
 #[pymethods]
 impl Reader {
     #[new]
-    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false, min_confidence=0.0, space=false))]
+    #[pyo3(signature = (rig="default", *, timeout=0.1, accept_coarse=false, min_confidence=0.5, space=false))]
     fn new(
         py: Python<'_>,
         rig: &str,

@@ -269,7 +269,7 @@ pub(crate) fn pick<'py>(
     let (picked, doubt) = py
         .detach(|| {
             let picked = lariat_extract::pick(&image, &points)?;
-            let doubt = lariat_extract::doubt_pick(&image, &picked.ranges, &points);
+            let doubt = lariat_extract::judge_pick(&image, &picked.ranges, &points).doubt;
             Ok::<_, PickError>((picked, doubt))
         })
         .map_err(value_error)?;

@@ -129,6 +129,8 @@ def test_colours_are_picked_at_points(image: Image) -> None:
     strokes = np.full((160, 240, 3), 220, np.uint8)
     for x in range(20, 200, 60):
         for y in range(30, 150, 45):
+            # None continues another one.
+            y += x // 60 % 2 * 20
             strokes[y : y + 5, x : x + 40] = (40, 90, 190)
     with pytest.warns(UserWarning, match="give two more points"):
         lariat.pick(strokes, (40.0, 32.0))

@@ -5,15 +5,16 @@ use tempfile::TempDir;
 
 use super::{TABLE, lines, save, trace, wave_picture};
 
-/// The wave on a checkered table.
+/// A stroke of 60 pixels on a checkered table.
 fn checkered() -> RgbImage {
-    let mut picture = wave_picture();
-    for (x, y, pixel) in picture.enumerate_pixels_mut() {
-        if (x / 20 + y / 20) % 2 == 1 && *pixel == TABLE {
-            *pixel = Rgb([120, 116, 110]);
+    RgbImage::from_fn(320, 240, |x, y| {
+        let middle = 100.0 + 0.6 * (x as f32 - 100.0);
+        match (x / 20 + y / 20) % 2 {
+            _ if (100..150).contains(&x) && (y as f32 - middle).abs() < 4.5 => Rgb([30, 30, 120]),
+            0 => TABLE,
+            _ => Rgb([120, 116, 110]),
         }
-    }
-    picture
+    })
 }
 
 #[test]

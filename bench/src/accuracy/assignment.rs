@@ -1,50 +1,55 @@
 //! Which curve is which rope: the pairing with the largest sum of scores.
 
 /// For each row of `scores` the column paired with it, none twice, so that the scores' sum is largest. Every row has
-/// the same number of columns; rows or columns are at most 16. Pairs of score 0 are left unpaired.
+/// the same number of columns. Pairs of score 0 are left unpaired.
 ///
-/// By dynamic programming over the sets taken of the fewer: a picture has few ropes, however many curves were found.
+/// The Hungarian method, row by row along shortest augmenting paths (Jonker and Volgenant, 1987).
 pub(super) fn best(scores: &[Vec<f64>]) -> Vec<Option<usize>> {
-    let columns = scores.first().map_or(0, Vec::len);
-    if columns > scores.len() {
-        let column = |c: usize| scores.iter().map(|row| row[c]).collect();
-        let turned: Vec<Vec<f64>> = (0..columns).map(column).collect();
-        let rows = best(&turned);
-        let column_of = |row: usize| rows.iter().position(|taken| *taken == Some(row));
-        return (0..scores.len()).map(column_of).collect();
-    }
-    debug_assert!(
-        columns <= 16,
-        "{columns} columns are too many for all their sets"
-    );
-    let sets = 1usize << columns;
-    let mut sums = vec![f64::NEG_INFINITY; sets];
-    sums[0] = 0.0;
-    // For each row and set taken by it and the rows before: the column that the row took.
-    let mut choices = Vec::with_capacity(scores.len());
-    for row in scores {
-        let (mut next, mut choice) = (sums.clone(), vec![None; sets]);
-        for (set, &sum) in sums.iter().enumerate() {
-            for (column, &score) in row.iter().enumerate() {
-                let with = set | 1 << column;
-                if with != set && score > 0.0 && sum + score > next[with] {
-                    next[with] = sum + score;
-                    choice[with] = Some(column);
+    let columns = scores.first().map_or(0, Vec::len).max(scores.len());
+    let cost = |row: usize, column: usize| -scores[row].get(column).unwrap_or(&0.0);
+    // The row that holds each column. The last entry is the row that is being placed.
+    let (seeking, mut row_of) = (columns, vec![None; columns + 1]);
+    let (mut of_rows, mut of_columns) = (vec![0.0; scores.len()], vec![0.0; columns + 1]);
+    for row in 0..scores.len() {
+        row_of[seeking] = Some(row);
+        let mut least = vec![f64::INFINITY; columns];
+        let (mut before, mut is_on_path) = (vec![seeking; columns], vec![false; columns + 1]);
+        let mut at = seeking;
+        while let Some(row) = row_of[at] {
+            is_on_path[at] = true;
+            let (mut step, mut next) = (f64::INFINITY, seeking);
+            for column in (0..columns).filter(|&column| !is_on_path[column]) {
+                let reduced = cost(row, column) - of_rows[row] - of_columns[column];
+                if reduced < least[column] {
+                    (least[column], before[column]) = (reduced, at);
+                }
+                if least[column] < step {
+                    (step, next) = (least[column], column);
                 }
             }
+            for column in 0..=columns {
+                match row_of[column] {
+                    Some(row) if is_on_path[column] => {
+                        of_rows[row] += step;
+                        of_columns[column] -= step;
+                    }
+                    _ if column < columns => least[column] -= step,
+                    _ => {}
+                }
+            }
+            at = next;
         }
-        sums = next;
-        choices.push(choice);
+        while at != seeking {
+            row_of[at] = row_of[before[at]];
+            at = before[at];
+        }
     }
-    let mut set = (0..sets)
-        .max_by(|&a, &b| sums[a].total_cmp(&sums[b]))
-        .unwrap_or(0);
-    let mut pairing: Vec<_> = choices
-        .iter()
-        .rev()
-        .map(|choice| choice[set].inspect(|&column| set &= !(1 << column)))
-        .collect();
-    pairing.reverse();
+    let mut pairing = vec![None; scores.len()];
+    for (column, row) in row_of[..columns].iter().enumerate() {
+        if let Some(row) = row.filter(|&row| cost(row, column) < 0.0) {
+            pairing[row] = Some(column);
+        }
+    }
     pairing
 }
 
@@ -89,7 +94,7 @@ mod tests {
                 .wrapping_add(1);
             (state >> 40) as f64 / f64::from(1 << 24)
         };
-        for (rows, columns) in [(1, 4), (4, 1), (3, 5), (5, 3), (5, 5)] {
+        for (rows, columns) in [(1, 4), (4, 1), (3, 5), (5, 3), (5, 5), (7, 6)] {
             let scores: Vec<Vec<f64>> = (0..rows)
                 .map(|_| (0..columns).map(|_| score()).collect())
                 .collect();

@@ -5,10 +5,7 @@ use std::fmt::Write;
 
 use crate::reliability::Reliability;
 
-const CLUES: usize = Evidence::NAMES.len();
-/// What is fitted: a weight for each clue, and how much seldomer right curves are in labelled pictures than in drawn ones, which says nothing
-/// of a curve.
-const TERMS: usize = CLUES + 1;
+const CLUES: usize = Evidence::MEANINGS.len();
 /// The weights' own cost: a clue that nothing depends on has none.
 const RIDGE: f64 = 0.1;
 const ROUNDS: usize = 30;
@@ -18,62 +15,63 @@ pub(super) struct Example {
     pub(super) evidence: Evidence,
     pub(super) is_right: bool,
     pub(super) is_fitted: bool,
-    /// Whether its picture came with a label, from pictures that may be easier or harder than drawn ones.
-    pub(super) is_labelled: bool,
-}
-
-impl Example {
-    fn terms(&self) -> [f64; TERMS] {
-        let mut terms = [0.0; TERMS];
-        for (term, &clue) in terms.iter_mut().zip(&self.evidence.clues) {
-            *term = clue.into();
-        }
-        terms[CLUES] = u8::from(self.is_labelled).into();
-        terms
-    }
 }
 
 /// A weight for each clue.
-pub(super) struct Weights([f64; TERMS]);
+pub(super) struct Weights([f64; CLUES]);
 
 impl Weights {
-    /// The most likely ones.
+    /// The most likely ones of those that say what they can ([`Evidence::MEANINGS`]); clues that would say the opposite say nothing.
     pub(super) fn fit(examples: &[&Example]) -> Self {
-        let mut weights = Self([0.0; TERMS]);
+        let mut is_silent = [false; CLUES];
+        loop {
+            let weights = Self::fit_those(examples, is_silent);
+            let signs = weights.0.iter().zip(Evidence::MEANINGS);
+            let is_opposite = |(weight, (_, sign)): (&f64, (_, i8))| weight * f64::from(sign) < 0.0;
+            let opposite: Vec<bool> = signs.map(is_opposite).collect();
+            if !opposite.contains(&true) {
+                return weights;
+            }
+            let all = is_silent.iter_mut().zip(opposite);
+            all.for_each(|(is_silent, is_opposite)| *is_silent |= is_opposite);
+        }
+    }
+
+    fn fit_those(examples: &[&Example], is_silent: [bool; CLUES]) -> Self {
+        let mut weights = Self([0.0; CLUES]);
         for _ in 0..ROUNDS {
-            let mut bend = [[0.0; TERMS]; TERMS];
+            let mut bend = [[0.0; CLUES]; CLUES];
             let mut slope = weights.0.map(|weight| -RIDGE * weight);
-            (0..TERMS).for_each(|i| bend[i][i] = RIDGE);
+            (0..CLUES).for_each(|i| bend[i][i] = RIDGE);
             for example in examples {
-                let (terms, p) = (example.terms(), weights.probability(example));
+                let mut terms = example.evidence.clues.map(f64::from);
+                let p = weights.probability(example);
+                let silent = terms.iter_mut().zip(is_silent).filter(|(_, is)| *is);
+                silent.for_each(|(term, _)| *term = 0.0);
                 let off = f64::from(u8::from(example.is_right)) - p;
-                for i in 0..TERMS {
+                for i in 0..CLUES {
                     slope[i] += off * terms[i];
-                    for j in 0..TERMS {
+                    for j in 0..CLUES {
                         bend[i][j] += p * (1.0 - p) * terms[i] * terms[j];
                     }
                 }
             }
             let step = solve(bend, slope);
-            (0..TERMS).for_each(|i| weights.0[i] += step[i]);
+            (0..CLUES).for_each(|i| weights.0[i] += step[i]);
         }
         weights
     }
 
     fn probability(&self, example: &Example) -> f64 {
-        let sum: f64 = example
-            .terms()
-            .iter()
-            .zip(&self.0)
-            .map(|(x, w)| x * w)
-            .sum();
+        let clues = example.evidence.clues.iter().zip(&self.0);
+        let sum: f64 = clues.map(|(&clue, weight)| f64::from(clue) * weight).sum();
         1.0 / (1.0 + libm::exp(-sum))
     }
 
     /// As the extractor has them.
     pub(super) fn as_rust(&self, name: &str) -> String {
         let mut text = format!("pub(super) const {name}: [f32; CLUES] = [\n");
-        for (weight, clue) in self.0.iter().zip(Evidence::NAMES) {
+        for (weight, (clue, _)) in self.0.iter().zip(Evidence::MEANINGS) {
             let _ = writeln!(text, "    {weight:.3}, // {clue}");
         }
         text + "];\n"
@@ -90,17 +88,17 @@ impl Weights {
 }
 
 /// The solution of `matrix · x = right`, by elimination: the matrix is symmetric and positive.
-fn solve(mut matrix: [[f64; TERMS]; TERMS], mut right: [f64; TERMS]) -> [f64; TERMS] {
-    for i in 0..TERMS {
+fn solve(mut matrix: [[f64; CLUES]; CLUES], mut right: [f64; CLUES]) -> [f64; CLUES] {
+    for i in 0..CLUES {
         let pivot = matrix[i];
-        for k in i + 1..TERMS {
+        for k in i + 1..CLUES {
             let share = matrix[k][i] / pivot[i];
-            (i..TERMS).for_each(|j| matrix[k][j] -= share * pivot[j]);
+            (i..CLUES).for_each(|j| matrix[k][j] -= share * pivot[j]);
             right[k] -= share * right[i];
         }
     }
-    for i in (0..TERMS).rev() {
-        let known: f64 = (i + 1..TERMS).map(|j| matrix[i][j] * right[j]).sum();
+    for i in (0..CLUES).rev() {
+        let known: f64 = (i + 1..CLUES).map(|j| matrix[i][j] * right[j]).sum();
         right[i] = (right[i] - known) / matrix[i][i];
     }
     right
@@ -111,9 +109,8 @@ mod tests {
     use super::*;
     use lariat_extract::Maker;
 
-    #[test]
-    fn probabilities_of_a_known_law_are_found_again() {
-        // Of curves with the first clue nine of ten are right, of those without three of ten.
+    /// Curves with and without a clue that can only speak for them: how many of twenty are right, in either case.
+    fn examples([with, without]: [usize; 2]) -> Vec<Example> {
         let example = |clue: f32, is_right: bool| {
             let mut clues = [0.0; CLUES];
             (clues[0], clues[1]) = (1.0, clue);
@@ -124,19 +121,33 @@ mod tests {
                 },
                 is_right,
                 is_fitted: true,
-                is_labelled: false,
             }
         };
-        let examples: Vec<_> = (0..2000)
-            .map(|i| match i % 2 {
-                0 => example(1.0, i % 20 != 0),
-                _ => example(0.0, i % 20 < 6),
-            })
-            .collect();
+        let of = |i: usize| match i % 2 {
+            0 => example(1.0, i / 2 % 20 < with),
+            _ => example(0.0, i / 2 % 20 < without),
+        };
+        (0..2000).map(of).collect()
+    }
+
+    #[test]
+    fn probabilities_of_a_known_law_are_found_again() {
+        let examples = examples([18, 6]);
         let examples: Vec<_> = examples.iter().collect();
         let weights = Weights::fit(&examples);
         assert!((weights.probability(examples[0]) - 0.9).abs() < 0.01);
         assert!((weights.probability(examples[1]) - 0.3).abs() < 0.01);
         assert!(weights.reliability(&examples).error() < 0.005);
+    }
+
+    #[test]
+    fn a_clue_never_says_the_opposite_of_what_it_is_for() {
+        let examples = examples([6, 18]);
+        let examples: Vec<_> = examples.iter().collect();
+        let weights = Weights::fit(&examples);
+        assert_eq!(weights.0[1], 0.0);
+        for example in &examples[..2] {
+            assert!((weights.probability(example) - 0.6).abs() < 0.01);
+        }
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn cover(still: &Still) -> Vec<u8> {
         .collect()
 }
 
-/// With gaps, and with strands where there is no rope.
+/// With gaps, without an end, and with strands where there is no rope.
 pub(super) fn damaged(mask: &[u8], still: &Still, random: &mut SplitMix64) -> Vec<u8> {
     let mut mask = mask.to_vec();
     let ropes = &still.truth.ropes;
@@ -33,6 +33,13 @@ pub(super) fn damaged(mask: &[u8], still: &Still, random: &mut SplitMix64) -> Ve
         let at = rope.points[random.uniform(0.0, rope.points.len() as f64) as usize];
         let reach_px = random.uniform(0.6, 6.0) * rope.width_px;
         around(still, at, reach_px, |i, _| mask[i] = 0);
+    }
+    if random.uniform(0.0, 1.0) < 0.3 {
+        let rope = &ropes[random.uniform(0.0, ropes.len() as f64) as usize];
+        let count = random.uniform(0.1, 0.6) * rope.points.len() as f64;
+        for &at in &rope.points[..count as usize] {
+            around(still, at, 0.7 * rope.width_px, |i, _| mask[i] = 0);
+        }
     }
     for _ in 0..random.uniform(-1.5, 1.8).max(0.0) as usize {
         let half_px = random.uniform(0.25, 0.9) * ropes[0].width_px;

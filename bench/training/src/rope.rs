@@ -238,6 +238,8 @@ impl Look {
 #[derive(Clone, Copy)]
 struct Strand {
     rope: u16,
+    /// Number of the visible part: a rope that leaves the picture and comes back has two.
+    part: u16,
     along_px: f32,
     tangent: Vec2,
 }
@@ -249,6 +251,20 @@ pub(crate) struct Laid {
     pub(crate) cover: Field<f32>,
     strands: Field<Strand>,
     ropes: u16,
+    parts: u16,
+}
+
+/// For each point of a path, the number of visible parts that ended before it.
+fn parts(path: &Path, side: f32, half_px: f32) -> Vec<u16> {
+    let (mut part, mut was_inside, mut was_ever) = (0, true, false);
+    let parts = path.points.iter().map(|at| {
+        let is_inside = at.iter().all(|&c| c > -half_px && c < side + half_px);
+        part += u16::from(is_inside && !was_inside && was_ever);
+        was_ever |= is_inside;
+        was_inside = is_inside;
+        part
+    });
+    parts.collect()
 }
 
 /// A place on the layer that is being laid: how far across, how far along.
@@ -270,6 +286,7 @@ impl Laid {
         let side = canvas.side;
         let nothing = Strand {
             rope: u16::MAX,
+            part: u16::MAX,
             along_px: 0.0,
             tangent: [0.0; 2],
         };
@@ -278,6 +295,7 @@ impl Laid {
             cover: Field::of(side, 0.0),
             strands: Field::of(side, nothing),
             ropes: 0,
+            parts: 0,
         }
     }
 
@@ -306,6 +324,8 @@ impl Laid {
         self.canvas.darken(&fall, lamp.shade);
         let length = path.points.len() as f32 / width_px;
         let rope = self.ropes;
+        let parts = parts(path, side as f32, 0.5 * width_px);
+        let before = self.parts;
         let speckle = Field {
             side,
             values: (0..side * side)
@@ -333,12 +353,14 @@ impl Laid {
             if cover >= 0.5 {
                 laid.strands.values[i] = Strand {
                     rope,
+                    part: before + parts[place.segment as usize],
                     along_px: place.along_px,
                     tangent,
                 };
             }
         });
         self.ropes += 1;
+        self.parts += parts.last().map_or(0, |last| last + 1);
     }
 
     /// Calls `paint` with every pixel near a rope, the place of the rope that is next to it and half the width there; where the
@@ -454,10 +476,10 @@ impl Laid {
         seams
     }
 
-    /// The number of each pixel's rope, from 1 on; 0 where there is none.
+    /// The number of the visible part of a rope at each pixel, from 1 on; 0 on the ground.
     pub(crate) fn labels(&self) -> Vec<u8> {
         let number = |(strand, &cover): (&Strand, &f32)| match cover >= 0.5 {
-            true => strand.rope.wrapping_add(1) as u8,
+            true => strand.part.wrapping_add(1) as u8,
             false => 0,
         };
         let pixels = self.strands.values.iter().zip(&self.cover.values);
@@ -468,7 +490,7 @@ impl Laid {
     pub(crate) fn hide(&mut self, i: usize, share: f32) {
         self.cover.values[i] *= 1.0 - share;
         if share > 0.5 {
-            self.strands.values[i].rope = u16::MAX;
+            (self.strands.values[i].rope, self.strands.values[i].part) = (u16::MAX, u16::MAX);
         }
     }
 }

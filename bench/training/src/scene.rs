@@ -17,7 +17,8 @@ pub(crate) struct Scene {
     /// How much of each pixel ropes cover.
     cover: Vec<f32>,
     seams: Vec<bool>,
-    /// The number of each pixel's rope, from 1 on; 0 where there is none.
+    /// The number of the visible part of a rope at each pixel, from 1 on; 0 on the ground. A rope that leaves the picture and comes back has
+    /// two parts.
     pub(crate) labels: Vec<u8>,
 }
 

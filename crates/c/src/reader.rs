@@ -175,7 +175,7 @@ pub unsafe extern "C" fn lariat_accept_coarse(reader: *mut lariat_reader, accept
 }
 
 /// Sets the least confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL; a rope with less is LARIAT_UNSURE. The
-/// default, 0, accepts any. Below 0.5 a curve is more likely wrong than right.
+/// default is 0.5: below it the curve is more likely wrong than right. 0 accepts any.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]

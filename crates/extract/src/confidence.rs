@@ -7,6 +7,7 @@
 
 mod across;
 pub(crate) mod remainder;
+mod tips;
 mod weights;
 
 use crate::image::Image;
@@ -15,13 +16,13 @@ use crate::scene::{Curve, Status};
 use crate::statistics::{grade, median, quantile};
 use crate::vec2::{self, Vec2};
 use across::{Across, Place};
-use weights::{ELSEWHERE, NETWORK, OWN};
+use weights::{COLOR, ELSEWHERE, NETWORK, OWN};
 
 /// Places along a curve that are looked at.
 const PLACES: usize = 24;
 /// Numbers that speak for a curve or against it.
-const CLUES: usize = Clue::Straight as usize + 1;
-/// A step of this many levels beyond the table's own texture is an edge: a camera's noise makes less of a mean.
+const CLUES: usize = Clue::Beyond as usize + 1;
+/// Least step at an edge, in levels and in multiples of the ground's own variation: a camera's noise makes less of a mean.
 const EDGE: (f32, f32) = (6.0, 1.5);
 /// Radians from which on an arc says something, and all; how far it lies off its circle, as a share of the radius, to say nothing, and all.
 const ARC: (f32, f32) = (2.5, 4.0);
@@ -38,56 +39,48 @@ const SEEN: f32 = 0.9 * 255.0;
 enum Clue {
     /// Always 1.
     Constant,
-    /// The share of places with an edge on both sides.
-    BothEdges,
-    /// With an edge on one side at least.
-    AnEdge,
-    /// The weaker edge, in levels.
-    Contrast,
-    /// And beside how much the ground varies.
-    OverTexture,
-    /// How much of the edges lies where the width says.
-    Agreement,
     /// How the width varies.
     Uneven,
     /// How the colour varies along the curve.
     Unlike,
     /// How the ground differs between the two sides.
     SidesUnlike,
-    /// How the ground varies along the curve.
-    GroundUnlike,
-    /// The share of places that may be the ground in less light.
-    Shade,
     /// The length in widths.
     Length,
     /// How few pixels wide it is.
     Thin,
     /// The sharpest bend.
     Bends,
-    /// Whether it is straight from border to border.
-    Through,
-    /// The share of ends behind which it goes on.
+    /// 1 for a straight curve in a mask of the network.
+    Straight,
+    /// 1 for an arc of a circle of half a turn or more, as a rim is.
+    Round,
+    /// The share of places without any edge, of those beyond half: the picture does not show it.
+    Faint,
+    /// The longest stretch without edges.
+    Stretch,
+    /// How the light varies across it, in a mask of the network: a rope is round, what is printed is flat.
+    Relief,
+    /// The share of ends that are followed by more of the same colour.
     GoesOn,
-    /// The share that is hidden.
-    Hidden,
+    /// The share of its tips that lie at a strand.
+    Met,
+    /// How plainly a tip continues at another tip beyond a gap.
+    Torn,
+    /// The share of its ends at the picture's border.
+    Border,
+    /// The number of crossings.
+    Crossings,
+    /// The part of the mask next to it that no curve runs through.
+    LeftOut,
     /// Whether it is a piece of what was longer before.
     Partial,
     /// Whether it may be something else.
     Doubted,
-    /// Whether the mask may be wrong.
-    Noticed,
-    /// The longest stretch without edges.
-    Stretch,
-    /// Whether none of the above speaks against it.
-    Sound,
-    /// Whether it is an arc of a circle, of half a turn or more: a rim.
-    Round,
     /// The share of it that the network is sure of.
     Seen,
-    /// How the light varies across it: a rope is round, what is printed is flat.
-    Relief,
-    /// Whether it is straight.
-    Straight,
+    /// How likely the network finds what lies beyond its tips.
+    Beyond,
 }
 
 /// Who made the mask: what speaks for a curve weighs otherwise with each.
@@ -107,48 +100,45 @@ pub enum Maker {
 /// What speaks for a curve and against it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
-    /// Numbers from 0 to 1: [`NAMES`](Self::NAMES).
+    /// Numbers from 0 to 1: [`MEANINGS`](Self::MEANINGS).
     pub clues: [f32; CLUES],
     /// Who made the mask.
     pub maker: Maker,
 }
 
 impl Evidence {
-    /// What each number is.
-    pub const NAMES: [&'static str; CLUES] = [
-        "constant",
-        "edges on both sides",
-        "an edge on a side at least",
-        "contrast in levels",
-        "contrast over texture",
-        "edges where the width says",
-        "unevenness of the width",
-        "unlikeness of colour along the curve",
-        "unlikeness of the two sides",
-        "unlikeness of the ground along the curve",
-        "like the ground in less light",
-        "length in widths",
-        "thinness",
-        "bends",
-        "straight through the picture",
-        "ends that go on",
-        "hidden share",
-        "seen in part",
-        "its own doubt",
-        "the mask's notice",
-        "a stretch without edges",
-        "nothing against it",
-        "an arc of a circle",
-        "surely seen by the network",
-        "light and shade across it",
-        "straight",
+    /// The meaning of each number, and the sign that its weight may have: 1 if it can only speak for a curve, −1 if only against
+    /// one, 0 for both. A weight of the other sign would be a habit of the pictures that were fitted.
+    pub const MEANINGS: [(&'static str, i8); CLUES] = [
+        ("constant", 0),
+        ("unevenness of the width", -1),
+        ("unlikeness of colour along the curve", -1),
+        ("unlikeness of the two sides", -1),
+        ("length in widths", 1),
+        ("thinness", -1),
+        ("bends", -1),
+        ("straight", -1),
+        ("an arc of a circle", -1),
+        ("not shown by the picture", -1),
+        ("a stretch without edges", -1),
+        ("light and shade across it", 1),
+        ("ends that go on", -1),
+        ("tips at a strand", -1),
+        ("tips that continue beyond a gap", -1),
+        ("ends at the border", 0),
+        ("crossings", -1),
+        ("left out of the mask", -1),
+        ("seen in part", -1),
+        ("its own doubt", -1),
+        ("surely seen by the network", 1),
+        ("seen by the network beyond its tips", -1),
     ];
 
     /// The probability that a curve of this evidence is right.
     pub fn confidence(&self) -> f32 {
         let weights = match self.maker {
-            // No weights are fitted for colors yet.
-            Maker::Own | Maker::Color => &OWN,
+            Maker::Own => &OWN,
+            Maker::Color => &COLOR,
             Maker::Network => &NETWORK,
             Maker::Elsewhere => &ELSEWHERE,
         };
@@ -162,55 +152,53 @@ impl Evidence {
 pub(crate) struct Known<'a> {
     /// Whether the curve may be something else than a rope.
     pub(crate) is_doubted: bool,
-    /// Whether the mask may be wrong.
-    pub(crate) is_noticed: bool,
     pub(crate) maker: Maker,
     /// Whether the mask is made of how the image differs from the table, and so tells what lies over a rope.
     pub(crate) sees_covers: bool,
     /// What the network says of each pixel, where it made the mask.
     pub(crate) likely: Option<&'a GrayPlane>,
+    /// The part of the mask next to it that no curve runs through: [`Remainder::beside`](remainder::Remainder::beside).
+    pub(crate) left_out: f32,
+    /// The number of its crossings.
+    pub(crate) crossings: usize,
 }
 
-/// What speaks for a curve and against it.
-pub(crate) fn evidence(image: &Image, curve: &Curve, known: Known) -> Evidence {
+/// The evidence for one of a picture's curves.
+pub(crate) fn evidence(
+    image: &Image,
+    (curves, number): (&[Curve], usize),
+    known: Known,
+) -> Evidence {
+    let curve = &curves[number];
     let share = |is: bool| f32::from(u8::from(is));
     let points = curve.points.len().max(1) as f32;
     let hidden = curve.hidden.iter().filter(|&&hidden| hidden).count() as f32 / points;
     let mut clues = [0.0; CLUES];
     clues[Clue::Constant as usize] = 1.0;
-    colors(image, curve, &mut clues);
+    let relief = colors(image, curve, &mut clues);
     clues[Clue::Uneven as usize] = unevenness(curve);
     let widths = curve.length_px / curve.width_px.max(1.0);
     clues[Clue::Length as usize] = libm::logf(widths.clamp(1.0, LONGEST)) / libm::logf(LONGEST);
     clues[Clue::Thin as usize] = (1.0 - curve.width_px / 8.0).clamp(0.0, 1.0);
     clues[Clue::Bends as usize] = bends(curve);
-    clues[Clue::Straight as usize] = share(is_straight(curve));
-    clues[Clue::Through as usize] =
-        share(curve.border == [true; 2]) * clues[Clue::Straight as usize];
     clues[Clue::Round as usize] = roundness(curve);
-    clues[Clue::Hidden as usize] = hidden;
     // What is bridged is known as a whole, where the mask tells what lies over a rope from a gap in it.
     let bridged = share(known.sees_covers) * grade(hidden, BRIDGED.0, BRIDGED.1);
     clues[Clue::Partial as usize] = share(curve.status == Status::Partial) * (1.0 - bridged);
     clues[Clue::Doubted as usize] = share(known.is_doubted);
-    clues[Clue::Noticed as usize] = share(known.is_noticed);
-    let faults = [
-        Clue::Uneven,
-        Clue::SidesUnlike,
-        Clue::GoesOn,
-        Clue::Hidden,
-        Clue::Doubted,
-        Clue::Stretch,
-    ];
-    let sound: f32 = faults
-        .map(|clue| 1.0 - clues[clue as usize])
-        .iter()
-        .product();
-    clues[Clue::Sound as usize] =
-        clues[Clue::BothEdges as usize] * clues[Clue::Agreement as usize] * sound;
+    clues[Clue::LeftOut as usize] = known.left_out;
+    clues[Clue::Crossings as usize] = of(known.crossings as f32, 3.0);
+    clues[Clue::Met as usize] = tips::met(curves, number);
+    clues[Clue::Torn as usize] = tips::torn(curves, number);
+    clues[Clue::Border as usize] =
+        0.5 * curve.border.iter().filter(|&&border| border).count() as f32;
     if let Some(likely) = known.likely {
+        // The network takes many a print and many an edge for a rope. What differs from a table may well be a flat or a taut one.
+        clues[Clue::Relief as usize] = relief;
+        clues[Clue::Straight as usize] = share(is_straight(curve));
         let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
         clues[Clue::Seen as usize] = curve.points.iter().filter(is_seen).count() as f32 / points;
+        clues[Clue::Beyond as usize] = tips::beyond(likely, curve) / 255.0;
     }
     Evidence {
         clues,
@@ -223,8 +211,8 @@ fn of(value: f32, half: f32) -> f32 {
     value / (value + half)
 }
 
-/// What the colours across and along the curve say.
-fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
+/// What the colours across and along the curve say. Returns how the light varies across it.
+fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     let mut at = [Place::default(); PLACES];
     let mut count = 0;
     for place in places(curve).filter_map(|i| Place::new(image, curve, i)) {
@@ -232,7 +220,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
         count += 1;
     }
     if count == 0 {
-        return;
+        return 0.0;
     }
     let mut all = [Across::default(); PLACES];
     let all = &mut all[..count];
@@ -246,20 +234,13 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
             .for_each(|(value, across)| *value = of(across));
         median(&mut values[..count])
     };
-    let texture = middle(&|across| across.texture);
-    let least = EDGE.0 + EDGE.1 * texture;
-    let share = |is: &dyn Fn(&Across) -> bool| {
-        all.iter().filter(|across| is(across)).count() as f32 / count as f32
-    };
-    clues[Clue::BothEdges as usize] = share(&|across| across.edges[0].min(across.edges[1]) > least);
-    clues[Clue::AnEdge as usize] = share(&|across| across.edges[0].max(across.edges[1]) > least);
+    let least = EDGE.0 + EDGE.1 * middle(&|across| across.texture);
+    let has_edge = |across: &&Across| across.edges[0].max(across.edges[1]) > least;
+    let shown = all.iter().filter(has_edge).count() as f32 / count as f32;
+    clues[Clue::Faint as usize] = (1.0 - 2.0 * shown).max(0.0);
     let contrast = middle(&|across| across.edges[0].min(across.edges[1]));
-    clues[Clue::Contrast as usize] = of(contrast, 24.0);
-    clues[Clue::OverTexture as usize] = of(contrast, 1.0 + 2.0 * texture);
-    clues[Clue::Agreement as usize] = middle(&|across| across.agreement);
     let relief =
         middle(&|across| across.relief[0]).abs() + 0.5 * middle(&|across| across.relief[1].abs());
-    clues[Clue::Relief as usize] = of(relief, 6.0);
     // A twisted rope has two colours by turns: of three neighbours the nearest two are alike.
     let along = |of: &dyn Fn(&Across) -> [f32; 3]| {
         let mut values = [0.0; PLACES];
@@ -277,8 +258,6 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
         middle(&|across| across.distance(across.beside[0], across.beside[1])),
         contrast + 4.0,
     );
-    clues[Clue::GroundUnlike as usize] = of(along(&|across| across.ground()), contrast + 4.0);
-    clues[Clue::Shade as usize] = share(&|across| across.is_shade(texture));
     clues[Clue::GoesOn as usize] = going_on(image, curve, all);
     // A crossing takes a place or two.
     let (mut run, mut longest) = (0u8, 0u8);
@@ -288,6 +267,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) {
         longest = longest.max(run);
     }
     clues[Clue::Stretch as usize] = (f32::from(longest.saturating_sub(1)) / 6.0).min(1.0);
+    of(relief, 6.0)
 }
 
 /// Which of the curve's points are looked at: none that is hidden.

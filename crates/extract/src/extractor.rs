@@ -126,8 +126,6 @@ pub struct Extractor {
     /// Whether the last image's ropes were followed into it.
     followed: bool,
     answer: Answer,
-    /// Whether the curves are those of a mask that was cut at its seams.
-    is_parted: bool,
     /// The best reading of this image so far, while another one is tried; memory else.
     kept: Reading,
     meant: Meant,
@@ -183,7 +181,6 @@ impl Extractor {
             is_crowded: false,
             followed: false,
             answer: Answer::default(),
-            is_parted: false,
             kept: Reading::default(),
             meant: Meant::default(),
             still: Still::default(),
@@ -408,7 +405,6 @@ impl Extractor {
     /// The same; a mask that is cut at the seams between its strands, which are about so wide, becomes whole again on the way.
     fn trace_mask(&mut self, image: &Image, cut: Option<f32>, after: &mut dyn FnMut(Step)) {
         after(Step::Mask);
-        self.is_parted = cut.is_some();
         let yuv = color::is_yuv(image.format());
         self.tracker.begin(self.now_ns, yuv);
         self.tracker.remember(&mut self.zones.past);
@@ -486,9 +482,9 @@ impl Extractor {
         let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
         let [seen, count] = (self.tracker).update(curves, self.count, looks, &self.options);
         self.count = count;
-        self.doubt(image, seen);
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
+        self.doubt(image, seen);
         self.anchor(image, seen);
         after(Step::Points);
     }
@@ -602,8 +598,8 @@ impl Extractor {
             skeleton: &self.skeleton,
         };
         self.refitter.rehearse(lines, samples, &scene);
-        let rooms = [MOST_PIECES, self.strands.walker.found.capacity()];
-        self.kept.reserve([width, height], &self.curves, rooms);
+        self.kept
+            .reserve([width, height], &self.curves, MOST_PIECES);
     }
 
     /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first

@@ -219,5 +219,5 @@ pub use lariat_network::{Network, NetworkError};
 pub use mask::{MaskError, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
-pub use pick::{PickDoubt, PickError, Picked, compare_pick, doubt_pick, pick};
+pub use pick::{PickDoubt, PickError, PickJudgement, Picked, judge_pick, pick};
 pub use scene::{Crossing, Curve, Scene, Status};

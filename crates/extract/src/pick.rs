@@ -19,7 +19,7 @@ use crate::options::{HsvRange, Mask};
 use evidence::{Evidence, Label};
 use thiserror::Error;
 
-pub use judge::{PickDoubt, compare_pick, doubt_pick};
+pub use judge::{PickDoubt, PickJudgement, judge_pick};
 
 /// Distance from a rope at which a point still means it, in pixels: a mouse is not a needle.
 const BESIDE_PX: f32 = 10.0;

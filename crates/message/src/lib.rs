@@ -13,6 +13,6 @@ pub use clock::now_ns;
 pub use codes::{Axes, Basis, FitQuality, PixelFormat, Place, SourceKind, Status, Unit};
 pub use message::*;
 
-/// Confidence below which a rope's curve is more likely wrong than right, so that nothing should steer by it. Below it
-/// commands and pages make a rope stand out.
+/// Confidence below which a rope's curve is more likely wrong than right, so that nothing should steer by it: the default of
+/// readers, and the mark at which commands and pages make a rope stand out.
 pub const MIN_CONFIDENCE: f32 = 0.5;

@@ -10,7 +10,7 @@ use lariat_chain::control::{Asked, ask};
 use lariat_chain::output::{Existing, Output};
 use lariat_chain::pipeline::FrameView;
 use lariat_chain::settings::{Settings, mask_text, with_changes};
-use lariat_extract::{Mask, doubt_pick, mask_of, pick};
+use lariat_extract::{Mask, judge_pick, mask_of, pick};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -138,7 +138,9 @@ pub(crate) fn colours(moment: &Moment, at: &[[f32; 2]]) -> Result<(Value, Mask)>
     let frame = moment.image.as_ref().context("this frame has no picture")?;
     let image = FrameView::new(&frame.header, &frame.bytes).image()?;
     let picked = pick(&image, at)?;
-    let doubt = doubt_pick(&image, &picked.ranges, at).map(|doubt| doubt.to_string());
+    let doubt = judge_pick(&image, &picked.ranges, at)
+        .doubt
+        .map(|doubt| doubt.to_string());
     let doubt = doubt.or_else(|| {
         (picked.agreement < GOOD).then(|| {
             format!(

@@ -53,6 +53,10 @@ impl fmt::Debug for Reader {
 }
 
 impl Reader {
+    /// Confidence below which a rope is [`Unsure`](crate::Seen::Unsure), unless [`min_confidence`](Self::min_confidence) sets
+    /// another: the curve is then more likely wrong than right.
+    pub const MIN_CONFIDENCE: f32 = lariat_message::MIN_CONFIDENCE;
+
     /// Opens the reader of a rig: `"default"`, or what the chain was started with (`--rig NAME`). Whether it runs does not
     /// matter.
     ///
@@ -79,7 +83,7 @@ impl Reader {
             runs: Runs::default(),
             motion: Motion::default(),
             coarse: false,
-            min_confidence: 0.0,
+            min_confidence: Self::MIN_CONFIDENCE,
         })
     }
 
@@ -183,8 +187,8 @@ impl Reader {
     }
 
     /// Sets the least [confidence](crate::Rope::confidence), 0 to 1, of a rope that is [`Fresh`](crate::Seen::Fresh) or `Partial`;
-    /// a rope with less is [`Unsure`](crate::Seen::Unsure). The default, 0, accepts any. Below
-    /// [`MIN_CONFIDENCE`](crate::MIN_CONFIDENCE) a curve is more likely wrong than right.
+    /// a rope with less is [`Unsure`](crate::Seen::Unsure). The default is [`MIN_CONFIDENCE`](Self::MIN_CONFIDENCE); 0 accepts
+    /// any.
     pub fn min_confidence(&mut self, least: f32) {
         self.min_confidence = least;
     }

@@ -7,15 +7,10 @@ use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 use lariat_portable::{Arch, NullaryFnOnce};
 
-/// Where it is read, in widths from the middle and pixels beyond that: inside, about each edge, beside each edge.
+/// Distances from the middle at which the inside is read, in widths.
 const INSIDE: [f32; 3] = [-0.22, 0.0, 0.22];
-/// About the edge, one side of it and the other: so far in widths, and at least in pixels.
-const ABOUT: (f32, f32) = (0.25, 1.0);
 /// Beside the edge: in widths, and at least in pixels, where little of its blur is left.
 const BESIDE: [(f32, f32); 3] = [(0.2, 1.5), (0.4, 2.5), (0.65, 4.0)];
-/// What light a shadow leaves, and how far a channel may be from its share of it, in levels and in the ground's texture.
-const SHADE: [f32; 2] = [0.3, 0.94];
-const OFF_SHADE: (f32, f32) = (5.0, 1.5);
 
 /// Where the image is read across a curve at one of its points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,17 +37,14 @@ impl Place {
 
     fn across(at: Vec2, normal: Vec2, width_px: f32) -> Self {
         let half_px = 0.5 * width_px;
-        let about_px = (ABOUT.0 * width_px).max(ABOUT.1);
         let mut far_px = [0.0; LANES];
         for (k, inside) in INSIDE.iter().enumerate() {
             far_px[k] = inside * width_px;
         }
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            let from = INSIDE.len() + 5 * side;
-            far_px[from] = sign * (half_px - about_px).max(0.0);
-            far_px[from + 1] = sign * (half_px + about_px);
+            let from = INSIDE.len() + BESIDE.len() * side;
             for (k, (widths, least_px)) in BESIDE.into_iter().enumerate() {
-                far_px[from + 2 + k] = sign * (half_px + (widths * width_px).max(least_px));
+                far_px[from + k] = sign * (half_px + (widths * width_px).max(least_px));
             }
         }
         let mut place = Self::default();
@@ -92,9 +84,7 @@ pub(super) struct Across {
     pub(super) beside: [[f32; 3]; 2],
     /// How far the inside is from each.
     pub(super) edges: [f32; 2],
-    /// How much of the step from the inside to the outside lies about the place where the width says that the edge is.
-    pub(super) agreement: f32,
-    /// How much the ground varies beside it.
+    /// How much the ground varies next to it.
     pub(super) texture: f32,
     yuv: bool,
 }
@@ -121,38 +111,25 @@ impl Across {
             [0, 1, 2].map(|c| sum(c) / count as f32)
         };
         let inside = mean(0, INSIDE.len());
-        let (mut across, mut step, mut about) = (
-            Self {
-                inside,
-                yuv,
-                ..Self::default()
-            },
-            0.0,
-            0.0,
-        );
+        let mut across = Self {
+            inside,
+            yuv,
+            ..Self::default()
+        };
         let [left, middle, right] = [0, 1, 2].map(|l| across.light(color(l)));
         across.relief = [middle - 0.5 * (left + right), right - left];
         for side in 0..2 {
-            let from = INSIDE.len() + 5 * side;
-            // Of three the one most unlike the inside: where another strand lies near, the ground shows in one of them.
-            let three = [0, 1, 2].map(|k| color(from + 2 + k));
+            let from = INSIDE.len() + BESIDE.len() * side;
+            // The one of three that differs most from the inside: near another strand only one of them shows the ground.
+            let three = [0, 1, 2].map(|k| color(from + k));
             let far = three.map(|beside| across.distance(inside, beside));
             let farthest = (0..3).fold(0, |most, k| if far[k] > far[most] { k } else { most });
             let beside = three[farthest];
             across.beside[side] = beside;
             across.edges[side] = across.distance(inside, beside);
-            // Along the way from the inside's colour to the outside's.
-            let way = [0, 1, 2].map(|c| beside[c] - inside[c]);
-            let square = way.iter().map(|w| w * w).sum::<f32>();
-            let (near, far) = (color(from), color(from + 1));
-            let stepped: f32 = (0..3).map(|c| way[c] * (far[c] - near[c])).sum();
-            step += square;
-            about += stepped;
-            let varies =
-                |a: usize, b: usize| across.distance(color(from + 2 + a), color(from + 2 + b));
+            let varies = |a: usize, b: usize| across.distance(three[a], three[b]);
             across.texture += 0.25 * (varies(0, 1) + varies(1, 2));
         }
-        across.agreement = (about / (step + 1.0)).clamp(0.0, 1.0);
         across
     }
 
@@ -166,29 +143,6 @@ impl Across {
 
     pub(super) fn distance(&self, a: [f32; 3], b: [f32; 3]) -> f32 {
         color::distance(a, b, self.yuv)
-    }
-
-    /// The colour beside it, of both sides.
-    pub(super) fn ground(&self) -> [f32; 3] {
-        let [left, right] = self.beside;
-        [0, 1, 2].map(|c| 0.5 * (left[c] + right[c]))
-    }
-
-    /// Whether the inside may be the ground in less light.
-    pub(super) fn is_shade(&self, texture: f32) -> bool {
-        let (own, ground) = (self.inside, self.ground());
-        let off = OFF_SHADE.0.max(OFF_SHADE.1 * texture);
-        // Of YUV the light is the first channel, and what is off gray goes with it.
-        let base = if self.yuv {
-            [0.0, 128.0, 128.0]
-        } else {
-            [0.0; 3]
-        };
-        let [a, b] = [own, ground].map(|color| [0, 1, 2].map(|c| color[c] - base[c]));
-        let square: f32 = b.iter().map(|b| b * b).sum();
-        let light = a.iter().zip(&b).map(|(a, b)| a * b).sum::<f32>() / square.max(1.0);
-        let is_near = (0..3).all(|c| (a[c] - light * b[c]).abs() <= off);
-        is_near && (SHADE[0]..SHADE[1]).contains(&light)
     }
 
     /// Whether the colour of the inside goes on behind a tip, in the direction `along`.

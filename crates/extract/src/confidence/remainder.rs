@@ -11,7 +11,7 @@ use crate::vec2::{self, Vec2};
 const OWN: (f32, f32) = (0.8, 0.5);
 /// Widths from one place on a line to the next that is looked at.
 const STEP: f32 = 0.5;
-/// With so many squares of the ropes' width left out, one that is sure without that is right every other time.
+/// This many squares of the ropes' width give the value ½.
 const HALF: f32 = 1.5;
 
 /// So far from a curve, in pixels beyond what is its own, is what hangs together with it.
@@ -75,12 +75,12 @@ impl Remainder {
         self.squares
     }
 
-    /// How sure it can be of a curve beside which that is left.
-    pub(crate) fn sure_of(&self, curve: &Curve) -> f32 {
+    /// The amount left next to a curve: 0 for nothing, ½ for [`HALF`] squares, 1 in the limit.
+    pub(crate) fn beside(&self, curve: &Curve) -> f32 {
         if self.squares > 0.0 && self.is_beside(curve) {
-            HALF / (HALF + self.squares)
+            self.squares / (HALF + self.squares)
         } else {
-            1.0
+            0.0
         }
     }
 
@@ -179,32 +179,32 @@ mod tests {
         (x - x.clamp(10.0, 150.0)).hypot(y - Y)
     }
 
-    /// How sure it can be of the line from left to right in this mask.
-    fn sure(mask: &BitPlane) -> f32 {
+    /// The amount left next to the line from left to right in this mask.
+    fn left(mask: &BitPlane) -> f32 {
         let (line, curve) = told();
         let mut remainder = Remainder::default();
         remainder.find(mask, &[line], curve.width_px);
-        remainder.sure_of(&curve)
+        remainder.beside(&curve)
     }
 
     #[test]
     fn a_rope_that_is_told_leaves_nothing() {
-        assert_eq!(sure(&mask(rope)), 1.0);
+        assert_eq!(left(&mask(rope)), 0.0);
     }
 
     #[test]
     fn a_strand_that_was_left_out_is_missed_by_its_squares() {
         // From row 20 to where the rope's own ends: 33 rows of it.
         let strand = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(24.0, Y));
-        let sure = sure(&mask(|x, y| rope(x, y).min(strand(x, y))));
-        let squares = HALF / sure - HALF;
+        let left = left(&mask(|x, y| rope(x, y).min(strand(x, y))));
+        let squares = HALF * left / (1.0 - left);
         assert!((3.8..4.6).contains(&squares), "{squares}");
     }
 
     #[test]
     fn what_lies_apart_is_another_thing() {
         let thing = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(14.0, 40.0));
-        assert_eq!(sure(&mask(|x, y| rope(x, y).min(thing(x, y)))), 1.0);
+        assert_eq!(left(&mask(|x, y| rope(x, y).min(thing(x, y)))), 0.0);
     }
 
     #[test]
@@ -218,7 +218,7 @@ mod tests {
         far.points.iter_mut().for_each(|point| point[1] = 100.0);
         let mut remainder = Remainder::default();
         remainder.find(&mask, &[line, second], 2.0 * HALF_PX);
-        assert!(remainder.sure_of(&curve) < 0.8);
-        assert_eq!(remainder.sure_of(&far), 1.0);
+        assert!(remainder.beside(&curve) > 0.2);
+        assert_eq!(remainder.beside(&far), 0.0);
     }
 }

@@ -1,97 +1,109 @@
-//! What each clue weighs: made by `lariat-bench calibrate-confidence --seeds 24 --labelled DIR`, which says
-//! how true the confidence is on pictures that it was not fitted to: expected calibration error 0.035 of one's own masks (these are of an
-//! earlier run), 0.022 of the network's, 0.022 of those from elsewhere. DIR is what `lariat-scenes --labelled DIR --seed 900000 --count 1400
-//! --side 480 --photographs BACKGROUNDS` draws (`bench/training/`).
+//! The weight of each clue, printed by `lariat-bench calibrate-confidence --seeds 24 --labelled DIR`. DIR is what
+//! `lariat-scenes --labelled DIR --seed 900000 --count 1400 --side 480` draws (`bench/training/`).
 
 use super::CLUES;
 
-/// Where the extractor made the mask.
+/// For masks that the extractor makes of the table.
 #[rustfmt::skip]
 pub(super) const OWN: [f32; CLUES] = [
-    -6.553, // constant
-    -0.429, // edges on both sides
-    -2.853, // an edge on a side at least
-    6.110, // contrast in levels
-    -1.054, // contrast over texture
-    -0.808, // edges where the width says
-    -0.295, // unevenness of the width
-    -1.828, // unlikeness of colour along the curve
-    0.122, // unlikeness of the two sides
-    0.377, // unlikeness of the ground along the curve
-    -0.826, // like the ground in less light
-    7.119, // length in widths
-    -2.487, // thinness
-    0.026, // bends
-    -2.531, // straight through the picture
-    -1.390, // ends that go on
-    -0.141, // hidden share
-    -2.437, // seen in part
-    -1.803, // its own doubt
-    -0.466, // the mask's notice
-    -2.111, // a stretch without edges
-    2.892, // nothing against it
-    0.000, // an arc of a circle
-    0.000, // surely seen by the network
-    0.000, // light and shade across it
+    -3.288, // constant
+    -4.047, // unevenness of the width
+    -2.395, // unlikeness of colour along the curve
+    -4.038, // unlikeness of the two sides
+    8.631, // length in widths
+    -4.320, // thinness
+    0.000, // bends
     0.000, // straight
+    -4.402, // an arc of a circle
+    -2.507, // not shown by the picture
+    -4.764, // a stretch without edges
+    0.000, // light and shade across it
+    -2.359, // ends that go on
+    -3.105, // tips at a strand
+    -1.926, // tips that continue beyond a gap
+    -0.543, // ends at the border
+    -1.997, // crossings
+    -1.760, // left out of the mask
+    -1.888, // seen in part
+    -3.752, // its own doubt
+    0.000, // surely seen by the network
+    0.000, // seen by the network beyond its tips
 ];
-/// Where the network did.
+/// For masks of colour ranges.
+#[rustfmt::skip]
+pub(super) const COLOR: [f32; CLUES] = [
+    -4.694, // constant
+    -2.986, // unevenness of the width
+    -5.067, // unlikeness of colour along the curve
+    -2.368, // unlikeness of the two sides
+    9.556, // length in widths
+    -5.409, // thinness
+    -3.123, // bends
+    0.000, // straight
+    -1.844, // an arc of a circle
+    -1.334, // not shown by the picture
+    0.000, // a stretch without edges
+    0.000, // light and shade across it
+    -3.324, // ends that go on
+    -2.699, // tips at a strand
+    -3.827, // tips that continue beyond a gap
+    1.125, // ends at the border
+    -1.800, // crossings
+    -1.209, // left out of the mask
+    -0.865, // seen in part
+    0.000, // its own doubt
+    0.000, // surely seen by the network
+    0.000, // seen by the network beyond its tips
+];
+/// For masks of the network.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -7.037, // constant
-    0.314, // edges on both sides
-    0.357, // an edge on a side at least
-    -0.647, // contrast in levels
-    -1.601, // contrast over texture
-    -0.453, // edges where the width says
-    -3.299, // unevenness of the width
-    -6.034, // unlikeness of colour along the curve
-    0.414, // unlikeness of the two sides
-    0.119, // unlikeness of the ground along the curve
-    -0.420, // like the ground in less light
-    6.852, // length in widths
-    -4.250, // thinness
-    -3.566, // bends
-    1.131, // straight through the picture
-    -2.251, // ends that go on
-    4.205, // hidden share
-    -1.379, // seen in part
-    -2.187, // its own doubt
-    0.041, // the mask's notice
-    -1.253, // a stretch without edges
-    1.662, // nothing against it
-    -7.230, // an arc of a circle
-    2.309, // surely seen by the network
-    3.979, // light and shade across it
-    -1.145, // straight
+    -4.448, // constant
+    -3.337, // unevenness of the width
+    -4.491, // unlikeness of colour along the curve
+    -0.200, // unlikeness of the two sides
+    4.246, // length in widths
+    -4.690, // thinness
+    -5.014, // bends
+    -0.858, // straight
+    -5.463, // an arc of a circle
+    -4.318, // not shown by the picture
+    -1.274, // a stretch without edges
+    3.500, // light and shade across it
+    -2.249, // ends that go on
+    -1.916, // tips at a strand
+    -5.603, // tips that continue beyond a gap
+    -0.165, // ends at the border
+    -0.981, // crossings
+    -0.599, // left out of the mask
+    -1.367, // seen in part
+    -0.982, // its own doubt
+    2.575, // surely seen by the network
+    -1.584, // seen by the network beyond its tips
 ];
-/// Where somebody else did.
+/// For masks that are given.
 #[rustfmt::skip]
 pub(super) const ELSEWHERE: [f32; CLUES] = [
-    -16.214, // constant
-    1.750, // edges on both sides
-    -0.565, // an edge on a side at least
-    3.290, // contrast in levels
-    -4.345, // contrast over texture
-    2.604, // edges where the width says
-    1.456, // unevenness of the width
-    -3.925, // unlikeness of colour along the curve
-    2.117, // unlikeness of the two sides
-    2.413, // unlikeness of the ground along the curve
-    0.054, // like the ground in less light
-    12.120, // length in widths
-    -1.475, // thinness
-    -2.659, // bends
-    4.525, // straight through the picture
-    -4.653, // ends that go on
-    2.184, // hidden share
-    -0.394, // seen in part
+    1.230, // constant
+    -3.232, // unevenness of the width
+    -4.984, // unlikeness of colour along the curve
+    -0.463, // unlikeness of the two sides
+    2.862, // length in widths
+    -1.063, // thinness
+    -5.841, // bends
+    0.000, // straight
+    -1.257, // an arc of a circle
+    -6.898, // not shown by the picture
+    -1.716, // a stretch without edges
+    0.000, // light and shade across it
+    -3.915, // ends that go on
+    -2.122, // tips at a strand
+    -6.138, // tips that continue beyond a gap
+    0.584, // ends at the border
+    -1.574, // crossings
+    -1.259, // left out of the mask
+    -1.656, // seen in part
     0.000, // its own doubt
-    0.000, // the mask's notice
-    -0.457, // a stretch without edges
-    3.030, // nothing against it
-    -4.980, // an arc of a circle
     0.000, // surely seen by the network
-    3.060, // light and shade across it
-    -0.588, // straight
+    0.000, // seen by the network beyond its tips
 ];

@@ -2,7 +2,6 @@
 
 use super::Extractor;
 use crate::confidence::{self, Known, Maker};
-use crate::graph::walk::{Found, Walker};
 use crate::image::Image;
 use crate::mask::Masker;
 use crate::notice::Notice;
@@ -10,7 +9,6 @@ use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
 use crate::tracking::track::Tracker;
-use crate::vec2;
 
 /// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
 pub(super) const THINNEST_PX: f32 = 3.0;
@@ -31,7 +29,6 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
     let by_network = masker.is_of_network();
     Known {
         is_doubted: false,
-        is_noticed: !matches!(masker.notice, None | Some(Notice::OwnShadow)),
         maker: match options.mask {
             Mask::External => Maker::Elsewhere,
             Mask::Hsv(..) => Maker::Color,
@@ -40,30 +37,12 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
         },
         sees_covers: options.mask == Mask::Auto && !by_network,
         likely: by_network.then_some(&masker.seeker.likely),
+        ..Known::default()
     }
 }
 
 /// So many things that may be no ropes are clutter; a single one is reported, as doubtful.
 const MUCH: usize = 2;
-
-/// How sure it is of the way of a curve that is the last image's.
-const UNASKED: f32 = 0.5;
-
-/// And of one of a mask that was cut at its seams.
-const PARTED: f32 = 0.8;
-
-/// How sure it is, by this image alone, that a curve takes the right way through its crossings.
-fn sure_of_way(curve: &Curve, walker: &Walker) -> f32 {
-    if walker.is_overruled {
-        return UNASKED;
-    }
-    let is_its = |way: &&Found| {
-        let ends = [curve.points.first(), curve.points.last()];
-        let near_px = 2.0 * curve.width_px;
-        (ends.into_iter().flatten()).any(|&end| vec2::distance(end, way.end) < near_px)
-    };
-    walker.found.iter().find(is_its).map_or(1.0, |way| way.sure)
-}
 
 impl Extractor {
     /// Drops those of this image's curves that are hardly ropes, where the network found them, or saw none there.
@@ -104,13 +83,14 @@ impl Extractor {
     pub(super) fn weigh(&mut self, image: &Image) {
         self.find_doubts(image, self.count, |_, _| false);
         let known = known(&self.masker, &self.options);
-        let curves = self.curves[..self.count].iter_mut();
-        for (curve, doubt) in curves.zip(&self.doubts) {
+        for (i, doubt) in self.doubts.iter().enumerate().take(self.count) {
             let known = Known {
                 is_doubted: doubt.is_some(),
                 ..known
             };
-            curve.confidence = confidence::evidence(image, curve, known).confidence();
+            let curves = &self.curves[..self.count];
+            let evidence = confidence::evidence(image, (curves, i), known);
+            self.curves[i].confidence = evidence.confidence();
         }
     }
 
@@ -147,19 +127,22 @@ impl Extractor {
         }
         let mut is_unsure = false;
         self.evidence.clear();
-        for curve in &mut self.curves[..seen] {
+        for i in 0..seen {
+            let curve = &self.curves[i];
+            let of_it = (self.crossings.iter())
+                .filter(|crossing| crossing.over == i || crossing.under == i);
             let known = Known {
                 is_doubted: curve.status == Status::Doubtful,
+                left_out: self.remainder.beside(curve),
+                crossings: of_it.count(),
                 ..known(&self.masker, &self.options)
             };
-            let evidence = confidence::evidence(image, curve, known);
+            let evidence = confidence::evidence(image, (&self.curves[..seen], i), known);
             self.evidence.push(evidence);
-            let way = match self.is_parted {
-                true => PARTED,
-                false => sure_of_way(curve, &self.strands.walker),
-            };
-            let sure = evidence.confidence() * self.remainder.sure_of(curve);
-            curve.confidence = self.tracker.note_confidence(curve.track, sure, way);
+            let sure = evidence.confidence();
+            self.tracker.note_confidence(curve.track, sure);
+            let curve = &mut self.curves[i];
+            curve.confidence = sure;
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;
         }

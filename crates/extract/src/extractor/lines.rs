@@ -5,7 +5,7 @@ use lariat_portable::{Arch, NullaryFnOnce};
 use super::Extractor;
 use crate::centerline::line::{Line, MOST_PIECES};
 use crate::centerline::source::Source;
-use crate::confidence::{self, Known};
+use crate::confidence;
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::occlusion::bridge::Gap;
@@ -166,7 +166,6 @@ impl Extractor {
             return count;
         }
         let count = self.refitter.take(&mut self.lines, count);
-        self.strands.walker.forget(true);
         self.colors.clear();
         self.bridger.gaps.clear();
         for (l, line) in self.lines[..count].iter().enumerate() {
@@ -220,14 +219,12 @@ impl Extractor {
         if self.count <= self.options.ropes {
             return;
         }
-        let known = Known {
-            is_noticed: false,
-            ..super::doubts::known(&self.masker, &self.options)
-        };
-        for curve in &mut self.curves[..self.count] {
-            curve.status = Status::Ok;
-            let evidence = confidence::evidence(image, curve, known);
-            curve.confidence = evidence.confidence();
+        let known = super::doubts::known(&self.masker, &self.options);
+        for i in 0..self.count {
+            self.curves[i].status = Status::Ok;
+            let curves = &self.curves[..self.count];
+            let evidence = confidence::evidence(image, (curves, i), known);
+            self.curves[i].confidence = evidence.confidence();
         }
         while self.count > self.options.ropes {
             let weight = |curve: &Curve| curve.confidence * curve.length_px;

@@ -4,7 +4,6 @@ use std::mem::swap;
 
 use super::{Extractor, Step};
 use crate::confidence::remainder::Remainder;
-use crate::graph::walk::Found;
 use crate::image::Image;
 use crate::options::Method;
 use crate::scene::Curve;
@@ -45,12 +44,9 @@ pub(super) struct Reading {
     curves: Vec<Curve>,
     count: usize,
     looks: Vec<Look>,
-    found: Vec<Found>,
-    is_overruled: bool,
     remainder: Remainder,
     has_wide: bool,
     is_crowded: bool,
-    is_parted: bool,
 }
 
 /// What speaks against a reading.
@@ -68,17 +64,11 @@ impl Doubt {
 }
 
 impl Reading {
-    /// Makes room for a reading of a picture of this size that tells as many curves as these and may find as many strands.
-    pub(super) fn reserve(
-        &mut self,
-        [width, height]: [usize; 2],
-        curves: &[Curve],
-        [looks, found]: [usize; 2],
-    ) {
+    /// Makes room for a reading of a picture of this size that tells as many curves as these.
+    pub(super) fn reserve(&mut self, [width, height]: [usize; 2], curves: &[Curve], looks: usize) {
         self.curves.clear();
         self.curves.extend_from_slice(curves);
         self.looks.reserve(looks);
-        self.found.reserve(found);
         self.remainder.reserve(width, height);
     }
 }
@@ -125,16 +115,13 @@ impl Extractor {
     /// Keeps this reading, and tells the one that was kept. Lines, their colors and gaps stay the last reading's: what comes after asks for
     /// none of them.
     fn swap_readings(&mut self) {
-        let (walker, kept) = (&mut self.strands.walker, &mut self.kept);
+        let kept = &mut self.kept;
         swap(&mut self.curves, &mut kept.curves);
         swap(&mut self.count, &mut kept.count);
         swap(&mut self.looks, &mut kept.looks);
-        swap(&mut walker.found, &mut kept.found);
-        swap(&mut walker.is_overruled, &mut kept.is_overruled);
         swap(&mut self.remainder, &mut kept.remainder);
         swap(&mut self.has_wide, &mut kept.has_wide);
         swap(&mut self.is_crowded, &mut kept.is_crowded);
-        swap(&mut self.is_parted, &mut kept.is_parted);
     }
 
     /// Whether this reading tells the same ropes as the one that is kept.

@@ -93,7 +93,6 @@ impl Strands {
             }
             self.walk(graph, zones);
         }
-        self.walker.forget(false);
         if let Some(mask) = mask {
             let ropes = (&mut self.legs, &mut self.strands);
             (self.walker).improve(ropes, (graph, skeleton), zones, mask);

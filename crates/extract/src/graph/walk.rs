@@ -7,8 +7,7 @@
 //! the first tip that is left to another or to where it ends on a strand. Of all walks the one is sought that bends least beyond what
 //! its strands bend already, leaves the mask least and leaves out least of it (of several ropes also where strands lie on each other
 //! and only one is told), by keeping the cheapest few at a time. It takes the place of what the crossings say, one by one, where that
-//! costs more as a walk: several ropes, or one that is wound up. How much more the next walk costs that runs otherwise says how sure
-//! it is, and whether both ways to find it agree.
+//! costs more as a walk: several ropes, or one that is wound up.
 
 mod piece;
 
@@ -17,8 +16,6 @@ use super::strands::{Leg, Strand};
 use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
-use crate::statistics::grade;
-use crate::vec2::Vec2;
 use piece::{Ground, Piece, Seen, is_tip};
 
 /// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
@@ -34,20 +31,6 @@ const TORN: f32 = 2.0;
 /// How much less a walk must cost than what was there, and one that is several ropes.
 const BETTER: f32 = 0.15;
 const BETTER_AS_SEVERAL: f32 = 0.3;
-/// Shorter edges, in widths, make no other walk.
-const SHORT: f32 = 1.5;
-/// Walks whose costs differ by less are the same.
-const SAME: f32 = 0.01;
-/// How often drawn ropes are right where a walk of one rope, and of several, took the place of what the crossings say: where the next
-/// walk costs as much, and where it costs far more (two thirds of the way at `FAR`).
-const TAKEN: [(f32, f32); 2] = [(0.35, 0.8), (0.5, 0.85)];
-const FAR: f32 = 0.25;
-/// Where the walk is what the crossings say and the next one costs as much; from this gap on nothing speaks against it.
-const AGREED: f32 = 0.5;
-const CLEAR: f32 = 0.2;
-/// Where the cheapest walk is another one, but not by enough.
-const DISPUTED: f32 = 0.7;
-
 /// A walk so far, by its last step.
 #[derive(Clone, Copy, Debug)]
 struct Step {
@@ -55,18 +38,7 @@ struct Step {
     /// The end of an edge at which the walk comes out of it. A rope begins with an edge whose other end is a tip.
     slot: u32,
     cost: f32,
-    /// How much more one costs that has come here otherwise, over the same edges.
-    gap: f32,
     seen: Seen,
-}
-
-/// A rope whose walk was looked for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Found {
-    /// One of its ends, a tip if it has one.
-    pub(crate) end: Vec2,
-    /// How sure it is that the rope takes the right way.
-    pub(crate) sure: f32,
 }
 
 /// Memory and result of the search.
@@ -77,10 +49,7 @@ pub(crate) struct Walker {
     next: Layer,
     /// The last steps of walks that have arrived, and what they cost in all, the cheapest first.
     done: Vec<(u32, f32)>,
-    ways: [Vec<u32>; 2],
-    pub(crate) found: Vec<Found>,
-    /// Whether the ropes of the last image took the place of what was found.
-    pub(crate) is_overruled: bool,
+    way: Vec<u32>,
 }
 
 impl Walker {
@@ -90,17 +59,10 @@ impl Walker {
         self.steps.reserve(MOST_STEPS + MOST_NEXT);
         self.next.reserve();
         self.done.reserve(MOST_STEPS + MOST_NEXT);
-        self.ways.iter_mut().for_each(|way| way.reserve(128));
-        self.found.reserve(piece::MOST_PIECES * piece::MOST_EDGES);
+        self.way.reserve(128);
     }
 
-    /// Forgets what was found: of this image nothing is, or another one said otherwise.
-    pub(crate) fn forget(&mut self, is_overruled: bool) {
-        self.found.clear();
-        self.is_overruled = is_overruled;
-    }
-
-    /// Puts the best walk in the place of strands that cost more, and adds to `found` how sure each rope is for which it was looked for.
+    /// Puts the best walk in the place of strands that cost more.
     pub(crate) fn improve(
         &mut self,
         (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
@@ -131,41 +93,10 @@ impl Walker {
             let Some(&(_, cost)) = self.done.first() else {
                 continue;
             };
-            let gap = self.gap(of);
             let better = if is_one { BETTER } else { BETTER_AS_SEVERAL };
-            let sure = if cost + better < before {
+            if cost + better < before {
                 self.take(legs, strands, graph, zones);
-                let (least, most) = TAKEN[usize::from(!is_one)];
-                most - (most - least) * libm::expf(-gap / FAR)
-            } else if (cost - before).abs() < SAME {
-                AGREED + (1.0 - AGREED) * grade(gap, 0.0, CLEAR)
-            } else {
-                DISPUTED
-            };
-            self.note(legs, strands, (graph, skeleton), sure);
-        }
-    }
-
-    /// Notes of each strand of the piece how sure it is.
-    fn note(
-        &mut self,
-        legs: &[Leg],
-        strands: &[Strand],
-        (graph, skeleton): (&Graph, &Skeleton),
-        sure: f32,
-    ) {
-        for strand in strands {
-            let legs = &legs[strand.from as usize..strand.to as usize];
-            if self.piece.bit(legs[0].edge).is_none() {
-                continue;
             }
-            let ends = [into(&legs[0]), out(&legs[legs.len() - 1])];
-            let slot = ends.into_iter().find(|&slot| is_tip(slot, graph));
-            let slot = slot.unwrap_or(ends[0]) as usize;
-            let pixels = graph.pixels(slot / 2);
-            let end = [pixels[0], pixels[pixels.len() - 1]][slot % 2];
-            let end = skeleton.pixels[end as usize].at();
-            self.found.push(Found { end, sure });
         }
     }
 
@@ -211,7 +142,6 @@ impl Walker {
             before: NONE,
             slot: NONE,
             cost: 0.0,
-            gap: f32::INFINITY,
             seen: Seen::default(),
         };
         self.steps.extend(begin(&self.piece, nowhere, of));
@@ -286,27 +216,6 @@ impl Walker {
         least.min(cost)
     }
 
-    /// How much more the next walk costs that runs otherwise than the best.
-    fn gap(&mut self, of: Ground) -> f32 {
-        let [best, other] = &mut self.ways;
-        let Some(&(last, cost)) = self.done.first() else {
-            return 0.0;
-        };
-        let is_long = |slot: &u32| self.piece.widths(slot / 2, of) >= SHORT;
-        trace(&self.steps, last, best);
-        let mut gap = self.steps[last as usize].gap;
-        best.retain(is_long);
-        for &(last, more) in &self.done[1..] {
-            trace(&self.steps, last, other);
-            other.retain(is_long);
-            if other != best {
-                gap = gap.min(more - cost);
-                break;
-            }
-        }
-        gap
-    }
-
     /// Puts the best walk in the place of the strands of its piece.
     fn take(
         &mut self,
@@ -322,7 +231,7 @@ impl Walker {
         for (k, &e) in piece.edges.iter().enumerate() {
             zones.inside[e as usize] = used >> k & 1 == 0;
         }
-        let way = &mut self.ways[0];
+        let way = &mut self.way;
         trace(&self.steps, last, way);
         way.reverse();
         let trim = |slot: u32| match is_tip(slot, graph) {
@@ -400,7 +309,7 @@ impl Layer {
     }
 
     /// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
-    fn enter(&mut self, mut new: Step) {
+    fn enter(&mut self, new: Step) {
         let used = new.seen.used;
         let mixed = (used as u64 ^ (used >> 64) as u64).wrapping_add(u64::from(new.slot) << 40);
         let mut k = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 48) as usize % PLACES;
@@ -415,10 +324,7 @@ impl Layer {
             }
             let old = &mut self.steps[place as usize & 0xffff];
             if old.seen.used == used && old.slot == new.slot {
-                if old.cost <= new.cost {
-                    old.gap = old.gap.min(new.cost - old.cost);
-                } else {
-                    new.gap = new.gap.min(old.cost - new.cost);
+                if new.cost < old.cost {
                     *old = new;
                 }
                 return;

@@ -27,6 +27,7 @@ const LEAST_COVERED: f32 = 0.0015;
 /// Least difference in confidence by which the automatic mask is better than the picked colours: as in extraction, where the
 /// network's ropes are compared with the table's.
 const SURER: f32 = 0.2;
+
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PickDoubt {
@@ -80,16 +81,40 @@ impl fmt::Display for PickDoubt {
     }
 }
 
-/// What speaks against a mask of `ranges` that were picked from `image`, at `points` if any were given.
+/// The judgement of a mask of picked colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PickJudgement {
+    /// The reason to doubt it, if there is one.
+    pub doubt: Option<PickDoubt>,
+    /// The mean confidence of the ropes that are meant, in the mask of these colours and in the automatic one; `None` without a rope.
+    pub confidences: [Option<f32>; 2],
+}
+
+/// Judges a mask of `ranges` that were picked from `image`, at `points` if any were given.
 ///
-/// The mask is extracted as any picture's, and what comes of it is compared with the rope that was meant. Allocates.
-pub fn doubt_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<PickDoubt> {
+/// The mask is extracted as any picture's, and what comes of it is compared with the rope that was meant, and with what the automatic
+/// mask gives. Allocates.
+pub fn judge_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> PickJudgement {
     let points = &snapped(image, points)[..];
+    let seen = see(image, ranges, points);
+    let automatic = see_in(image, Mask::Auto, points).filter(|seen| seen.beside <= ON);
+    let confidences = [&seen, &automatic].map(|seen| seen.as_ref().map(|seen| seen.confidence));
+    let doubt = match seen {
+        None => Some(PickDoubt::NoRope),
+        Some(seen) => doubt(image, ranges, points, &seen).or(match confidences {
+            [Some(picked), Some(automatic)] if automatic > picked + SURER => {
+                Some(PickDoubt::AutomaticIsSurer([picked, automatic]))
+            }
+            _ => None,
+        }),
+    };
+    PickJudgement { doubt, confidences }
+}
+
+/// The reason to doubt a mask by itself, without a look at the automatic one.
+fn doubt(image: &Image, ranges: &[HsvRange], points: &[Vec2], seen: &Seen) -> Option<PickDoubt> {
     let mask = mask_of(image, &Mask::Hsv(ranges.to_vec()));
     let all = mask.iter().filter(|&&level| level > 0).count() as f32;
-    let Some(seen) = see(image, ranges, points) else {
-        return Some(PickDoubt::NoRope);
-    };
     if all < LEAST_COVERED * mask.len() as f32 {
         return Some(PickDoubt::Little(all / mask.len() as f32));
     }
@@ -106,22 +131,6 @@ pub fn doubt_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option
     if pieces >= MOST_PIECES || seen.curves.len() >= MOST_ROPES {
         return Some(PickDoubt::Pieces(seen.curves.len()));
     }
-    if !points.is_empty() && seen.confidence < LEAST_SURE {
-        return Some(PickDoubt::Unsure(seen.confidence));
-    }
-    let automatic = automatic(image, points)?.confidence;
-    let is_surer = automatic > seen.confidence + SURER;
-    is_surer.then_some(PickDoubt::AutomaticIsSurer([seen.confidence, automatic]))
-}
-
-/// The mean confidence of the ropes that are meant, in a mask of `ranges` and in the automatic one; `None` without a rope.
-/// Allocates.
-pub fn compare_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> [Option<f32>; 2] {
-    let points = &snapped(image, points)[..];
-    [see(image, ranges, points), automatic(image, points)].map(|seen| Some(seen?.confidence))
-}
-
-/// Traces the ropes at the points in the automatic mask.
-fn automatic(image: &Image, points: &[Vec2]) -> Option<Seen> {
-    see_in(image, Mask::Auto, points).filter(|seen| seen.beside <= ON)
+    let is_unsure = !points.is_empty() && seen.confidence < LEAST_SURE;
+    is_unsure.then_some(PickDoubt::Unsure(seen.confidence))
 }

@@ -77,8 +77,6 @@ struct Track {
     color: Option<[f32; 3]>,
     /// That of when it was last seen.
     confidence: f32,
-    /// How sure its way through its crossings was when it was surest.
-    way: f32,
     /// Its usual length while seen whole: what "in part" is told by.
     usual: UsualLength,
     /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
@@ -157,7 +155,6 @@ impl Tracker {
                 length_px: curve.length_px,
                 color: None,
                 confidence: curve.confidence,
-                way: 1.0,
                 usual: UsualLength::of(curve.length_px),
                 sure: if curve.status == Status::Doubtful {
                     -1
@@ -333,15 +330,11 @@ impl Tracker {
         track.sure < 0
     }
 
-    /// Keeps how sure it is of a rope that is seen, for when it is not, and says it. Its way through its crossings is as sure as this
-    /// image or an earlier one says: what is known of it goes on from image to image.
-    pub(crate) fn note_confidence(&mut self, number: u32, sure: f32, way: f32) -> f32 {
-        let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
-            return sure * way;
-        };
-        track.way = track.way.max(way);
-        track.confidence = sure * track.way;
-        track.confidence
+    /// Keeps how sure it is of a rope that is seen, for when it is not.
+    pub(crate) fn note_confidence(&mut self, number: u32, sure: f32) {
+        if let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) {
+            track.confidence = sure;
+        }
     }
 
     /// Takes the ropes of the last image, which were followed into this one and are all that is known.
@@ -448,7 +441,7 @@ impl Tracker {
         track.points.clear();
         track.color = None;
         track.usual = UsualLength::default();
-        (track.frames, track.age, track.sure, track.way) = (0, 0, 0, 0.0);
+        (track.frames, track.age, track.sure) = (0, 0, 0);
         self.tracks.push(track);
     }
 
@@ -749,26 +742,9 @@ mod tests {
                 tracker.begin(33_000_000 * u64::from(frame + 1), false);
                 let mut looks = [Look::default()];
                 tracker.update(&mut curves, 1, &mut looks, &Options::default());
-                tracker.note_confidence(curves[0].track, confidence, 1.0);
+                tracker.note_confidence(curves[0].track, confidence);
             }
             assert_eq!(tracker.knows_some(0.5), is_known);
-        }
-    }
-
-    #[test]
-    fn a_way_once_known_stays_as_sure_as_it_was_at_its_surest() {
-        let curve = Curve {
-            points: vec![[10.0, 10.0], [90.0, 20.0]],
-            length_px: 80.0,
-            width_px: 6.0,
-            ..Curve::empty()
-        };
-        let (mut tracker, mut curves) = (Tracker::default(), vec![curve]);
-        for (frame, (way, said)) in [(0.5, 0.4), (1.0, 0.8), (0.5, 0.8)].into_iter().enumerate() {
-            tracker.begin(33_000_000 * (frame as u64 + 1), false);
-            tracker.update(&mut curves, 1, &mut [Look::default()], &Options::default());
-            let sure = tracker.note_confidence(curves[0].track, 0.8, way);
-            assert_eq!(sure, said, "in frame {frame}");
         }
     }
 }

@@ -178,21 +178,6 @@ fn what_sticks_out_past_a_strand_is_the_tip_of_one_that_comes_there() {
 }
 
 #[test]
-fn tangled_ropes_that_may_as_well_run_otherwise_are_not_sure() {
-    // Strands are exchanged in both: in one another way costs as much, in the other one costs less, but not by enough.
-    for seed in [5127, 5052] {
-        let (mut film, mut rgb) = (Film::new(Story::Two, seed, 480, 360), Vec::new());
-        film.next(&mut rgb);
-        let image = Image::new(&rgb, 480, 360, 3 * 480, PixelFormat::Rgb8).expect("an image");
-        let mut extractor = Extractor::new(Options::default()).expect("an extractor");
-        let curves = extractor.extract(&image).curves;
-        assert_eq!(curves.len(), 2, "{seed}");
-        let said = curves.iter().map(|curve| curve.confidence);
-        assert!(said.clone().all(|sure| sure < 0.75), "{seed}: {said:?}");
-    }
-}
-
-#[test]
 fn a_corner_of_an_end_that_touches_a_strand_is_no_tip_beyond_it() {
     let still = scenes::draw(Class::EndsTouching, 14, 640, 480).expect("a picture");
     let image = Image::new(&still.rgb, 640, 480, 3 * 640, PixelFormat::Rgb8).expect("an image");

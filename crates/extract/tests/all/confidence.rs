@@ -128,7 +128,7 @@ fn half_of_a_rope_is_less_sure_than_all_of_it() {
     half.points.truncate(half.points.len() / 2);
     let picture = [whole.clone()];
     let [all, part] = [whole, half].map(|mask| masked(&picture, &[mask], Options::default()).0[0]);
-    assert!(all > 0.8 && part < 0.5 * all, "{all} {part}");
+    assert!(all > 0.8 && part < all - 0.1, "{all} {part}");
 }
 
 #[test]

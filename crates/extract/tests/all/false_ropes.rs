@@ -138,8 +138,9 @@ fn a_straight_copy_of_a_rope_is_doubted_and_not_dropped() {
 
 #[test]
 fn a_pen_is_none_beside_a_rope_and_a_rope_by_itself() {
-    // The network is sure of the rope, and sees no other.
-    let (curves, notice) = seen_once(&[rope(BLUE), pen(BLACK, 260.0)]);
+    // The network is sure of the rope, which is round, and sees no other.
+    let shine = Rope::along(4.0, BLUE.map(|level| 0.5 * (level + 255.0)), wave);
+    let (curves, notice) = seen_once(&[rope(BLUE), shine, pen(BLACK, 260.0)]);
     assert_eq!((curves.len(), curves[0].1, notice), (1, Status::Ok, None));
     let (curves, notice) = seen_once(&[pen(BLACK, 260.0)]);
     assert_eq!((curves.len(), curves[0].1, notice), (1, Status::Ok, None));

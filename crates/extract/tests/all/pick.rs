@@ -5,7 +5,7 @@ use crate::drawing;
 use drawing::{Rope, Table};
 use lariat_extract::{
     Extractor, HsvRange, Image, Mask, Options, PickDoubt, PickError, Picked, PixelFormat,
-    doubt_pick, mask_of, pick,
+    judge_pick, mask_of, pick,
 };
 use proptest::prelude::*;
 
@@ -146,7 +146,7 @@ fn colors_that_are_enough_are_not_doubted() {
     let bytes = table(LIGHT).draw(&ropes);
     for at in [&[][..], &[ON_ROPE]] {
         let picked = pick(&rgb(&bytes), at).expect("a rope");
-        assert_eq!(doubt_pick(&rgb(&bytes), &picked.ranges, at), None);
+        assert_eq!(judge_pick(&rgb(&bytes), &picked.ranges, at).doubt, None);
     }
 }
 
@@ -161,7 +161,7 @@ fn colors_that_something_else_has_are_doubted() {
         saturation: [0.4, 1.0],
         value: [0.3, 1.0],
     };
-    let doubt = doubt_pick(&rgb(&bytes), &[red], &[[160.0, 175.9]]);
+    let doubt = judge_pick(&rgb(&bytes), &[red], &[[160.0, 175.9]]).doubt;
     assert!(
         matches!(doubt, Some(PickDoubt::Elsewhere(share)) if share > 0.2),
         "{doubt:?}"
@@ -173,14 +173,14 @@ fn colors_that_something_else_has_are_doubted() {
         })
         .collect();
     let bytes = table(LIGHT).draw(&strokes);
-    let doubt = doubt_pick(&rgb(&bytes), &[red], &[[50.0, 30.0]]);
+    let doubt = judge_pick(&rgb(&bytes), &[red], &[[50.0, 30.0]]).doubt;
     assert_eq!(doubt, Some(PickDoubt::Pieces(12)));
     let blue = HsvRange {
         hue_deg: [200.0, 250.0],
         ..red
     };
     assert_eq!(
-        doubt_pick(&rgb(&bytes), &[blue], &[]),
+        judge_pick(&rgb(&bytes), &[blue], &[]).doubt,
         Some(PickDoubt::NoRope)
     );
 }

@@ -2,7 +2,7 @@
 
 use crate::drawing::{Rope, Table};
 use crate::pick::{LIGHT, ON_ROPE, SIZE, agreement, rgb, table, truth, wave};
-use lariat_extract::{Mask, PickDoubt, PickError, doubt_pick, mask_of, pick};
+use lariat_extract::{Mask, PickDoubt, PickError, judge_pick, mask_of, pick};
 
 const BLUE: [f32; 3] = [40.0, 90.0, 190.0];
 
@@ -72,7 +72,7 @@ fn a_twisted_rope_is_picked_by_a_point_on_each_of_its_colors() {
     let picked = pick(&image, &points).expect("a rope");
     let good = agreement(&image, &picked.ranges, &truth);
     assert!(good > 0.9, "{good} {picked:?}");
-    assert_eq!(doubt_pick(&image, &picked.ranges, &points), None);
+    assert_eq!(judge_pick(&image, &picked.ranges, &points).doubt, None);
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn gray_on_gray_is_told_by_light_and_a_table_of_the_ropes_color_is_said() {
     match pick(&image, &points) {
         Err(why) => assert_eq!(why, PickError::NotARope { at: points[0] }),
         Ok(picked) => {
-            let doubt = doubt_pick(&image, &picked.ranges, &points);
+            let doubt = judge_pick(&image, &picked.ranges, &points).doubt;
             assert!(
                 matches!(
                     doubt,

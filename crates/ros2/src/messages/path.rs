@@ -81,6 +81,9 @@ mod tests {
             rope.status = status as u32;
             assert!(!is_sure(&rope), "{status:?}");
         }
+        let mut unsure = rope();
+        unsure.confidence = 0.05;
+        assert!(!is_sure(&unsure));
         let mut coarse = rope();
         coarse.fit = FitQuality::Coarse as u32;
         assert!(!is_sure(&coarse));

@@ -1,8 +1,8 @@
 //! A rope's curve as ROS has it, in three coordinates: in space, on the plane or, in pixels, in the image.
 
 use lariat_wire::{
-    Axes, Descriptor, Descriptor3, Descriptors, Descriptors3, FitQuality, Place, Shape,
-    Status as Seen,
+    Axes, Descriptor, Descriptor3, Descriptors, Descriptors3, FitQuality, MIN_CONFIDENCE, Place,
+    Shape, Status as Seen,
 };
 
 use super::Scale;
@@ -67,7 +67,7 @@ enum Curve<'a> {
 impl<'a> Rope<'a> {
     pub(crate) fn flat(rope: &'a Descriptor, scale: Scale) -> Option<Self> {
         let shape = Shape::of(rope).ok();
-        let shape = shape.filter(|_| is_sure(rope.status(), rope.fit()))?;
+        let shape = shape.filter(|_| is_sure(rope.status(), rope.fit(), rope.confidence))?;
         Some(Self {
             track: rope.track,
             width: scale.length(rope.width),
@@ -78,7 +78,8 @@ impl<'a> Rope<'a> {
     pub(crate) fn in_space(rope: &'a Descriptor3) -> Option<Self> {
         let is_measured = rope.place() == Some(Place::Known);
         let shape = Shape::in_space(rope).ok();
-        let shape = shape.filter(|_| is_measured && is_sure(rope.status(), rope.fit()))?;
+        let shape =
+            shape.filter(|_| is_measured && is_sure(rope.status(), rope.fit(), rope.confidence))?;
         Some(Self {
             track: rope.track,
             width: Scale::MILLIMETERS.length(rope.width),
@@ -147,6 +148,7 @@ impl<'a> Rope<'a> {
     }
 }
 
-fn is_sure(status: Option<Seen>, fit: Option<FitQuality>) -> bool {
-    matches!(status, Some(Seen::Ok | Seen::Partial)) && fit != Some(FitQuality::Coarse)
+fn is_sure(status: Option<Seen>, fit: Option<FitQuality>, confidence: f32) -> bool {
+    let is_seen = matches!(status, Some(Seen::Ok | Seen::Partial));
+    is_seen && fit != Some(FitQuality::Coarse) && confidence >= MIN_CONFIDENCE
 }

@@ -221,8 +221,11 @@ fn a_covered_and_a_lost_rope_are_other_things_than_a_rope() {
 fn a_rope_below_the_confidence_that_a_loop_asks_for_is_not_fresh() {
     let place = Place::new("confidence");
     for (least, confidence, status, expected) in [
-        // By default nothing is asked for, but a number.
-        (None, 0.0, Status::Ok, "fresh"),
+        // The default: more likely right than wrong.
+        (None, 0.5, Status::Ok, "fresh"),
+        (None, 0.49, Status::Ok, "LowConfidence"),
+        (None, 0.05, Status::Partial, "LowConfidence"),
+        (Some(0.0), 0.0, Status::Ok, "fresh"),
         (None, f32::NAN, Status::Ok, "LowConfidence"),
         (Some(0.9), 0.91, Status::Ok, "fresh"),
         (Some(0.9), 0.91, Status::Partial, "partial"),

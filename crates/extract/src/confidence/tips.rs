@@ -1,0 +1,185 @@
+//! The surroundings of a curve's tips within the picture: a rope ends on the table, but a piece of a rope ends at a strand, before a
+//! gap, or in the middle of what the network sees.
+
+use crate::image::gray::GrayPlane;
+use crate::scene::Curve;
+use crate::vec2::{self, Vec2};
+
+/// Greatest distance of a tip from a strand's edge, in widths, to be at that strand.
+const AT: f32 = 1.0;
+/// The stretch before a tip, in widths, that is near it in any case.
+const OWN: f32 = 3.0;
+/// Greatest distance of two tips of a torn rope, in widths, and least cosine of the angle at which they point at each other.
+const TORN: f32 = 8.0;
+const FACING: f32 = 0.8;
+/// The direction of a tip is taken over this many widths.
+const BACK: f32 = 1.5;
+/// Distances beyond a tip, in widths, where its own blur has ended.
+const BEYOND: [f32; 3] = [1.5, 2.5, 3.5];
+
+/// A tip, and the direction in which the curve would go on.
+#[derive(Clone, Copy)]
+struct Tip {
+    at: Vec2,
+    out: Vec2,
+}
+
+/// A curve's tips within the picture, with the ends that they are.
+fn tips(curve: &Curve) -> impl Iterator<Item = (usize, Tip)> {
+    let ends = (0..2).filter(|&end| !curve.closed && !curve.border[end]);
+    ends.filter_map(|end| {
+        let points = &curve.points;
+        let last = points.len().checked_sub(1)?;
+        let step_px = curve.spacing_px().max(0.1);
+        let back = ((BACK * curve.width_px / step_px) as usize).clamp(1, last.max(1));
+        let (at, before) = match end {
+            0 => (points[0], *points.get(back)?),
+            _ => (points[last], points[last.checked_sub(back)?]),
+        };
+        let out = vec2::unit_or(vec2::sub(at, before), [1.0, 0.0]);
+        Some((end, Tip { at, out }))
+    })
+}
+
+/// The share of a curve's two tips that lie at another strand, or at another place of its own.
+pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
+    let curve = &curves[number];
+    let is_met = |&(end, tip): &(usize, Tip)| {
+        let mut others = curves.iter().enumerate();
+        others.any(|(other, strand)| {
+            let near_px = 0.5 * strand.width_px + AT * curve.width_px;
+            let own_px = (other == number).then_some(OWN * curve.width_px + near_px);
+            lies_at(tip.at, strand, near_px, |from_first, from_last| {
+                let from_tip_px = if end == 0 { from_first } else { from_last };
+                own_px.is_none_or(|own_px| from_tip_px > own_px)
+            })
+        })
+    };
+    0.5 * tips(curve).filter(is_met).count() as f32
+}
+
+/// Whether a place is within `near_px` of a strand's point that counts. `counts` is asked with the lengths from that point to the
+/// strand's two ends, in pixels.
+fn lies_at(at: Vec2, strand: &Curve, near_px: f32, counts: impl Fn(f32, f32) -> bool) -> bool {
+    let step_px = strand.spacing_px().max(0.1);
+    let last = strand.points.len().saturating_sub(1);
+    let mut i = 0;
+    while let Some(&point) = strand.points.get(i) {
+        let off_px = vec2::distance(at, point);
+        if off_px <= near_px + 0.5 * step_px
+            && counts(i as f32 * step_px, (last - i) as f32 * step_px)
+        {
+            return true;
+        }
+        // A point within reach is at least this many steps away.
+        i += (((off_px - near_px) / step_px) as usize).max(1);
+    }
+    false
+}
+
+/// How plainly one of a curve's tips continues at another tip beyond a gap: 1 without a gap, 0 from [`TORN`] widths on.
+pub(super) fn torn(curves: &[Curve], number: usize) -> f32 {
+    let curve = &curves[number];
+    let mut most = 0.0f32;
+    for (end, tip) in tips(curve) {
+        for (other, strand) in curves.iter().enumerate() {
+            for (_, facing) in tips(strand).filter(|tip| (other, tip.0) != (number, end)) {
+                let way = vec2::sub(facing.at, tip.at);
+                let along = vec2::unit_or(way, tip.out);
+                let faces = vec2::dot(tip.out, along).min(-vec2::dot(facing.out, along));
+                if faces > FACING {
+                    most = most.max(1.0 - vec2::norm(way) / (TORN * curve.width_px.max(1.0)));
+                }
+            }
+        }
+    }
+    most
+}
+
+/// How likely the network finds what lies beyond a curve's tips, in the mean of both.
+pub(super) fn beyond(likely: &GrayPlane, curve: &Curve) -> f32 {
+    let seen = tips(curve).map(|(_, Tip { at, out })| {
+        let beyond = likely.sample_each(at, out, BEYOND.map(|widths| widths * curve.width_px));
+        beyond.into_iter().fold(0.0, f32::max)
+    });
+    0.5 * seen.sum::<f32>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rope, 8 px wide, from one place straight to another.
+    fn rope(from: Vec2, to: Vec2) -> Curve {
+        let share = |k: usize| k as f32 / 50.0;
+        let mut curve = Curve::empty();
+        let points = (0..=50).map(|k| vec2::along(from, vec2::sub(to, from), share(k)));
+        curve.points.extend(points);
+        curve.width_px = 8.0;
+        curve.length_px = vec2::distance(from, to);
+        curve
+    }
+
+    #[test]
+    fn a_tip_at_a_strand_is_met_and_one_that_lies_free_is_not() {
+        let strand = rope([0.0, 50.0], [200.0, 50.0]);
+        let upright = |to: f32| rope([100.0, 180.0], [100.0, to]);
+        for (to, expected) in [(50.0, 0.5), (61.0, 0.5), (70.0, 0.0), (20.0, 0.0)] {
+            let curves = [strand.clone(), upright(to)];
+            assert_eq!(met(&curves, 1), expected, "to {to}");
+            assert_eq!(met(&curves, 0), 0.0);
+        }
+    }
+
+    #[test]
+    fn a_rope_that_comes_back_to_itself_is_met_there() {
+        // Three sides of a square, and the last tip at the middle of the first.
+        let mut curve = Curve::empty();
+        let corners = [
+            [20.0, 20.0],
+            [180.0, 20.0],
+            [180.0, 120.0],
+            [100.0, 120.0],
+            [100.0, 28.0],
+        ];
+        for side in corners.windows(2) {
+            let way = vec2::sub(side[1], side[0]);
+            let steps = (vec2::norm(way) / 4.0) as usize;
+            let places = (0..steps).map(|k| vec2::along(side[0], way, k as f32 / steps as f32));
+            curve.points.extend(places);
+        }
+        (curve.width_px, curve.length_px) = (8.0, 4.0 * (curve.points.len() - 1) as f32);
+        assert_eq!(met(&[curve], 0), 0.5);
+    }
+
+    #[test]
+    fn a_rope_torn_in_two_is_plainer_the_smaller_the_gap() {
+        let at = |gap_px: f32| {
+            let curves = [
+                rope([0.0, 50.0], [90.0, 50.0]),
+                rope([90.0 + gap_px, 50.0], [220.0, 50.0]),
+            ];
+            assert_eq!(torn(&curves, 0), torn(&curves, 1));
+            torn(&curves, 0)
+        };
+        // Eight widths are 64 px.
+        assert!((at(16.0) - 0.75).abs() < 1e-3 && (at(32.0) - 0.5).abs() < 1e-3);
+        assert_eq!(at(70.0), 0.0);
+        let across = [
+            rope([0.0, 50.0], [90.0, 50.0]),
+            rope([106.0, 50.0], [106.0, 180.0]),
+        ];
+        assert_eq!(torn(&across, 0), 0.0);
+    }
+
+    #[test]
+    fn an_end_at_the_border_is_no_tip() {
+        let mut curves = [
+            rope([0.0, 50.0], [90.0, 50.0]),
+            rope([100.0, 50.0], [220.0, 50.0]),
+        ];
+        assert!(torn(&curves, 0) > 0.8);
+        curves[1].border[0] = true;
+        assert_eq!(torn(&curves, 0), 0.0);
+    }
+}
