@@ -232,7 +232,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Whether the picture shows the curve. A mask that has a rope where the picture has none is a guess, even where it is right.
+/// True if the picture shows the curve. A mask of something that the picture does not show is a guess, even if it is right.
 fn is_shown(evidence: &Evidence) -> bool {
     let named = |(name, _): &(&str, i8)| *name == "not shown by the picture";
     let faint = Evidence::MEANINGS.iter().position(named);

@@ -24,7 +24,7 @@ pub(super) fn cover(still: &Still) -> Vec<u8> {
         .collect()
 }
 
-/// With gaps, without an end, and with strands where there is no rope.
+/// A mask with gaps, with an end cut off, and with strands on bare ground.
 pub(super) fn damaged(mask: &[u8], still: &Still, random: &mut SplitMix64) -> Vec<u8> {
     let mut mask = mask.to_vec();
     let ropes = &still.truth.ropes;

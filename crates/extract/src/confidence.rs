@@ -193,7 +193,7 @@ pub(crate) fn evidence(
     clues[Clue::Border as usize] =
         0.5 * curve.border.iter().filter(|&&border| border).count() as f32;
     if let Some(likely) = known.likely {
-        // The network takes many a print and many an edge for a rope. What differs from a table may well be a flat or a taut one.
+        // The network takes many prints and edges for ropes. A flat or straight thing on a plain table may well be a rope.
         clues[Clue::Relief as usize] = relief;
         clues[Clue::Straight as usize] = share(is_straight(curve));
         let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
@@ -211,7 +211,7 @@ fn of(value: f32, half: f32) -> f32 {
     value / (value + half)
 }
 
-/// What the colours across and along the curve say. Returns how the light varies across it.
+/// Fills in the clues that the colours across and along the curve give. Returns the variation of light across it.
 fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     let mut at = [Place::default(); PLACES];
     let mut count = 0;

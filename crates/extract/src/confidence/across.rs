@@ -84,7 +84,7 @@ pub(super) struct Across {
     pub(super) beside: [[f32; 3]; 2],
     /// How far the inside is from each.
     pub(super) edges: [f32; 2],
-    /// How much the ground varies next to it.
+    /// The variation of the ground next to it.
     pub(super) texture: f32,
     yuv: bool,
 }

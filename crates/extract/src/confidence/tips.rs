@@ -1,4 +1,4 @@
-//! The surroundings of a curve's tips within the picture: a rope ends on the table, but a piece of a rope ends at a strand, before a
+//! The surroundings of a curve's tips within the picture: a rope ends on the table, but a mere piece ends at a strand, before a
 //! gap, or in the middle of what the network sees.
 
 use crate::image::gray::GrayPlane;
@@ -17,7 +17,7 @@ const BACK: f32 = 1.5;
 /// Distances beyond a tip, in widths, where its own blur has ended.
 const BEYOND: [f32; 3] = [1.5, 2.5, 3.5];
 
-/// A tip, and the direction in which the curve would go on.
+/// A tip, and the direction that points away from the curve there.
 #[derive(Clone, Copy)]
 struct Tip {
     at: Vec2,
@@ -58,7 +58,7 @@ pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
     0.5 * tips(curve).filter(is_met).count() as f32
 }
 
-/// Whether a place is within `near_px` of a strand's point that counts. `counts` is asked with the lengths from that point to the
+/// True if a place is within `near_px` of a strand's point that counts. `counts` is asked with the lengths from that point to the
 /// strand's two ends, in pixels.
 fn lies_at(at: Vec2, strand: &Curve, near_px: f32, counts: impl Fn(f32, f32) -> bool) -> bool {
     let step_px = strand.spacing_px().max(0.1);
