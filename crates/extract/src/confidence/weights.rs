@@ -1,4 +1,4 @@
-//! The weight of each clue, printed by `lariat-bench calibrate-confidence --seeds 24 --labelled DIR`. DIR is what
+//! The weight of each clue, fitted to the examples of `lariat-bench calibrate-confidence --seeds 24 --labelled DIR`. DIR is what
 //! `lariat-scenes --labelled DIR --seed 900000 --count 1400 --side 480` draws (`bench/training/`).
 
 use super::CLUES;

@@ -17,7 +17,7 @@ use crate::vec2::Vec2;
 const PURITY: f32 = 4.0;
 /// Added to the confidence, of which the root counts: colour ranges' masks have little of it at crossings.
 const LEAST_CONFIDENCE: f32 = 0.1;
-/// A point so many half-widths from the middle of a curve, or fewer, is on it.
+/// Greatest distance of a point from the middle of its curve, in half-widths.
 pub(super) const ON: f32 = 1.5;
 /// A mask of more of the picture is no rope's, nor one of fewer pixels.
 const MOST: f32 = 0.35;
