@@ -232,13 +232,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// True if the picture shows the curve. A mask of something that the picture does not show is a guess, even if it is right.
-fn is_shown(evidence: &Evidence) -> bool {
-    let named = |(name, _): &(&str, i8)| *name == "not shown by the picture";
-    let faint = Evidence::MEANINGS.iter().position(named);
-    faint.is_none_or(|faint| evidence.clues[faint] < 0.5)
-}
-
 /// Extracts from a picture on a ground, with every kind of mask.
 fn look(
     still: &Still,
@@ -264,7 +257,7 @@ fn look(
         let judged = curves.iter().zip(&evidence);
         examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| Example {
             evidence: *evidence,
-            is_right: right::is_right(&still.truth, curve) && is_shown(evidence),
+            is_right: right::is_right(&still.truth, curve) && evidence.is_shown(),
             is_fitted: seed / 4 % 2 == 0,
         }));
     }
@@ -290,7 +283,7 @@ fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
                     .zip(right)
                     .map(|(evidence, is_right)| Example {
                         evidence: *evidence,
-                        is_right: is_right && is_shown(evidence),
+                        is_right: is_right && evidence.is_shown(),
                         is_fitted: number / 4 % 2 == 0,
                     }),
             );

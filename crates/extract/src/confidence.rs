@@ -134,6 +134,11 @@ impl Evidence {
         ("seen by the network beyond its tips", -1),
     ];
 
+    /// True if the picture shows the curve. A mask of something that the picture does not show is a guess, even if it is right.
+    pub fn is_shown(&self) -> bool {
+        self.clues[Clue::Faint as usize] < 0.5
+    }
+
     /// The probability that a curve of this evidence is right.
     pub fn confidence(&self) -> f32 {
         let weights = match self.maker {

@@ -1,13 +1,14 @@
 //! One rope, or a few, through all of a piece of the mask.
 //!
-//! Crossings are judged one by one, and where several merge that goes wrong: a ring is cut off that is not there, strands are
-//! exchanged, a part of the mask belongs to no rope. A piece of the mask with two tips is one rope, mostly. Then the rope is a walk
-//! over the skeleton from the one tip to the other, which runs once along each edge that is one strand, and passes as often as it
-//! likes over edges where strands lie on or beside each other. Of more tips it is several ropes, one walk after the other, each from
-//! the first tip that is left to another or to where it ends on a strand. Of all walks the one is sought that bends least beyond what
-//! its strands bend already, leaves the mask least and leaves out least of it (of several ropes also where strands lie on each other
-//! and only one is told), by keeping the cheapest few at a time. It takes the place of what the crossings say, one by one, where that
-//! costs more as a walk: several ropes, or one that is wound up.
+//! Judging crossings one by one goes wrong where several merge: a ring is cut off that is not there, strands are exchanged, a part of
+//! the mask belongs to no rope. A piece of the mask with two tips is mostly one rope. That rope is a walk over the skeleton from one tip
+//! to the other. The walk takes each edge that is one strand once, and edges where strands lie on each other as often as it likes. A
+//! piece with more tips is several ropes, found one after the other: each begins at the first tip that is left, and ends at another tip
+//! or on a strand.
+//!
+//! The cheapest walk wins, by a beam search. A walk costs what it bends beyond the bends of its strands, what it runs outside of the mask,
+//! and what it leaves out of the mask. Several ropes also pay for overlaps where only one strand is told. The walk replaces what the
+//! crossings say if that costs more as a walk, and is several ropes or one that is wound up.
 
 mod piece;
 
