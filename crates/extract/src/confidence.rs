@@ -51,8 +51,8 @@ enum Clue {
     Thin,
     /// The sharpest bend.
     Bends,
-    /// 1 for a straight curve in a mask of the network.
-    Straight,
+    /// 1 for a straight curve across which the light does not vary: a print, an edge, a bar. A rope that is taut is round.
+    FlatBar,
     /// 1 for an arc of a circle of half a turn or more, as a rim is.
     Round,
     /// The share of places without any edge, of those beyond half: the picture does not show it.
@@ -117,7 +117,7 @@ impl Evidence {
         ("length in widths", 1),
         ("thinness", -1),
         ("bends", -1),
-        ("straight", -1),
+        ("straight and flat", -1),
         ("an arc of a circle", -1),
         ("not shown by the picture", -1),
         ("a stretch without edges", -1),
@@ -181,6 +181,7 @@ pub(crate) fn evidence(
     let mut clues = [0.0; CLUES];
     clues[Clue::Constant as usize] = 1.0;
     let relief = colors(image, curve, &mut clues);
+    clues[Clue::FlatBar as usize] = share(is_straight(curve)) * (1.0 - 2.0 * relief).max(0.0);
     clues[Clue::Uneven as usize] = unevenness(curve);
     let widths = curve.length_px / curve.width_px.max(1.0);
     clues[Clue::Length as usize] = libm::logf(widths.clamp(1.0, LONGEST)) / libm::logf(LONGEST);
@@ -200,7 +201,6 @@ pub(crate) fn evidence(
     if let Some(likely) = known.likely {
         // The network takes many prints and edges for ropes. A flat or straight thing on a plain table may well be a rope.
         clues[Clue::Relief as usize] = relief;
-        clues[Clue::Straight as usize] = share(is_straight(curve));
         let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
         clues[Clue::Seen as usize] = curve.points.iter().filter(is_seen).count() as f32 / points;
         clues[Clue::Beyond as usize] = tips::beyond(likely, curve) / 255.0;

@@ -7,6 +7,9 @@ use crate::vec2::{self, Vec2};
 
 /// Greatest distance of a tip from a strand's edge, in widths, to be at that strand.
 const AT: f32 = 1.0;
+/// Least cosine of the angle between a tip's direction and that of the nearest point of a strand it points at: 60 degrees. A rope
+/// that ends beside another one points past it.
+const POINTS: f32 = 0.5;
 /// The stretch before a tip, in widths, that is near it in any case.
 const OWN: f32 = 3.0;
 /// Greatest distance of two tips of a torn rope, in widths, and least cosine of the angle at which they point at each other.
@@ -41,40 +44,48 @@ fn tips(curve: &Curve) -> impl Iterator<Item = (usize, Tip)> {
     })
 }
 
-/// The share of a curve's two tips that lie at another strand, or at another place of its own.
+/// The share of a curve's two tips that point at the flank of another strand, or of another place of its own, or lie within it.
 pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
     let curve = &curves[number];
     let is_met = |&(end, tip): &(usize, Tip)| {
         let mut others = curves.iter().enumerate();
         others.any(|(other, strand)| {
-            let near_px = 0.5 * strand.width_px + AT * curve.width_px;
-            let own_px = (other == number).then_some(OWN * curve.width_px + near_px);
-            lies_at(tip.at, strand, near_px, |from_first, from_last| {
-                let from_tip_px = if end == 0 { from_first } else { from_last };
-                own_px.is_none_or(|own_px| from_tip_px > own_px)
+            let flank_px = 0.5 * strand.width_px;
+            let own_px = (other == number).then_some((OWN + AT) * curve.width_px + flank_px);
+            is_at_flank(tip, strand, flank_px, AT * curve.width_px, |from_ends_px| {
+                own_px.is_none_or(|own_px| from_ends_px[end] > own_px)
             })
         })
     };
     0.5 * tips(curve).filter(is_met).count() as f32
 }
 
-/// True if a place is within `near_px` of a strand's point that counts. `counts` is asked with the lengths from that point to the
-/// strand's two ends, in pixels.
-fn lies_at(at: Vec2, strand: &Curve, near_px: f32, counts: impl Fn(f32, f32) -> bool) -> bool {
+/// Whether a tip points at the flank of a strand that is at most `near_px` away, or lies within it. Only the strand's points count for
+/// which `counts` says so; it is given their lengths to the strand's two ends, in pixels.
+fn is_at_flank(
+    tip: Tip,
+    strand: &Curve,
+    flank_px: f32,
+    near_px: f32,
+    counts: impl Fn([f32; 2]) -> bool,
+) -> bool {
     let step_px = strand.spacing_px().max(0.1);
     let last = strand.points.len().saturating_sub(1);
+    let (mut nearest, mut nearest_px) = (None, flank_px + near_px);
     let mut i = 0;
     while let Some(&point) = strand.points.get(i) {
-        let off_px = vec2::distance(at, point);
-        if off_px <= near_px + 0.5 * step_px
-            && counts(i as f32 * step_px, (last - i) as f32 * step_px)
-        {
-            return true;
+        let off_px = vec2::distance(tip.at, point);
+        if off_px <= nearest_px && counts([i, last - i].map(|steps| steps as f32 * step_px)) {
+            (nearest, nearest_px) = (Some(i), off_px);
         }
-        // A point within reach is at least this many steps away.
-        i += (((off_px - near_px) / step_px) as usize).max(1);
+        // A point nearer than the nearest is at least this many steps away.
+        i += (((off_px - nearest_px) / step_px) as usize).max(1);
     }
-    false
+    nearest.is_some_and(|i| {
+        let is_end = !strand.closed && (i == 0 || i == last);
+        let ahead_px = vec2::dot(tip.out, vec2::sub(strand.points[i], tip.at));
+        !is_end && (nearest_px <= flank_px || ahead_px >= POINTS * nearest_px)
+    })
 }
 
 /// How plainly one of a curve's tips continues at another tip beyond a gap: 1 without a gap, 0 from [`TORN`] widths on.
@@ -128,6 +139,19 @@ mod tests {
             let curves = [strand.clone(), upright(to)];
             assert_eq!(met(&curves, 1), expected, "to {to}");
             assert_eq!(met(&curves, 0), 0.0);
+        }
+    }
+
+    #[test]
+    fn ropes_that_end_beside_others_are_not_met() {
+        let strand = rope([0.0, 50.0], [200.0, 50.0]);
+        for beside in [
+            rope([30.0, 60.0], [170.0, 60.0]),
+            rope([0.0, 60.0], [200.0, 60.0]),
+            rope([208.0, 50.0], [400.0, 50.0]),
+        ] {
+            let curves = [strand.clone(), beside];
+            assert_eq!([met(&curves, 0), met(&curves, 1)], [0.0; 2]);
         }
     }
 

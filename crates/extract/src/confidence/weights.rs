@@ -6,51 +6,51 @@ use super::CLUES;
 /// For masks that the extractor makes of the table.
 #[rustfmt::skip]
 pub(super) const OWN: [f32; CLUES] = [
-    -3.288, // constant
-    -4.047, // unevenness of the width
-    -2.395, // unlikeness of colour along the curve
-    -4.038, // unlikeness of the two sides
-    8.631, // length in widths
-    -4.320, // thinness
-    0.000, // bends
-    0.000, // straight
-    -4.402, // an arc of a circle
-    -2.507, // not shown by the picture
-    -4.764, // a stretch without edges
+    -2.194, // constant
+    -5.333, // unevenness of the width
+    -4.464, // unlikeness of colour along the curve
+    -5.211, // unlikeness of the two sides
+    8.263, // length in widths
+    -5.067, // thinness
+    -0.856, // bends
+    -8.310, // straight and flat
+    -5.053, // an arc of a circle
+    -4.035, // not shown by the picture
+    -5.059, // a stretch without edges
     0.000, // light and shade across it
-    -2.359, // ends that go on
-    -3.105, // tips at a strand
-    -1.926, // tips that continue beyond a gap
-    -0.543, // ends at the border
-    -1.997, // crossings
-    -1.760, // left out of the mask
-    -1.888, // seen in part
-    -3.752, // its own doubt
+    -3.117, // ends that go on
+    -3.865, // tips at a strand
+    -2.747, // tips that continue beyond a gap
+    -0.689, // ends at the border
+    -1.951, // crossings
+    -2.108, // left out of the mask
+    -0.596, // seen in part
+    -2.816, // its own doubt
     0.000, // surely seen by the network
     0.000, // seen by the network beyond its tips
 ];
 /// For masks of colour ranges.
 #[rustfmt::skip]
 pub(super) const COLOR: [f32; CLUES] = [
-    -4.694, // constant
-    -2.986, // unevenness of the width
-    -5.067, // unlikeness of colour along the curve
-    -2.368, // unlikeness of the two sides
-    9.556, // length in widths
-    -5.409, // thinness
-    -3.123, // bends
-    0.000, // straight
-    -1.844, // an arc of a circle
-    -1.334, // not shown by the picture
-    0.000, // a stretch without edges
+    -3.640, // constant
+    -4.955, // unevenness of the width
+    -6.410, // unlikeness of colour along the curve
+    -2.993, // unlikeness of the two sides
+    9.160, // length in widths
+    -5.593, // thinness
+    -4.959, // bends
+    -6.317, // straight and flat
+    -2.053, // an arc of a circle
+    -0.755, // not shown by the picture
+    -0.950, // a stretch without edges
     0.000, // light and shade across it
-    -3.324, // ends that go on
-    -2.699, // tips at a strand
-    -3.827, // tips that continue beyond a gap
-    1.125, // ends at the border
-    -1.800, // crossings
-    -1.209, // left out of the mask
-    -0.865, // seen in part
+    -3.372, // ends that go on
+    -3.755, // tips at a strand
+    -3.935, // tips that continue beyond a gap
+    1.298, // ends at the border
+    -1.964, // crossings
+    -0.773, // left out of the mask
+    -0.991, // seen in part
     0.000, // its own doubt
     0.000, // surely seen by the network
     0.000, // seen by the network beyond its tips
@@ -58,51 +58,51 @@ pub(super) const COLOR: [f32; CLUES] = [
 /// For masks of the network.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -4.448, // constant
-    -3.337, // unevenness of the width
-    -4.491, // unlikeness of colour along the curve
-    -0.200, // unlikeness of the two sides
-    4.246, // length in widths
-    -4.690, // thinness
-    -5.014, // bends
-    -0.858, // straight
-    -5.463, // an arc of a circle
-    -4.318, // not shown by the picture
-    -1.274, // a stretch without edges
-    3.500, // light and shade across it
-    -2.249, // ends that go on
-    -1.916, // tips at a strand
-    -5.603, // tips that continue beyond a gap
-    -0.165, // ends at the border
-    -0.981, // crossings
-    -0.599, // left out of the mask
-    -1.367, // seen in part
-    -0.982, // its own doubt
-    2.575, // surely seen by the network
-    -1.584, // seen by the network beyond its tips
+    -3.888, // constant
+    -3.297, // unevenness of the width
+    -3.764, // unlikeness of colour along the curve
+    -0.519, // unlikeness of the two sides
+    4.561, // length in widths
+    -4.767, // thinness
+    -4.656, // bends
+    -4.375, // straight and flat
+    -5.338, // an arc of a circle
+    -4.226, // not shown by the picture
+    -1.360, // a stretch without edges
+    2.148, // light and shade across it
+    -2.431, // ends that go on
+    -1.401, // tips at a strand
+    -5.391, // tips that continue beyond a gap
+    -0.262, // ends at the border
+    -1.258, // crossings
+    -0.630, // left out of the mask
+    -1.348, // seen in part
+    -1.250, // its own doubt
+    2.681, // surely seen by the network
+    -2.333, // seen by the network beyond its tips
 ];
 /// For masks that are given.
 #[rustfmt::skip]
 pub(super) const ELSEWHERE: [f32; CLUES] = [
-    1.230, // constant
-    -3.232, // unevenness of the width
-    -4.984, // unlikeness of colour along the curve
-    -0.463, // unlikeness of the two sides
-    2.862, // length in widths
-    -1.063, // thinness
-    -5.841, // bends
-    0.000, // straight
-    -1.257, // an arc of a circle
-    -6.898, // not shown by the picture
-    -1.716, // a stretch without edges
+    1.093, // constant
+    -2.977, // unevenness of the width
+    -4.738, // unlikeness of colour along the curve
+    -1.056, // unlikeness of the two sides
+    2.820, // length in widths
+    -1.192, // thinness
+    -5.595, // bends
+    0.000, // straight and flat
+    -1.146, // an arc of a circle
+    -6.874, // not shown by the picture
+    -1.892, // a stretch without edges
     0.000, // light and shade across it
-    -3.915, // ends that go on
-    -2.122, // tips at a strand
-    -6.138, // tips that continue beyond a gap
-    0.584, // ends at the border
-    -1.574, // crossings
-    -1.259, // left out of the mask
-    -1.656, // seen in part
+    -4.104, // ends that go on
+    -2.792, // tips at a strand
+    -6.257, // tips that continue beyond a gap
+    0.897, // ends at the border
+    -1.541, // crossings
+    -1.411, // left out of the mask
+    -1.644, // seen in part
     0.000, // its own doubt
     0.000, // surely seen by the network
     0.000, // seen by the network beyond its tips

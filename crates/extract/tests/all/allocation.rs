@@ -133,7 +133,7 @@ fn no_frame_of_a_clustering_allocates_after_preparation() {
 fn no_frame_without_a_clear_rope_allocates_after_preparation() {
     let mut frames = Vec::new();
     for contrast in [0.0, 5.0, 8.0] {
-        let mut table = Table::new(320, 240, [190.0; 3]);
+        let mut table = Table::new(320, 240, [190.0; 3]).flat();
         table.noise = 1.5;
         let rope = Rope::along(9.0, [190.0 - contrast; 3], |t| {
             [20.0 + 280.0 * t, 120.0 + 60.0 * (6.0 * t).sin()]

@@ -16,7 +16,7 @@ fn notice_of(rgb: &[u8]) -> Option<Notice> {
 
 /// A table of one color with noise, whose light is changed by so many levels at each pixel.
 fn shaded(noise: f32, ropes: &[Rope], levels: impl Fn(f32, f32) -> f32) -> Vec<u8> {
-    let mut table = Table::new(WIDTH, HEIGHT, [200.0, 195.0, 185.0]);
+    let mut table = Table::new(WIDTH, HEIGHT, [200.0, 195.0, 185.0]).flat();
     table.noise = noise;
     let mut rgb = table.draw(ropes);
     for (i, pixel) in rgb.chunks_exact_mut(3).enumerate() {

@@ -24,7 +24,7 @@ pub(crate) fn table(color: [f32; 3]) -> Table {
     Table {
         noise: 2.0,
         gradient: 0.2,
-        ..Table::new(SIZE.0, SIZE.1, color)
+        ..Table::new(SIZE.0, SIZE.1, color).flat()
     }
 }
 
@@ -39,7 +39,7 @@ pub(crate) fn truth(ropes: &[Rope]) -> Vec<bool> {
         ..rope.clone()
     };
     let ropes: Vec<Rope> = ropes.iter().map(white).collect();
-    let drawn = Table::new(SIZE.0, SIZE.1, [0.0; 3]).draw(&ropes);
+    let drawn = Table::new(SIZE.0, SIZE.1, [0.0; 3]).flat().draw(&ropes);
     drawn.chunks_exact(3).map(|pixel| pixel[0] > 127).collect()
 }
 

@@ -101,7 +101,7 @@ fn bent(width_px: f32, leg_px: f32) -> [Rope; 2] {
 fn a_rope_that_points_at_the_camera_behind_a_bend_is_measured_where_it_is_wide() {
     for (width_px, leg_px) in [(3.0, 5.0), (6.0, 10.0), (9.0, 15.0)] {
         let what = format!("{width_px} px, then {leg_px}");
-        let table = Table::new(320, 240, BLACK);
+        let table = Table::new(320, 240, BLACK).flat();
         let ropes = bent(width_px, leg_px);
         let rgb = table.draw(&ropes);
         let mut extractor = extractor();
@@ -166,7 +166,7 @@ fn ropes_of_every_width_and_color_come_out_where_they_are() {
     ];
     for (i, width_px) in [4.0, 6.0, 9.0, 13.0, 20.0].into_iter().enumerate() {
         for (rope_color, table_color) in looks {
-            let mut table = Table::new(320, 240, table_color);
+            let mut table = Table::new(320, 240, table_color).flat();
             table.gradient = random.uniform_f32(-0.4, 0.4);
             table.noise = random.uniform_f32(0.0, 4.0);
             table.seed = random.next_u64();
@@ -213,7 +213,7 @@ fn points_stand_at_equal_steps() {
 #[test]
 fn a_hose_under_thin_cables_is_one_rope() {
     for width_px in [14.0, 18.0, 20.0] {
-        let table = Table::new(320, 240, WHITE);
+        let table = Table::new(320, 240, WHITE).flat();
         let hose = Rope::along(width_px, BLACK, |t| {
             let turn = std::f32::consts::PI * t;
             [160.0 - 110.0 * turn.cos(), 190.0 - 130.0 * turn.sin()]
@@ -427,7 +427,7 @@ fn every_pixel_format_gives_the_same_rope() {
 fn behind_a_mosaic_a_rope_lies_where_it_lies_in_full_colour() {
     let (width, height) = (320, 240);
     for (k, color) in [BLUE, RED, BLACK].into_iter().enumerate() {
-        let mut table = Table::new(width, height, WHITE);
+        let mut table = Table::new(width, height, WHITE).flat();
         (table.noise, table.seed) = (1.5, k as u64);
         let rope = Rope::along(9.0, color, wave(0.9));
         let rgb = table.draw(std::slice::from_ref(&rope));

@@ -62,6 +62,8 @@ pub(crate) struct Table {
     pub gradient: f32,
     /// Standard deviation of the noise, in levels.
     pub noise: f32,
+    /// How much less light falls on a rope's sides than on its middle: 0 for a strip of one colour.
+    pub round: f32,
     pub seed: u64,
 }
 
@@ -73,8 +75,14 @@ impl Table {
             color,
             gradient: 0.0,
             noise: 0.0,
+            round: 0.35,
             seed: 1,
         }
+    }
+
+    /// The same with ropes that are strips of one colour, where a test needs their exact colours or edges.
+    pub(crate) fn flat(self) -> Self {
+        Self { round: 0.0, ..self }
     }
 
     /// The picture as RGB bytes.
@@ -82,10 +90,12 @@ impl Table {
         let (w, h) = (self.width, self.height);
         let mut picture = vec![self.color; w * h];
         for rope in ropes {
-            let cover = cover(rope, w, h);
-            for (pixel, share) in picture.iter_mut().zip(cover) {
+            let half_px = 0.5 * rope.width_px;
+            for (pixel, (share, off_px)) in picture.iter_mut().zip(cover(rope, w, h)) {
+                let off = (off_px / half_px).min(1.0);
+                let light = 1.0 + self.round * (1.0 / 3.0 - off * off);
                 for (p, c) in pixel.iter_mut().zip(rope.color) {
-                    *p += share * (c - *p);
+                    *p += share * (light * c - *p);
                 }
             }
         }
@@ -107,10 +117,11 @@ impl Table {
     }
 }
 
-/// How much of each pixel the rope covers, 0 to 1.
-fn cover(rope: &Rope, width: usize, height: usize) -> Vec<f32> {
+/// How much of each pixel the rope covers, 0 to 1, and how far the pixel lies from the rope's middle.
+fn cover(rope: &Rope, width: usize, height: usize) -> impl Iterator<Item = (f32, f32)> {
     let half = rope.width_px / 2.0;
     let mut cover = vec![0.0f32; width * height];
+    let mut off = vec![f32::INFINITY; width * height];
     for pair in rope.points.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -131,9 +142,11 @@ fn cover(rope: &Rope, width: usize, height: usize) -> Vec<f32> {
                 let beyond = (-ahead).max(ahead - length);
                 // Pieces overlap like beads; the tips are cut straight below.
                 let out = beyond.max(0.0);
-                let share = (half - (aside * aside + out * out).sqrt() + 0.5).clamp(0.0, 1.0);
-                let cell = &mut cover[y * width + x];
-                *cell = cell.max(share);
+                let off_px = (aside * aside + out * out).sqrt();
+                let share = (half - off_px + 0.5).clamp(0.0, 1.0);
+                let i = y * width + x;
+                cover[i] = cover[i].max(share);
+                off[i] = off[i].min(off_px);
             }
         }
     }
@@ -142,7 +155,7 @@ fn cover(rope: &Rope, width: usize, height: usize) -> Vec<f32> {
         cut_end(points.iter(), half, &mut cover, width, height);
         cut_end(points.iter().rev(), half, &mut cover, width, height);
     }
-    cover
+    cover.into_iter().zip(off)
 }
 
 /// Takes away what the beads near the first of `points` cover beyond it.
