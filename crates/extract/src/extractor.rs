@@ -43,6 +43,7 @@ use lariat_network::Network;
 use meant::Meant;
 use readings::Reading;
 use seek::Answer;
+pub(crate) use seek::SURER;
 use std::sync::Arc;
 use still::{Comparison, Still};
 

@@ -11,8 +11,9 @@ use crate::scene::Curve;
 const IN_VAIN: u32 = 15;
 /// And so many in which it is taken at its word, of those that are extracted whole.
 const TAKEN: u32 = 30;
-/// By how much the network's ropes must be surer than those of a table that seems plain, to be taken instead.
-const SURER: f32 = 0.2;
+/// By how much surer the ropes in one mask must be than those in another, to be taken instead: the network's than those of a table that
+/// seems plain, and those of the automatic mask than those of picked colours.
+pub(crate) const SURER: f32 = 0.2;
 
 /// What the network last said, as far as it goes for images to come.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,6 +5,7 @@ use std::fmt;
 use super::choose::ON;
 use super::seen::{Seen, see, see_in};
 use super::snapped;
+use crate::extractor::SURER;
 use crate::image::Image;
 use crate::mask::mask_of;
 use crate::options::{HsvRange, Mask};
@@ -23,10 +24,6 @@ const MOST_PIECES: usize = 5;
 const MOST_ROPES: usize = 8;
 /// A mask of a smaller share of the picture is a highlight or a print on the rope, not the rope.
 const LEAST_COVERED: f32 = 0.0015;
-
-/// Least difference in confidence by which the automatic mask is better than the picked colours: as in extraction, where the
-/// network's ropes are compared with the table's.
-const SURER: f32 = 0.2;
 
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
