@@ -6,51 +6,51 @@ use super::CLUES;
 /// For masks that the extractor makes of the table.
 #[rustfmt::skip]
 pub(super) const OWN: [f32; CLUES] = [
-    -2.194, // constant
-    -5.333, // unevenness of the width
+    -2.313, // constant
+    -5.302, // unevenness of the width
     -4.464, // unlikeness of colour along the curve
-    -5.211, // unlikeness of the two sides
-    8.263, // length in widths
-    -5.067, // thinness
-    -0.856, // bends
-    -8.310, // straight and flat
-    -5.053, // an arc of a circle
-    -4.035, // not shown by the picture
-    -5.059, // a stretch without edges
+    -5.297, // unlikeness of the two sides
+    8.407, // length in widths
+    -5.111, // thinness
+    -0.817, // bends
+    -8.332, // straight and flat
+    -5.071, // an arc of a circle
+    -4.037, // not shown by the picture
+    -5.101, // a stretch without edges
     0.000, // light and shade across it
-    -3.117, // ends that go on
-    -3.865, // tips at a strand
-    -2.747, // tips that continue beyond a gap
-    -0.689, // ends at the border
-    -1.951, // crossings
-    -2.108, // left out of the mask
-    -0.596, // seen in part
-    -2.816, // its own doubt
+    -3.071, // ends that go on
+    -3.880, // tips at a strand
+    -2.758, // tips that continue beyond a gap
+    -0.706, // ends at the border
+    -1.875, // crossings
+    -2.079, // left out of the mask
+    -0.622, // seen in part
+    -2.741, // its own doubt
     0.000, // surely seen by the network
     0.000, // seen by the network beyond its tips
 ];
 /// For masks of colour ranges.
 #[rustfmt::skip]
 pub(super) const COLOR: [f32; CLUES] = [
-    -3.640, // constant
-    -4.955, // unevenness of the width
-    -6.410, // unlikeness of colour along the curve
-    -2.993, // unlikeness of the two sides
-    9.160, // length in widths
-    -5.593, // thinness
-    -4.959, // bends
-    -6.317, // straight and flat
-    -2.053, // an arc of a circle
-    -0.755, // not shown by the picture
-    -0.950, // a stretch without edges
+    -3.602, // constant
+    -4.947, // unevenness of the width
+    -4.939, // unlikeness of colour along the curve
+    -3.538, // unlikeness of the two sides
+    9.411, // length in widths
+    -5.475, // thinness
+    -4.736, // bends
+    -8.427, // straight and flat
+    -2.183, // an arc of a circle
+    -0.757, // not shown by the picture
+    -4.281, // a stretch without edges
     0.000, // light and shade across it
-    -3.372, // ends that go on
-    -3.755, // tips at a strand
-    -3.935, // tips that continue beyond a gap
-    1.298, // ends at the border
-    -1.964, // crossings
-    -0.773, // left out of the mask
-    -0.991, // seen in part
+    -3.717, // ends that go on
+    -3.519, // tips at a strand
+    -4.057, // tips that continue beyond a gap
+    1.178, // ends at the border
+    -2.572, // crossings
+    -0.673, // left out of the mask
+    -0.913, // seen in part
     0.000, // its own doubt
     0.000, // surely seen by the network
     0.000, // seen by the network beyond its tips
@@ -58,28 +58,28 @@ pub(super) const COLOR: [f32; CLUES] = [
 /// For masks of the network.
 #[rustfmt::skip]
 pub(super) const NETWORK: [f32; CLUES] = [
-    -3.888, // constant
-    -3.297, // unevenness of the width
-    -3.764, // unlikeness of colour along the curve
-    -0.519, // unlikeness of the two sides
-    4.561, // length in widths
-    -4.767, // thinness
-    -4.656, // bends
-    -4.375, // straight and flat
-    -5.338, // an arc of a circle
-    -4.226, // not shown by the picture
-    -1.360, // a stretch without edges
-    2.148, // light and shade across it
-    -2.431, // ends that go on
-    -1.401, // tips at a strand
-    -5.391, // tips that continue beyond a gap
-    -0.262, // ends at the border
-    -1.258, // crossings
-    -0.630, // left out of the mask
-    -1.348, // seen in part
-    -1.250, // its own doubt
-    2.681, // surely seen by the network
-    -2.333, // seen by the network beyond its tips
+    -3.893, // constant
+    -3.302, // unevenness of the width
+    -3.770, // unlikeness of colour along the curve
+    -0.511, // unlikeness of the two sides
+    4.565, // length in widths
+    -4.777, // thinness
+    -4.618, // bends
+    -4.360, // straight and flat
+    -5.336, // an arc of a circle
+    -4.227, // not shown by the picture
+    -1.358, // a stretch without edges
+    2.161, // light and shade across it
+    -2.422, // ends that go on
+    -1.406, // tips at a strand
+    -5.388, // tips that continue beyond a gap
+    -0.266, // ends at the border
+    -1.269, // crossings
+    -0.637, // left out of the mask
+    -1.345, // seen in part
+    -1.247, // its own doubt
+    2.675, // surely seen by the network
+    -2.345, // seen by the network beyond its tips
 ];
 /// For masks that are given.
 #[rustfmt::skip]
