@@ -124,7 +124,7 @@ impl Extractor {
         }
     }
 
-    /// Whether the automatic mask of what seems a plain table has given a rope that is not sure, and no rope is known yet, or the network
+    /// Whether the automatic mask of what seems a plain table has given a rope that is not sure, or may be none, and no rope is known yet, or the network
     /// knew better the last time. Clusterings are compared on one mask.
     fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
@@ -137,10 +137,12 @@ impl Extractor {
         self.weigh(image);
         // One that is bridged is unsure for what covers it, of which the network knows no more.
         let is_bridged = |curve: &Curve| curve.hidden.contains(&true);
-        let is_weak = |curve: &Curve| {
-            curve.confidence < SURE && curve.width_px >= THINNEST_PX && !is_bridged(curve)
+        let is_weak = |(curve, doubt): (&Curve, &Option<Notice>)| {
+            let is_unsure = curve.confidence < SURE || doubt.is_some();
+            is_unsure && curve.width_px >= THINNEST_PX && !is_bridged(curve)
         };
-        self.curves[..self.count].iter().any(is_weak)
+        let mut weighed = self.curves[..self.count].iter().zip(&self.doubts);
+        weighed.any(is_weak)
     }
 
     /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again. Where it is sure of as
