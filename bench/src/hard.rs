@@ -13,17 +13,14 @@ use std::time::Instant;
 use crate::Samples;
 use anyhow::{Result, bail};
 use lariat_drawn::scenes::{self, Class, Still};
-use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene, Status};
+use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Scene};
 
 use crate::mask::Mask;
 use crate::reliability::Reliability;
 use crate::right;
 
 const SIZE: [usize; 2] = [640, 480];
-/// Below this confidence a curve is no claim.
-const SURE: f32 = 0.5;
-
-/// Above this one, a curve that is wrong is worse than none.
+/// Above this confidence a curve that is wrong is worse than none.
 const TOO_SURE: f32 = 0.9;
 
 /// Which pictures are drawn.
@@ -125,8 +122,9 @@ struct Judged {
 impl Judged {
     fn of(still: &Still, scene: &Scene) -> Self {
         let is_right = right::is_all_right(&still.truth, scene.curves);
-        let is_said = scene.notice.is_some() || !scene.curves.iter().all(is_claimed);
-        let false_rope = |curve: &Curve| is_claimed(curve) && right::is_false(&still.truth, curve);
+        let is_said = scene.notice.is_some() || !scene.curves.iter().all(right::is_claimed);
+        let false_rope =
+            |curve: &Curve| right::is_claimed(curve) && right::is_false(&still.truth, curve);
         let too_sure =
             |curve: &Curve| curve.confidence > TOO_SURE && !right::is_right(&still.truth, curve);
         Self {
@@ -154,11 +152,6 @@ fn said(still: &Still, scene: &Scene) -> String {
         .notice
         .map_or("silent".to_owned(), |n| format!("{n:?}"));
     format!("{ropes} ropes, curves [{}], {notice}", curves.join(" "))
-}
-
-/// Whether a curve is said to be a rope.
-fn is_claimed(curve: &Curve) -> bool {
-    curve.confidence >= SURE && curve.status != Status::Doubtful
 }
 
 /// Some pictures together.

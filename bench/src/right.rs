@@ -1,7 +1,8 @@
 //! Whether a curve is a rope, whole and in order, and whether a picture's curves are its ropes.
 
 use lariat_drawn::scenes::{SeenCurve, TrueRope, Truth, score};
-use lariat_extract::Curve;
+use lariat_extract::{Curve, Status};
+use lariat_wire::MIN_CONFIDENCE;
 
 /// The share of a rope that is covered, and of a curve that lies on it.
 pub(super) const WHOLE: f64 = 0.93;
@@ -90,4 +91,9 @@ fn is_in_order(rope: &TrueRope, curve: &Curve) -> bool {
     let off_px = score(&truth, &[seen], &[]).correspondences_px;
     let most_px = (1.0 - WHOLE) * rope.length_px + 2.0 * rope.width_px;
     off_px.iter().all(|off| *off <= most_px)
+}
+
+/// Whether a curve is said to be a rope: readers are given it, and it is not thought to be something else.
+pub(super) fn is_claimed(curve: &Curve) -> bool {
+    curve.confidence >= MIN_CONFIDENCE && curve.status != Status::Doubtful
 }

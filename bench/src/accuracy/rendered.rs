@@ -9,9 +9,10 @@ mod table;
 use std::path::Path;
 
 use super::curve::{self, Curves};
+use crate::right;
 use anyhow::{Context, Result, bail};
 use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
-use lariat_extract::{Curve, Extractor, Image, Method, Options, PixelFormat, Scene, Status};
+use lariat_extract::{Extractor, Image, Method, Options, PixelFormat, Scene};
 
 /// Which pictures are drawn.
 #[derive(clap::Args)]
@@ -93,7 +94,11 @@ pub(crate) fn run(
                 seed,
                 width_px: still.truth.ropes[0].width_px,
                 score: held_against(&still, &scene),
-                doubtful: scene.curves.iter().filter(|curve| !is_sure(curve)).count(),
+                doubtful: scene
+                    .curves
+                    .iter()
+                    .filter(|curve| !right::is_claimed(curve))
+                    .count(),
             });
         }
         println!("{}", table::row(class, &measured[first..]))?;
@@ -106,10 +111,6 @@ pub(crate) fn run(
         super::whole_file::write(path, table::csv(&measured).as_bytes())?;
     }
     Ok(())
-}
-
-fn is_sure(curve: &Curve) -> bool {
-    curve.status != Status::Doubtful
 }
 
 fn image(still: &Still) -> Result<Image<'_>> {
@@ -126,7 +127,7 @@ fn image(still: &Still) -> Result<Image<'_>> {
 
 fn held_against(still: &Still, scene: &Scene) -> Score {
     let sure: Vec<usize> = (0..scene.curves.len())
-        .filter(|&k| is_sure(&scene.curves[k]))
+        .filter(|&k| right::is_claimed(&scene.curves[k]))
         .collect();
     let number = |k: usize| sure.iter().position(|&other| other == k);
     let curves: Vec<SeenCurve> = sure
