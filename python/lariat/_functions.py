@@ -49,7 +49,8 @@ def trace(
             a part of a larger picture do; only an array whose pixels are not side by side is copied.
         mask: What is rope. ``"auto"`` takes what differs from the table; ``"network"`` asks a small neural network, for ropes on
             any ground; a colour range or several, as :func:`pick` proposes them; or a picture of the same size, ``bool``, or
-            ``uint8``, the higher the likelier rope.
+            ``uint8``, the higher the likelier rope. Numbers of instances, and ropes darker than the rest, are understood, with a
+            warning.
         network: A file of weights trained on pictures of your own, for ``mask="network"``.
         method: How the mask becomes a centerline.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.

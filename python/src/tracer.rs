@@ -4,7 +4,7 @@ use crate::errors::value_error;
 use crate::pixels::Pixels;
 use crate::scene::{Kept, Scene};
 use lariat_extract::{
-    Extractor, HsvRange, Mask, MaskError, Method, Network, Options, PickError, Region,
+    Extractor, HsvRange, Mask, MaskError, Method, Network, Options, PickError, Region, mask_levels,
 };
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyUserWarning};
 use pyo3::prelude::*;
@@ -42,6 +42,8 @@ impl From<Problem> for PyErr {
 pub(crate) struct Tracer {
     extractor: Mutex<Extractor>,
     region: Option<Region>,
+    /// Whether a mask's level is to be chosen, so that its bytes may mean something else.
+    chooses_level: bool,
 }
 
 #[pymethods]
@@ -71,6 +73,7 @@ impl Tracer {
         // The extractor sees the region alone.
         let [left, top] = region.map_or([0.0; 2], |region| [region.x as f32, region.y as f32]);
         let in_region = |[x, y]: [f32; 2]| [x - left, y - top];
+        let chooses_level = mask_level.is_none();
         let options = Options {
             mask: mask.map_or(Ok(Mask::Auto), mask_of)?,
             mask_level,
@@ -95,6 +98,7 @@ impl Tracer {
         Ok(Self {
             extractor: Mutex::new(extractor),
             region,
+            chooses_level,
         })
     }
 
@@ -130,6 +134,17 @@ impl Tracer {
                     [region.x as f32, region.y as f32],
                 )
             }
+        };
+        let read = match &mask {
+            Some(mask) if self.chooses_level => mask_levels(mask).map_err(Problem::Mask)?,
+            _ => None,
+        };
+        if let Some(notice) = read.as_ref().and_then(|read| read.notice.as_ref()) {
+            warn(py, notice)?;
+        }
+        let mask = match &read {
+            Some(read) => Some(read.image().map_err(value_error)?),
+            None => mask,
         };
         let size = (whole.width(), whole.height());
         let kept = py.detach(move || -> Result<Kept, Problem> {
@@ -274,8 +289,7 @@ pub(crate) fn pick<'py>(
         })
         .map_err(value_error)?;
     if let Some(doubt) = doubt {
-        let category = py.get_type::<PyUserWarning>();
-        PyErr::warn(py, &category, &CString::new(doubt.to_string())?, 1)?;
+        warn(py, &doubt.to_string())?;
     }
     let ranges = picked.ranges.iter().map(|range| {
         let dict = PyDict::new(py);
@@ -285,4 +299,10 @@ pub(crate) fn pick<'py>(
         Ok(dict)
     });
     Ok((ranges.collect::<PyResult<_>>()?, picked.agreement))
+}
+
+/// Says something as a Python warning, of the line that called.
+fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    PyErr::warn(py, &category, &CString::new(text)?, 1)
 }

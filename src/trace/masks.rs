@@ -4,8 +4,7 @@ mod scale;
 
 use anyhow::{Context, Result, bail};
 use lariat_capture::{MaskPicture, natural_order};
-use lariat_chain::pipeline::mask_levels;
-use lariat_extract::{Image, PixelFormat};
+use lariat_extract::{Image, PixelFormat, mask_levels};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 

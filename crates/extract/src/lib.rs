@@ -216,7 +216,7 @@ pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat, Region};
 pub use knot::{CrossingSequence, Pass};
 pub use lariat_network::{Network, NetworkError};
-pub use mask::{MaskError, mask_of};
+pub use mask::{MaskError, MaskLevels, mask_levels, mask_of};
 pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
 pub use pick::{PickDoubt, PickError, PickJudgement, Picked, judge_pick, pick};

@@ -11,6 +11,7 @@ pub(crate) mod hsv;
 mod hysteresis;
 mod level;
 mod masker;
+mod meaning;
 mod neural;
 mod outline;
 mod pattern;
@@ -24,3 +25,4 @@ mod widths;
 
 pub(crate) use masker::Masker;
 pub use masker::{MaskError, mask_of};
+pub use meaning::{MaskLevels, mask_levels};

@@ -5,14 +5,14 @@ use crate::doubts::Doubts;
 use crate::settings::{self, Settings};
 use anyhow::{Context, Result};
 use lariat_extract::{
-    Curve, Extractor, Image, Network, Notice, PixelFormat, Region, Scene, Status, Step,
+    Curve, Extractor, Image, Network, Notice, PixelFormat, Region, Scene, Status, Step, mask_levels,
 };
 use lariat_wire::{Centerlines, Crossing, FrameHeader, MAX_CROSSINGS, MAX_CURVES, MAX_POINTS};
 
 use std::path::Path;
 use std::sync::Arc;
 
-use super::{Warned, mask_levels};
+use super::Warned;
 
 /// A frame, or its mask, wherever it lies: in shared memory or in a recording.
 #[derive(Debug, Clone, Copy)]
@@ -445,4 +445,38 @@ fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
         count += 1;
     }
     message.crossing_count = count;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lariat_extract::Mask;
+
+    #[test]
+    fn a_process_that_writes_numbers_has_its_rope_seen() {
+        let (width, height) = (320, 240);
+        let header = FrameHeader {
+            width,
+            height,
+            stride: width,
+            pixel_format: lariat_wire::PixelFormat::Gray8 as u32,
+            ..FrameHeader::default()
+        };
+        let picture = vec![210; (width * height) as usize];
+        let settings = settings::Extract {
+            mask: Mask::External,
+            ..settings::Extract::default()
+        };
+        for (label, ropes) in [(0, 0), (1, 1), (7, 1), (255, 1)] {
+            let mut mask = vec![0; picture.len()];
+            for row in mask.chunks_exact_mut(width as usize).skip(100).take(12) {
+                row[40..280].fill(label);
+            }
+            let mut extractor = FrameExtractor::new(&settings).unwrap();
+            let mut message = Box::new(Centerlines::EMPTY);
+            let [frame, mask] = [&picture, &mask].map(|bytes| FrameView::new(&header, bytes));
+            extractor.answer(frame, Some(mask), &mut message);
+            assert_eq!(message.count, ropes, "{label}");
+        }
+    }
 }

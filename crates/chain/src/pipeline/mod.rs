@@ -3,12 +3,10 @@
 
 mod extraction;
 mod fitting;
-mod mask_levels;
 mod schedule;
 
 pub use extraction::{FrameExtractor, FrameView, Part, Past, pixel_format};
 pub use fitting::{Companion, CurveFitter, SpaceFitter};
-pub use mask_levels::{MaskLevels, mask_levels};
 pub use schedule::{Schedule, frame_header};
 
 /// Says a thing the first time only: a fault of every frame would fill the screen.

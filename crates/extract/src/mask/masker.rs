@@ -65,6 +65,11 @@ pub enum MaskError {
     /// The mask has more than one channel.
     #[error("the mask is {0:?}: give one byte a pixel (Gray8), 255 for rope and 0 for the rest")]
     Format(PixelFormat),
+    /// All of its pixels have this level, which is not 0.
+    #[error(
+        "the mask has the level {0} everywhere, which tells no rope from the rest: give a mask that is 0 where there is no rope"
+    )]
+    OneLevel(u8),
 }
 
 /// Whether a notice says that what differs from the table may not be the ropes.

@@ -3,10 +3,10 @@
 //! Extraction takes a mask that is high where a rope is. Programs also write 0 and 1, the numbers of instances, or ropes
 //! that are black on white. Each is recognised by the mask alone and turned into what extraction takes, with a notice.
 
-use anyhow::{Result, bail};
-use lariat_extract::{Image, ImageError, PixelFormat};
+use super::MaskError;
+use crate::image::{Image, ImageError, PixelFormat};
 
-/// The least level that the automatic cut keeps, alone or next to a rope of 255: an eighth (`level.rs` of extract).
+/// The least level that the automatic cut keeps, alone or next to a rope of 255: an eighth (`level.rs`).
 const LEAST_KEPT: u8 = 32;
 /// The level of pixels without a label, next to labels that are small numbers (PASCAL VOC, Cityscapes).
 const UNLABELLED: u8 = 255;
@@ -44,7 +44,7 @@ impl MaskLevels {
 ///
 /// # Errors
 /// All of its pixels have one level that is not 0: nothing tells ropes from the rest.
-pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>> {
+pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>, MaskError> {
     // The extractor refuses masks of other formats.
     if mask.format() != PixelFormat::Gray8 {
         return Ok(None);
@@ -59,9 +59,7 @@ pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>> {
         return Ok(None);
     }
     if least == most {
-        bail!(
-            "the mask has the level {most} everywhere, which tells no rope from the rest: give a mask that is 0 where there is no rope"
-        );
+        return Err(MaskError::OneLevel(most as u8));
     }
     let bright: usize = counts[(least + most).div_ceil(2)..].iter().sum();
     let is_inverted = 2 * bright > total;
@@ -197,10 +195,6 @@ fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::{FrameExtractor, FrameView};
-    use crate::settings;
-    use lariat_extract::Mask;
-    use lariat_wire::{Centerlines, FrameHeader};
 
     const SIZE: (usize, usize) = (60, 40);
 
@@ -214,8 +208,11 @@ mod tests {
         mask
     }
 
-    fn read(mask: &[u8]) -> Result<Option<(Vec<u8>, Option<String>)>> {
-        let image = Image::new(mask, SIZE.0, SIZE.1, SIZE.0, PixelFormat::Gray8)?;
+    /// The levels, and the sentence on them.
+    type Read = Option<(Vec<u8>, Option<String>)>;
+
+    fn read(mask: &[u8]) -> Result<Read, MaskError> {
+        let image = Image::new(mask, SIZE.0, SIZE.1, SIZE.0, PixelFormat::Gray8).unwrap();
         let read = mask_levels(&image)?;
         Ok(read.map(|read| (read.levels, read.notice)))
     }
@@ -271,34 +268,6 @@ mod tests {
                 said.contains(&format!("level {level} everywhere")),
                 "{said}"
             );
-        }
-    }
-
-    #[test]
-    fn a_process_that_writes_numbers_has_its_rope_seen() {
-        let (width, height) = (320, 240);
-        let header = FrameHeader {
-            width,
-            height,
-            stride: width,
-            pixel_format: lariat_wire::PixelFormat::Gray8 as u32,
-            ..FrameHeader::default()
-        };
-        let picture = vec![210; (width * height) as usize];
-        let settings = settings::Extract {
-            mask: Mask::External,
-            ..settings::Extract::default()
-        };
-        for (label, ropes) in [(0, 0), (1, 1), (7, 1), (255, 1)] {
-            let mut mask = vec![0; picture.len()];
-            for row in mask.chunks_exact_mut(width as usize).skip(100).take(12) {
-                row[40..280].fill(label);
-            }
-            let mut extractor = FrameExtractor::new(&settings).unwrap();
-            let mut message = Box::new(Centerlines::EMPTY);
-            let [frame, mask] = [&picture, &mask].map(|bytes| FrameView::new(&header, bytes));
-            extractor.answer(frame, Some(mask), &mut message);
-            assert_eq!(message.count, ropes, "{label}");
         }
     }
 }
