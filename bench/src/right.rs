@@ -93,7 +93,7 @@ fn is_in_order(rope: &TrueRope, curve: &Curve) -> bool {
     off_px.iter().all(|off| *off <= most_px)
 }
 
-/// Whether a curve is said to be a rope: readers are given it, and it is not thought to be something else.
+/// Returns true if a curve is claimed to be a rope: readers receive it, and nothing suggests that it is something else.
 pub(super) fn is_claimed(curve: &Curve) -> bool {
     curve.confidence >= MIN_CONFIDENCE && curve.status != Status::Doubtful
 }

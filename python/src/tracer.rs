@@ -42,7 +42,7 @@ impl From<Problem> for PyErr {
 pub(crate) struct Tracer {
     extractor: Mutex<Extractor>,
     region: Option<Region>,
-    /// Whether a mask's level is to be chosen, so that its bytes may mean something else.
+    /// True if a mask's level is to be chosen: its bytes may then mean something else.
     chooses_level: bool,
 }
 

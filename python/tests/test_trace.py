@@ -93,7 +93,7 @@ def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:
     for mask in masks:
         (curve,) = lariat.trace(image, mask=mask).curves
         assert distance_from_wave(curve.points).max() < 1.0
-    # Numbers of instances are ropes, and that is said.
+    # Numbers of instances are read as ropes, with a warning.
     with pytest.warns(UserWarning, match="the mask's levels are numbers: 1 is taken for rope"):
         (curve,) = lariat.trace(image, mask=rope.astype(np.uint8)).curves
     assert distance_from_wave(curve.points).max() < 1.0

@@ -8,7 +8,7 @@ use crate::vec2::{self, Vec2};
 /// Greatest distance of a tip from a strand's edge, in widths, to be at that strand.
 const AT: f32 = 1.0;
 /// Least cosine of the angle between a tip's direction and that of the nearest point of a strand it points at: 60 degrees. A rope
-/// that ends beside another one points past it.
+/// that ends next to another one points past it.
 const POINTS: f32 = 0.5;
 /// The stretch before a tip, in widths, that is near it in any case.
 const OWN: f32 = 3.0;
@@ -60,8 +60,8 @@ pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
     0.5 * tips(curve).filter(is_met).count() as f32
 }
 
-/// Whether a tip points at the flank of a strand that is at most `near_px` away, or lies within it. Only the strand's points count for
-/// which `counts` says so; it is given their lengths to the strand's two ends, in pixels.
+/// Returns true if a tip points at the flank of a strand that is at most `near_px` away, or lies within the strand. `counts` chooses
+/// the strand's points by their lengths to its two ends, in pixels.
 fn is_at_flank(
     tip: Tip,
     strand: &Curve,

@@ -11,8 +11,8 @@ use crate::scene::Curve;
 const IN_VAIN: u32 = 15;
 /// And so many in which it is taken at its word, of those that are extracted whole.
 const TAKEN: u32 = 30;
-/// By how much surer the ropes in one mask must be than those in another, to be taken instead: the network's than those of a table that
-/// seems plain, and those of the automatic mask than those of picked colours.
+/// The least difference in confidence at which the ropes in one mask replace those in another: the network's replace those of a table
+/// that seems plain, and the automatic mask's replace those of picked colours.
 pub(crate) const SURER: f32 = 0.2;
 
 /// What the network last said, as far as it goes for images to come.
@@ -124,8 +124,8 @@ impl Extractor {
         }
     }
 
-    /// Whether the automatic mask of what seems a plain table has given a rope that is not sure, or may be none, and no rope is known yet, or the network
-    /// knew better the last time. Clusterings are compared on one mask.
+    /// Returns true if the automatic mask of a table that seems plain has given a rope that is unsure or may be something else. The
+    /// question is asked while no rope is known yet, and after the network knew better. Clusterings are compared on one mask.
     fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
         if !is_asked || self.masker.is_sought || self.count == 0 {

@@ -167,7 +167,7 @@ fn a_mask_that_the_user_gave_is_not_doubted() {
     })
     .expect("a valid range");
     let drawn = draw(&[rope(BLUE), pen(BLACK, 260.0)], 1);
-    // A straight, flat thing is no sure rope in any mask, but the user may have meant it.
+    // A straight, flat thing is unsure in every mask, but the user may have meant it.
     let (curves, notice) = seen(&mut extractor, &drawn);
     assert_two_ropes(&curves);
     assert_eq!(notice, Some(Notice::Unsure));

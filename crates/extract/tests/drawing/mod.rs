@@ -62,7 +62,7 @@ pub(crate) struct Table {
     pub gradient: f32,
     /// Standard deviation of the noise, in levels.
     pub noise: f32,
-    /// How much less light falls on a rope's sides than on its middle: 0 for a strip of one colour.
+    /// The share of light that a rope's sides lack, compared with its middle: 0 for a strip of one colour.
     pub round: f32,
     pub seed: u64,
 }
@@ -117,7 +117,7 @@ impl Table {
     }
 }
 
-/// How much of each pixel the rope covers, 0 to 1, and how far the pixel lies from the rope's middle.
+/// Returns how much of each pixel the rope covers, 0 to 1, and how far the pixel lies from the rope's middle.
 fn cover(rope: &Rope, width: usize, height: usize) -> impl Iterator<Item = (f32, f32)> {
     let half = rope.width_px / 2.0;
     let mut cover = vec![0.0f32; width * height];
