@@ -11,13 +11,18 @@ fn lariat(folder: &TempDir, args: &[&str]) -> Output {
     command.current_dir(folder).args(args).output().unwrap()
 }
 
-/// A table with a blue bar and a red one, 11 px high each.
+/// A table with a blue bar and a red one, 11 px high each, as round as ropes are.
 fn save_bars(folder: &TempDir) {
+    let round = |color: [u8; 3], row: u32| {
+        let off = (row as f32 - 5.0) / 5.5;
+        let light = 1.1 - 0.3 * off * off;
+        Rgb(color.map(|level| (f32::from(level) * light) as u8))
+    };
     let picture = RgbImage::from_fn(240, 160, |x, y| {
         let along = (20..220).contains(&x);
         match y {
-            40..51 if along => Rgb([40, 90, 190]),
-            110..121 if along => Rgb([190, 30, 40]),
+            40..51 if along => round([40, 90, 190], y - 40),
+            110..121 if along => round([190, 30, 40], y - 110),
             _ => Rgb([225, 220, 210]),
         }
     });

@@ -5,12 +5,13 @@ use tempfile::TempDir;
 
 use super::{TABLE, lines, save, trace, wave_picture};
 
-/// A stroke of 60 pixels on a checkered table.
+/// A bent stroke of 86 pixels on a checkered table.
 fn checkered() -> RgbImage {
     RgbImage::from_fn(320, 240, |x, y| {
-        let middle = 100.0 + 0.6 * (x as f32 - 100.0);
+        let along = x as f32 - 100.0;
+        let middle = 100.0 + 0.6 * along + 12.0 * (along / 70.0 * std::f32::consts::PI).sin();
         match (x / 20 + y / 20) % 2 {
-            _ if (100..150).contains(&x) && (y as f32 - middle).abs() < 4.5 => Rgb([30, 30, 120]),
+            _ if (100..170).contains(&x) && (y as f32 - middle).abs() < 4.5 => Rgb([30, 30, 120]),
             0 => TABLE,
             _ => Rgb([120, 116, 110]),
         }
