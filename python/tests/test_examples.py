@@ -100,7 +100,9 @@ class VideoCapture:
     def grab(self): time.sleep(0.02); return True
     def retrieve(self):
         image = np.full((240, 320, 3), 220, np.uint8)
-        image[115:127, 40:280] = (120, 40, 30)  # blue, green, red
+        for row in range(12):  # as round as a rope
+            light = 1.1 - 0.01 * (row - 5.5) ** 2
+            image[115 + row, 40:280] = np.multiply((120, 40, 30), light)  # blue, green, red
         return True, image
 """
 
