@@ -63,7 +63,7 @@ enum Clue {
     Relief,
     /// The share of ends that are followed by more of the same colour.
     GoesOn,
-    /// The share of its tips that lie at a strand.
+    /// The share of its tips that point at the flank of a strand, or lie within one.
     Met,
     /// How plainly a tip continues at another tip beyond a gap.
     Torn,
@@ -199,7 +199,7 @@ pub(crate) fn evidence(
     clues[Clue::Border as usize] =
         0.5 * curve.border.iter().filter(|&&border| border).count() as f32;
     if let Some(likely) = known.likely {
-        // The network takes many prints and edges for ropes. A flat or straight thing on a plain table may well be a rope.
+        // The network takes many prints for ropes. A flat thing that is bent and lies on a plain table may well be a rope.
         clues[Clue::Relief as usize] = relief;
         let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
         clues[Clue::Seen as usize] = curve.points.iter().filter(is_seen).count() as f32 / points;

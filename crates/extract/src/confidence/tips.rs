@@ -1,4 +1,4 @@
-//! The surroundings of a curve's tips within the picture. Ropes end on the table. Mere pieces of a rope end at a strand, before a
+//! The surroundings of a curve's tips within the picture. Ropes end on the table. Pieces of a rope end at a strand, before a
 //! gap, or in the middle of what the network sees.
 
 use crate::image::gray::GrayPlane;
