@@ -7,7 +7,7 @@
 //! or on a strand.
 //!
 //! The cheapest walk wins, by a beam search. A walk costs what it bends beyond the bends of its strands, what it runs outside of the mask,
-//! and what it leaves out of the mask. Several ropes also pay for overlaps where only one strand is told. The walk replaces what the
+//! and what it leaves out of the mask. Several ropes also pay for overlaps where only one strand is seen. The walk replaces what the
 //! crossings say if that costs more as a walk, and is several ropes or one that is wound up.
 
 mod piece;
