@@ -111,28 +111,6 @@ fn yaml(info: &CameraInfo) -> Result<String> {
     if info.k == [0.0; 9] {
         bail!("the camera is not calibrated: its K is 0");
     }
-    let none = Region {
-        x_offset: 0,
-        y_offset: 0,
-        height: 0,
-        width: 0,
-        do_rectify: false,
-    };
-    let all = Region {
-        height: info.height,
-        width: info.width,
-        ..none.clone()
-    };
-    let region = Region {
-        do_rectify: false,
-        ..info.roi.clone()
-    };
-    if (region != none && region != all) || info.binning_x > 1 || info.binning_y > 1 {
-        bail!(
-            "the camera's pictures are a part of what it was calibrated with, or binned: calibrate it as it is used, and give the \
-             chain that file"
-        );
-    }
     let is_plain = info.distortion_model.is_empty() && info.d.is_empty();
     let (model, d) = if is_plain {
         ("plumb_bob", &[0.0; 5][..])
@@ -161,6 +139,18 @@ fn yaml(info: &CameraInfo) -> Result<String> {
             numbers.join(", ")
         );
     }
+    let Region {
+        x_offset,
+        y_offset,
+        width,
+        height,
+        ..
+    } = info.roi;
+    let _ = write!(
+        text,
+        "binning_x: {}\nbinning_y: {}\nroi:\n  x_offset: {x_offset}\n  y_offset: {y_offset}\n  width: {width}\n  height: {height}\n",
+        info.binning_x, info.binning_y
+    );
     Camera::from_yaml(&text)?;
     Ok(text)
 }
@@ -182,6 +172,25 @@ mod tests {
     }
 
     #[test]
+    fn pictures_of_a_region_of_the_sensor_and_binned_ones_have_their_center_moved() {
+        let mut info = camera_info();
+        info.roi = Region {
+            x_offset: 120,
+            y_offset: 40,
+            width: 400,
+            height: 400,
+            do_rectify: true,
+        };
+        info.binning_x = 2;
+        info.binning_y = 2;
+        let text = yaml(&info).expect("a calibration");
+        let camera = Camera::from_yaml(&text).expect("it is read again");
+        let camera = camera.scaled_to([200, 200]).expect("its own frames");
+        assert_eq!(camera.focal_px(), [300.25, 300.625]);
+        assert_eq!(camera.center_px(), [99.75, 99.5]);
+    }
+
+    #[test]
     fn what_is_no_calibration_is_refused_with_a_sentence() {
         let refused = |change: &dyn Fn(&mut CameraInfo), word: &str| {
             let mut info = camera_info();
@@ -190,8 +199,7 @@ mod tests {
             assert!(said.contains(word), "{said}");
         };
         refused(&|info| info.k = [0.0; 9], "not calibrated");
-        refused(&|info| info.binning_x = 2, "binned");
-        refused(&|info| info.roi.width = 100, "a part");
+        refused(&|info| info.roi.x_offset = 600, "no part of the image");
         refused(&|info| info.distortion_model = "fov".into(), "lens models");
         refused(
             &|info| info.distortion_model = "x\ncamera_matrix: 1".into(),
