@@ -37,7 +37,7 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
         .map_err(|cause| of_the_system(&cause))
         .with_context(about)?;
     let mut frames = part.frames()?;
-    let mut decoder = Decoder::default();
+    let mut decoder = Decoder::of(part.recording);
     let mut rgb = Vec::new();
     let (mut place, mut count, mut jpegs, mut mosaics) = (0, 0_u64, false, false);
     while let Some(frame) = frames.next_frame()? {
@@ -73,9 +73,10 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
         ),
     ];
     let notes = notes.into_iter().filter(|(holds, _)| *holds);
+    let notes = notes.map(|(_, note)| note.to_owned());
     Ok(Written {
         what: format!("{count} pictures"),
-        notes: notes.map(|(_, note)| note.to_owned()).collect(),
+        notes: notes.chain(decoder.take_news()).collect(),
     })
 }
 

@@ -13,7 +13,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     let about = || part.failure();
     let fps = frames_per_second(part)?;
     let mut frames = part.frames()?;
-    let mut decoder = Decoder::default();
+    let mut decoder = Decoder::of(part.recording);
     let mut planes = Vec::new();
     let mut first: Option<FrameHeader> = None;
     let (mut place, mut count, mut blank) = (0, 0_u64, 0_u64);
@@ -49,7 +49,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     let Some(first) = first else {
         bail!("there are no images in this part of the recording");
     };
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(decoder.take_news());
     match first.format() {
         Some(PixelFormat::Gray8 | PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12) => {}
         Some(PixelFormat::Gray16) => notes.push(

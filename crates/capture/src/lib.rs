@@ -134,7 +134,7 @@ pub use pictures::foreign_example;
 pub use piped::{PipeOptions, RawFrames};
 pub use range::{Position, Range};
 pub use raw::RawFormat;
-pub use recorded::RecordingOptions;
+pub use recorded::{ForeignFrames, RecordingOptions};
 pub use simulated::{Commands, SimulatedOptions, open_simulated};
 pub use source::{Frame, FrameSource, Next, SourceError};
 pub use until::{Until, Woken};

@@ -224,17 +224,31 @@ struct Recorded {
 #[derive(Default)]
 struct Reader {
     pictures: PictureDecoder,
-    /// The number of bits in samples of other programs' frames of 16 bits.
+    foreign: ForeignFrames,
+}
+
+/// Brings other programs' raw frames into the range in which frames travel.
+#[derive(Debug, Default)]
+pub struct ForeignFrames {
+    /// The number of bits in samples of 16.
     bits: Bits,
     news: Option<String>,
 }
 
-impl Reader {
-    /// Brings another program's raw frame into the range that travels: its Y, U, V are limited, as cameras' drivers give
-    /// them, and its samples of 16 bits may have fewer.
-    fn normalize(&mut self, layout: &Layout, pixels: &mut [u8]) {
-        ColorRange::Limited.expand_yuv(layout.format, layout.stride, layout.height, pixels);
-        if layout.format == PixelFormat::Gray16 {
+impl ForeignFrames {
+    /// What was concluded of the samples, to be said once.
+    pub fn take_news(&mut self) -> Option<String> {
+        self.news.take()
+    }
+
+    /// One frame's pixels, in place: Y, U, V are in limited range, as cameras' drivers give them, and samples of 16 bits may use
+    /// fewer.
+    pub fn normalize(&mut self, header: &FrameHeader, pixels: &mut [u8]) {
+        let Some(format) = header.format() else {
+            return;
+        };
+        ColorRange::Limited.expand_yuv(format, header.stride, header.height, pixels);
+        if format == PixelFormat::Gray16 {
             self.news = self.news.take().or(self.bits.see(largest(pixels)));
             self.bits.widen_all(pixels);
         }
@@ -271,7 +285,7 @@ fn fill(
                 format,
             };
             if !is_own {
-                reader.normalize(&layout, room);
+                reader.foreign.normalize(header, room);
             }
             Ok(layout)
         }
@@ -347,8 +361,8 @@ impl Decode for Recorded {
 
     fn take_news(&mut self) -> Option<String> {
         self.reader
-            .news
-            .take()
+            .foreign
+            .take_news()
             .or_else(|| self.reader.pictures.take_news())
     }
 
@@ -382,7 +396,7 @@ mod tests {
             &mut pixels,
         );
         filled.expect("it has room");
-        (pixels, reader.news)
+        (pixels, reader.foreign.news)
     }
 
     #[test]

@@ -31,6 +31,8 @@ const EXACT: (f32, f32) = (0.03, 0.01);
 const LONGEST: f32 = 64.0;
 /// The hidden share from which on a rope seen in part is no mere piece, and none at all: less is an end that another strand may hide.
 const BRIDGED: (f32, f32) = (0.03, 0.1);
+/// Widths along which a rope has no edges of its own where another one crosses it.
+const CROSSING: f32 = 2.5;
 /// How likely the network finds what it is sure of, of 255.
 const SEEN: f32 = 0.9 * 255.0;
 
@@ -57,7 +59,7 @@ enum Clue {
     Round,
     /// The share of places without any edge, of those beyond half: the picture does not show it.
     Faint,
-    /// The longest stretch without edges.
+    /// The longest stretch without edges, beyond what a crossing takes.
     Stretch,
     /// How the light varies across it, in a mask of the network: a rope is round, what is printed is flat.
     Relief,
@@ -264,14 +266,15 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
         contrast + 4.0,
     );
     clues[Clue::GoesOn as usize] = going_on(image, curve, all);
-    // A crossing takes a place or two.
     let (mut run, mut longest) = (0u8, 0u8);
     for across in all {
         let is_weak = across.edges[0].min(across.edges[1]) < 0.35 * contrast;
         run = if is_weak { run + 1 } else { 0 };
         longest = longest.max(run);
     }
-    clues[Clue::Stretch as usize] = (f32::from(longest.saturating_sub(1)) / 6.0).min(1.0);
+    let at_crossing =
+        (CROSSING * curve.width_px * PLACES as f32 / curve.length_px.max(1.0)).max(1.0);
+    clues[Clue::Stretch as usize] = ((f32::from(longest) - at_crossing) / 6.0).clamp(0.0, 1.0);
     of(relief, 6.0)
 }
 

@@ -4,7 +4,8 @@ use anyhow::{Context, Result, bail};
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader};
-use lariat_record::Pixels as Recorded;
+use lariat_capture::ForeignFrames;
+use lariat_record::{Pixels as Recorded, Recording};
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Cursor;
 
@@ -40,11 +41,22 @@ impl Pixels {
 #[derive(Debug, Default)]
 pub struct Decoder {
     pixels: Vec<u8>,
+    /// For recordings of other programs.
+    foreign: Option<ForeignFrames>,
 }
 
 impl Decoder {
+    /// One for this recording's frames. [`Decoder::default`] takes them to be lariat's own.
+    pub fn of(recording: &Recording) -> Self {
+        let is_own = recording.about().version().is_some();
+        Self {
+            foreign: (!is_own).then(ForeignFrames::default),
+            ..Self::default()
+        }
+    }
+
     /// The frame's header and bytes as extraction takes them. A PNG of lariat's own gives back the frame to the bit (BGRA as
-    /// RGB), a JPEG becomes RGB or gray.
+    /// RGB), a JPEG becomes RGB or gray. Raw frames of another program are in full range afterwards.
     ///
     /// # Errors
     /// There are no pixels, or the picture cannot be decoded.
@@ -65,7 +77,7 @@ impl Decoder {
                 "frame {} was recorded without its image",
                 header.trace.sequence
             ),
-            Pixels::Raw => Ok((*header, bytes)),
+            Pixels::Raw => Ok((*header, self.in_full_range(header, bytes))),
             Pixels::Png => {
                 let decoder = PngDecoder::new(Cursor::new(bytes)).with_context(about)?;
                 self.read(header, decoder).with_context(about)
@@ -83,6 +95,21 @@ impl Decoder {
                 self.read(header, decoder).with_context(about)
             }
         }
+    }
+
+    /// What was concluded of another program's frames, to be said once.
+    pub fn take_news(&mut self) -> Option<String> {
+        self.foreign.as_mut()?.take_news()
+    }
+
+    fn in_full_range<'a>(&'a mut self, header: &FrameHeader, bytes: &'a [u8]) -> &'a [u8] {
+        let Some(foreign) = &mut self.foreign else {
+            return bytes;
+        };
+        self.pixels.clear();
+        self.pixels.extend_from_slice(bytes);
+        foreign.normalize(header, &mut self.pixels);
+        &self.pixels
     }
 
     fn read(
@@ -139,5 +166,33 @@ impl Decoder {
             pixel_format: format as u32,
             ..*header
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn raw_frames_of_other_programs_are_expanded_to_full_range() {
+        let header = FrameHeader {
+            width: 2,
+            height: 1,
+            stride: 4,
+            pixel_format: PixelFormat::Yuyv as u32,
+            ..FrameHeader::default()
+        };
+        let yuyv = [235, 128, 16, 240];
+        let decoded = |mut decoder: Decoder| {
+            let (_, bytes) = decoder.decode(&header, Pixels::Raw, &yuyv).expect("pixels");
+            bytes.to_vec()
+        };
+        assert_eq!(decoded(Decoder::default()), yuyv);
+        let foreign = Some(ForeignFrames::default());
+        let decoder = Decoder {
+            foreign,
+            ..Decoder::default()
+        };
+        assert_eq!(decoded(decoder), [255, 128, 0, 255]);
     }
 }

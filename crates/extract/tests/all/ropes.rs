@@ -260,7 +260,7 @@ fn two_ropes_that_cross_stay_two() {
             let ropes = [-0.5, 0.5].map(|side: f32| {
                 let (sin, cos) = (side * angle_deg.to_radians()).sin_cos();
                 Rope::along(width_px, BLUE, move |t| {
-                    let (along, bow) = (230.0 * (t - 0.5), 48.0 * (t - 0.5) * (t - 0.5));
+                    let (along, bow) = (230.0 * (t - 0.5), 8.0 * (t - 0.5) * (t - 0.5));
                     [
                         160.0 + along * cos - bow * sin,
                         120.0 + along * sin + bow * cos,
