@@ -27,15 +27,20 @@ mod trace;
 mod version;
 mod view;
 
+use lariat_chain::notify::Notify;
 use lariat_chain::{exit, output};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // A stage is started by another name of the file (`itself`), which tools would show.
+    let _ = rustix::thread::set_name(c"lariat");
     cli::run().unwrap_or_else(|error| {
         if output::Unread::is_cause_of(&error) {
             return ExitCode::FAILURE;
         }
         eprintln!("lariat: {error:#}");
+        // Where it stays in the unit's status, as `systemctl status` shows it.
+        Notify::from_env().status(&format!("{error:#}"));
         exit::code(&error)
     })
 }

@@ -4,10 +4,11 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
-use std::process::{Child, Command, ExitCode};
+use std::process::{Child, ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use lariat_chain::itself;
 use lariat_chain::messages::Intake;
 use lariat_chain::stop::Stop;
 use lariat_view::{Options, Server, Shown};
@@ -96,8 +97,7 @@ impl Beside {
     /// # Errors
     /// It cannot be started.
     pub(crate) fn start(rig: &str) -> Result<Self> {
-        let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
-        let mut command = Command::new(itself);
+        let mut command = itself::command();
         command
             .args(["view", "--rig", rig, "--beside"])
             .arg(std::process::id().to_string())

@@ -1,6 +1,7 @@
 //! Stages that are started anew in their place, and settings that change, while the rest of a chain goes on.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixDatagram;
 use std::process::Output;
 use std::thread;
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 use lariat_wire::{Domain, Reader, Rig, Trace};
 use rustix::process::Signal;
 
-use crate::rig::{Bench, Running, send, wait_until_gone};
+use crate::rig::{Bench, Running, program, send, wait_until_gone};
 
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -428,4 +429,107 @@ fn a_stage_is_started_anew_when_that_is_asked_for() {
     assert_eq!(nobody.status.code(), Some(1));
     let text = String::from_utf8_lossy(&nobody.stderr);
     assert!(text.contains("no chain runs on rig default"), "{text}");
+}
+
+/// A chain of a copy of the binary, so that the copy can be replaced.
+fn start_copy(bench: &Bench, more: &[&str]) -> Running {
+    fs::copy(program(), bench.path("copy")).unwrap();
+    let always = ["run", "--restart", "on-failure", "--fps", "100"];
+    bench.start_command(bench.command_of(bench.path("copy"), &[&always, more].concat()))
+}
+
+#[test]
+fn stages_are_started_anew_from_the_file_that_runs_though_another_took_its_place() {
+    let bench = Bench::new();
+    let mut chain = start_copy(&bench, &[]);
+    chain.wait_for_frames();
+    // As dpkg and cargo do: the name is given to another file.
+    fs::write(bench.path("new"), "not a program").unwrap();
+    fs::rename(bench.path("new"), bench.path("copy")).unwrap();
+    chain.signal_stage(2, Signal::KILL);
+    let fit = wait_for("fit", || another(&bench, "fit", chain.ids[2]));
+    let name = fs::read_to_string(format!("/proc/{fit}/comm")).unwrap();
+    assert_eq!(name, "lariat\n");
+    fs::remove_file(bench.path("copy")).unwrap();
+    assert!(bench.run(&["restart", "extract"]).status.success());
+    wait_for("extract", || another(&bench, "extract", chain.ids[1]));
+    let mut reader = reader(&bench);
+    let (.., seen) = rope_after(&mut reader, 0);
+    rope_after(&mut reader, seen.fitted);
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    let sentence = "its executable was replaced or removed";
+    assert_eq!(
+        ended.stderr.matches(sentence).count(),
+        1,
+        "{}",
+        ended.stderr
+    );
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn a_stage_that_cannot_be_executed_is_tried_again_until_it_can() {
+    let bench = Bench::new();
+    let mut chain = start_copy(&bench, &["--daemon"]);
+    chain.wait_for_frames();
+    let permit = |mode| {
+        fs::set_permissions(bench.path("copy"), fs::Permissions::from_mode(mode)).unwrap();
+    };
+    permit(0o600);
+    chain.signal_stage(2, Signal::KILL);
+    wait_until_gone(chain.ids[2]);
+    // The first try comes at once, and fails.
+    thread::sleep(Duration::from_millis(500));
+    permit(0o700);
+    wait_for("fit", || another(&bench, "fit", chain.ids[2]));
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    assert!(
+        ended
+            .stderr
+            .contains("fit could not be started: Permission denied"),
+        "{}",
+        ended.stderr
+    );
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn settings_that_a_stage_does_not_start_with_are_taken_back_and_the_answer_says_why() {
+    let bench = Bench::new();
+    let mut chain = start(&bench, &["--fps", "50"]);
+    chain.wait_for_frames();
+    for (change, why) in [
+        ("capture.source=\"none.png\"", "none.png"),
+        ("capture.size=60000x60000", "60000"),
+    ] {
+        let refused = bench.run(&["set", change]);
+        assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+        let text = String::from_utf8_lossy(&refused.stderr);
+        let says = |part| text.contains(part);
+        assert!(
+            says("capture does not start with it: ") && says(why),
+            "{text}"
+        );
+        assert!(says("; the settings stay as they were"), "{text}");
+    }
+    let holds = String::from_utf8(bench.run(&["set"]).stdout).unwrap();
+    assert!(
+        !holds.contains("none.png") && !holds.contains("60000"),
+        "{holds}"
+    );
+    // Frames come as before, and what does start holds.
+    let mut reader = reader(&bench);
+    let (.., seen) = rope_after(&mut reader, 0);
+    rope_after(&mut reader, seen.fitted);
+    let taken = bench.run(&["set", "capture.fps=60"]);
+    assert!(taken.status.success(), "{taken:?}");
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
+    bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
 }

@@ -23,6 +23,8 @@ const LARGEST: u64 = 1 << 20;
 /// How long one waits for the other: the chain for a client that is slow to ask, a client for a chain that is starting a stage.
 const ASKING: Duration = Duration::from_secs(1);
 const ANSWERING: Duration = Duration::from_secs(10);
+/// How long a client waits for a chain that tries a change: longer than any stage takes to start.
+const TRYING: Duration = Duration::from_secs(120);
 
 /// What a chain can be asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,7 +86,10 @@ pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
         }
     };
     let exchange = || -> io::Result<String> {
-        stream.set_read_timeout(Some(ANSWERING))?;
+        stream.set_read_timeout(Some(match asked {
+            Asked::Set(_) => TRYING,
+            _ => ANSWERING,
+        }))?;
         stream.set_write_timeout(Some(ANSWERING))?;
         stream.write_all(asked.text().as_bytes())?;
         stream.shutdown(Shutdown::Write)?;

@@ -41,6 +41,7 @@ pub mod control;
 pub mod doubts;
 pub mod exit;
 pub mod inputs;
+pub mod itself;
 pub mod launcher;
 pub mod layout;
 pub mod load;

@@ -21,6 +21,8 @@ use crate::layout;
 const TERMINAL: &str = "LARIAT_STDERR_IS_TERMINAL";
 /// Moves to the begin of the line and erases it.
 const CLEAR: &str = "\r\x1b[K";
+/// What a message begins with that is no line of the log.
+const NAME: &[u8] = b"lariat: ";
 /// Erases from the cursor to the end of the line: the end of a live line.
 const ERASE_REST: &[u8] = b"\x1b[K";
 /// Capacity of the queue, in bytes: some ten thousand messages.
@@ -186,9 +188,9 @@ fn thread(name: &str) -> std::thread::Builder {
         .stack_size(STACK)
 }
 
-/// The thread that takes in the messages of a process that this one has started.
+/// The thread that takes in the messages of a process that this one has started. It returns the last one.
 #[derive(Debug)]
-pub struct Intake(JoinHandle<()>);
+pub struct Intake(JoinHandle<String>);
 
 impl Intake {
     /// Prepares a command whose messages are to be taken in.
@@ -205,13 +207,23 @@ impl Intake {
     /// # Errors
     /// The thread cannot be started.
     pub fn of(pipe: impl Read + Send + 'static) -> io::Result<Self> {
-        let take_in = move || take_in(pipe, |message| send(cleared(message)));
+        let take_in = move || {
+            let mut last = String::new();
+            take_in(pipe, |message| {
+                if let Some(text) = message.strip_prefix(NAME) {
+                    last = String::from_utf8_lossy(text).trim_end().to_owned();
+                }
+                send(cleared(message));
+            });
+            last
+        };
         Ok(Self(thread("intake").spawn(take_in)?))
     }
 
-    /// Waits until all messages of a process that has ended are taken in.
-    pub fn finish(self) {
-        let _ = self.0.join();
+    /// Waits until all messages of a process that has ended are taken in. Returns the last sentence that it said itself, without
+    /// its name; empty: none.
+    pub fn finish(self) -> String {
+        self.0.join().unwrap_or_default()
     }
 }
 

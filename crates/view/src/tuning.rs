@@ -94,6 +94,8 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
         }
         Wish::Keep { changes } => {
             check(changes)?;
+            // Only what the chain starts with.
+            ask(rig, &Asked::Set(changes.clone()))?;
             let file = PathBuf::from(ask(rig, &Asked::File)?.trim_end());
             let text = match bounded::read(&file, bounded::LONGEST_TEXT) {
                 Ok(bytes) => String::from_utf8(bytes).context("the settings file is no text")?,
@@ -103,6 +105,8 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
                 }
             };
             let text = with_changes(&text, changes)?;
+            Settings::of_text(&text)
+                .with_context(|| format!("{} would not be read again", file.display()))?;
             Output::new(&file, Existing::forced(true), [])?.write(text.as_bytes())?;
             Ok(format!("written into {}", file.display()).into())
         }

@@ -1,14 +1,43 @@
 //! What others ask of a chain that runs, and settings that change.
+//!
+//! Settings that need a stage to start anew are tried: if it does not get ready with them, the settings of before hold again, the stage
+//! starts with those, and who asked is told why.
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
+use super::child::Child;
 use super::watch::Watch;
 use super::{Chain, Part};
-use crate::control::{Asked, Control};
+use crate::control::{Asked, Client, Control};
 use crate::exit::wrong_use;
 use crate::pipeline::{CurveFitter, FrameExtractor};
 use crate::settings::{FILE_NAME, Flags, Settings};
+
+/// The parts that settings can start anew.
+const TRIED: [Part; 4] = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
+
+/// Settings that are being tried.
+pub(super) struct Trial {
+    /// Which of [`TRIED`] were told to start anew.
+    anew: [bool; 4],
+    flags_before: Flags,
+    before: Arc<Settings>,
+    /// Who asked, if it was another process.
+    client: Option<Client>,
+    /// What it is told if they start.
+    answer: String,
+    /// When a part that is not ready has failed.
+    pub(super) until: Instant,
+}
+
+impl Trial {
+    fn parts(&self) -> impl Iterator<Item = Part> + use<> {
+        let anew = self.anew;
+        TRIED.into_iter().filter(move |part| anew[*part as usize])
+    }
+}
 
 impl Chain {
     /// Makes the socket, also where it was removed: all that was in the domain died at once, and what was left is removed by the
@@ -27,15 +56,95 @@ impl Chain {
 
     /// Does what others ask for.
     pub(super) fn answer_others(&mut self) {
-        while let Some(mut client) = self.control.as_ref().and_then(Control::next) {
-            let answer = match client.asked() {
+        while self.trial.is_none()
+            && let Some(mut client) = self.control.as_ref().and_then(Control::next)
+        {
+            let asked = client.asked();
+            let answer = match asked {
                 Ok(Asked::Settings) => Ok(self.settings.text()),
                 Ok(Asked::File) => self.file_path(),
                 Ok(Asked::Set(changes)) => self.set(&changes),
                 Ok(Asked::Restart(name)) => self.renew_by_name(&name),
                 Err(cause) => Err(cause),
             };
-            client.answer(answer);
+            match (answer, &mut self.trial) {
+                (Ok(answer), Some(trial)) => (trial.client, trial.answer) = (Some(client), answer),
+                (answer, _) => client.answer(answer),
+            }
+        }
+    }
+
+    fn is_up(&self, part: Part) -> bool {
+        let is_on_its_way = self.renewed[part as usize] || self.due[part as usize].is_some();
+        let is_up = |child: &Child| child.is_ready() && child.ending().is_none();
+        !is_on_its_way && self.child(part).is_some_and(is_up)
+    }
+
+    /// Sees whether the settings that are tried let all parts start, or take too long.
+    pub(super) fn judge_trial(&mut self) {
+        let Some(trial) = &self.trial else { return };
+        if trial.parts().all(|part| self.is_up(part)) {
+            if let Some(Trial {
+                client: Some(client),
+                answer,
+                ..
+            }) = self.trial.take()
+            {
+                client.answer(Ok(answer));
+            }
+        } else if Instant::now() >= trial.until {
+            self.take_back();
+        }
+    }
+
+    /// Whether this part ended before it was ready with settings that are tried.
+    pub(super) fn is_tried_in_vain(&self, part: Part) -> bool {
+        let is_tried = |trial: &Trial| trial.parts().any(|tried| tried == part);
+        let has_ended = |child: &Child| child.ending().is_some() && !child.is_ready();
+        self.trial.as_ref().is_some_and(is_tried) && self.child(part).is_some_and(has_ended)
+    }
+
+    /// The settings that are tried do not start: those of before hold again, and the parts start anew with them.
+    pub(super) fn take_back(&mut self) {
+        let Some(trial) = self.trial.take() else {
+            return;
+        };
+        let failed = trial.parts().find(|part| !self.is_up(*part));
+        let why = failed.and_then(|part| self.child(part)).map(|child| {
+            format!(
+                "{} does not start with it: {}",
+                child.part.name(),
+                child.reason()
+            )
+        });
+        let why = format!(
+            "{}; the settings stay as they were",
+            why.unwrap_or_default().trim_end_matches('.')
+        );
+        let mut settings = Settings::clone(&trial.before);
+        settings.version = self.settings.version + 1;
+        self.flags = trial.flags_before.clone();
+        self.hand_out(settings);
+        for part in trial.parts() {
+            self.renew(part);
+        }
+        match trial.client {
+            Some(client) => client.answer(Err(anyhow::anyhow!(why))),
+            None => tracing::warn!("{why}"),
+        }
+    }
+
+    /// Has these settings hold, and tells them to all parts.
+    fn hand_out(&mut self, settings: Settings) {
+        let text = settings.text();
+        self.settings = Arc::new(settings);
+        for child in self.children.iter_mut().flatten() {
+            if child.ending().is_none() && !child.order(&text) {
+                tracing::warn!(
+                    "{} does not listen, and keeps the settings it has",
+                    child.part.name()
+                );
+            }
         }
     }
 
@@ -61,7 +170,7 @@ impl Chain {
 
     /// Takes the settings file as it is now, if it has changed.
     pub(super) fn read_the_file(&mut self) {
-        if !self.file.as_mut().is_some_and(Watch::has_changed) {
+        if self.trial.is_some() || !self.file.as_mut().is_some_and(Watch::has_changed) {
             return;
         }
         match Settings::of_chain(&self.flags).and_then(|settings| self.change(settings, false)) {
@@ -86,9 +195,8 @@ impl Chain {
         }
         let mut concerned = settings.concerned(&self.settings)?;
         concerned.live[Part::Fit as usize] |= is_read_again && !concerned.anew[Part::Fit as usize];
-        let parts = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
         let named = |of: [bool; 4]| {
-            let names: Vec<_> = parts
+            let names: Vec<_> = TRIED
                 .iter()
                 .filter(|part| of[**part as usize])
                 .map(|part| part.name())
@@ -123,17 +231,18 @@ impl Chain {
             answer += &format!("; started anew: {}", named(concerned.anew));
         }
         answer.push('\n');
-        let text = settings.text();
-        self.settings = Arc::new(settings);
-        for child in self.children.iter_mut().flatten() {
-            if child.ending().is_none() && !child.order(&text) {
-                tracing::warn!(
-                    "{} does not listen, and keeps the settings it has",
-                    child.part.name()
-                );
-            }
+        if concerned.anew.contains(&true) {
+            self.trial = Some(Trial {
+                anew: concerned.anew,
+                flags_before: self.flags.clone(),
+                before: self.settings.clone(),
+                client: None,
+                answer: String::new(),
+                until: Instant::now() + settings.run.start_limit,
+            });
         }
-        for part in parts
+        self.hand_out(settings);
+        for part in TRIED
             .into_iter()
             .filter(|part| concerned.anew[*part as usize])
         {
@@ -166,11 +275,12 @@ impl Chain {
         };
         if child.ending().is_some() {
             // It is about to be.
+            self.due[part as usize].get_or_insert_with(Instant::now);
             return;
         }
         self.renewed[part as usize] = true;
-        match part.is_told_the_last_word() {
-            // It would report at its end.
+        // The one would report at its end, and what is not up yet may not listen.
+        match part.is_told_the_last_word() || !child.is_ready() {
             true => child.strike(),
             false => child.tell_to_stop(),
         }

@@ -7,7 +7,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, OwnedFd};
 use std::os::unix::fs::FileExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{ExitStatus, Stdio};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
@@ -19,6 +19,7 @@ use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::Part;
+use crate::itself;
 use crate::messages::Intake;
 use crate::settings::{SETTINGS_FD, Settings};
 use crate::stages::Supervision;
@@ -101,6 +102,8 @@ pub(super) struct Child {
     depths: Option<DepthCounts>,
     taken: Option<Taken>,
     ending: Option<Ending>,
+    /// The last sentence that its process said.
+    last_words: String,
     told_to_stop: bool,
     given_up: bool,
 }
@@ -124,8 +127,7 @@ impl Child {
             rustix::io::ioctl_fionbio(nonblocking, true).with_context(starting)?;
         }
         let settings = changed.map(in_memory).transpose().with_context(starting)?;
-        let itself = std::env::current_exe().context("lariat cannot find its own executable")?;
-        let mut command = Command::new(itself);
+        let mut command = itself::command();
         command.arg(part.name()).args(arguments);
         // The service manager hears of the chain from the chain.
         for name in ["NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"] {
@@ -221,6 +223,7 @@ impl Child {
             depths: None,
             taken: None,
             ending: None,
+            last_words: String::new(),
             told_to_stop: false,
             given_up: false,
         }
@@ -289,6 +292,15 @@ impl Child {
         self.ending
     }
 
+    /// Why it ended, if it has: in its own words, if it said any.
+    pub(super) fn reason(&self) -> String {
+        match self.ending {
+            Some(Ending::Failed(_)) if !self.last_words.is_empty() => self.last_words.clone(),
+            Some(ending) => ending.to_string(),
+            None => "it does not get ready".to_owned(),
+        }
+    }
+
     /// Whether its end was wished.
     pub(super) fn was_told_to_stop(&self) -> bool {
         self.told_to_stop
@@ -325,7 +337,7 @@ impl Child {
                 let ended = process.wait().map_or(Ending::Failed(-1), ending);
                 // Its own messages come before the message about its end.
                 if let Some(messages) = messages.take() {
-                    messages.finish();
+                    self.last_words = messages.finish();
                 }
                 ended
             }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{Chain, Part, START_TIMEOUT};
+use super::{Chain, Part};
 use crate::stages::heirloom::Progress;
 
 /// What is known of a stage that is watched.
@@ -38,7 +38,7 @@ impl Chain {
             };
             let patience = match child.is_ready() {
                 true => run.hang,
-                false => START_TIMEOUT,
+                false => run.start_limit,
             };
             let watched = &mut self.watched[at];
             if !works || progress[at] != watched.progress {

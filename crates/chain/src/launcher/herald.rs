@@ -41,6 +41,11 @@ impl Herald {
         self.notify.ready();
     }
 
+    /// What is wrong just now. It stands until the next line says how many frames there are.
+    pub(super) fn trouble(&mut self, line: &str) {
+        self.notify.status(line);
+    }
+
     pub(super) fn stopping(&mut self) {
         self.notify.stopping();
     }

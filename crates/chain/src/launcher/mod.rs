@@ -44,6 +44,7 @@ use anyhow::Context;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::control::Control;
+use crate::itself;
 use crate::messages::Relay;
 use crate::run_files::RunFiles;
 use crate::settings::{Flags, Settings};
@@ -52,6 +53,7 @@ use crate::stages::estate;
 use crate::stages::heirloom::{Heirloom, Progress};
 use crate::stages::status::LastWord;
 use crate::stop::Stop;
+use changes::Trial;
 use child::{Child, Ending};
 use hanging::Watched;
 use herald::{Herald, Signs};
@@ -59,8 +61,6 @@ pub use part::Part;
 use restarts::{Restarts, Verdict};
 use watch::Watch;
 
-/// How long a stage may take to get ready.
-const START_TIMEOUT: Duration = Duration::from_secs(20);
 /// How often the chain looks whether a stage stands still.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
@@ -140,6 +140,10 @@ struct Chain {
     began: Option<Instant>,
     control: Option<Control>,
     file: Option<Watch>,
+    /// Settings that are being tried.
+    trial: Option<Trial>,
+    /// It was said that the executable was replaced.
+    is_outdated: bool,
     herald: Herald,
     /// The first that ended when it should not have, for good.
     fallen: Option<Part>,
@@ -172,6 +176,8 @@ impl Chain {
             began: None,
             control: None,
             file: None,
+            trial: None,
+            is_outdated: false,
             herald: Herald::new(),
             fallen: None,
             is_stopping: false,
@@ -260,7 +266,8 @@ impl Chain {
     /// `false` if the chain is to end before it began.
     fn wait_until_ready(&mut self, part: Part, stop: &Stop) -> anyhow::Result<bool> {
         let begin = Instant::now();
-        let deadline = begin + START_TIMEOUT;
+        let limit = self.settings.run.start_limit;
+        let deadline = begin + limit;
         loop {
             self.listen(Some(deadline), Some(stop))?;
             if stop.asked() || self.fallen.is_some() {
@@ -272,9 +279,9 @@ impl Chain {
             }
             if Instant::now() >= deadline {
                 eprintln!(
-                    "lariat: {} was not ready after {} s",
+                    "lariat: {} was not ready after {} s (start_limit_s)",
                     part.name(),
-                    START_TIMEOUT.as_secs()
+                    limit.as_secs_f64()
                 );
                 self.fallen = Some(part);
                 return Ok(false);
@@ -297,10 +304,18 @@ impl Chain {
             let look = self.settings.run.starts_anew().then_some(LOOK_EVERY);
             let look = look.into_iter().chain(self.herald.wait()).min();
             let look = look.map(|look| Instant::now() + look);
-            let due = self.due.into_iter().flatten().chain(look).min();
+            let trial = self.trial.as_ref().map(|trial| trial.until);
+            let due = self
+                .due
+                .into_iter()
+                .flatten()
+                .chain(look)
+                .chain(trial)
+                .min();
             self.listen(due, Some(stop))?;
-            self.start_those_due()?;
+            self.start_those_due();
             self.strike_the_hanging();
+            self.judge_trial();
             self.answer_others();
             self.read_the_file();
             self.say_how_it_is();
@@ -316,7 +331,8 @@ impl Chain {
             stop.map(AsFd::as_fd),
             self.control
                 .as_ref()
-                .filter(|_| stop.is_some())
+                // Others wait until a change has been tried.
+                .filter(|_| stop.is_some() && self.trial.is_none())
                 .map(AsFd::as_fd),
             self.file
                 .as_ref()
@@ -375,12 +391,16 @@ impl Chain {
             self.due[at] = Some(Instant::now());
             return;
         }
+        if self.is_tried_in_vain(part) {
+            self.take_back();
+            return;
+        }
         let (run, now) = (&self.settings.run, Instant::now());
         match self.restarts.judge(run, ending, is_done, now) {
             Verdict::Anew(due) => {
                 self.due[at] = Some(due);
                 let how = ending.map_or_else(String::new, |ending| ending.to_string());
-                eprintln!("lariat: {} {how}; it is started anew", part.name());
+                self.say_that_it_fell(part, &how, due);
             }
             Verdict::End if is_wished => {}
             Verdict::End => self.give_up(part, ending),
@@ -392,6 +412,19 @@ impl Chain {
                 self.give_up(part, ending);
             }
         }
+    }
+
+    /// Says that a part fell, and when it is started anew: on standard error, and to the service manager.
+    fn say_that_it_fell(&mut self, part: Part, how: &str, due: Instant) {
+        let name = part.name();
+        let pause = due.saturating_duration_since(Instant::now());
+        let when = match pause.as_secs_f64().round() {
+            0.0 => String::new(),
+            pause_s => format!(" in {pause_s} s"),
+        };
+        eprintln!("lariat: {name} {how}; it is started anew{when}");
+        let reason = self.child(part).map(Child::reason).unwrap_or_default();
+        self.herald.trouble(&format!("{name} fell: {reason}"));
     }
 
     /// A part has fallen for good.
@@ -416,14 +449,39 @@ impl Chain {
     }
 
     /// Starts the parts that are due.
-    fn start_those_due(&mut self) -> anyhow::Result<()> {
+    fn start_those_due(&mut self) {
         for part in Part::ALL {
             if self.due[part as usize].is_some_and(|due| due <= Instant::now()) {
-                self.start_anew(part)?;
-                self.listen_to_others();
+                if itself::is_replaced() && !std::mem::replace(&mut self.is_outdated, true) {
+                    eprintln!(
+                        "lariat: its executable was replaced or removed: parts are started anew from the one that runs, until the \
+                         chain is started again"
+                    );
+                }
+                match self.start_anew(part) {
+                    Ok(()) => self.listen_to_others(),
+                    Err(cause) => self.judge_failed_start(part, &cause),
+                }
             }
         }
-        Ok(())
+    }
+
+    /// A process could not be started: a fault like any other.
+    fn judge_failed_start(&mut self, part: Part, cause: &anyhow::Error) {
+        let ending = Some(Ending::Failed(1));
+        let now = Instant::now();
+        match self.restarts.judge(&self.settings.run, ending, false, now) {
+            Verdict::Anew(due) => {
+                self.due[part as usize] = Some(due);
+                let pause_s = due.saturating_duration_since(now).as_secs_f64();
+                eprintln!("lariat: {cause:#}; it is tried again in {pause_s} s");
+                self.herald.trouble(&format!("{cause:#}"));
+            }
+            Verdict::End | Verdict::TooMany(_) => {
+                eprintln!("lariat: {cause:#}");
+                self.give_up(part, ending);
+            }
+        }
     }
 
     fn start_anew(&mut self, part: Part) -> anyhow::Result<()> {

@@ -46,7 +46,8 @@ impl Restarts {
         }
         self.recent
             .retain(|at| now.saturating_duration_since(*at) < run.restart_window);
-        if self.recent.len() >= run.max_restarts as usize {
+        // Who looks after itself does not give up.
+        if self.recent.len() >= run.max_restarts as usize && !run.daemon {
             return Verdict::TooMany(run.max_restarts);
         }
         let pause = match self.recent.len() {
@@ -94,6 +95,21 @@ mod tests {
         let later = begin + Duration::from_secs(11);
         let verdict = restarts.judge(&run, killed, false, later);
         assert_eq!(verdict, Verdict::Anew(later));
+    }
+
+    #[test]
+    fn who_looks_after_itself_tries_again_for_ever_at_the_longest_pause() {
+        let run = Run {
+            daemon: true,
+            ..run(Restart::OnFailure)
+        };
+        let mut restarts = Restarts::default();
+        let now = Instant::now();
+        let mut judge = || restarts.judge(&run, Some(Ending::Failed(1)), false, now);
+        assert_eq!(
+            (0..20).map(|_| judge()).last(),
+            Some(Verdict::Anew(now + LONGEST_PAUSE))
+        );
     }
 
     #[test]

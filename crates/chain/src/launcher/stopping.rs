@@ -8,7 +8,7 @@ use lariat_wire::Domain;
 use rustix::param::clock_ticks_per_second;
 
 use super::child::{Child, Ending};
-use super::{Chain, Part, START_TIMEOUT};
+use super::{Chain, Part};
 use crate::stages::status::{LastWord, Sent};
 
 /// How long a stage may do nothing once it was told to end: what waits for it is worked off first.
@@ -54,7 +54,7 @@ impl Chain {
             if self.due[part as usize].is_none() || !part.is_told_the_last_word() {
                 continue;
             }
-            let end = Instant::now() + START_TIMEOUT;
+            let end = Instant::now() + self.settings.run.start_limit;
             let is_on_its_way = |chain: &Self| {
                 let child = chain.child(part);
                 child.is_some_and(|child| !child.is_ready() && child.ending().is_none())

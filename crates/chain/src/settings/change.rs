@@ -63,7 +63,9 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
         ("capture", "source") if all.iter().any(|s| s.capture.is_external()) => Way::Fixed,
         ("capture", _) if all.iter().all(|s| s.capture.is_external()) => Way::Chain,
         ("capture" | "simulation", _) => Way::Anew(&[Stage::Capture]),
-        ("run", "restart" | "max_restarts" | "restart_window_s" | "hang_s") => Way::Chain,
+        ("run", "restart" | "max_restarts" | "restart_window_s" | "hang_s" | "start_limit_s") => {
+            Way::Chain
+        }
         (
             "run",
             "realtime" | "cpus" | "scheduling" | "priority" | "lock_memory" | "wake" | "spin_us",

@@ -52,6 +52,8 @@ pub struct Run {
     pub restart_window: Duration,
     /// How long a stage may stand still while work waits for it, before it is taken to hang.
     pub hang: Duration,
+    /// How long a stage may take to get ready.
+    pub start_limit: Duration,
     /// Whether a change of the settings file is taken while the chain runs.
     pub watch: bool,
     /// How the stages are arranged on the machine.
@@ -91,6 +93,7 @@ impl Default for Run {
             max_restarts: 10,
             restart_window: Duration::from_secs(60),
             hang: Duration::from_secs(5),
+            start_limit: Duration::from_secs(20),
             watch: false,
             arrangement: Arrangement::default(),
         }

@@ -24,6 +24,9 @@ use crate::stop::Stop;
 /// Told to stop, a frame's mask is waited for no longer than this: the few frames that are left then end in time.
 const AFTER_STOP: Duration = Duration::from_secs(1);
 
+/// After so many frames in a row without one it is said again.
+const IN_A_ROW: u64 = 10;
+
 /// How they are spoken of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words {
@@ -44,6 +47,7 @@ pub(super) struct Companions {
     /// The newest that came. It may be for a frame that is still to come.
     held: Option<Message<[u8]>>,
     late: u64,
+    in_a_row: u64,
     is_told: bool,
 }
 
@@ -68,6 +72,7 @@ impl Companions {
             deadline,
             held: None,
             late: 0,
+            in_a_row: 0,
             is_told: false,
         })
     }
@@ -83,15 +88,21 @@ impl Companions {
         let is_image = |held: &Message<[u8]>| held.header().width > 0;
         let found = came && self.held.as_ref().is_some_and(is_image);
         self.late += u64::from(!found);
-        // Said once: a fault of every frame would fill the screen.
-        if !came && !std::mem::replace(&mut self.is_told, true) {
+        self.in_a_row = if came { 0 } else { self.in_a_row + 1 };
+        // A fault of every frame would fill the screen.
+        let is_first = !came && !std::mem::replace(&mut self.is_told, true);
+        if is_first || self.in_a_row == IN_A_ROW {
+            let row = match is_first {
+                true => String::new(),
+                false => format!(", and {} before it", IN_A_ROW - 1),
+            };
             let Words {
                 what,
                 without,
                 setting,
             } = self.words;
             tracing::warn!(
-                "frame {} {without}: no {what} of it came within {:?} of its capture, or a later frame's came first. Is a \
+                "frame {} {without}{row}: no {what} of it came within {:?} of its capture, or a later frame's came first. Is a \
                  process running that writes {}, and is {setting} long enough for it?",
                 frame.sequence,
                 self.deadline,
