@@ -257,6 +257,28 @@ fn a_lossless_chain_that_is_told_to_end_delivers_all_to_a_reader_that_was_slow()
 }
 
 #[test]
+fn a_lossless_chain_says_what_a_reader_missed_that_stood_still_to_the_end() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--lossless", "--fps", "300", "--duration", "60"]);
+    chain.wait_for_frames();
+    let domain = Domain::named(&bench.domain).expect("a domain");
+    let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
+    let until = Instant::now() + Duration::from_millis(800);
+    while Instant::now() < until {
+        // It takes up its end of the channel, and takes no message.
+        reader.before_poll().expect("a channel");
+        thread::sleep(Duration::from_millis(10));
+    }
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
+    let sentence = "did not reach a reader that stood still while the chain ended";
+    assert!(ended.stderr.contains(sentence), "{}", ended.stderr);
+    drop((reader, domain));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn stages_by_hand_are_as_good_citizens() {
     use std::process::Stdio;
     let bench = Bench::new();

@@ -297,7 +297,7 @@ impl Child {
         match self.ending {
             Some(Ending::Failed(_)) if !self.last_words.is_empty() => self.last_words.clone(),
             Some(ending) => ending.to_string(),
-            None => "it does not get ready".to_owned(),
+            None => "it did not get ready within start_limit_s".to_owned(),
         }
     }
 

@@ -114,7 +114,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         station.status.say(Word::Done);
     }
     station.status.say(Word::Sent(sent));
-    outcome
+    outcome.and_then(|()| station.assert_all_delivered())
 }
 
 /// A source, and the depth camera beside it, if there is one.
@@ -289,19 +289,19 @@ impl Sender<'_> {
         // Whoever has the frame finds its depth.
         if let Some(DepthSlot { size, mut slot }) = depth_slot {
             *slot.header_mut() = header.of_depth(size);
-            slot.send()?;
+            station.note(slot.send()?);
         }
-        slot.send()?;
+        station.note(slot.send()?);
         if let Some(depths) = &mut self.depths {
             depths.sent(&header)?;
         }
         if let Some(mut slot) = truth_slot {
             slot.trace = trace;
-            slot.send()?;
+            station.note(slot.send()?);
         }
         if let Some(mut slot) = truth3_slot {
             slot.trace = trace;
-            slot.send()?;
+            station.note(slot.send()?);
         }
         // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader
         // on the waker's core; but capture goes on to make the next frame. So it lets the reader go first.

@@ -88,7 +88,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
             estate.keep(&slot);
         }
         station.heirloom.note(sent, trace.captured);
-        slot.send()?;
+        station.note(slot.send()?);
         if let Some(left) = left {
             estate.leave(extractor.past(), &left);
         }
@@ -106,7 +106,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         station.status.say(Word::Taken(external.taken()));
     }
     station.status.say(Word::Sent(sent));
-    Ok(())
+    station.assert_all_delivered()
 }
 
 /// The masks of the frames, if the settings ask for masks from elsewhere.

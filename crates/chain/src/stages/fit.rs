@@ -74,13 +74,13 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         slot.trace.fitted = sent.count;
         slot.trace.fitted_ns = now_ns();
         station.heirloom.note(sent, slot.trace.extracted);
-        slot.send()?;
+        station.note(slot.send()?);
     }
     if let Some(space) = space {
         space.tell_of_missing(&mut station);
     }
     station.status.say(Word::Sent(sent));
-    Ok(())
+    station.assert_all_delivered()
 }
 
 /// The ropes in space, where there is a depth camera or a second one.
@@ -170,7 +170,7 @@ impl Space {
         slot.trace.settings = station.version;
         self.fitter.answer(seen, companion, &mut slot);
         (slot.trace.fitted, slot.trace.fitted_ns) = (fitted, now_ns());
-        slot.send()?;
+        station.note(slot.send()?);
         Ok(())
     }
 }

@@ -57,6 +57,8 @@ pub struct Station {
     settings: String,
     /// The channel that it was made a reader of.
     reads: Cell<Option<&'static str>>,
+    /// How many of its messages a reader did not get that it waited for.
+    undelivered: Cell<u64>,
     announcement: Option<Announcement>,
 }
 
@@ -98,6 +100,27 @@ impl Station {
         })
     }
 
+    /// Notes whether a message that was sent reached all readers.
+    pub fn note(&self, is_delivered: bool) {
+        let undelivered = self.undelivered.get() + u64::from(!is_delivered);
+        self.undelivered.set(undelivered);
+    }
+
+    /// The last word of a stage that sends.
+    ///
+    /// # Errors
+    /// A reader did not get all that was sent, because it stood still while the chain ended.
+    pub fn assert_all_delivered(&self) -> anyhow::Result<()> {
+        match self.undelivered.get() {
+            0 => Ok(()),
+            count => anyhow::bail!(
+                "{}: {count} message{} did not reach a reader that stood still while the chain ended, although the chain is lossless",
+                self.name,
+                if count == 1 { "" } else { "s" }
+            ),
+        }
+    }
+
     /// Of what stands beside the stages, under a name, and has no place of its own on the machine.
     pub fn beside(
         settings: &Settings,
@@ -132,6 +155,7 @@ impl Station {
             name,
             settings: settings.text(),
             reads: Cell::new(None),
+            undelivered: Cell::default(),
             announcement: None,
         })
     }

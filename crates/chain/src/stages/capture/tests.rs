@@ -168,6 +168,7 @@ pub(super) fn station(rig: &str, stop: Stop) -> Station {
         name: "capture",
         settings: String::new(),
         reads: Default::default(),
+        undelivered: Default::default(),
         announcement: None,
     }
 }
