@@ -101,6 +101,9 @@ struct CommonArgs {
     /// Camera chain (default: `default`, or the only one there is)
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
+    /// Wait for the chain if it is not running yet
+    #[arg(long)]
+    wait: bool,
     /// Print JSON objects, one a line
     #[arg(long)]
     json: bool,
@@ -211,6 +214,14 @@ impl Place {
     /// The channel on the rig that was asked for; an error if there is no such rig.
     fn find(args: &CommonArgs, channel: ChannelName) -> Result<Self> {
         let domain = Domain::open()?;
+        if args.wait {
+            let rig = args.rig.clone().unwrap_or_default();
+            return Ok(Self {
+                domain,
+                rig,
+                channel,
+            });
+        }
         let states = domain.channels()?;
         let rig = choose_rig(args.rig.clone(), &states)?;
         let on_rig = states.iter().filter(|state| state.rig == rig);
@@ -250,7 +261,7 @@ fn choose_rig(wanted: Option<Rig>, states: &[ChannelState]) -> Result<Rig> {
         names.join(", ")
     };
     match wanted {
-        _ if rigs.is_empty() => Err(nothing_runs()),
+        _ if rigs.is_empty() => Err(nothing_runs(", or wait for it with --wait")),
         Some(rig) if rigs.contains(&&rig) => Ok(rig),
         Some(rig) => bail!("there is no rig {rig} here: there is {}", names()),
         None if rigs.contains(&&Rig::default()) => Ok(Rig::default()),
@@ -288,13 +299,14 @@ impl Titled {
 }
 
 /// What is said where no rig is to be seen.
-fn nothing_runs() -> anyhow::Error {
+fn nothing_runs(hint: &str) -> anyhow::Error {
     let domain = match std::env::var("LARIAT_DOMAIN") {
         Ok(name) => format!(" in the domain {name}, which LARIAT_DOMAIN names"),
         Err(_) => String::new(),
     };
     anyhow::anyhow!(
-        "no chain is running{domain}: start one with `lariat run`{}",
+        "no chain is running{domain}: start one with `lariat run`{}{}",
+        hint,
         if domain.is_empty() {
             " (one that another user started is seen by that user only, and one with LARIAT_DOMAIN with the same \
              LARIAT_DOMAIN)"

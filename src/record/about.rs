@@ -2,7 +2,6 @@
 //! that they name, so that a replay needs nothing else.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use lariat_record::{Clock, Ended, Recorder};
@@ -11,6 +10,7 @@ use lariat_wire::{Member, members, now_ns};
 use toml::{Table, Value};
 
 use super::STAGE;
+use lariat_chain::bounded;
 use lariat_chain::recorded::versioned_name;
 use lariat_chain::settings::{
     COMPRESSIONS, Camera, FILE_NAME, IMAGES, Settings, settings_of, version_line, version_of,
@@ -145,7 +145,7 @@ fn attach_file(
     called: &str,
     media_type: &'static str,
 ) -> Result<(), Ended> {
-    match fs::read(path) {
+    match bounded::read(path, bounded::LONGEST_TEXT) {
         Ok(bytes) => to.attach(called, media_type, now_ns(), bytes),
         Err(cause) => {
             tracing::warn!(

@@ -81,6 +81,10 @@ LimitMEMLOCK=infinity
 # Processes find each other in /tmp and /dev/shm: with a /tmp of its own the chain would be alone.
 PrivateTmp=no
 {fences}NoNewPrivileges=yes
+UMask=0077
+# A chain has some thirty threads, and needs 0.1 to 1 GB by the size of its pictures.
+TasksMax=256
+MemoryMax=75%
 RestrictAddressFamilies=AF_UNIX
 RestrictNamespaces=yes
 RestrictSUIDSGID=yes
@@ -115,6 +119,7 @@ ProtectKernelLogs=yes
 ProtectKernelModules=yes
 ProtectKernelTunables=yes
 CapabilityBoundingSet=
+IPAddressDeny=any
 # Cameras, also those that are plugged in later.
 DevicePolicy=closed
 DeviceAllow=char-81 rw

@@ -76,7 +76,7 @@ pub(super) fn run(args: &ListArgs) -> Result<ExitCode> {
             rigs: rigs(&shown, &members),
         })? + "\n"
     } else if shown.is_empty() {
-        return Err(nothing_runs());
+        return Err(nothing_runs(""));
     } else {
         as_table(&rigs(&shown, &members))
     };

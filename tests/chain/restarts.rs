@@ -1,8 +1,9 @@
 //! Stages that are started anew in their place, and settings that change, while the rest of a chain goes on.
 
 use std::fs;
+use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
-use std::os::unix::net::UnixDatagram;
+use std::os::unix::net::{UnixDatagram, UnixStream};
 use std::process::Output;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -460,7 +461,7 @@ fn stages_are_started_anew_from_the_file_that_runs_though_another_took_its_place
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
-    let sentence = "its executable was replaced or removed";
+    let sentence = "the executable was replaced or removed";
     assert_eq!(
         ended.stderr.matches(sentence).count(),
         1,
@@ -512,10 +513,10 @@ fn settings_that_a_stage_does_not_start_with_are_taken_back_and_the_answer_says_
         let text = String::from_utf8_lossy(&refused.stderr);
         let says = |part| text.contains(part);
         assert!(
-            says("capture does not start with it: ") && says(why),
+            says("capture cannot start with this change: ") && says(why),
             "{text}"
         );
-        assert!(says("; the settings stay as they were"), "{text}");
+        assert!(says("; the previous settings stay in force"), "{text}");
     }
     let holds = String::from_utf8(bench.run(&["set"]).stdout).unwrap();
     assert!(
@@ -533,5 +534,27 @@ fn settings_that_a_stage_does_not_start_with_are_taken_back_and_the_answer_says_
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     bench.assert_every_frame_is_accounted_for("out");
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn clients_that_say_nothing_hold_up_neither_the_chain_nor_others() {
+    let bench = Bench::new();
+    let mut chain = start(&bench, &["--fps", "50"]);
+    chain.wait_for_frames();
+    let socket = format!("/tmp/lariat-{}/lariat-roster/default.control", bench.domain);
+    let silent: Vec<_> = (0..20)
+        .map(|_| UnixStream::connect(&socket).unwrap())
+        .collect();
+    let said = bench.run(&["set", "fit.control_points=7"]);
+    assert!(said.status.success(), "{said:?}");
+    for mut client in silent {
+        let mut answer = String::new();
+        client.read_to_string(&mut answer).unwrap();
+        assert_eq!(answer, "refused\nthe request did not end\n");
+    }
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     bench.assert_nothing_is_left();
 }

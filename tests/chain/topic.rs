@@ -184,3 +184,22 @@ fn who_follows_a_channel_goes_with_the_chain_and_comes_back_with_the_next_howeve
     assert!(again.end().status.success());
     bench.assert_nothing_is_left();
 }
+
+#[test]
+fn who_waits_may_start_before_the_chain() {
+    let bench = Bench::new();
+    let early = bench.run(&["topic", "echo", "--once"]);
+    assert_eq!(early.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&early.stderr).into_owned();
+    assert!(said.contains("--wait"), "{said}");
+    let mut command = bench.command(&["topic", "echo", "--once", "--json", "--wait"]);
+    let waiting = command.stdout(Stdio::piped()).spawn().unwrap();
+    let chain = bench.start(&["--fps", "50"]);
+    let seen = waiting.wait_with_output().unwrap();
+    assert!(seen.status.success());
+    let text = String::from_utf8(seen.stdout).unwrap();
+    assert!(text.contains("\"sequence\""), "{text}");
+    chain.signal_chain(Signal::INT);
+    assert!(chain.end().status.success());
+    bench.assert_nothing_is_left();
+}

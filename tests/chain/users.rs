@@ -3,8 +3,9 @@
 //! Only root can be two users: elsewhere these tests say that they were left out.
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::os::unix::process::CommandExt;
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, SystemTime};
 
@@ -75,6 +76,84 @@ fn two_users_run_the_same_rig_at_once_and_neither_sees_the_other() {
         assert!(ended.status.success(), "{}", ended.stderr);
         bench.assert_nothing_is_left();
     }
+}
+
+#[test]
+fn a_file_that_another_user_put_into_a_domain_is_named_and_removed_by_root() {
+    let Some([user, other]) = users() else { return };
+    let bench = bench_of(user + 2_500);
+    let run = || {
+        let mut command = command_of(&bench, &["run", "--source", "rendered", "--frames", "3"]);
+        command.output().expect("the binary runs")
+    };
+    // The transport's own file, made beforehand, held all that joined.
+    let name = format!(
+        "lariat_{}_9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt",
+        bench.domain
+    );
+    let file = Path::new("/dev/shm").join(name);
+    fs::write(&file, [0; 16]).expect("root may");
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o666)).expect("root may");
+    chown(&file, Some(other), Some(other)).expect("root may");
+    let refused = run();
+    assert_eq!(refused.status.code(), Some(1), "{}", text(&refused));
+    let said = text(&refused);
+    let whose = format!("belongs to user {other}");
+    for word in [&whose[..], "sudo lariat doctor --clean"] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+    let root = Bench::new();
+    let cleaned = root.run(&["doctor", "--clean"]);
+    assert!(!file.exists(), "{}", text(&cleaned));
+    let ran = run();
+    assert!(ran.status.success(), "{}", text(&ran));
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn nothing_of_a_running_chain_is_open_to_other_users() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--source", "rendered"]);
+    chain.wait_for_frames();
+    let prefix = format!("lariat_{}_", bench.domain);
+    let shared = fs::read_dir("/dev/shm").expect("shared memory").flatten();
+    let own: Vec<_> = shared
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+        .collect();
+    assert!(own.len() > 10);
+    for entry in own {
+        let mode = entry.metadata().expect("there").mode();
+        assert_eq!(mode & 0o077, 0, "{entry:?}");
+    }
+    let folder = fs::metadata(format!("/tmp/lariat-{}", bench.domain)).expect("there");
+    assert_eq!(folder.mode() & 0o077, 0);
+    chain.signal_chain(Signal::INT);
+    assert!(chain.end().status.success());
+    bench.assert_nothing_is_left();
+}
+
+#[test]
+fn settings_that_another_user_put_into_the_folder_are_not_read_unless_they_are_named() {
+    let Some([user, other]) = users() else { return };
+    let bench = bench_of(user + 1_250);
+    let settings = bench.path("lariat.toml");
+    fs::write(&settings, "[fit]\nno_such_setting = 1\n").expect("root may");
+    chown(&settings, Some(other), Some(other)).expect("root may");
+    let run = |more: &[&str]| {
+        let arguments = [&["run", "--source", "rendered", "--frames", "3"], more].concat();
+        command_of(&bench, &arguments)
+            .output()
+            .expect("the binary runs")
+    };
+    let ran = run(&[]);
+    let said = text(&ran);
+    assert!(ran.status.success(), "{said}");
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sentence = format!("lariat.toml in this folder belongs to user {other}, and is not read");
+    assert!(words.contains(&sentence), "{words}");
+    let named = run(&["--config", "lariat.toml"]);
+    assert_eq!(named.status.code(), Some(2), "{}", text(&named));
+    bench.assert_nothing_is_left();
 }
 
 #[test]

@@ -10,6 +10,7 @@ use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use lariat_chain::bounded;
 use lariat_wire::Rig;
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 use ring::hkdf::{HKDF_SHA256, Salt};
@@ -42,7 +43,7 @@ impl Key {
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let shown = path.display();
         let text =
-            fs::read_to_string(path).with_context(|| format!("the key {shown} cannot be read"))?;
+            bounded::read_text(path).with_context(|| format!("the key {shown} cannot be read"))?;
         let mode = fs::metadata(path)
             .with_context(|| format!("the key {shown} cannot be read"))?
             .mode();

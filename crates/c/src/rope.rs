@@ -266,7 +266,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         }
         LARIAT_LOST => c"the rope is out of sight",
         LARIAT_STALE => c"the last image of the rope is too old",
-        LARIAT_NOTHING_YET => c"nothing came yet: the chain does not run, or has just been joined",
+        LARIAT_NOTHING_YET => c"nothing came yet: the chain does not run, waits for its source or its masks, or has just been joined",
         LARIAT_NOTHING_LATELY => c"nothing came lately: the chain stands still, or has ended",
         LARIAT_NO_IMAGE => c"the camera gives no image",
         LARIAT_NO_ROPE => c"there is no such rope in the image",

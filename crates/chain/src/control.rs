@@ -15,11 +15,13 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::exit::{is_wrong_use, wrong_use};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use lariat_wire::{Rig, control_socket};
 
 /// The largest request or answer, in bytes.
 const LARGEST: u64 = 1 << 20;
+/// Clients whose requests are read at a time; others wait.
+const MOST_CLIENTS: usize = 32;
 /// How long one waits for the other: the chain for a client that is slow to ask, a client for a chain that is starting a stage.
 const ASKING: Duration = Duration::from_secs(1);
 const ANSWERING: Duration = Duration::from_secs(10);
@@ -106,10 +108,12 @@ pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
     }
 }
 
-/// The chain's end: where it is asked.
+/// The chain's end: where it is asked. It never waits for a client.
 #[derive(Debug)]
 pub struct Control {
     listener: UnixListener,
+    /// Clients that have not ended their request.
+    asking: Vec<Client>,
     path: PathBuf,
     /// Device and number of the socket: another chain may make one of the same name, when this one's was removed.
     file: [u64; 2],
@@ -138,6 +142,7 @@ impl Control {
         let file = file_at(&path).context("the socket is gone")?;
         Ok(Self {
             listener,
+            asking: Vec::new(),
             path,
             file,
         })
@@ -148,16 +153,43 @@ impl Control {
         file_at(&self.path) == Some(self.file)
     }
 
-    /// The next that asks, if one waits.
-    pub fn next(&self) -> Option<Client> {
-        let (stream, _) = self.listener.accept().ok()?;
-        Some(Client(stream))
+    /// The next client that has ended its request, and what it asks for; an error: it has not within a second, or asks for nothing
+    /// that can be done.
+    pub fn next_request(&mut self) -> Option<(Client, Result<Asked>)> {
+        self.next_at(Instant::now())
     }
-}
 
-impl AsFd for Control {
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.listener.as_fd()
+    fn next_at(&mut self, now: Instant) -> Option<(Client, Result<Asked>)> {
+        while self.has_room()
+            && let Ok((stream, _)) = self.listener.accept()
+        {
+            self.asking.extend(Client::of(stream));
+        }
+        let mut done = None;
+        for (at, client) in self.asking.iter_mut().enumerate() {
+            if let Some(asked) = client.asked(now) {
+                done = Some((at, asked));
+                break;
+            }
+        }
+        let (at, asked) = done?;
+        Some((self.asking.swap_remove(at), asked))
+    }
+
+    fn has_room(&self) -> bool {
+        self.asking.len() < MOST_CLIENTS
+    }
+
+    /// Readable when [`next_request`](Self::next_request) has something to do.
+    pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
+        let listener = self.has_room().then(|| self.listener.as_fd());
+        let clients = self.asking.iter().map(|client| client.stream.as_fd());
+        listener.into_iter().chain(clients)
+    }
+
+    /// When a client has asked for too long.
+    pub fn deadline(&self) -> Option<Instant> {
+        self.asking.iter().map(|client| client.until).min()
     }
 }
 
@@ -176,27 +208,42 @@ fn file_at(path: &Path) -> Option<[u64; 2]> {
 
 /// One that asks.
 #[derive(Debug)]
-pub struct Client(UnixStream);
+pub struct Client {
+    stream: UnixStream,
+    /// What it has said so far.
+    text: Vec<u8>,
+    /// By when its request is to end.
+    until: Instant,
+}
 
 impl Client {
-    /// What it asks for.
-    ///
-    /// # Errors
-    /// It does not say within a second, or nothing that can be done.
-    pub fn asked(&mut self) -> Result<Asked> {
-        let end = Instant::now() + ASKING;
-        let (mut text, mut bytes) = (Vec::new(), [0; 4096]);
+    fn of(stream: UnixStream) -> Option<Self> {
+        stream.set_nonblocking(true).ok()?;
+        Some(Self {
+            stream,
+            text: Vec::new(),
+            until: Instant::now() + ASKING,
+        })
+    }
+
+    /// What it asks for; `None`: it has not ended its request.
+    fn asked(&mut self, now: Instant) -> Option<Result<Asked>> {
+        let mut bytes = [0; 4096];
         loop {
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() || text.len() as u64 > LARGEST {
-                bail!("the request did not end");
-            }
-            self.0.set_read_timeout(Some(left))?;
-            match self.0.read(&mut bytes) {
-                Ok(0) => return Asked::of_text(&String::from_utf8(text)?),
-                Ok(count) => text.extend(&bytes[..count]),
+            match self.stream.read(&mut bytes) {
+                Ok(0) => {
+                    let text = String::from_utf8_lossy(&self.text);
+                    return Some(Asked::of_text(&text));
+                }
+                Ok(count) => self.text.extend(&bytes[..count]),
                 Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
-                Err(_) => bail!("the request did not end"),
+                Err(cause) if cause.kind() == ErrorKind::WouldBlock && now < self.until => {
+                    return None;
+                }
+                Err(_) => return Some(Err(anyhow!("the request did not end"))),
+            }
+            if self.text.len() as u64 > LARGEST {
+                return Some(Err(anyhow!("the request is too long")));
             }
         }
     }
@@ -209,7 +256,37 @@ impl Client {
             Err(why) => format!("refused\n{why:#}\n"),
         };
         // One that is gone need not be told.
-        let _ = self.0.set_write_timeout(Some(ASKING));
-        let _ = self.0.write_all(text.as_bytes());
+        let _ = self.stream.set_nonblocking(false);
+        let _ = self.stream.set_write_timeout(Some(ASKING));
+        let _ = self.stream.write_all(text.as_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_client_that_says_nothing_holds_nobody_up_and_is_told_at_its_end() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("default.control");
+        let mut control = Control::at(path.clone()).expect("a socket");
+        let now = Instant::now();
+        let mut silent = UnixStream::connect(&path).expect("it listens");
+        assert!(control.next_at(now).is_none());
+        let mut other = UnixStream::connect(&path).expect("it listens");
+        other.write_all(b"restart fit\n").expect("it reads");
+        other.shutdown(Shutdown::Write).expect("it reads");
+        let (client, asked) = control.next_at(now).expect("the other");
+        assert_eq!(asked.expect("a request"), Asked::Restart("fit".to_owned()));
+        client.answer(Ok("done\n".to_owned()));
+        assert!(control.next_at(now).is_none());
+        assert_eq!(control.descriptors().count(), 2);
+        let late = control.deadline().expect("one asks still");
+        let (client, asked) = control.next_at(late).expect("the silent one");
+        client.answer(asked.map(|_| String::new()));
+        let mut answer = String::new();
+        silent.read_to_string(&mut answer).expect("an answer");
+        assert_eq!(answer, "refused\nthe request did not end\n");
     }
 }

@@ -1,7 +1,7 @@
-//! This program, started again: by the file that runs, and not by its path.
+//! Starting this program again: from the running executable, not from its path.
 //!
-//! An upgrade puts another file in the place of the one that runs, or removes it. The kernel keeps that file as long as it runs, and
-//! `/proc/self/exe` leads to it: so all processes of a chain are of one version, whatever happens to the path meanwhile.
+//! An upgrade replaces or removes the file at that path. The kernel keeps the running file, and `/proc/self/exe` refers to it. So all
+//! processes of a chain have the same version.
 
 use std::os::unix::process::CommandExt;
 use std::process::Command;
@@ -17,8 +17,8 @@ pub fn command() -> Command {
     command
 }
 
-/// Whether the file that runs is no longer where it was started from.
+/// True if the running executable is no longer at its path.
 pub fn is_replaced() -> bool {
-    // The kernel adds a word to the path of a file that was removed or replaced.
+    // The kernel appends " (deleted)" to the path of a file that was removed or replaced.
     std::fs::read_link(EXECUTABLE).is_ok_and(|path| !path.exists())
 }

@@ -1,8 +1,10 @@
 //! A picture that was dropped on the page, traced as `lariat trace` would: by the settings of the chain that is shown, or without any.
 
-use std::io::Write as _;
+use std::io::{Cursor, Write as _};
+use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use image::ImageReader;
 use lariat_chain::picture::Picture;
 use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
 use lariat_chain::settings::{Camera, Settings};
@@ -13,6 +15,11 @@ use tempfile::NamedTempFile;
 
 use crate::moment::{Image, Moment};
 
+/// Pixels of the largest picture that is traced here: three times those of a 4K camera.
+const MOST_PIXELS: u64 = 25_000_000;
+/// One picture is traced at a time: each takes some hundred megabytes.
+static TRACING: Mutex<()> = Mutex::new(());
+
 /// The number of such a moment: no frame's.
 const NUMBER: u64 = 0;
 
@@ -21,6 +28,8 @@ const NUMBER: u64 = 0;
 /// # Errors
 /// It is no picture, or cannot be traced.
 pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
+    let _one = TRACING.lock().unwrap_or_else(PoisonError::into_inner);
+    require_moderate(file)?;
     // Curves are drawn over the picture; the camera is another; and there are no masks from elsewhere.
     settings.camera = Camera::default();
     settings.fit.filter = false;
@@ -61,6 +70,19 @@ pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
     Ok(moment)
 }
 
+/// A small file may hold a picture of many gigabytes.
+fn require_moderate(file: &[u8]) -> Result<()> {
+    let reader = ImageReader::new(Cursor::new(file)).with_guessed_format()?;
+    // What has no size that can be read is refused when it is decoded.
+    let (width, height) = reader.into_dimensions().unwrap_or_default();
+    ensure!(
+        u64::from(width) * u64::from(height) <= MOST_PIXELS,
+        "the picture has {width}×{height} pixels, and the page takes at most {} million: `lariat trace FILE` reads larger ones",
+        MOST_PIXELS / 1_000_000
+    );
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,5 +96,16 @@ mod tests {
         assert!(moment.said().contains("\"ropes\":[{"));
         assert!(trace(b"no picture", Settings::default()).is_err());
         assert!(trace(&picture[..3000], Settings::default()).is_err());
+    }
+
+    #[test]
+    fn a_small_file_of_a_huge_picture_is_refused_before_it_is_decoded() {
+        let mut file = Vec::new();
+        let white = image::GrayImage::from_pixel(9000, 3000, image::Luma([255]));
+        (white.write_to(&mut Cursor::new(&mut file), image::ImageFormat::Png)).unwrap();
+        let Err(why) = trace(&file, Settings::default()) else {
+            panic!("it was traced");
+        };
+        assert!(why.to_string().contains("9000×3000 pixels"), "{why}");
     }
 }

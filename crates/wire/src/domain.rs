@@ -86,19 +86,20 @@ impl Domain {
         let config = config_of(name)?;
         owner::require_own(name, &root_of(&config))?;
         memory::require_shared_memory()?;
-        let (door, _passing) = Door::enter(&config)?;
+        owner::require_own_memory(&tidy::shared_memory(&config))?;
+        let (door, passing) = Door::enter(&config)?;
+        tidy::remove_counter(&config, &passing);
         let node = NodeBuilder::new()
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(|cause| match cause {
-                iceoryx2::node::NodeCreationFailure::InsufficientPermissions => {
-                    WireError::Permission {
-                        channel: "the domain".into(),
-                    }
-                }
-                cause => WireError::transport("joining the domain", cause),
-            })?;
+            .create::<ipc::Service>();
+        tidy::remove_counter(&config, &passing);
+        let node = node.map_err(|cause| match cause {
+            iceoryx2::node::NodeCreationFailure::InsufficientPermissions => WireError::Permission {
+                channel: "the domain".into(),
+            },
+            cause => WireError::transport("joining the domain", cause),
+        })?;
         Ok(Self {
             node: door.keep(node),
             door,

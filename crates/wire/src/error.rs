@@ -38,6 +38,17 @@ pub enum WireError {
         /// Whose it is.
         owner: String,
     },
+    /// Another user put a file where the domain's shared memory is.
+    #[error(
+        "{file} belongs to {owner}, and lies where this domain's shared memory is: have it removed with 'sudo lariat doctor --clean', \
+         or choose another domain with LARIAT_DOMAIN=NAME"
+    )]
+    Intruder {
+        /// The file.
+        file: String,
+        /// Whose it is.
+        owner: String,
+    },
     /// The domain's folder cannot be used.
     #[error("{folder} cannot be used ({cause}): make it a folder of yours, or remove it")]
     Folder {

@@ -107,6 +107,7 @@ fn is_shared_place_left() -> bool {
 pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     let left = leftovers();
     let mut kept = Vec::new();
+    remove_intruders(&mut kept);
     for of in &left {
         let before = kept.len();
         let root = config(of.domain.as_deref()).map(|config| root_of(&config));
@@ -142,6 +143,29 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
         sweep_dead(domain.as_deref());
     }
     (left, kept)
+}
+
+/// Removes what users put into the shared memory of domains that are not theirs.
+fn remove_intruders(kept: &mut Vec<(PathBuf, io::Error)>) {
+    let me = owner::this_user();
+    for (domain, entry) in shared_files() {
+        let owner = domain.as_deref().and_then(owner_of);
+        let (Some(owner), Ok(data)) = (owner, entry.metadata()) else {
+            continue;
+        };
+        if data.uid() != owner && (me == owner || me == 0) {
+            remove(&entry.path(), kept);
+        }
+    }
+}
+
+/// Whose a domain is: the user's whose number it is, or the one's who has its folder.
+fn owner_of(domain: &str) -> Option<u32> {
+    let folder = || {
+        let root = root_of(&config_of(domain).ok()?);
+        fs::symlink_metadata(root).ok().map(|data| data.uid())
+    };
+    domain.parse().ok().or_else(folder)
 }
 
 /// The domains that have a folder.

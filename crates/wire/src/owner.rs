@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::WireError;
 
@@ -43,6 +43,22 @@ pub(crate) fn require_own(name: &str, folder: &Path) -> Result<(), WireError> {
         }),
         _ => require_closed(folder),
     }
+}
+
+/// The files where the domain's shared memory is are this user's, all of them.
+pub(crate) fn require_own_memory(files: &[PathBuf]) -> Result<(), WireError> {
+    let me = this_user();
+    for file in files {
+        // What is gone meanwhile was no intruder's to stay.
+        let owner = fs::symlink_metadata(file).map_or(me, |data| data.uid());
+        if owner != me {
+            return Err(WireError::Intruder {
+                file: file.display().to_string(),
+                owner: user_name(owner),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// It is a folder, and no other user can put anything into it.

@@ -159,7 +159,9 @@ impl<'a> LastKnown<'a> {
 #[non_exhaustive]
 pub enum Absent {
     /// No message has come since the reader was opened.
-    #[error("nothing came yet: the chain does not run, or has just been joined")]
+    #[error(
+        "nothing came yet: the chain does not run, waits for its source or its masks, or has just been joined"
+    )]
     NothingYet,
     /// The last message is older than was asked for, and this rope is not in it.
     #[error("nothing came lately: the chain stands still, or has ended")]

@@ -190,6 +190,23 @@ fn remove_left_ports(domain: &Paths, tags: &BTreeSet<String>, services: &BTreeSe
     }
 }
 
+/// A domain's files in shared memory.
+pub(crate) fn shared_memory(config: &Config) -> Vec<PathBuf> {
+    Paths::new(config).shared()
+}
+
+/// Removes the file in which the transport counts nodes while it makes one. It opens it for all users, for reading and writing, and
+/// whoever changes it keeps all others of the domain from joining. Nobody needs it: a node's number has the process's id and the time
+/// in it, and nodes are made one after another.
+pub(crate) fn remove_counter(config: &Config, _passing: &Passing) {
+    let ending = config.global.node.global_mgmt_suffix.to_string();
+    for path in shared_memory(config) {
+        if path.to_string_lossy().ends_with(&ending) {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
 /// A service's number, as the text of its file has it in two halves.
 fn service_id(text: &str) -> Option<u128> {
     let half = |name: &str| {

@@ -1,7 +1,7 @@
 //! What others ask of a chain that runs, and settings that change.
 //!
-//! Settings that need a stage to start anew are tried: if it does not get ready with them, the settings of before hold again, the stage
-//! starts with those, and who asked is told why.
+//! A change that restarts a stage is tried first. If the stage does not become ready, the previous settings apply again, the stage restarts
+//! with them, and the client learns the reason.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,20 +15,20 @@ use crate::exit::wrong_use;
 use crate::pipeline::{CurveFitter, FrameExtractor};
 use crate::settings::{FILE_NAME, Flags, Settings};
 
-/// The parts that settings can start anew.
+/// Stages that a change of settings can restart.
 const TRIED: [Part; 4] = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
 
-/// Settings that are being tried.
+/// A change of settings that is being tried.
 pub(super) struct Trial {
-    /// Which of [`TRIED`] were told to start anew.
+    /// Which of [`TRIED`] restart.
     anew: [bool; 4],
     flags_before: Flags,
     before: Arc<Settings>,
-    /// Who asked, if it was another process.
+    /// The client that asked for the change; `None` for an edited file.
     client: Option<Client>,
-    /// What it is told if they start.
+    /// The answer if all of them start.
     answer: String,
-    /// When a part that is not ready has failed.
+    /// Deadline for them to become ready.
     pub(super) until: Instant,
 }
 
@@ -57,9 +57,8 @@ impl Chain {
     /// Does what others ask for.
     pub(super) fn answer_others(&mut self) {
         while self.trial.is_none()
-            && let Some(mut client) = self.control.as_ref().and_then(Control::next)
+            && let Some((client, asked)) = self.control.as_mut().and_then(Control::next_request)
         {
-            let asked = client.asked();
             let answer = match asked {
                 Ok(Asked::Settings) => Ok(self.settings.text()),
                 Ok(Asked::File) => self.file_path(),
@@ -80,7 +79,7 @@ impl Chain {
         !is_on_its_way && self.child(part).is_some_and(is_up)
     }
 
-    /// Sees whether the settings that are tried let all parts start, or take too long.
+    /// Accepts a change that is being tried once its stages are ready; takes it back when it takes too long.
     pub(super) fn judge_trial(&mut self) {
         let Some(trial) = &self.trial else { return };
         if trial.parts().all(|part| self.is_up(part)) {
@@ -97,14 +96,14 @@ impl Chain {
         }
     }
 
-    /// Whether this part ended before it was ready with settings that are tried.
+    /// True if this part ended before it was ready, while a change that restarts it is being tried.
     pub(super) fn is_tried_in_vain(&self, part: Part) -> bool {
         let is_tried = |trial: &Trial| trial.parts().any(|tried| tried == part);
         let has_ended = |child: &Child| child.ending().is_some() && !child.is_ready();
         self.trial.as_ref().is_some_and(is_tried) && self.child(part).is_some_and(has_ended)
     }
 
-    /// The settings that are tried do not start: those of before hold again, and the parts start anew with them.
+    /// Takes a change back: the previous settings apply again, and the stages restart with them.
     pub(super) fn take_back(&mut self) {
         let Some(trial) = self.trial.take() else {
             return;
@@ -112,13 +111,13 @@ impl Chain {
         let failed = trial.parts().find(|part| !self.is_up(*part));
         let why = failed.and_then(|part| self.child(part)).map(|child| {
             format!(
-                "{} does not start with it: {}",
+                "{} cannot start with this change: {}",
                 child.part.name(),
                 child.reason()
             )
         });
         let why = format!(
-            "{}; the settings stay as they were",
+            "{}; the previous settings stay in force",
             why.unwrap_or_default().trim_end_matches('.')
         );
         let mut settings = Settings::clone(&trial.before);
@@ -134,7 +133,7 @@ impl Chain {
         }
     }
 
-    /// Has these settings hold, and tells them to all parts.
+    /// Applies settings and sends them to all parts.
     fn hand_out(&mut self, settings: Settings) {
         let text = settings.text();
         self.settings = Arc::new(settings);

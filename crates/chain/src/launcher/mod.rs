@@ -325,24 +325,27 @@ impl Chain {
 
     /// Sleeps until a stage says something or ends, and takes note of it.
     fn listen(&mut self, deadline: Option<Instant>, stop: Option<&Stop>) -> anyhow::Result<()> {
+        // Others wait until a change has been tried.
+        let control = self.control.as_ref();
+        let control = control.filter(|_| stop.is_some() && self.trial.is_none());
+        let deadline = deadline
+            .into_iter()
+            .chain(control.and_then(Control::deadline))
+            .min();
         let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
         let left = left.and_then(|left| Timespec::try_from(left).ok());
         let others = [
             stop.map(AsFd::as_fd),
-            self.control
-                .as_ref()
-                // Others wait until a change has been tried.
-                .filter(|_| stop.is_some() && self.trial.is_none())
-                .map(AsFd::as_fd),
             self.file
                 .as_ref()
-                .filter(|_| stop.is_some())
+                .filter(|_| stop.is_some() && self.trial.is_none())
                 .map(AsFd::as_fd),
         ];
         let mut descriptors: Vec<PollFd> = self
             .stages()
             .filter_map(Child::line)
             .chain(others.into_iter().flatten())
+            .chain(control.into_iter().flat_map(Control::descriptors))
             .map(|line| PollFd::from_borrowed_fd(line, PollFlags::IN))
             .collect();
         match poll(&mut descriptors, left.as_ref()) {
@@ -454,8 +457,8 @@ impl Chain {
             if self.due[part as usize].is_some_and(|due| due <= Instant::now()) {
                 if itself::is_replaced() && !std::mem::replace(&mut self.is_outdated, true) {
                     eprintln!(
-                        "lariat: its executable was replaced or removed: parts are started anew from the one that runs, until the \
-                         chain is started again"
+                        "lariat: the executable was replaced or removed: stages keep restarting from the running version until \
+                         you restart the chain"
                     );
                 }
                 match self.start_anew(part) {

@@ -5,6 +5,8 @@ use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::{Origin, Problems};
 use crate::settings::{FILE_NAME, meaning, renamed};
 use anyhow::{Context, Result};
+use lariat_wire::user_name;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
@@ -16,12 +18,29 @@ pub(super) struct Entry {
     pub(super) origin: Origin,
 }
 
-/// The file to read: the one that is named, else `lariat.toml` where there is one.
+/// The file to read: the one that is named, else `lariat.toml` where there is one, unless another user put it there.
 pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
-    match named {
-        Some(path) => Some(path.to_owned()),
-        None => Some(PathBuf::from(FILE_NAME)).filter(|path| path.exists()),
+    if let Some(path) = named {
+        return Some(path.to_owned());
     }
+    let path = PathBuf::from(FILE_NAME);
+    let owner = std::fs::metadata(&path).ok()?.uid();
+    if is_trusted(owner) {
+        return Some(path);
+    }
+    // Settings name files that are written and programs that are reached.
+    tracing::warn!(
+        "{FILE_NAME} in this folder belongs to {}, and is not read: if you trust it, name it (--config {FILE_NAME})",
+        user_name(owner)
+    );
+    None
+}
+
+/// Whether a file of this user is taken without being named: one's own, root's, and, with sudo, the caller's.
+fn is_trusted(owner: u32) -> bool {
+    let me = rustix::process::geteuid().as_raw();
+    let caller = || std::env::var("SUDO_UID").ok()?.parse::<u32>().ok();
+    owner == me || owner == 0 || me == 0 && caller() == Some(owner)
 }
 
 /// The settings in the file at `path`; what is not a valid setting goes to `problems`.

@@ -84,14 +84,14 @@ pub(super) const KEYS: &[Key] = keys! {
         "--restart WHEN", "", "Run", "Start a stage anew that fell: on-failure";
     run.max_restarts: Whole(1..=1_000_000),
         "How often stages are started anew within `restart_window_s` before the chain gives up and ends. With `daemon` it\n\
-         does not give up: it tries again every 5 s.";
+         never gives up, and retries every 5 s.";
     run.restart_window as restart_window_s: SECONDS,
         "See `max_restarts`, in seconds.";
     run.hang as hang_s: SECONDS,
         "A stage that stands still for so many seconds while work waits for it hangs, and is started anew (not with lossless, where\n\
          each waits for the next).";
     run.start_limit as start_limit_s: SECONDS,
-        "A stage that is not ready after so many seconds has failed to start.";
+        "Fail a stage that is not ready after this many seconds.";
     run.watch: SWITCH,
         "Take a change of the settings file while the chain runs, as `lariat set` does.",
         "--watch", "", "Run", "Take changes of the settings file while it runs";

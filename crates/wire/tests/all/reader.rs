@@ -532,7 +532,7 @@ fn a_sentence_says_what_is_seen() {
     let says = |reader: &mut Reader| reader.latest().unwrap().only_rope(ANY_AGE).to_string();
     assert_eq!(
         says(&mut reader),
-        "nothing came yet: the chain does not run, or has just been joined"
+        "nothing came yet: the chain does not run, waits for its source or its masks, or has just been joined"
     );
     chain.send(&[rope(3, Status::Ok, 5.0)]);
     assert_eq!(says(&mut reader), "rope 3 is seen whole");
