@@ -39,7 +39,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
         eprintln!("lariat: {error:#}");
-        // Where it stays in the unit's status, as `systemctl status` shows it.
+        // `systemctl status` shows it.
         Notify::from_env().status(&format!("{error:#}"));
         exit::code(&error)
     })

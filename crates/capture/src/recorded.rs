@@ -236,7 +236,7 @@ pub struct ForeignFrames {
 }
 
 impl ForeignFrames {
-    /// What was concluded of the samples, to be said once.
+    /// Conclusion about the samples, reported once.
     pub fn take_news(&mut self) -> Option<String> {
         self.news.take()
     }

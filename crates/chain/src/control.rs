@@ -25,7 +25,7 @@ const MOST_CLIENTS: usize = 32;
 /// How long one waits for the other: the chain for a client that is slow to ask, a client for a chain that is starting a stage.
 const ASKING: Duration = Duration::from_secs(1);
 const ANSWERING: Duration = Duration::from_secs(10);
-/// How long a client waits for a chain that tries a change: longer than any stage takes to start.
+/// Time that a client gives a chain to try a change: longer than any stage takes to start.
 const TRYING: Duration = Duration::from_secs(120);
 
 /// What a chain can be asked for.
@@ -210,7 +210,7 @@ fn file_at(path: &Path) -> Option<[u64; 2]> {
 #[derive(Debug)]
 pub struct Client {
     stream: UnixStream,
-    /// What it has said so far.
+    /// Bytes of its request that have arrived.
     text: Vec<u8>,
     /// By when its request is to end.
     until: Instant,
@@ -226,7 +226,7 @@ impl Client {
         })
     }
 
-    /// What it asks for; `None`: it has not ended its request.
+    /// Its request; `None` while that is incomplete.
     fn asked(&mut self, now: Instant) -> Option<Result<Asked>> {
         let mut bytes = [0; 4096];
         loop {

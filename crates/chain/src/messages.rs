@@ -21,7 +21,7 @@ use crate::layout;
 const TERMINAL: &str = "LARIAT_STDERR_IS_TERMINAL";
 /// Moves to the begin of the line and erases it.
 const CLEAR: &str = "\r\x1b[K";
-/// What a message begins with that is no line of the log.
+/// Prefix of messages that are not log lines.
 const NAME: &[u8] = b"lariat: ";
 /// Erases from the cursor to the end of the line: the end of a live line.
 const ERASE_REST: &[u8] = b"\x1b[K";

@@ -31,7 +31,7 @@ const EXACT: (f32, f32) = (0.03, 0.01);
 const LONGEST: f32 = 64.0;
 /// The hidden share from which on a rope seen in part is no mere piece, and none at all: less is an end that another strand may hide.
 const BRIDGED: (f32, f32) = (0.03, 0.1);
-/// Widths along which a rope has no edges of its own where another one crosses it.
+/// Length, in rope widths, over which another rope hides the edges at a crossing.
 const CROSSING: f32 = 2.5;
 /// How likely the network finds what it is sure of, of 255.
 const SEEN: f32 = 0.9 * 255.0;

@@ -70,10 +70,10 @@ pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
     Ok(moment)
 }
 
-/// A small file may hold a picture of many gigabytes.
+/// Rejects a picture that would take too much memory: a small file may decode to many gigabytes.
 fn require_moderate(file: &[u8]) -> Result<()> {
     let reader = ImageReader::new(Cursor::new(file)).with_guessed_format()?;
-    // What has no size that can be read is refused when it is decoded.
+    // A file without a readable size fails when it is decoded.
     let (width, height) = reader.into_dimensions().unwrap_or_default();
     ensure!(
         u64::from(width) * u64::from(height) <= MOST_PIXELS,

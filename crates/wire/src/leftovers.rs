@@ -145,7 +145,7 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     (left, kept)
 }
 
-/// Removes what users put into the shared memory of domains that are not theirs.
+/// Removes files that a user created in the shared memory of another user's domain.
 fn remove_intruders(kept: &mut Vec<(PathBuf, io::Error)>) {
     let me = owner::this_user();
     for (domain, entry) in shared_files() {
@@ -159,7 +159,7 @@ fn remove_intruders(kept: &mut Vec<(PathBuf, io::Error)>) {
     }
 }
 
-/// Whose a domain is: the user's whose number it is, or the one's who has its folder.
+/// Owner of a domain: the user whose number is its name, or the owner of its folder.
 fn owner_of(domain: &str) -> Option<u32> {
     let folder = || {
         let root = root_of(&config_of(domain).ok()?);

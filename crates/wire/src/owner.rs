@@ -45,11 +45,11 @@ pub(crate) fn require_own(name: &str, folder: &Path) -> Result<(), WireError> {
     }
 }
 
-/// The files where the domain's shared memory is are this user's, all of them.
+/// Checks that all files of the domain's shared memory belong to this user.
 pub(crate) fn require_own_memory(files: &[PathBuf]) -> Result<(), WireError> {
     let me = this_user();
     for file in files {
-        // What is gone meanwhile was no intruder's to stay.
+        // A file that was removed in the meantime is harmless.
         let owner = fs::symlink_metadata(file).map_or(me, |data| data.uid());
         if owner != me {
             return Err(WireError::Intruder {

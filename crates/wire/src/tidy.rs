@@ -195,9 +195,9 @@ pub(crate) fn shared_memory(config: &Config) -> Vec<PathBuf> {
     Paths::new(config).shared()
 }
 
-/// Removes the file in which the transport counts nodes while it makes one. It opens it for all users, for reading and writing, and
-/// whoever changes it keeps all others of the domain from joining. Nobody needs it: a node's number has the process's id and the time
-/// in it, and nodes are made one after another.
+/// Removes the file in which the transport counts nodes while it creates one. The transport creates it with mode 0666, and any user who
+/// changes it keeps all processes from joining the domain. It is not needed: a node's number contains the process's id and the time,
+/// and the lock lets one process at a time create a node.
 pub(crate) fn remove_counter(config: &Config, _passing: &Passing) {
     let ending = config.global.node.global_mgmt_suffix.to_string();
     for path in shared_memory(config) {

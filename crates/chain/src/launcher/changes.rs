@@ -1,4 +1,4 @@
-//! What others ask of a chain that runs, and settings that change.
+//! Requests from other processes to a running chain, and changes of settings.
 //!
 //! A change that restarts a stage is tried first. If the stage does not become ready, the previous settings apply again, the stage restarts
 //! with them, and the client learns the reason.
@@ -278,7 +278,7 @@ impl Chain {
             return;
         }
         self.renewed[part as usize] = true;
-        // The one would report at its end, and what is not up yet may not listen.
+        // A stage that reports would do so at its end, and a stage that is not ready may not listen.
         match part.is_told_the_last_word() || !child.is_ready() {
             true => child.strike(),
             false => child.tell_to_stop(),

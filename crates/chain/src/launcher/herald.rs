@@ -41,7 +41,7 @@ impl Herald {
         self.notify.ready();
     }
 
-    /// What is wrong just now. It stands until the next line says how many frames there are.
+    /// Reports a fault. The line stays until the next one reports the frame rate.
     pub(super) fn trouble(&mut self, line: &str) {
         self.notify.status(line);
     }

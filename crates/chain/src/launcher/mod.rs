@@ -142,7 +142,7 @@ struct Chain {
     file: Option<Watch>,
     /// Settings that are being tried.
     trial: Option<Trial>,
-    /// It was said that the executable was replaced.
+    /// Set once the user was warned that the executable was replaced.
     is_outdated: bool,
     herald: Herald,
     /// The first that ended when it should not have, for good.
@@ -417,7 +417,7 @@ impl Chain {
         }
     }
 
-    /// Says that a part fell, and when it is started anew: on standard error, and to the service manager.
+    /// Reports that a part fell and when it restarts, on standard error and to the service manager.
     fn say_that_it_fell(&mut self, part: Part, how: &str, due: Instant) {
         let name = part.name();
         let pause = due.saturating_duration_since(Instant::now());

@@ -46,7 +46,7 @@ impl Restarts {
         }
         self.recent
             .retain(|at| now.saturating_duration_since(*at) < run.restart_window);
-        // Who looks after itself does not give up.
+        // An unattended chain never gives up.
         if self.recent.len() >= run.max_restarts as usize && !run.daemon {
             return Verdict::TooMany(run.max_restarts);
         }
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn who_looks_after_itself_tries_again_for_ever_at_the_longest_pause() {
+    fn an_unattended_chain_retries_for_ever_at_the_longest_pause() {
         let run = Run {
             daemon: true,
             ..run(Restart::OnFailure)

@@ -97,7 +97,7 @@ impl Decoder {
         }
     }
 
-    /// What was concluded of another program's frames, to be said once.
+    /// Conclusion about another program's frames, reported once.
     pub fn take_news(&mut self) -> Option<String> {
         self.foreign.as_mut()?.take_news()
     }

@@ -18,7 +18,7 @@ pub(super) struct Entry {
     pub(super) origin: Origin,
 }
 
-/// The file to read: the one that is named, else `lariat.toml` where there is one, unless another user put it there.
+/// Settings file to read: the named one, or `lariat.toml` in the current folder unless it belongs to another user.
 pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     if let Some(path) = named {
         return Some(path.to_owned());
@@ -36,7 +36,7 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     None
 }
 
-/// Whether a file of this user is taken without being named: one's own, root's, and, with sudo, the caller's.
+/// True if a file of this owner is read without being named: our own, root's, and with sudo the caller's.
 fn is_trusted(owner: u32) -> bool {
     let me = rustix::process::geteuid().as_raw();
     let caller = || std::env::var("SUDO_UID").ok()?.parse::<u32>().ok();

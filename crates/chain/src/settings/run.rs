@@ -52,7 +52,7 @@ pub struct Run {
     pub restart_window: Duration,
     /// How long a stage may stand still while work waits for it, before it is taken to hang.
     pub hang: Duration,
-    /// How long a stage may take to get ready.
+    /// Time limit for a stage to become ready.
     pub start_limit: Duration,
     /// Whether a change of the settings file is taken while the chain runs.
     pub watch: bool,

@@ -24,7 +24,7 @@ use crate::stop::Stop;
 /// Told to stop, a frame's mask is waited for no longer than this: the few frames that are left then end in time.
 const AFTER_STOP: Duration = Duration::from_secs(1);
 
-/// After so many frames in a row without one it is said again.
+/// Frames in a row without a companion after which the warning repeats.
 const IN_A_ROW: u64 = 10;
 
 /// How they are spoken of.

@@ -57,7 +57,7 @@ pub struct Station {
     settings: String,
     /// The channel that it was made a reader of.
     reads: Cell<Option<&'static str>>,
-    /// How many of its messages a reader did not get that it waited for.
+    /// Messages that did not reach a reader although this stage waited for it.
     undelivered: Cell<u64>,
     announcement: Option<Announcement>,
 }
