@@ -5,6 +5,7 @@ use std::io::Write;
 use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt;
+use std::process::Command;
 
 use rustix::process::{Signal, geteuid};
 use tungstenite::Message;
@@ -103,6 +104,24 @@ fn another_user_of_this_machine_needs_the_token() {
     );
     let own = viewing.url.trim_end_matches('/').to_owned();
     assert!(Page::open(&viewing.url, Some(&own), PROTOCOL).is_err());
+    // However many connections others hold, the owner comes in.
+    let silent: Vec<_> = (0..100)
+        .map(|_| TcpStream::connect(viewing.host()))
+        .collect();
+    let (_, port) = viewing.host().split_once(':').expect("a port");
+    let ask = format!(
+        "exec 3<>/dev/tcp/127.0.0.1/{port}; printf 'GET / HTTP/1.1\\r\\nHost: {}\\r\\n\\r\\n' >&3; head -n 1 <&3",
+        viewing.host()
+    );
+    let owner = Command::new("bash")
+        .args(["-c", &ask])
+        .uid(user)
+        .gid(user)
+        .output();
+    let answer = owner.expect("bash runs").stdout;
+    let answer = String::from_utf8_lossy(&answer).into_owned();
+    assert!(answer.starts_with("HTTP/1.1 200 "), "{answer}");
+    drop(silent);
     let with_token = url_in(&mut said);
     assert!(with_token.len() > viewing.url.len() + 30, "{with_token}");
     assert!(Page::open(&with_token, Some(&own), PROTOCOL).is_ok());

@@ -24,6 +24,8 @@ use crate::{foxglove, live, page};
 
 /// Connections at a time. A browser has some for the page's files and one that stays.
 const MOST_CLIENTS: usize = 32;
+/// Connections at which other users of the machine are refused, so that they cannot keep the page's owner out.
+const MOST_FOREIGN: usize = MOST_CLIENTS / 2;
 /// How long a client may take to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(5);
 /// Of a client's thread: it keeps pictures on the heap.
@@ -173,6 +175,12 @@ impl Server {
         Ok(())
     }
 
+    /// True for a connection of another user of this machine.
+    fn is_foreign(&self, stream: &TcpStream) -> bool {
+        let is_local = self.shared.guard.address.ip().is_loopback();
+        is_local && !Peer::of(stream).is_some_and(|peer| peer.is_of_this_user())
+    }
+
     fn receive(&self, stream: TcpStream) {
         if stream.set_nonblocking(true).is_err() {
             return;
@@ -180,7 +188,8 @@ impl Server {
         // A picture is not to wait for the next one.
         let _ = stream.set_nodelay(true);
         let place = Place(self.shared.clone());
-        if self.shared.clients.fetch_add(1, Ordering::Relaxed) >= MOST_CLIENTS {
+        let clients = self.shared.clients.fetch_add(1, Ordering::Relaxed);
+        if clients >= MOST_CLIENTS || clients >= MOST_FOREIGN && self.is_foreign(&stream) {
             let refusal = Refusal(503, "Too many connections: close some of the pages.");
             let _ = (&stream).write(&refusal.answer());
             return;
