@@ -35,6 +35,8 @@ pub struct Reader {
     motion: Motion,
     coarse: bool,
     min_confidence: f32,
+    /// Time at which the newest message was taken up, by this process's clock.
+    came_ns: u64,
 }
 
 // SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
@@ -84,6 +86,7 @@ impl Reader {
             motion: Motion::default(),
             coarse: false,
             min_confidence: Self::MIN_CONFIDENCE,
+            came_ns: 0,
         })
     }
 
@@ -202,6 +205,7 @@ impl Reader {
             is_new = true;
         }
         if is_new && let Some(message) = &self.newest {
+            self.came_ns = now_ns();
             self.runs.follow(message.writer(), &message.trace);
             if let Some(space) = &mut self.space {
                 space.follow(&message.trace)?;
@@ -215,8 +219,11 @@ impl Reader {
         let trace = message.map(|message| &message.trace);
         let moment = Moment {
             now_ns: now_ns(),
-            // An image that claims to be of the future is as old as its fit: nothing stays young for ever.
-            exposed_ns: trace.map_or(0, |trace| trace.exposed_ns.min(trace.fitted_ns)),
+            // A timestamp may be in the future, and a chain in another time namespace may have another clock. An image is at least
+            // as old as its fit, and as its arrival here: nothing stays fresh for ever.
+            exposed_ns: trace.map_or(0, |trace| {
+                trace.exposed_ns.min(trace.fitted_ns).min(self.came_ns)
+            }),
             run: self.runs.run(),
             unit: message.and_then(Descriptors::unit),
             period_s: self.runs.period_s(),

@@ -72,7 +72,8 @@ impl Chain {
         self.trace.extracted += 1;
         self.trace.fitted += 1;
         self.trace.exposed_ns = exposed_ns;
-        self.trace.fitted_ns = now_ns();
+        // A chain whose clock is ahead.
+        self.trace.fitted_ns = now_ns().max(exposed_ns);
         let mut slot = self.writer.slot().expect("a slot");
         slot.trace = self.trace;
         (slot.width, slot.height) = (width, height);
@@ -191,7 +192,7 @@ fn an_image_older_than_allowed_has_no_fresh_rope_whatever_it_shows() {
         assert!(last.age() >= 2 * second && x_of(&last.as_it_was()) == 5.0);
         assert!(!matches!(frame.only_rope(3 * second), Seen::Stale(_)));
     }
-    // An image that says it is of the future does not stay young for it.
+    // Nor does an image of a chain whose clock is ahead stay fresh for ever.
     chain.send_as(u64::MAX, [640, 480], &[rope(1, Status::Ok, 5.0)]);
     let frame = reader.latest().unwrap();
     assert!(matches!(frame.only_rope(Duration::ZERO), Seen::Stale(_)));
