@@ -117,11 +117,12 @@ fn what_the_dead_left_half_made_is_removed_beside_the_living() {
 fn shared_memory_that_never_got_a_size_holds_up_nobody() {
     let name = name("z");
     let domain = Domain::named(&name).unwrap();
-    let counter = files(&name)
-        .into_iter()
-        .find(|path| path.to_string_lossy().ends_with("global_mgmt"));
-    File::create(counter.expect("the transport counts nodes")).expect("it is ours");
+    let counter = format!(
+        "/dev/shm/lariat_{name}_9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt"
+    );
+    File::create(&counter).expect("it is ours");
     visit(&name).unwrap();
+    assert!(!Path::new(&counter).exists());
     drop(domain);
 }
 
