@@ -17,7 +17,7 @@
 //!
 //! **Settings that change** come by the socket that `lariat set` writes to (`changes`, `control.rs`) or with the settings file (`--watch`), are checked as a
 //! whole, and told to all parts (`stages/orders.rs`): what concerns extract or fit they take between two frames, what concerns another starts it
-//! anew. The chain itself has no other state: when *it* dies, its children end. A next chain that took them over would have their pipes, settings and
+//! anew. If that stage does not become ready, the previous settings apply again. The chain itself has no other state: when *it* dies, its children end. A next chain that took them over would have their pipes, settings and
 //! words to find again; started whole, by systemd or a shell's loop, it is there in a quarter of a second.
 //!
 //! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
