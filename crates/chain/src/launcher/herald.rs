@@ -42,8 +42,13 @@ impl Herald {
     }
 
     /// Reports a fault. The line stays until the next one reports the frame rate.
+    ///
+    /// A chain that restarts its stages is alive, even while no frames come.
     pub(super) fn trouble(&mut self, line: &str) {
         self.notify.status(line);
+        if self.notify.watchdog_period().is_some() {
+            self.notify.watchdog();
+        }
     }
 
     pub(super) fn stopping(&mut self) {
