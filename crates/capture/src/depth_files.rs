@@ -1,14 +1,13 @@
 //! Depth images alongside the pictures of a folder: PNG or TIFF of 16 bits a pixel, paired by their names ([`depth_pairs`](crate::depth_pairs)).
 
-use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::PathBuf;
 
 use image::{ColorType, ImageDecoder, ImageReader};
 
 use crate::depth_pairs::{By, pair};
 use crate::open::FileOptions;
-use crate::picture::LARGEST_BYTES;
+use crate::picture::read_file;
 use crate::pictures::{listed, selected};
 use crate::source::SourceError;
 
@@ -121,9 +120,7 @@ impl DepthFiles {
         let broken = |why: String| format!("the depth image {} {why}", path.display());
         let cannot = |error: &dyn std::fmt::Display| broken(format!("cannot be decoded ({error})"));
         self.file.clear();
-        File::open(path)
-            .and_then(|open| open.take(LARGEST_BYTES).read_to_end(&mut self.file))
-            .map_err(|error| cannot(&error))?;
+        read_file(path, &mut self.file).map_err(|error| cannot(&error))?;
         let reader = ImageReader::new(Cursor::new(&self.file[..])).with_guessed_format();
         let reader = reader.map_err(|error| cannot(&error))?;
         let decoder = reader.into_decoder().map_err(|error| cannot(&error))?;

@@ -3,13 +3,11 @@
 //! A mask may be gray, coloured by instance, of 16 bits, or the alpha of a cut-out. This module turns each into levels, where 0 is background;
 //! labels of instances may still be small numbers in them.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use image::ColorType;
 
-use crate::picture::{FullPicture, LARGEST_BYTES, PictureDecoder};
+use crate::picture::{FullPicture, PictureDecoder, read_file};
 use crate::source::SourceError;
 
 /// The colour of pixels without a label, number 255 in the palette of PASCAL VOC.
@@ -41,9 +39,7 @@ impl MaskPicture {
             error,
         };
         let mut file = Vec::new();
-        File::open(path)
-            .and_then(|open| open.take(LARGEST_BYTES).read_to_end(&mut file))
-            .map_err(unreadable)?;
+        read_file(path, &mut file).map_err(unreadable)?;
         let full = PictureDecoder::default().decode_full(path, &file);
         let full = full.map_err(|reason| SourceError::Picture { reason })?;
         let [width, height] = full.size;

@@ -67,6 +67,12 @@ pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
     })
 }
 
+/// Appends the bytes of a picture's file, at most [`LARGEST_BYTES`].
+pub(crate) fn read_file(path: &Path, bytes: &mut Vec<u8>) -> io::Result<()> {
+    File::open(path)?.take(LARGEST_BYTES).read_to_end(bytes)?;
+    Ok(())
+}
+
 fn layout(path: &Path, bytes: &[u8]) -> Result<Layout, String> {
     let format = readable_format(path, bytes)?;
     let bytes = &jpeg::with_tables(bytes);
@@ -210,10 +216,8 @@ impl PictureDecoder {
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
         let mut file = std::mem::take(&mut self.file);
         file.clear();
-        let read =
-            File::open(path).and_then(|open| open.take(LARGEST_BYTES).read_to_end(&mut file));
-        let decoded = match read {
-            Ok(_) => self.decode_file(path, &file, pixels),
+        let decoded = match read_file(path, &mut file) {
+            Ok(()) => self.decode_file(path, &file, pixels),
             Err(error) => Err(broken(path, error)),
         };
         self.file = file;
