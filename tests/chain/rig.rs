@@ -221,6 +221,16 @@ impl Running {
         }
     }
 
+    /// Reads messages until one has these words.
+    pub(crate) fn wait_for_message(&mut self, words: &str) {
+        let mut line = String::new();
+        while !line.contains(words) {
+            line.clear();
+            let read = self.stderr.read_line(&mut line).expect("readable");
+            assert!(read > 0, "the chain ended without {words:?}");
+        }
+    }
+
     pub(crate) fn signal_chain(&self, signal: Signal) {
         send(self.process.id() as i32, signal);
     }

@@ -278,7 +278,7 @@ impl Chain {
             return;
         }
         self.renewed[part as usize] = true;
-        // A stage that reports would do so at its end, and a stage that is not ready may not listen.
+        // A stage that reports would report now, and one that is still starting may miss the signal.
         match part.is_told_the_last_word() || !child.is_ready() {
             true => child.strike(),
             false => child.tell_to_stop(),

@@ -4,21 +4,23 @@
 //! given its *supervision* (what ends it, and its status line) instead of taking it from the process: the same shells, channels,
 //! status lines and order of stopping, so that nothing else differs, and whoever reads the channels sees no difference. Threads
 //! rather than one loop: a frame can be made while the last is worked off, a slow stage loses frames exactly as in a process of its
-//! own, and cores and priorities are a thread's anyway. What
-//! separate processes cost against it, interleaved in one run: the three waits together 109 : 92 µs at 30 frames/s, 73 : 62 at
-//! 120, 53 : 44 at 1000; with `--realtime` 84 : 70, 42 : 35, 33 : 24 (medians of three; 27 : 25 MB). What it gives up is that
-//! a crash of one stage leaves the others to report.
+//! own, and cores and priorities are a thread's anyway. The three
+//! waits of separate processes and of threads, interleaved in one run, sum up to 109 : 92 µs at 30 frames/s, 73 : 62 at
+//! 120, 53 : 44 at 1000; with `--realtime` 84 : 70, 42 : 35, 33 : 24 (medians of three; 27 : 25 MB). Its price: a
+//! crash of one stage ends the others before they can report.
 //!
-//! A stage that ends when it should not (by itself, by a signal that was not the chain's, by a crash) is *fallen*. As `restart` says
-//! (`restarts`), it is started anew in its place while the others and all readers go on; or the others are stopped in order, the
-//! report is printed, and the exit code is 1 with a sentence that names stage and cause. So that nothing is counted twice or forgotten, the
-//! chain holds for each stage what it leaves to its successor (`stages/heirloom/`): counts go on, extract's ropes keep their numbers, sink's
-//! figures theirs. By what stands in there the chain also sees which stage stands still while work waits for it, and kills it.
+//! A stage is *fallen* if it ends unexpectedly: by itself, by a signal from elsewhere, or by a crash. The setting `restart` decides
+//! (`restarts`): the stage restarts while the other stages and all readers keep running, or the chain stops in order, prints its
+//! report, and exits with 1 and a sentence that names stage and cause. The chain keeps a handover state for each stage
+//! (`stages/heirloom/`), so that counts, track numbers and figures survive a restart. From this state the chain also detects a stage that
+//! makes no progress while work waits for it, and kills it.
 //!
-//! **Settings that change** come by the socket that `lariat set` writes to (`changes`, `control.rs`) or with the settings file (`--watch`), are checked as a
-//! whole, and told to all parts (`stages/orders.rs`): what concerns extract or fit they take between two frames, what concerns another starts it
-//! anew. If that stage does not become ready, the previous settings apply again. The chain itself has no other state: when *it* dies, its children end. A next chain that took them over would have their pipes, settings and
-//! words to find again; started whole, by systemd or a shell's loop, it is there in a quarter of a second.
+//! **Changes of settings** arrive through the socket of `lariat set` (`changes`, `control.rs`) or from the settings file (`--watch`). They are
+//! checked as a whole and sent to all parts (`stages/orders.rs`). Extract and fit apply theirs between two frames; other changes restart a
+//! stage. If that stage does not become ready, the previous settings apply again.
+//!
+//! The chain keeps all other state in its children, which end with it. A new chain is ready after a quarter of a second, which is faster than
+//! it could take over running stages.
 //!
 //! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
 //! already), so that `kill -9` of the chain takes them along. A second Ctrl-C, 0.1 s later or more, ends at once.
@@ -398,36 +400,46 @@ impl Chain {
             self.take_back();
             return;
         }
-        let (run, now) = (&self.settings.run, Instant::now());
-        match self.restarts.judge(run, ending, is_done, now) {
-            Verdict::Anew(due) => {
-                self.due[at] = Some(due);
-                let how = ending.map_or_else(String::new, |ending| ending.to_string());
-                self.say_that_it_fell(part, &how, due);
-            }
+        let how = ending.map_or_else(String::new, |ending| ending.to_string());
+        let reason = self.child(part).map(Child::reason).unwrap_or_default();
+        match self.judge(part, ending, is_done, &how, &reason) {
+            Verdict::Anew(_) => {}
             Verdict::End if is_wished => {}
-            Verdict::End => self.give_up(part, ending),
+            Verdict::End | Verdict::TooMany(_) => self.give_up(part, ending),
+        }
+    }
+
+    /// Decides whether a part that fell restarts, and reports it: on standard error how it fell, to the service manager the reason.
+    fn judge(
+        &mut self,
+        part: Part,
+        ending: Option<Ending>,
+        is_done: bool,
+        how: &str,
+        reason: &str,
+    ) -> Verdict {
+        let (run, now) = (&self.settings.run, Instant::now());
+        let verdict = self.restarts.judge(run, ending, is_done, now);
+        let name = part.name();
+        match verdict {
+            Verdict::Anew(due) => {
+                self.due[part as usize] = Some(due);
+                let when = match due.saturating_duration_since(now).as_secs_f64() {
+                    0.0 => String::new(),
+                    pause_s => format!(" in {pause_s} s"),
+                };
+                eprintln!("lariat: {name} {how}; it is started anew{when}");
+                self.herald.trouble(&format!("{name} fell: {reason}"));
+            }
             Verdict::TooMany(count) => {
                 let window_s = run.restart_window.as_secs_f64();
                 eprintln!(
                     "lariat: {count} parts were started anew within {window_s} s (max_restarts): no more"
                 );
-                self.give_up(part, ending);
             }
+            Verdict::End => {}
         }
-    }
-
-    /// Reports that a part fell and when it restarts, on standard error and to the service manager.
-    fn say_that_it_fell(&mut self, part: Part, how: &str, due: Instant) {
-        let name = part.name();
-        let pause = due.saturating_duration_since(Instant::now());
-        let when = match pause.as_secs_f64().round() {
-            0.0 => String::new(),
-            pause_s => format!(" in {pause_s} s"),
-        };
-        eprintln!("lariat: {name} {how}; it is started anew{when}");
-        let reason = self.child(part).map(Child::reason).unwrap_or_default();
-        self.herald.trouble(&format!("{name} fell: {reason}"));
+        verdict
     }
 
     /// A part has fallen for good.
@@ -469,21 +481,16 @@ impl Chain {
         }
     }
 
-    /// A process could not be started: a fault like any other.
+    /// Treats a process that could not be started as a fault like any other.
     fn judge_failed_start(&mut self, part: Part, cause: &anyhow::Error) {
         let ending = Some(Ending::Failed(1));
-        let now = Instant::now();
-        match self.restarts.judge(&self.settings.run, ending, false, now) {
-            Verdict::Anew(due) => {
-                self.due[part as usize] = Some(due);
-                let pause_s = due.saturating_duration_since(now).as_secs_f64();
-                eprintln!("lariat: {cause:#}; it is tried again in {pause_s} s");
-                self.herald.trouble(&format!("{cause:#}"));
-            }
-            Verdict::End | Verdict::TooMany(_) => {
-                eprintln!("lariat: {cause:#}");
-                self.give_up(part, ending);
-            }
+        let how = format!("could not be started: {}", cause.root_cause());
+        if !matches!(
+            self.judge(part, ending, false, &how, &how),
+            Verdict::Anew(_)
+        ) {
+            eprintln!("lariat: {cause:#}");
+            self.give_up(part, ending);
         }
     }
 
