@@ -272,7 +272,7 @@ fn a_lossless_chain_says_what_a_reader_missed_that_stood_still_to_the_end() {
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
-    let sentence = "did not reach a reader that stood still while the chain ended";
+    let sentence = "did not reach a reader that stood still while this stage ended";
     assert!(ended.stderr.contains(sentence), "{}", ended.stderr);
     drop((reader, domain));
     bench.assert_nothing_is_left();

@@ -109,12 +109,12 @@ impl Station {
     /// The last word of a stage that sends.
     ///
     /// # Errors
-    /// A reader did not get all that was sent, because it stood still while the chain ended.
+    /// A reader did not get all that was sent, because it stood still while this stage ended.
     pub fn assert_all_delivered(&self) -> anyhow::Result<()> {
         match self.undelivered.get() {
             0 => Ok(()),
             count => anyhow::bail!(
-                "{}: {count} message{} did not reach a reader that stood still while the chain ended, although the chain is lossless",
+                "{}: {count} message{} did not reach a reader that stood still while this stage ended, although the chain is lossless",
                 self.name,
                 if count == 1 { "" } else { "s" }
             ),
