@@ -25,7 +25,7 @@ const MOST_CLIENTS: usize = 32;
 /// How long one waits for the other: the chain for a client that is slow to ask, a client for a chain that is starting a stage.
 const ASKING: Duration = Duration::from_secs(1);
 const ANSWERING: Duration = Duration::from_secs(10);
-/// Time that a client gives a chain to try a change: longer than any stage takes to start.
+/// Time that a client gives a chain to try a change: six times the usual `start_limit_s`.
 const TRYING: Duration = Duration::from_secs(120);
 
 /// What a chain can be asked for.

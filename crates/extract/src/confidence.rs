@@ -29,9 +29,11 @@ const ARC: (f32, f32) = (2.5, 4.0);
 const EXACT: (f32, f32) = (0.03, 0.01);
 /// Lengths in widths beyond which nothing is learnt.
 const LONGEST: f32 = 64.0;
-/// The hidden share from which on a rope seen in part is no mere piece, and none at all: less is an end that another strand may hide.
+/// Hidden share of a rope at which it starts to count as bridged, and at which it counts fully. A smaller share may be an end under another
+/// strand.
 const BRIDGED: (f32, f32) = (0.03, 0.1);
-/// Length, in rope widths, over which another rope hides the edges at a crossing.
+/// Length, in rope widths, over which a rope of the same width hides the edges at a crossing: 1 / sin α, for α = 24°. Flatter crossings
+/// are uncertain, and count as stretches without edges.
 const CROSSING: f32 = 2.5;
 /// How likely the network finds what it is sure of, of 255.
 const SEEN: f32 = 0.9 * 255.0;

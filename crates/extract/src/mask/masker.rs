@@ -67,7 +67,7 @@ pub enum MaskError {
     Format(PixelFormat),
     /// All of its pixels have this level, which is not 0.
     #[error(
-        "the mask has the level {0} everywhere, which tells no rope from the rest: give a mask that is 0 where there is no rope"
+        "the mask has the level {0} everywhere, and so shows no rope: give a mask that is 0 on the background"
     )]
     OneLevel(u8),
 }
