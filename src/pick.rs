@@ -55,7 +55,9 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let image = picture.image().with_context(|| shown.to_string())?;
     let at: Vec<[f32; 2]> = args.at.iter().flat_map(|at| at.0.clone()).collect();
     let picked = pick(&image, &at).with_context(|| shown.to_string())?;
-    let PickJudgement { doubt, confidences } = judge_pick(&image, &picked.ranges, &at);
+    let PickJudgement {
+        doubt, confidences, ..
+    } = judge_pick(&image, &picked.ranges, &at);
     let mask = Mask::Hsv(picked.ranges);
     let pixels = mask_of(&image, &mask);
     let covered = pixels.iter().filter(|&&pixel| pixel != 0).count() as f64;

@@ -112,6 +112,30 @@ fn the_examples_in_a_new_file_are_good() {
 }
 
 #[test]
+fn a_found_settings_file_never_overwrites() {
+    let folder = TempDir::new().unwrap();
+    write(
+        &folder,
+        "[run]\ntrace = \"letter.json\"\n[record]\nreplace = true\n",
+    );
+    let letter = folder.path().join("letter.json");
+    std::fs::write(&letter, "Dear").unwrap();
+    let run = |more: &[&str]| {
+        let words = ["run", "--source", "rendered", "--frames", "3"];
+        let output = lariat(&folder, &[&words, more].concat()).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        (output.status.success(), said)
+    };
+    let (succeeded, said) = run(&[]);
+    assert!(!succeeded && said.contains("record.replace of the lariat.toml"));
+    assert_eq!(std::fs::read_to_string(&letter).unwrap(), "Dear");
+    let (succeeded, said) = run(&["--config", "lariat.toml"]);
+    assert!(succeeded, "{said}");
+    assert_ne!(std::fs::read_to_string(&letter).unwrap(), "Dear");
+}
+
+#[test]
 fn a_file_that_is_there_is_kept_unless_force_is_said() {
     let folder = TempDir::new().unwrap();
     write(&folder, "[fit]\ncontrol_points = 6\n");

@@ -52,10 +52,7 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
     let answers = answers(&output.stdout);
     assert_eq!(answers.len(), sizes.len());
     for (answer, points) in answers.iter().zip(sizes) {
-        let options = Options {
-            points,
-            ..Options::default()
-        };
+        let options = Options::default().points(points);
         let mut fitter = Fitter::new(options).unwrap();
         let expected = fitter.fit(&rope(points)).unwrap();
         // JSON carries every digit.
@@ -114,11 +111,7 @@ fn a_named_file_is_read_with_the_control_points_and_solver_that_are_asked_for() 
         assert!(output.status.success(), "{output:?}");
         let answers = answers(&output.stdout);
         assert_eq!(answers.len(), 2);
-        let options = Options {
-            points: 50,
-            solver,
-            ..Options::bezier(4)
-        };
+        let options = Options::bezier(4).points(50).solver(solver);
         let mut fitter = Fitter::new(options).unwrap();
         let expected = &fitter.fit(&rope(50)).unwrap().control_points;
         assert_eq!(&control_points(&answers[0]), expected);

@@ -59,11 +59,7 @@ fn fits(criterion: &mut Criterion) {
     });
     let rope = rope(120);
     for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
-        let options = Options {
-            points: 120,
-            solver,
-            ..Options::bezier(8)
-        };
+        let options = Options::bezier(8).points(120).solver(solver);
         let mut fitter = Fitter::new(options).expect("order 8 with 120 points is well conditioned");
         group.bench_function(solver.to_string(), |bencher| {
             bencher.iter(|| fitter.fit(black_box(&rope)).map(|fit| fit.rms_px))
@@ -90,11 +86,7 @@ fn fits(criterion: &mut Criterion) {
 fn making(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("making a fitter");
     for (order, points) in [(8, 120), (31, 256)] {
-        let options = Options {
-            points,
-            solver: Solver::Pinv,
-            ..Options::bezier(order)
-        };
+        let options = Options::bezier(order).points(points).solver(Solver::Pinv);
         group.bench_function(format!("order {order}, {points} points"), |bencher| {
             bencher.iter(|| Fitter::new(black_box(options)).map(|fitter| fitter.last().condition))
         });

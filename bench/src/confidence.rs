@@ -312,11 +312,7 @@ fn kinds<'a>(
 /// The curves in a picture, nothing left out for being unlikely, and what speaks for them.
 fn extract(image: &Image, how: Mask, mask: Option<&[u8]>) -> Result<(Vec<Curve>, Vec<Evidence>)> {
     let (width, height) = (image.width(), image.height());
-    let mut extractor = Extractor::new(Options {
-        mask: how,
-        min_confidence: 0.0,
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().mask(how).min_confidence(0.0))?;
     let curves = match mask {
         None => extractor.extract(image).curves.to_vec(),
         Some(mask) => {

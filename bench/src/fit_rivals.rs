@@ -105,7 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 /// What lariat is asked for, the default first.
 fn ways() -> Vec<(&'static str, Options)> {
     let plain = Options::default();
-    let of = |basis| Options { basis, ..plain };
+    let of = |basis| plain.basis(basis);
     let spline = Basis::BSpline {
         degree: 3,
         control_points: 9,
@@ -113,43 +113,16 @@ fn ways() -> Vec<(&'static str, Options)> {
     };
     vec![
         ("pinv", plain),
-        (
-            "cholesky",
-            Options {
-                solver: Solver::Cholesky,
-                ..plain
-            },
-        ),
-        (
-            "qr",
-            Options {
-                solver: Solver::Qr,
-                ..plain
-            },
-        ),
+        ("cholesky", plain.solver(Solver::Cholesky)),
+        ("qr", plain.solver(Solver::Qr)),
         ("cubic B-spline", of(spline)),
         ("rational", of(Basis::RationalBezier { order: 8 })),
         ("Fourier", of(Basis::Fourier { harmonics: 4 })),
-        (
-            "measured arc length",
-            Options {
-                rho: Rho::Measured,
-                ..plain
-            },
-        ),
-        (
-            "Huber",
-            Options {
-                weights: Weights::Robust,
-                ..plain
-            },
-        ),
+        ("measured arc length", plain.rho(Rho::Measured)),
+        ("Huber", plain.weights(Weights::Robust)),
         (
             "order by tolerance, up to 16",
-            Options {
-                choose_size: true,
-                ..Options::bezier(16)
-            },
+            Options::bezier(16).choose_size(true),
         ),
     ]
 }

@@ -55,15 +55,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         [] => [&Class::HARD[..], &Class::SHAPES].concat(),
         some => some.to_vec(),
     };
-    let mut extractor = Extractor::new(Options {
-        mask: args.mask.into(),
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().mask(args.mask.into()))?;
     extractor.prepare(SIZE[0], SIZE[1]);
-    let mut masked = Extractor::new(Options {
-        mask: lariat_extract::Mask::External,
-        ..Options::default()
-    })?;
+    let mut masked = Extractor::new(Options::default().mask(lariat_extract::Mask::External))?;
     masked.prepare(SIZE[0], SIZE[1]);
     let (mut all, mut reliability) = (Sum::default(), Reliability::default());
     println!(

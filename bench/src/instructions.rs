@@ -71,14 +71,11 @@ const PARTS: [(&str, Part); 13] = [
     ("fit-weighted", |_| weighted_fit()),
     ("set-up-bezier", |_| set_up(Options::bezier(8))),
     ("set-up-bspline", |_| {
-        set_up(Options {
-            basis: Basis::BSpline {
-                degree: 3,
-                control_points: 12,
-                knots: Knots::Uniform,
-            },
-            ..Options::bezier(8)
-        })
+        set_up(Options::bezier(8).basis(Basis::BSpline {
+            degree: 3,
+            control_points: 12,
+            knots: Knots::Uniform,
+        }))
     }),
     ("message", |_| message()),
 ];
@@ -177,11 +174,7 @@ fn points() -> Vec<[f64; 2]> {
 
 fn fit(solver: Solver) -> Result<()> {
     let points = points();
-    let mut fitter = Fitter::new(Options {
-        points: points.len(),
-        solver,
-        ..Options::bezier(8)
-    })?;
+    let mut fitter = Fitter::new(Options::bezier(8).points(points.len()).solver(solver))?;
     counted(|| fitter.fit(&points).map(|fit| fit.rms_px))?;
     Ok(())
 }
@@ -189,20 +182,17 @@ fn fit(solver: Solver) -> Result<()> {
 fn weighted_fit() -> Result<()> {
     let points = points();
     let weights: Vec<f64> = (0..points.len()).map(|i| 1.0 + (i % 3) as f64).collect();
-    let mut fitter = Fitter::new(Options {
-        points: points.len(),
-        weights: lariat_fit::Weights::Given,
-        ..Options::bezier(8)
-    })?;
+    let mut fitter = Fitter::new(
+        Options::bezier(8)
+            .points(points.len())
+            .weights(lariat_fit::Weights::Given),
+    )?;
     counted(|| fitter.fit_weighted(&points, &weights).map(|fit| fit.rms_px))?;
     Ok(())
 }
 
 fn set_up(options: Options) -> Result<()> {
-    let options = Options {
-        points: 120,
-        ..options
-    };
+    let options = options.points(120);
     counted(|| Fitter::new(options))?;
     Ok(())
 }

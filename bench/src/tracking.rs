@@ -312,10 +312,7 @@ fn watch(
     let [width, height] = show.size;
     let mask = mask.clone();
     let is_told = mask == Mask::External;
-    let mut extractor = Extractor::new(Options {
-        mask,
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().mask(mask))?;
     let mut judge = Judge::default();
     let (mut rgb, mut mask) = (Vec::new(), Vec::new());
     let mut counts = Counts::default();

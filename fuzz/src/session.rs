@@ -129,8 +129,7 @@ impl Session {
 
     fn options(&self) -> Options {
         let unit = |bounds: [u8; 2]| bounds.map(|b| f32::from(b) / 255.0);
-        Options {
-            mask: match &self.mask {
+        Options::default().mask(match &self.mask {
                 Kind::Auto => Mask::Auto,
                 Kind::External => Mask::External,
                 Kind::Hsv(ranges) => Mask::Hsv(
@@ -142,13 +141,7 @@ impl Session {
                         })
                         .collect(),
                 ),
-            },
-            points: self.points.into(),
-            ropes: self.ropes.into(),
-            start: self.start,
-            keep_lost: Duration::from_millis(33 * u64::from(self.keep_lost_frames)),
-            ..Options::default()
-        }
+            }).points(self.points.into()).ropes(self.ropes.into()).start(self.start).keep_lost(Duration::from_millis(33 * u64::from(self.keep_lost_frames)))
     }
 
     /// What every scene promises, whatever the image was.
@@ -227,10 +220,7 @@ fn picked(pixels: &Pixels, at: &[[f32; 2]]) {
         "{}",
         picked.agreement
     );
-    let options = Options {
-        mask: Mask::Hsv(picked.ranges),
-        ..Options::default()
-    };
+    let options = Options::default().mask(Mask::Hsv(picked.ranges));
     let mut extractor = Extractor::new(options).expect("the ranges that are picked are valid");
     extractor.extract(&image);
 }

@@ -94,21 +94,20 @@ impl Fitter {
                 (basis, matches!(control_points, Some(ControlPoints::Auto)))
             }
         };
-        let options = Options {
-            basis,
-            choose_size,
-            points,
-            solver: named("solver", solver, Solver::ALL)?,
-            ridge,
+        let options = Options::default()
+            .basis(basis)
+            .choose_size(choose_size)
+            .points(points)
+            .solver(named("solver", solver, Solver::ALL)?)
+            .ridge(ridge)
             // A closed curve has no ends.
-            pin_ends: pin_ends && !closed,
-            rho: named("rho", rho, Rho::ALL)?,
-            weights: match (robust, weighted) {
+            .pin_ends(pin_ends && !closed)
+            .rho(named("rho", rho, Rho::ALL)?)
+            .weights(match (robust, weighted) {
                 (true, _) => Weights::Robust,
                 (false, true) => Weights::Given,
                 (false, false) => Weights::Even,
-            },
-        };
+            });
         let fitter = py
             .detach(|| lariat_fit::Fitter::new(options))
             .map_err(value_error)?;

@@ -74,21 +74,20 @@ impl Tracer {
         let [left, top] = region.map_or([0.0; 2], |region| [region.x as f32, region.y as f32]);
         let in_region = |[x, y]: [f32; 2]| [x - left, y - top];
         let chooses_level = mask_level.is_none();
-        let options = Options {
-            mask: mask.map_or(Ok(Mask::Auto), mask_of)?,
-            mask_level,
-            method: method.parse::<Method>().map_err(value_error)?,
-            points,
-            ropes,
-            min_confidence,
-            start: start.map(in_region),
-            at: at.into_iter().map(in_region).collect(),
-            keep_lost: Duration::try_from_secs_f64(keep_lost_s).map_err(|_| {
+        let options = Options::default()
+            .mask(mask.map_or(Ok(Mask::Auto), mask_of)?)
+            .mask_level(mask_level)
+            .method(method.parse::<Method>().map_err(value_error)?)
+            .points(points)
+            .ropes(ropes)
+            .min_confidence(min_confidence)
+            .start(start.map(in_region))
+            .at(at.into_iter().map(in_region).collect())
+            .keep_lost(Duration::try_from_secs_f64(keep_lost_s).map_err(|_| {
                 value_error(format!(
                     "keep_lost_s is {keep_lost_s}: give a number of seconds, 0 or more"
                 ))
-            })?,
-        };
+            })?);
         let mut extractor = Extractor::new(options).map_err(value_error)?;
         if let Some(file) = network {
             let network = Network::from_bytes(&std::fs::read(&file)?);

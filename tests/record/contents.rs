@@ -53,10 +53,7 @@ fn a_lossless_recording_holds_every_frame_and_all_that_was_made_of_it() {
 fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {
     let mut source = lariat_capture::open(&Source::Rendered(RenderOptions::default())).unwrap();
     let mut extractor = Extractor::new(lariat_extract::Options::default()).unwrap();
-    let options = lariat_fit::Options {
-        basis: lariat_fit::Basis::Bezier { order: 6 },
-        ..lariat_fit::Options::default()
-    };
+    let options = lariat_fit::Options::default().basis(lariat_fit::Basis::Bezier { order: 6 });
     let mut fitter = Fitter::new(options).unwrap();
     let mut pixels = vec![0; source.largest_frame_bytes()];
     let mut header = FrameHeader::default();

@@ -187,11 +187,11 @@ fn the_descriptor_is_what_lariat_fit_makes_of_the_points() {
     let output = trace(&folder, &args).output().unwrap();
     let report = &lines(&output.stdout)[0];
     let curve = &report["curves"][0];
-    let mut fitter = lariat_fit::Fitter::new(lariat_fit::Options {
-        points: 60,
-        solver: lariat_fit::Solver::Pinv,
-        ..lariat_fit::Options::bezier(5)
-    })
+    let mut fitter = lariat_fit::Fitter::new(
+        lariat_fit::Options::bezier(5)
+            .points(60)
+            .solver(lariat_fit::Solver::Pinv),
+    )
     .unwrap();
     let fit = fitter.fit(&points(&curve["points"])).unwrap();
     // Both are printed to a thousandth of a pixel, and control points move by more than the points do.

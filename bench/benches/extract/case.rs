@@ -96,10 +96,7 @@ impl Case {
         film: Vec<Picture>,
         masks: Vec<Picture>,
     ) -> Result<Self> {
-        let options = Options {
-            mask: Mask::External,
-            ..Options::default()
-        };
+        let options = Options::default().mask(Mask::External);
         Ok(Self {
             masks,
             ..Self::with(name, film, options)?

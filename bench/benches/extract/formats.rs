@@ -35,10 +35,7 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
     // The same bytes as the first, the rope told by its colour instead of by its difference from the table.
     let told = film.iter().map(|f| converted(f, PixelFormat::Rgb8));
     let told: Vec<Picture> = told.collect::<Option<_>>().context("RGB stays RGB")?;
-    let options = Options {
-        mask: Mask::Hsv(pick(&told[0].image(), &[])?.ranges),
-        ..Options::default()
-    };
+    let options = Options::default().mask(Mask::Hsv(pick(&told[0].image(), &[])?.ranges));
     cases.push(Case::with("Rgb8, by HSV range", told, options)?);
     let turns = measure(&mut cases, effort.time(24.0))?;
     print_steps(&cases[0], film.len(), turns);

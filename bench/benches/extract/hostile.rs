@@ -21,10 +21,7 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
     }
     for (name, draw, range) in BY_COLOR {
         let film: Result<Vec<Picture>> = (0..REPEATS).map(|_| draw()).collect();
-        let by_color = Options {
-            mask: Mask::Hsv(vec![range]),
-            ..Options::default()
-        };
+        let by_color = Options::default().mask(Mask::Hsv(vec![range]));
         cases.push(Case::with(name, film?, by_color)?);
     }
     for (name, draw) in WITH_MASKS {

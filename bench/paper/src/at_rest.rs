@@ -271,10 +271,7 @@ fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
         frames: Some(effort.frames_at_rest as u64),
         ..RenderOptions::default()
     }))?;
-    let mut extractor = Extractor::new(Options {
-        points: POINTS,
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().points(POINTS))?;
     let mut pixels = Vec::new();
     let mut film = Vec::new();
     while let Some(frame) = source.next()? {
@@ -301,10 +298,7 @@ fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
 fn tremble(film: &[Vec<[f64; 2]>], fitter: &mut Fitter) -> Result<[f64; 4], PaperError> {
     let space = fitter.curve_space()?;
     let default = FilterOptions::default();
-    let calm = FilterOptions {
-        acceleration_px_s2: CALM_PX_S2,
-        ..default
-    };
+    let calm = default.acceleration_px_s2(CALM_PX_S2);
     let mut filters = Vec::new();
     for options in [default, calm] {
         filters.push(Filter::<2>::new(space.control_points(), options)?);

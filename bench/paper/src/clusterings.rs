@@ -110,11 +110,7 @@ impl Clusterings {
         let mut rows = Vec::new();
         for (name, method) in Method::ALL {
             progress(&format!("centerlines by {name}"));
-            let mut extractor = Extractor::new(Options {
-                points: POINTS,
-                method,
-                ..Options::default()
-            })?;
+            let mut extractor = Extractor::new(Options::default().points(POINTS).method(method))?;
             let mut outcomes = Vec::new();
             for (k, picture) in shapes.pictures.iter().enumerate() {
                 let ropes: Vec<&Shape> = (shapes.all.iter())

@@ -42,17 +42,12 @@ impl Way {
 
     /// Nothing for an order that the solver refuses.
     fn fitter(self, order: usize) -> Option<Fitter> {
-        let options = Options {
-            basis: Basis::Bezier { order },
-            points: POINTS,
-            ..Options::default()
-        };
+        let options = Options::default()
+            .basis(Basis::Bezier { order })
+            .points(POINTS);
         let options = match self {
-            Self::Solver(solver) => Options { solver, ..options },
-            Self::Anew => Options {
-                rho: Rho::Measured,
-                ..options
-            },
+            Self::Solver(solver) => options.solver(solver),
+            Self::Anew => options.rho(Rho::Measured),
         };
         Fitter::new(options).ok()
     }

@@ -20,11 +20,7 @@ pub(crate) fn bspline(control_points: usize) -> Basis {
 
 /// A fitter of N points, everything but the basis at its default.
 pub(crate) fn fitter(basis: Basis) -> Result<Fitter, PaperError> {
-    Ok(Fitter::new(Options {
-        basis,
-        points: POINTS,
-        ..Options::default()
-    })?)
+    Ok(Fitter::new(Options::default().basis(basis).points(POINTS))?)
 }
 
 /// The curve of a fit.

@@ -107,11 +107,7 @@ impl Fitting {
             Family::Cosines => 2 * POINTS,
             _ => POINTS,
         };
-        let fitter = Fitter::new(Options {
-            basis,
-            points,
-            ..Options::default()
-        })?;
+        let fitter = Fitter::new(Options::default().basis(basis).points(points))?;
         Ok(Some(Self {
             family,
             numbers,

@@ -125,12 +125,9 @@ pub(crate) struct Ordering {
 }
 
 fn fitter(rho: Rho) -> Result<Fitter, PaperError> {
-    Ok(Fitter::new(Options {
-        basis: BASIS,
-        points: POINTS,
-        rho,
-        ..Options::default()
-    })?)
+    Ok(Fitter::new(
+        Options::default().basis(BASIS).points(POINTS).rho(rho),
+    )?)
 }
 
 impl Ordering {

@@ -281,10 +281,7 @@ pub(crate) struct TimedExtractor {
 
 impl TimedExtractor {
     pub(crate) fn new() -> Result<Self, PaperError> {
-        let options = Options {
-            points: POINTS,
-            ..Options::default()
-        };
+        let options = Options::default().points(POINTS);
         Ok(Self {
             extractor: Extractor::new(options)?,
             times_us: Vec::new(),

@@ -245,21 +245,13 @@ fn at(curve: &Curve, rho: f32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::drawing::tests::curve;
+    use crate::accuracy::drawing::tests::{crossing, curve};
 
     /// A level rope and a steep one, which cross at (120, 80), the level one on top.
     fn cross() -> ([Curve; 2], Crossing) {
         let level = curve(&[[20.0, 80.0], [120.0, 80.0], [220.0, 80.0]], 10.0);
         let steep = curve(&[[120.0, 10.0], [120.0, 80.0], [120.0, 150.0]], 10.0);
-        let crossing = Crossing {
-            at: [120.0, 80.0],
-            over: 0,
-            under: 1,
-            over_rho: 0.5,
-            under_rho: 0.5,
-            confidence: 0.95,
-        };
-        ([level, steep], crossing)
+        ([level, steep], crossing([120.0, 80.0], 0, 1))
     }
 
     fn scored(found: &[Crossing], lines: &[&str]) -> Score {

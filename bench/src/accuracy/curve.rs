@@ -42,11 +42,7 @@ impl Curves {
                     harmonics: (order / 2).max(1),
                 },
             };
-            lariat_fit::Options {
-                basis,
-                choose_size: false,
-                ..auto
-            }
+            auto.basis(basis).choose_size(false)
         };
         Ok(Self {
             fitters: [Fitter::new(options(false))?, Fitter::new(options(true))?],
@@ -144,10 +140,7 @@ pub(super) fn run_on_film(
     });
     paths.sort();
     let mut curves = Curves::new(control_points)?;
-    let mut extractor = Extractor::new(Options {
-        method,
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().method(method))?;
     let (mut tracks, mut fits) = (Vec::<(u32, bool, SteadySize)>::new(), Vec::new());
     for (path, frame) in paths.iter().zip(0u64..) {
         let picture = photo::load(path)?.to_rgb8();

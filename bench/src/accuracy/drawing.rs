@@ -80,37 +80,29 @@ fn beyond_the_border(mut samples: Vec<Sample>, curve: &Curve) -> Vec<Sample> {
 #[cfg(test)]
 pub(in crate::accuracy) mod tests {
     use super::*;
-    use lariat_extract::Status;
 
     /// An open rope of one width through `points`.
     pub(in crate::accuracy) fn curve(points: &[[f64; 2]], width_px: f64) -> Curve {
         let steps = points.windows(2);
-        Curve {
-            track: 0,
-            status: Status::Ok,
-            closed: false,
-            border: [false; 2],
-            points: points.iter().map(|p| p.map(|v| v as f32)).collect(),
-            widths_px: vec![width_px as f32; points.len()],
-            hidden: vec![false; points.len()],
-            confidence: 1.0,
-            age_ns: 0,
-            width_px: width_px as f32,
-            length_px: steps
-                .map(|s| (s[1][0] - s[0][0]).hypot(s[1][1] - s[0][1]) as f32)
-                .sum(),
-        }
+        let mut curve = Curve::default();
+        curve.points = points.iter().map(|p| p.map(|v| v as f32)).collect();
+        curve.widths_px = vec![width_px as f32; points.len()];
+        curve.hidden = vec![false; points.len()];
+        curve.confidence = 1.0;
+        curve.width_px = width_px as f32;
+        curve.length_px = steps
+            .map(|s| (s[1][0] - s[0][0]).hypot(s[1][1] - s[0][1]) as f32)
+            .sum();
+        curve
     }
 
-    fn crossing(at: [f32; 2], over: usize, under: usize) -> Crossing {
-        Crossing {
-            at,
-            over,
-            under,
-            over_rho: 0.5,
-            under_rho: 0.5,
-            confidence: 1.0,
-        }
+    /// One at the middles of both ropes.
+    pub(in crate::accuracy) fn crossing(at: [f32; 2], over: usize, under: usize) -> Crossing {
+        let mut crossing = Crossing::default();
+        (crossing.at, crossing.over, crossing.under) = (at, over, under);
+        (crossing.over_rho, crossing.under_rho) = (0.5, 0.5);
+        crossing.confidence = 0.95;
+        crossing
     }
 
     fn count(drawn: &Labels, rope: u8) -> usize {

@@ -78,11 +78,7 @@ impl Bench {
     /// comes.
     pub(super) fn new(method: Method, mask: Mask) -> Result<Self> {
         Ok(Self {
-            extractor: Extractor::new(Options {
-                method,
-                mask: mask.into(),
-                ..Options::default()
-            })?,
+            extractor: Extractor::new(Options::default().method(method).mask(mask.into()))?,
             prepared: (0, 0),
         })
     }

@@ -68,10 +68,7 @@ pub(crate) fn run(
     } else {
         args.class.clone()
     };
-    let mut extractor = Extractor::new(Options {
-        method,
-        ..Options::default()
-    })?;
+    let mut extractor = Extractor::new(Options::default().method(method))?;
     let mut curves = Curves::new(control_points)?;
     let (mut measured, mut fitted) = (Vec::new(), Vec::new());
     println!("{}", table::head())?;

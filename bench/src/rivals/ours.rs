@@ -50,10 +50,7 @@ impl Ours {
     pub(super) fn new(pictures: &Pictures) -> Result<Self> {
         let told = pictures.shown.iter().map(|shown| {
             let mask = Mask::Hsv(shown.ranges.clone());
-            let extractor = Extractor::new(Options {
-                mask,
-                ..Options::default()
-            })?;
+            let extractor = Extractor::new(Options::default().mask(mask))?;
             Ok((extractor, Measured::default()))
         });
         Ok(Self {

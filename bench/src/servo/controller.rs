@@ -144,31 +144,27 @@ fn options(job: &Job, robot: &Known, metric: Metric) -> Options {
         least: [x[0], y[0], f64::NEG_INFINITY],
         most: [x[1], y[1], f64::INFINITY],
     };
-    Options {
-        robot: Robot {
-            grippers: robot.start.len(),
-            start,
-            speeds: robot.speeds,
-            workspaces: [workspace; 2],
-            longest_apart_px: robot.longest_apart_px,
-            ..Robot::default()
-        },
-        metric,
-        tolerance_px: TOLERANCE_PX,
-        ..ways(job)
-    }
+    ways(job)
+        .robot(
+            Robot::default()
+                .grippers(robot.start.len())
+                .start(start)
+                .speeds(robot.speeds)
+                .workspaces([workspace; 2])
+                .longest_apart_px(robot.longest_apart_px),
+        )
+        .metric(metric)
+        .tolerance_px(TOLERANCE_PX)
 }
 
 /// What it is told of how to steer, whatever the robot.
 fn ways<const A: usize>(job: &Job) -> Options<A> {
-    Options {
-        gain: job.gain,
-        look_ahead: job.look_ahead,
-        oldest_image_s: 0.5 + job.delay_ms / 1e3,
-        estimator: match job.learner {
+    Options::default()
+        .gain(job.gain)
+        .look_ahead(job.look_ahead)
+        .oldest_image_s(0.5 + job.delay_ms / 1e3)
+        .estimator(match job.learner {
             Learner::Kalman => Estimator::default(),
             Learner::Broyden => Estimator::BROYDEN,
-        },
-        ..Options::default()
-    }
+        })
 }

@@ -18,6 +18,7 @@ use thiserror::Error;
 
 /// Why a file is no calibration.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CalibrationError {
     /// Too long a text.
     #[error(

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Why numbers make no camera.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CameraError {
     /// An invalid focal length.
     #[error("invalid focal lengths of {} and {} px: both must be positive", .0[0], .0[1])]

@@ -20,6 +20,7 @@ pub struct Pair {
 
 /// Why pairs of points make no homography.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum HomographyError {
     /// Fewer than four pairs.
     #[error("{0} points do not determine a plane's perspective: give four, or better more")]

@@ -5,6 +5,7 @@ pub type Jacobian = [[f64; 2]; 2];
 
 /// Where a point lies, and how it moves there when the point it came from moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Place {
     /// The point, in the unit it was mapped to.
     pub point: [f64; 2],

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Why a calibration is not for these frames.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SizeError {
     /// The sides have another ratio.
     #[error(
@@ -62,6 +63,7 @@ pub enum SizeError {
 
 /// Why a pixel has no place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum Outside {
     /// The lens's model folds over there, or ends.
     #[error(

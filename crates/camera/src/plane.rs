@@ -9,6 +9,7 @@ use thiserror::Error;
 
 /// Why numbers make no plane.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PlaneError {
     /// A homography without an inverse.
     #[error(

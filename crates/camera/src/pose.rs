@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Why numbers make no pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum PoseError {
     /// An invalid rotation.
     #[error(

@@ -31,6 +31,7 @@ impl SeenRope<'_> {
 
 /// A point of a rope's axis in space, in the colour camera's frame: x right, y down, z ahead, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SpacePoint {
     /// Where it is.
     pub point: [f64; 3],

@@ -32,11 +32,7 @@ fn main() {
             ("line", TargetShape::Line),
         ],
         sight: Sight::default(),
-        options: Options {
-            gain: 3.0,
-            tolerance_px: 1.5,
-            ..Options::default()
-        },
+        options: Options::default().gain(3.0).tolerance_px(1.5),
     };
     for argument in std::env::args().skip(1) {
         let Some((name, value)) = argument.split_once('=') else {

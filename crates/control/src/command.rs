@@ -47,6 +47,7 @@ pub enum Weights<'a> {
 
 /// What the robot is to do until the next command, and why.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Command<const A: usize = 3> {
     /// Of each gripper: px/s, px/s, rad/s; in space mm/s along three axes and rad/s about three. Never above the robot's limits. Of a gripper that is not there 0.
     pub velocities: [[f64; A]; 2],
@@ -61,6 +62,7 @@ pub struct Command<const A: usize = 3> {
 
 /// What a servo is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Doing {
     /// It moves one input there and back, to see how the rope answers.
     Exploring {

@@ -121,6 +121,7 @@ mod pairs;
 mod progress;
 mod robot;
 mod servo;
+mod setters;
 mod tool;
 mod weighing;
 

@@ -1,10 +1,13 @@
 //! How a servo is to drive, to learn and to explore.
 
 use crate::error::ServoError;
+use crate::setters::setters;
 use crate::{Metric, Robot};
 
-/// All that a servo is told before it starts.
+/// All that a servo is told before it starts. Each field has a method of its name that sets it:
+/// `Options::default().gain(1.0)`.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Options<const A: usize = 3> {
     /// What may move, and how fast.
     pub robot: Robot<A>,
@@ -69,8 +72,29 @@ impl<const A: usize> Default for Options<A> {
     }
 }
 
+setters! {
+    {const A: usize} Options<A>;
+    robot: Robot<A>,
+    metric: Metric,
+    gain: f64,
+    damping: f64,
+    tolerance_px: f64,
+    release: f64,
+    settle_s: f64,
+    look_ahead: bool,
+    either_way: bool,
+    hold_on_partial: bool,
+    oldest_image_s: f64,
+    ramp_s: f64,
+    noise_px: f64,
+    estimator: Estimator,
+    learning: Learning,
+    exploring: Exploring,
+}
+
 /// How the Jacobian follows the rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Estimator {
     /// C. Broyden's rank-one rule (*A class of methods for solving nonlinear simultaneous equations*, Math. Comp. 19, 1965), damped:
     /// it changes `J` only along the last motion.
@@ -102,6 +126,7 @@ impl Estimator {
 
 /// Which pairs of images the estimator learns from.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Learning {
     /// Between the two the grippers must have moved by at least this, px; and by at least three times what noise makes of the
     /// difference of the two shapes, so that noise does not turn `J`. From 10⁻³ to 10³. Default: 2.
@@ -119,8 +144,15 @@ impl Default for Learning {
     }
 }
 
+setters! {
+    {} Learning;
+    least_step_px: f64,
+    longest_pair_s: f64,
+}
+
 /// The motions at the start, there and back with each input in turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Exploring {
     /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 13.
     pub reach_px: f64,
@@ -142,6 +174,14 @@ impl Default for Exploring {
             again: 4,
         }
     }
+}
+
+setters! {
+    {} Exploring;
+    reach_px: f64,
+    speed_px_s: f64,
+    stalled_s: f64,
+    again: u32,
 }
 
 impl<const A: usize> Options<A> {

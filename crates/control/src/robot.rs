@@ -3,10 +3,12 @@
 use crate::dimensions;
 use crate::error::ServoError;
 use crate::options::within;
+use crate::setters::setters;
 
 /// The grippers: where they are, and what they may do. Coordinates of a gripper are x px, y px, θ rad; of one in space (`A` is 6) x, y and z in
-/// mm, and three turns in rad.
+/// mm, and three turns in rad. Each field has a method of its name that sets it: `Robot::default().grippers(2)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Robot<const A: usize = 3> {
     /// How many, 1 or 2. Default: 1.
     pub grippers: usize,
@@ -45,6 +47,18 @@ impl<const A: usize> Default for Robot<A> {
             delay_s: 0.0,
         }
     }
+}
+
+setters! {
+    {const A: usize} Robot<A>;
+    grippers: usize,
+    start: [[f64; A]; 2],
+    speeds: [f64; A],
+    accelerations: Option<[f64; A]>,
+    workspaces: [Workspace<A>; 2],
+    longest_apart_px: f64,
+    lever_px: f64,
+    delay_s: f64,
 }
 
 /// Where a gripper may be, by its coordinates. It slows down towards the border and does not cross it, as long as commands come at

@@ -24,6 +24,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! `examples/descriptor.rs` reads a picture and fits curves to its ropes, in 15 lines.
+//!
 //! # The steps
 //!
 //! | step | folder | from → to |

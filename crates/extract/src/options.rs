@@ -36,8 +36,10 @@ pub enum Mask {
     External,
 }
 
-/// What to look for and how to describe it.
+/// What to look for and how to describe it. Each field has a method of its name that sets it:
+/// `Options::default().points(60)`.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// How the rope's pixels are told from the table's.
     pub mask: Mask,
@@ -78,8 +80,33 @@ impl Default for Options {
     }
 }
 
+macro_rules! setters {
+    ($($field:ident: $type:ty,)*) => {
+        impl Options {$(
+            #[doc = concat!("Sets [`", stringify!($field), "`](Self#structfield.", stringify!($field), ").")]
+            #[must_use]
+            pub fn $field(mut self, $field: $type) -> Self {
+                self.$field = $field;
+                self
+            }
+        )*}
+    };
+}
+setters! {
+    mask: Mask,
+    mask_level: Option<NonZeroU8>,
+    method: Method,
+    points: usize,
+    ropes: usize,
+    min_confidence: f32,
+    start: Option<[f32; 2]>,
+    at: Vec<[f32; 2]>,
+    keep_lost: Duration,
+}
+
 /// Why [`Options`] cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum OptionsError {
     /// The number of points is out of range.
     #[error("{0} points a centerline: choose 2 to 256")]

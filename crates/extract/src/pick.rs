@@ -28,6 +28,7 @@ const EDGE_PX: f32 = 3.0;
 
 /// The colours that were picked.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Picked {
     /// A range for each colour of rope, that of the longest rope first.
     pub ranges: Vec<HsvRange>,
@@ -39,6 +40,7 @@ pub struct Picked {
 
 /// Why no colour was picked.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PickError {
     /// The point is no place in the image.
     #[error(

@@ -35,6 +35,7 @@ impl Status {
 ///
 /// Positions are in pixels: x to the right, y down, (0, 0) the centre of the top-left pixel.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Curve {
     /// The rope's number, kept from frame to frame.
     pub track: u32,
@@ -63,9 +64,9 @@ pub struct Curve {
     pub age_ns: u64,
 }
 
-impl Curve {
-    /// A curve yet to be filled.
-    pub(crate) fn empty() -> Self {
+impl Default for Curve {
+    /// A curve without points, to be filled.
+    fn default() -> Self {
         Self {
             track: 0,
             status: Status::Ok,
@@ -83,7 +84,8 @@ impl Curve {
 }
 
 /// A place where a rope passes over a rope, another or itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Crossing {
     /// Where, in pixels.
     pub at: [f32; 2],

@@ -40,11 +40,7 @@ fn main() {
 }
 
 fn cell(basis: Basis, points: usize) -> String {
-    let options = Options {
-        basis,
-        points,
-        ..Options::default()
-    };
+    let options = Options::default().basis(basis).points(points);
     match Fitter::new(options) {
         Ok(fitter) => {
             let fit = fitter.last();

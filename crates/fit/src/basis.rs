@@ -8,6 +8,7 @@ pub const MAX_CONTROL_POINTS: usize = 32;
 /// Where the knots of a B-spline lie. Both are clamped: as many knots at either end as make the curve begin
 /// and end at its outer control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Knots {
     /// Evenly.
     Uniform,

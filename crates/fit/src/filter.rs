@@ -59,6 +59,7 @@ fn covariance_limit() -> f64 {
 
 /// Where a rope is at a moment, how fast, and how surely.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Prediction<const D: usize> {
     /// The moment, ns.
     pub t_ns: u64,

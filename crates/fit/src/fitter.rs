@@ -5,6 +5,7 @@ use crate::basis::{Basis, MAX_CONTROL_POINTS};
 use crate::checked;
 use crate::choice::Line;
 use crate::condition;
+use crate::coordinate::Coordinate;
 use crate::error::{FitError, FitterError};
 use crate::filter::{CurveSpace, CurveSpaceError};
 use crate::folded::Points;
@@ -24,6 +25,7 @@ pub const MAX_COORDINATE_PX: f64 = 1e9;
 
 /// A curve fitted to a centerline, and how well it fits.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Fit<const D: usize = 2> {
     /// The family of curves, and the size where it was chosen.
     pub basis: Basis,
@@ -68,6 +70,8 @@ pub struct Fitter<const D: usize = 2> {
     pub(crate) shown: usize,
     /// Room for points, for bases that read the same backwards and for others.
     points: [Points<D>; 2],
+    /// Room for the points in `f64`, where they come in `f32`.
+    room: Vec<[f64; D]>,
     pub(crate) fit: Fit<D>,
     /// Room for the squared distance of each point from a curve.
     pub(crate) squared: Vec<f64>,
@@ -215,8 +219,24 @@ where
     /// # Errors
     /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
     /// measured arc lengths also points that do not determine the curve.
-    pub fn fit(&mut self, points: &[[f64; D]]) -> Result<&Fit<D>, FitError> {
-        <[f64; D]>::fit(self, &Line::of(points))
+    pub fn fit<T: Coordinate>(&mut self, points: &[[T; D]]) -> Result<&Fit<D>, FitError> {
+        self.fit_within(points, Tolerance::default())
+    }
+
+    /// As [`Fitter::fit`], of the fewest control points that keep the curve within `tolerance` of the points, if the
+    /// fitter was made to [choose](Options::choose_size) their number.
+    ///
+    /// # Errors
+    /// As [`Fitter::fit`].
+    pub fn fit_within<T: Coordinate>(
+        &mut self,
+        points: &[[T; D]],
+        tolerance: Tolerance,
+    ) -> Result<&Fit<D>, FitError> {
+        self.in_f64(points, |fitter, points| {
+            <[f64; D]>::fit(fitter, &Line::of(points), tolerance).map(|_| ())
+        })?;
+        Ok(&self.fit)
     }
 
     /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
@@ -225,8 +245,14 @@ where
     ///
     /// # Errors
     /// As [`Fitter::fit`].
-    pub fn control_points(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
-        <[f64; D]>::describe(self, points)
+    pub fn control_points<T: Coordinate>(
+        &mut self,
+        points: &[[T; D]],
+    ) -> Result<&[[f64; D]], FitError> {
+        self.in_f64(points, |fitter, points| {
+            <[f64; D]>::describe(fitter, points).map(|_| ())
+        })?;
+        Ok(&self.fit.control_points)
     }
 
     /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
@@ -234,16 +260,31 @@ where
     ///
     /// # Errors
     /// As [`Fitter::fit`]; a fitter made without weights; invalid weights.
-    pub fn fit_weighted(
+    pub fn fit_weighted<T: Coordinate>(
         &mut self,
-        points: &[[f64; D]],
+        points: &[[T; D]],
         weights: &[f64],
     ) -> Result<&Fit<D>, FitError> {
-        let line = Line {
-            weights: Some(weights),
-            ..Line::of(points)
-        };
-        <[f64; D]>::fit(self, &line)
+        self.in_f64(points, |fitter, points| {
+            let line = Line {
+                weights: Some(weights),
+                ..Line::of(points)
+            };
+            <[f64; D]>::fit(fitter, &line, Tolerance::default()).map(|_| ())
+        })?;
+        Ok(&self.fit)
+    }
+
+    /// Runs a fit on `points` in `f64`.
+    fn in_f64<T: Coordinate>(
+        &mut self,
+        points: &[[T; D]],
+        fit: impl FnOnce(&mut Self, &[[f64; D]]) -> Result<(), FitError>,
+    ) -> Result<(), FitError> {
+        let mut room = std::mem::take(&mut self.room);
+        let result = fit(self, T::widen(points, &mut room));
+        self.room = room;
+        result
     }
 
     /// The covariances of the last fit's control points, where its points came from `line`, and what `line`
@@ -293,6 +334,7 @@ impl<const D: usize> Fitter<D> {
             arch: lariat_portable::Arch::new(),
             shown: largest,
             points: [true, false].map(|folded| Points::new(options.points, folded)),
+            room: Vec::with_capacity(options.points),
             choosable: sizes.len(),
             sizes,
             fit,
@@ -317,15 +359,19 @@ impl<const D: usize> Fitter<D> {
                 return Ok(&self.fit.control_points);
             }
         }
-        self.fit_line(&Line::of(points))
+        self.fit_line(&Line::of(points), Tolerance::default())
             .map(|fit| &fit.control_points[..])
     }
 
-    /// [`Fitter::fit`] and [`Fitter::fit_weighted`]: of the least size within the default tolerance, where there is a choice.
-    pub(crate) fn fit_line(&mut self, line: &Line<D>) -> Result<&Fit<D>, FitError> {
+    /// [`Fitter::fit_within`] and [`Fitter::fit_weighted`].
+    pub(crate) fn fit_line(
+        &mut self,
+        line: &Line<D>,
+        tolerance: Tolerance,
+    ) -> Result<&Fit<D>, FitError> {
         let size = match self.choosable {
             1 => 0,
-            _ => self.size_for(line, Tolerance::default())?.0,
+            _ => self.size_for(line, tolerance)?.0,
         };
         self.fit_of_size(size, line)
     }

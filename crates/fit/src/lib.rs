@@ -17,7 +17,7 @@
 //! ```
 //! use lariat_fit::{Fitter, Options, point_at};
 //!
-//! let mut fitter = Fitter::new(Options { points: 50, ..Options::bezier(3) })?;
+//! let mut fitter = Fitter::new(Options::bezier(3).points(50))?;
 //! let points: Vec<[f64; 2]> = (0..50)
 //!     .map(|i| point_at(&[[0.0, 0.0], [10.0, 40.0], [60.0, -20.0], [90.0, 30.0]], i as f64 / 49.0))
 //!     .collect();
@@ -124,6 +124,7 @@ mod checked;
 mod choice;
 mod condition;
 mod convert;
+mod coordinate;
 mod curve;
 mod error;
 mod factor;
@@ -142,6 +143,7 @@ mod rational;
 mod resample;
 mod robust;
 mod scalar;
+mod setters;
 mod solve;
 mod spread;
 mod system;
@@ -156,6 +158,7 @@ pub use convert::{
     BezierPiece, OwnedCurve, Reduced, bezier_pieces, elevate_degree, from_monomial, insert_knot,
     reduce_degree, reverse, split_at, to_monomial,
 };
+pub use coordinate::Coordinate;
 pub use curve::{Curve, CurveError, Distance, Nearest};
 pub use error::{FitError, FitterError};
 pub use filter::{

@@ -1,6 +1,7 @@
 //! What a [`Fitter`](crate::Fitter) is asked for.
 
 use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
+use crate::setters::setters;
 use std::fmt;
 
 /// The highest order: 32 control points.
@@ -43,6 +44,7 @@ impl fmt::Display for Solver {
 
 /// The normalized arc length ρ that each point is fitted at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Rho {
     /// In even steps, as lariat's extraction spaces its points: all of the algebra is done beforehand.
     Even,
@@ -58,6 +60,7 @@ impl Rho {
 
 /// How much each point counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Weights {
     /// As much as any other: all of the algebra is done beforehand.
     Even,
@@ -68,14 +71,17 @@ pub enum Weights {
     Robust,
 }
 
-/// What is fixed when a [`Fitter`](crate::Fitter) is made.
+/// What is fixed when a [`Fitter`](crate::Fitter) is made. Each field has a method of its name that sets it:
+/// `Options::bezier(5).points(80)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// The family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's four.
     pub basis: Basis,
     /// Whether the number of control points is chosen: as many as `basis` has or fewer, the fewest that keep the curve
-    /// within a [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit`](crate::Fitter::fit) chooses anew each
-    /// time and takes the default tolerance; [`SteadySize`](crate::SteadySize) keeps a moving rope's. Default: no.
+    /// within a [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit_within`](crate::Fitter::fit_within) chooses anew
+    /// each time, and [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance;
+    /// [`SteadySize`](crate::SteadySize) keeps a moving rope's. Default: no.
     pub choose_size: bool,
     /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than control points.
     /// Default: 120, as in the paper.
@@ -113,10 +119,21 @@ impl Default for Options {
 impl Options {
     /// A Bezier curve of this order, everything else at its default.
     pub fn bezier(order: usize) -> Self {
-        Self {
-            basis: Basis::Bezier { order },
-            ..Self::default()
-        }
+        Self::default().basis(Basis::Bezier { order })
+    }
+
+    /// A uniform cubic B-spline of this many control points, everything else at its default.
+    pub fn bspline(control_points: usize) -> Self {
+        Self::default().basis(Basis::BSpline {
+            degree: CUBIC,
+            control_points,
+            knots: Knots::Uniform,
+        })
+    }
+
+    /// The Fourier series of a closed curve with this many harmonics, everything else at its default.
+    pub fn fourier(harmonics: usize) -> Self {
+        Self::default().basis(Basis::Fourier { harmonics })
     }
 
     /// The fewest control points that keep the curve within a tolerance of its `points` points, up to as many as there
@@ -124,26 +141,27 @@ impl Options {
     /// the noise gain hardly grows with their number.
     pub fn auto(points: usize, closed: bool) -> Self {
         let most = MAX_CONTROL_POINTS.min(points);
-        let basis = if closed {
-            Basis::Fourier {
-                harmonics: (most.saturating_sub(1) / 2).max(1),
-            }
+        let family = if closed {
+            Self::fourier((most.saturating_sub(1) / 2).max(1))
         } else if most > CUBIC + 1 {
-            Basis::BSpline {
-                degree: CUBIC,
-                control_points: most,
-                knots: Knots::Uniform,
-            }
+            Self::bspline(most)
         } else {
-            Basis::Bezier {
-                order: most.saturating_sub(1).max(1),
-            }
+            Self::bezier(most.saturating_sub(1).max(1))
         };
-        Self {
-            basis,
-            points,
-            choose_size: closed || most > CUBIC + 1,
-            ..Self::default()
-        }
+        let choose_size = closed || most > CUBIC + 1;
+        family.points(points).choose_size(choose_size)
+    }
+}
+
+setters! {
+    Options {
+        basis: Basis,
+        choose_size: bool,
+        points: usize,
+        solver: Solver,
+        ridge: f64,
+        pin_ends: bool,
+        rho: Rho,
+        weights: Weights,
     }
 }

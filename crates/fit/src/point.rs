@@ -24,7 +24,11 @@ pub trait Point<const D: usize>: Sealed {
     #[doc(hidden)]
     fn make_fitter(options: Options) -> Result<Fitter<D>, FitterError>;
     #[doc(hidden)]
-    fn fit<'a>(fitter: &'a mut Fitter<D>, line: &Line<D>) -> Result<&'a Fit<D>, FitError>;
+    fn fit<'a>(
+        fitter: &'a mut Fitter<D>,
+        line: &Line<D>,
+        tolerance: Tolerance,
+    ) -> Result<&'a Fit<D>, FitError>;
     #[doc(hidden)]
     fn least_size(
         fitter: &mut Fitter<D>,
@@ -110,8 +114,12 @@ macro_rules! points {
                 Fitter::make(options)
             }
 
-            fn fit<'a>(fitter: &'a mut Fitter<$D>, line: &Line<$D>) -> Result<&'a Fit<$D>, FitError> {
-                fitter.fit_line(line)
+            fn fit<'a>(
+                fitter: &'a mut Fitter<$D>,
+                line: &Line<$D>,
+                tolerance: Tolerance,
+            ) -> Result<&'a Fit<$D>, FitError> {
+                fitter.fit_line(line, tolerance)
             }
 
             fn least_size(

@@ -38,6 +38,7 @@ const COLD_STEPS: usize = 25;
 
 /// A rational Bezier curve fitted to a centerline.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RationalFit<'a, const D: usize> {
     /// The `n + 1` control points, in the points' unit (px).
     pub control_points: &'a [[f64; D]],

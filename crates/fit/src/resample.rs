@@ -13,6 +13,7 @@ use thiserror::Error;
 
 /// Why points make no line to walk along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum ResampleError {
     /// Fewer than two, or more than there is room for.
     #[error("{0} points make no line to walk along: give 2 to {MAX_POINTS}")]

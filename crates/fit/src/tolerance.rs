@@ -37,6 +37,11 @@ impl Tolerance {
     /// And how much at most, px.
     pub const LIMIT_PX: f64 = 2.0;
 
+    /// The tolerance that the chain uses for a rope of this width, px: an eighth of it, and at most 2 px.
+    pub fn of_rope(width_px: impl Into<f64>) -> Self {
+        Self::of_width(width_px.into(), Self::WIDTHS, Self::LIMIT_PX)
+    }
+
     /// That of a rope so wide: `share` of the width for most points, but no more than `limit`, and half of it for all.
     /// A width that is not known leaves the limit.
     pub fn of_width(width: f64, share: f64, limit: f64) -> Self {

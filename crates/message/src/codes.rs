@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 /// What a number of a message may stand for.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Codes {
     /// What they say, such as `Status`.
     pub name: &'static str,
@@ -14,6 +15,7 @@ pub struct Codes {
 
 /// One of them.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Code {
     /// Its number in messages.
     pub number: u32,

@@ -25,6 +25,7 @@ pub trait Message {
 
 /// How a message lies in memory.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Layout {
     /// What it is called here.
     pub name: &'static str,
@@ -38,6 +39,7 @@ pub struct Layout {
 
 /// A field of a message.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Field {
     /// Its name.
     pub name: &'static str,

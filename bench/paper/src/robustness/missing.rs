@@ -44,25 +44,11 @@ impl Way {
     }
 
     fn fitter(self, left: usize) -> Result<Fitter, PaperError> {
-        let options = Options {
-            basis: BASIS,
-            ..Options::default()
-        };
+        let options = Options::default().basis(BASIS);
         Ok(Fitter::new(match self {
-            Self::EvenRho => Options {
-                points: left,
-                ..options
-            },
-            Self::MeasuredRho => Options {
-                points: left,
-                rho: Rho::Measured,
-                ..options
-            },
-            Self::NoWeight => Options {
-                points: POINTS,
-                weights: Weights::Given,
-                ..options
-            },
+            Self::EvenRho => options.points(left),
+            Self::MeasuredRho => options.points(left).rho(Rho::Measured),
+            Self::NoWeight => options.points(POINTS).weights(Weights::Given),
         })?)
     }
 }

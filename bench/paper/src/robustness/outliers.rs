@@ -44,19 +44,19 @@ impl Outliers {
     pub(crate) fn run(shapes: &Shapes, seed: u64) -> Result<Self, PaperError> {
         let mut rows = Vec::new();
         for (is_bspline, is_robust, _) in WAYS {
-            let mut fitter = Fitter::new(Options {
-                basis: if is_bspline {
-                    bspline(9)
-                } else {
-                    Basis::Bezier { order: 8 }
-                },
-                weights: if is_robust {
-                    Weights::Robust
-                } else {
-                    Weights::Even
-                },
-                ..Options::default()
-            })?;
+            let mut fitter = Fitter::new(
+                Options::default()
+                    .basis(if is_bspline {
+                        bspline(9)
+                    } else {
+                        Basis::Bezier { order: 8 }
+                    })
+                    .weights(if is_robust {
+                        Weights::Robust
+                    } else {
+                        Weights::Even
+                    }),
+            )?;
             let mut clean = Vec::new();
             for shape in &shapes.all {
                 clean.push(sampled(fitter.fit(&shape.reference)?, POINTS)?);

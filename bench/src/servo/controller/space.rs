@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use lariat_control::{
-    Command as Wish, Metric, Observation, Options, Robot, SpaceServo, Tool, Weights, Why, Workspace,
+    Command as Wish, Metric, Observation, Robot, SpaceServo, Tool, Weights, Why, Workspace,
 };
 use lariat_fit::Fitter;
 use lariat_wire::{Domain, Reader, Seen, Shape, now_ns};
@@ -49,12 +49,10 @@ impl Pilot {
             row
         });
         let metric = Metric::of_rows(rows).context("the curve cannot be measured by")?;
-        let options = Options {
-            robot: known(robot),
-            metric,
-            tolerance_px: TOLERANCE_MM,
-            ..ways(job)
-        };
+        let options = ways(job)
+            .robot(known(robot))
+            .metric(metric)
+            .tolerance_px(TOLERANCE_MM);
         let along = |i: usize| robot.start.get(i).map_or([1.0, 0.0, 0.0], |pose| pose[1]);
         Ok(Self {
             reader,
@@ -114,15 +112,15 @@ fn known(robot: &SpaceRobot) -> Robot<6> {
         let [x, y, z] = robot.workspace_mm.map(|sides| sides[which]);
         [x, y, z, turns, turns, turns]
     };
-    Robot {
-        grippers: robot.start.len(),
-        start,
-        speeds: [along, along, along, about, about, 0.0],
-        workspaces: [Workspace {
-            least: side(0, f64::NEG_INFINITY),
-            most: side(1, f64::INFINITY),
-        }; 2],
-        longest_apart_px: robot.longest_apart_mm,
-        ..Robot::default()
-    }
+    Robot::default()
+        .grippers(robot.start.len())
+        .start(start)
+        .speeds([along, along, along, about, about, 0.0])
+        .workspaces(
+            [Workspace {
+                least: side(0, f64::NEG_INFINITY),
+                most: side(1, f64::INFINITY),
+            }; 2],
+        )
+        .longest_apart_px(robot.longest_apart_mm)
 }

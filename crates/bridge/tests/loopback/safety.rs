@@ -100,6 +100,7 @@ fn nobody_is_sent_more_than_it_sent_before_it_has_shown_its_address() {
 fn what_makes_no_sense_is_refused_with_a_sentence() {
     for (words, code, sentence) in [
         (&["--listen", "udp/0.0.0.0:7447"][..], 2, "--make-key"),
+        (&["--listen", "udp/127.0.0.1:7447"], 2, "--make-key"),
         (&["--connect", "udp/192.0.2.1:7447"], 2, "--insecure"),
         (&["--listen", "tcp/127.0.0.1:7447"], 2, "udp/192.168"),
         (

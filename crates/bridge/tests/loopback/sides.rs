@@ -126,20 +126,23 @@ impl Place {
     }
 
     pub(crate) fn listen(&self, more: &[&str]) -> Side {
-        let at = Self::at(self.port);
-        Side::start(
-            &self.near,
-            &[&["--rig", self.rig.as_str(), "--listen", &at], more].concat(),
-        )
+        self.start(&self.near, "--listen", self.port, more)
     }
 
     /// `port`: the relay's, if there is one.
     pub(crate) fn connect(&self, port: u16, more: &[&str]) -> Side {
+        self.start(&self.far, "--connect", port, more)
+    }
+
+    /// Without a key, unless `more` names one.
+    fn start(&self, domain: &str, side: &str, port: u16, more: &[&str]) -> Side {
         let at = Self::at(port);
-        Side::start(
-            &self.far,
-            &[&["--rig", self.rig.as_str(), "--connect", &at], more].concat(),
-        )
+        let insecure: &[_] = match more.contains(&"--key") {
+            true => &[],
+            false => &["--insecure"],
+        };
+        let words = ["--rig", self.rig.as_str(), side, &at];
+        Side::start(domain, &[&words, insecure, more].concat())
     }
 
     pub(crate) fn near(&self) -> Domain {

@@ -12,6 +12,7 @@ const RANGE_MM: [f64; 2] = [150.0, 4000.0];
 
 /// A depth camera beside a colour one, and what a unit of its images is.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct DepthCalibration {
     /// The two cameras.
     pub camera: DepthCamera,

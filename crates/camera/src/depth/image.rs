@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// What a pixel of a depth image is.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum DepthKind {
     /// A whole number of 16 bits, little-endian, of so many millimetres each; 0 where it is not known (`Z16`, `16UC1`).
     Whole {

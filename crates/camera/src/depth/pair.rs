@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Why numbers make no pair of cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum DepthCameraError {
     /// An invalid noise.
     #[error("invalid depth noise of {0} at 1 m: a standard deviation in mm, 0 or more")]

@@ -9,6 +9,7 @@ use crate::pose::{LEAST_MM, Pose};
 
 /// A second colour camera beside the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SecondCalibration {
     /// The two cameras.
     pub cameras: ViewPair,

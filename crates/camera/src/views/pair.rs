@@ -10,6 +10,7 @@ const LEAST_BASELINE_MM: f64 = 1.0;
 
 /// Why numbers make no pair of cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ViewPairError {
     /// They stand at one place.
     #[error(

@@ -19,6 +19,7 @@ const LEAST_MEASURED: f64 = 0.2;
 
 /// Why a rope has no place in space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum NoSecondView {
     /// Points or widths are missing, or too few, or beyond the lens's model.
     #[error(

@@ -154,11 +154,7 @@ fn a_hand_hides_a_part_of_the_rope_while_it_rests_there() {
         saturation: [0.3, 1.0],
         value: [0.1, 1.0],
     };
-    let mut extractor = Extractor::new(Options {
-        mask: Mask::Hsv(vec![blue]),
-        ..Options::default()
-    })
-    .unwrap();
+    let mut extractor = Extractor::new(Options::default().mask(Mask::Hsv(vec![blue]))).unwrap();
     let mut start_ns = None;
     loop {
         let frame = source.next().unwrap().unwrap();

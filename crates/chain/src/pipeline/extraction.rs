@@ -359,25 +359,24 @@ impl FrameExtractor {
 
 /// A message's curve as the extractor has it.
 fn curve_of(curve: &lariat_wire::Curve) -> Curve {
-    let points = curve.points().to_vec();
-    Curve {
-        track: curve.track,
-        status: match curve.status() {
-            Some(lariat_wire::Status::Ok) => Status::Ok,
-            Some(lariat_wire::Status::Partial) => Status::Partial,
-            Some(lariat_wire::Status::Doubtful) => Status::Doubtful,
-            Some(lariat_wire::Status::Lost) | None => Status::Lost,
-        },
-        closed: curve.closed != 0,
-        border: [0, 1].map(|end| curve.border >> end & 1 == 1),
-        widths_px: curve.widths_px().to_vec(),
-        hidden: (0..points.len()).map(|k| curve.is_hidden(k)).collect(),
-        points,
-        width_px: curve.width_px,
-        length_px: curve.length_px,
-        confidence: curve.confidence,
-        age_ns: curve.age_ns,
-    }
+    let mut to = Curve::default();
+    to.track = curve.track;
+    to.status = match curve.status() {
+        Some(lariat_wire::Status::Ok) => Status::Ok,
+        Some(lariat_wire::Status::Partial) => Status::Partial,
+        Some(lariat_wire::Status::Doubtful) => Status::Doubtful,
+        Some(lariat_wire::Status::Lost) | None => Status::Lost,
+    };
+    to.closed = curve.closed != 0;
+    to.border = [0, 1].map(|end| curve.border >> end & 1 == 1);
+    to.points = curve.points().to_vec();
+    to.widths_px = curve.widths_px().to_vec();
+    to.hidden = (0..to.points.len()).map(|k| curve.is_hidden(k)).collect();
+    to.width_px = curve.width_px;
+    to.length_px = curve.length_px;
+    to.confidence = curve.confidence;
+    to.age_ns = curve.age_ns;
+    to
 }
 
 /// The extractor's own name for a pixel format.

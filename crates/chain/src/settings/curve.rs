@@ -169,23 +169,22 @@ impl Fit {
             },
             Family::Named(Sent::CenterOfMass) => Basis::CenterOfMass,
         };
-        Options {
-            basis,
-            choose_size: match family {
+        Options::default()
+            .basis(basis)
+            .choose_size(match family {
                 Family::Auto => auto.choose_size,
                 _ => self.control_points == Some(ControlPoints::Auto),
-            },
-            points,
-            solver: self.solver,
-            ridge: self.ridge,
+            })
+            .points(points)
+            .solver(self.solver)
+            .ridge(self.ridge)
             // A closed curve has no ends.
-            pin_ends: self.pin_ends && !closed,
-            rho: self.rho,
-            weights: if self.robust {
+            .pin_ends(self.pin_ends && !closed)
+            .rho(self.rho)
+            .weights(if self.robust {
                 Weights::Robust
             } else {
                 Weights::Even
-            },
-        }
+            })
     }
 }

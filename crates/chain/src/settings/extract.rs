@@ -63,16 +63,15 @@ impl Extract {
 
     /// The extractor's own options.
     pub fn options(&self) -> lariat_extract::Options {
-        lariat_extract::Options {
-            mask: self.mask.clone(),
-            mask_level: self.mask_level,
-            method: self.method,
-            points: self.points,
-            ropes: self.ropes,
-            min_confidence: self.min_confidence as f32,
-            start: self.start.map(|at| self.in_region(at)),
-            at: self.at.iter().map(|&at| self.in_region(at)).collect(),
-            keep_lost: self.keep_lost,
-        }
+        lariat_extract::Options::default()
+            .mask(self.mask.clone())
+            .mask_level(self.mask_level)
+            .method(self.method)
+            .points(self.points)
+            .ropes(self.ropes)
+            .min_confidence(self.min_confidence as f32)
+            .start(self.start.map(|at| self.in_region(at)))
+            .at(self.at.iter().map(|&at| self.in_region(at)).collect())
+            .keep_lost(self.keep_lost)
     }
 }

@@ -3,7 +3,7 @@
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
 use crate::settings::{
-    self, ControlPoints, Family, Flags, Problems, Restart, Settings, curve, file, range,
+    self, ControlPoints, FILE_NAME, Family, Flags, Problems, Restart, Settings, curve, file, range,
 };
 use anyhow::Result;
 use file::Entry;
@@ -98,6 +98,9 @@ impl Resolved {
         for (flag, key, value) in flags.given() {
             resolved.set(key, value.clone(), Origin::Flag(flag), &mut problems);
         }
+        if flags.config.is_none() {
+            resolved.keep_existing_files();
+        }
         resolved.settle_daemon();
         resolved.settle_fit(&mut problems);
         // What depends on several settings is judged only where each of them makes sense.
@@ -116,6 +119,22 @@ impl Resolved {
         match (KEYS[key].set)(&mut self.settings, &value) {
             Ok(()) => self.origins[key] = origin,
             Err(why) => problems.add(&origin, format!("{}: {why}", origin.quote(key, &value))),
+        }
+    }
+
+    /// Ignores `record.replace` of a file that was found in the current folder. It may have come with somebody's data, and must
+    /// not overwrite the user's files.
+    fn keep_existing_files(&mut self) {
+        let Some(key) = keys::position("record", "replace") else {
+            return;
+        };
+        if self.settings.record.replace && matches!(self.origins[key], Origin::File { .. }) {
+            self.settings.record.replace = false;
+            self.origins[key] = Origin::Default;
+            tracing::warn!(
+                "record.replace of the {FILE_NAME} in this folder is ignored: give --force, or name the file (--config \
+                 {FILE_NAME})"
+            );
         }
     }
 

@@ -342,6 +342,6 @@ pub(super) const KEYS: &[Key] = keys! {
         "The most memory that these seconds may take, in MB.",
         "--ring-memory SIZE", "record", "Recording", "The most memory that --ring may take";
     record.replace: SWITCH,
-        "Let a recording, report or timeline that is there already make room for the new one.",
+        "Overwrite a recording, report or timeline that exists. Ignored in a file that is not named by --config.",
         "--force", "record sink", "Recording", "Overwrite files that are there";
 };

@@ -75,16 +75,14 @@ fn robot() -> impl Strategy<Value = Robot> {
                 } else {
                     Workspace::ANYWHERE
                 };
-                Robot {
-                    grippers,
-                    speeds,
-                    accelerations,
-                    workspaces: [boxed; 2],
-                    longest_apart_px,
-                    lever_px,
-                    delay_s,
-                    ..Robot::default()
-                }
+                Robot::default()
+                    .grippers(grippers)
+                    .speeds(speeds)
+                    .accelerations(accelerations)
+                    .workspaces([boxed; 2])
+                    .longest_apart_px(longest_apart_px)
+                    .lever_px(lever_px)
+                    .delay_s(delay_s)
             },
         )
 }
@@ -142,7 +140,7 @@ proptest! {
         events in prop::collection::vec(event(), 1..80),
     ) {
         let estimator = if broyden { Estimator::BROYDEN } else { Estimator::default() };
-        let options = Options { robot, gain, damping, estimator, ramp_s: 0.0, ..Options::default() };
+        let options = Options::default().robot(robot).gain(gain).damping(damping).estimator(estimator).ramp_s(0.0);
         let mut servo = Servo::new(options, &[0.0, 0.0, 50.0, 20.0, 100.0, 0.0]).expect("good options");
         if let Some(rows) = known {
             servo.know(&rows).expect("a row each");
@@ -181,16 +179,8 @@ proptest! {
 #[test]
 fn a_saturated_velocity_keeps_its_direction() {
     let commands = [1.0, 100.0].map(|times: f64| {
-        let robot = Robot {
-            speeds: [50.0 * times, 30.0 * times, 0.2 * times],
-            ..Robot::default()
-        };
-        let options = Options {
-            robot,
-            gain: 10.0,
-            ramp_s: 0.0,
-            ..Options::default()
-        };
+        let robot = Robot::default().speeds([50.0 * times, 30.0 * times, 0.2 * times]);
+        let options = Options::default().robot(robot).gain(10.0).ramp_s(0.0);
         let mut servo =
             Servo::new(options, &linear(&[[90.0, -70.0, 0.8], [0.0; 3]])).expect("good options");
         let rows: Vec<_> = (0..6)
@@ -226,23 +216,15 @@ fn grippers_stay_in_their_workspaces_and_slide_along_the_border() {
         least: [0.0, 200.0, -1.5],
         most: [450.0, 280.0, 1.5],
     };
-    let robot = Robot {
-        grippers: 2,
-        start,
-        workspaces: [border; 2],
-        ..Robot::default()
-    };
+    let robot = Robot::default()
+        .grippers(2)
+        .start(start)
+        .workspaces([border; 2]);
     // The second gripper would have to leave by 40 px upwards, and is wanted 20 px to the right as well.
     let goal = [[170.0, 230.0, 0.5], [440.0, 320.0, 0.0]];
     let mut world = World::new(bent, start, 16);
-    let mut servo = Servo::new(
-        Options {
-            robot,
-            ..Options::default()
-        },
-        &bent(&goal),
-    )
-    .expect("good options");
+    let mut servo =
+        Servo::new(Options::default().robot(robot), &bent(&goal)).expect("good options");
     while world.now_ns() < 25_000_000_000 {
         world.turn(&mut servo);
         for [x, y, t] in world.poses {
@@ -257,22 +239,14 @@ fn grippers_stay_in_their_workspaces_and_slide_along_the_border() {
 #[test]
 fn two_grippers_never_pull_the_rope_taut() {
     let start = [[170.0, 240.0, 0.3], [420.0, 240.0, -0.3]];
-    let robot = Robot {
-        grippers: 2,
-        start,
-        longest_apart_px: 350.0,
-        ..Robot::default()
-    };
+    let robot = Robot::default()
+        .grippers(2)
+        .start(start)
+        .longest_apart_px(350.0);
     let goal = [[100.0, 240.0, 0.0], [490.0, 260.0, 0.0]];
     let mut world = World::new(bent, start, 16);
-    let mut servo = Servo::new(
-        Options {
-            robot,
-            ..Options::default()
-        },
-        &bent(&goal),
-    )
-    .expect("good options");
+    let mut servo =
+        Servo::new(Options::default().robot(robot), &bent(&goal)).expect("good options");
     let mut longest = 0.0f64;
     while world.now_ns() < 25_000_000_000 {
         world.turn(&mut servo);

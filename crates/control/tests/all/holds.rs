@@ -86,12 +86,12 @@ fn exploring_goes_on_where_a_hold_broke_it_off() {
 fn a_covered_rope_is_steered_at_half_the_speed_or_held_and_never_explored() {
     for hold_on_partial in [false, true] {
         let mut world = World::new(linear, START, 16);
-        let mut servo = servo(Options {
-            hold_on_partial,
-            // Full speed all the way.
-            gain: 100.0,
-            ..Options::default()
-        });
+        let mut servo = servo(
+            Options::default()
+                .hold_on_partial(hold_on_partial)
+                // Full speed all the way.
+                .gain(100.0),
+        );
         let (exposed_ns, shape) = world.image();
         let partial = |shape, exposed_ns| Observation {
             partial: true,
@@ -178,10 +178,7 @@ fn a_target_that_runs_the_other_way_is_turned_around() {
     );
 
     let mut world = World::new(linear, START, 16);
-    let options = Options {
-        either_way: false,
-        ..Options::default()
-    };
+    let options = Options::default().either_way(false);
     let mut kept = Servo::new(options, &target).expect("good options");
     assert_ne!(world.run(&mut kept, 30).doing, Doing::Arrived);
 }
@@ -217,14 +214,8 @@ fn an_arrived_servo_stands_until_the_shape_has_left_the_tolerance_by_half() {
 #[test]
 fn a_rope_that_does_not_answer_is_explored_a_few_times_more_and_then_waited_for() {
     let mut world = World::new(|_| linear(&START), START, 16);
-    let exploring = Exploring {
-        again: 2,
-        ..Exploring::default()
-    };
-    let mut servo = servo(Options {
-        exploring,
-        ..Options::default()
-    });
+    let exploring = Exploring::default().again(2);
+    let mut servo = servo(Options::default().exploring(exploring));
     let mut begun = 0;
     let mut before = Doing::Steering;
     while world.now_ns() < 20_000_000_000 {
@@ -244,15 +235,9 @@ fn a_rope_that_does_not_answer_is_explored_a_few_times_more_and_then_waited_for(
 
 #[test]
 fn a_robot_that_says_where_it_is_is_believed() {
-    let robot = Robot {
-        start: START,
-        ..Robot::default()
-    };
+    let robot = Robot::default().start(START);
     let mut world = World::new(linear, START, 16);
-    let mut servo = servo(Options {
-        robot,
-        ..Options::default()
-    });
+    let mut servo = servo(Options::default().robot(robot));
     // It goes only half as far as it is told to.
     for _ in 0..2000 {
         servo.robot_is_at(&world.poses, world.now_ns());

@@ -17,15 +17,10 @@ fn held(random: &mut SplitMix64) -> Poses {
 }
 
 fn options(grippers: usize, estimator: Estimator) -> Options {
-    Options {
-        robot: Robot {
-            grippers,
-            ..Robot::default()
-        },
-        metric: Metric::bezier(6).expect("a metric"),
-        estimator,
-        ..Options::default()
-    }
+    Options::default()
+        .robot(Robot::default().grippers(grippers))
+        .metric(Metric::bezier(6).expect("a metric"))
+        .estimator(estimator)
 }
 
 /// 60 images/s, 35 ms late, of a curve fitted to 60 points with noise of 0.3 px in each coordinate, on a rope that lags 0.1 s behind.
@@ -193,21 +188,19 @@ fn overshoot(look_ahead: bool) -> (f64, f64) {
     world.delay_ms = 100;
     let goal = [[220.0, 110.0, 0.3], [0.0; 3]];
     let target = linear(&goal);
-    let options = Options {
-        robot: Robot {
-            // Nothing saturates: it is the law alone.
-            speeds: [1e5; 3],
-            ..Robot::default()
-        },
-        gain: 8.0,
-        damping: 0.0,
-        tolerance_px: 1e-3,
-        ramp_s: 0.0,
-        look_ahead,
+    let options = Options::default()
+        .robot(
+            Robot::default()
+                // Nothing saturates: it is the law alone.
+                .speeds([1e5; 3]),
+        )
+        .gain(8.0)
+        .damping(0.0)
+        .tolerance_px(1e-3)
+        .ramp_s(0.0)
+        .look_ahead(look_ahead)
         // What is known stays as it is.
-        estimator: Estimator::Kalman { drift: 0.0 },
-        ..Options::default()
-    };
+        .estimator(Estimator::Kalman { drift: 0.0 });
     let mut servo = Servo::new(options, &target).expect("good options");
     let origin = linear(&[[0.0; 3]; 2]);
     let mut rows = vec![[[0.0; 3]; 2]; target.len()];

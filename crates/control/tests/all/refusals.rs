@@ -12,61 +12,36 @@ fn refusal(options: Options, target: &[f64]) -> String {
 
 #[test]
 fn options_out_of_range_are_refused_by_name() {
-    let robot = |robot| Options {
-        robot,
-        ..Options::default()
-    };
+    let robot = |robot| Options::default().robot(robot);
     let cases = [
         (
-            Options {
-                gain: f64::NAN,
-                ..Options::default()
-            },
+            Options::default().gain(f64::NAN),
             "gain is NaN: choose from 0.001 to 100",
         ),
         (
-            Options {
-                damping: -0.1,
-                ..Options::default()
-            },
+            Options::default().damping(-0.1),
             "damping is -0.1: choose from 0 to 1",
         ),
         (
-            Options {
-                estimator: Estimator::Broyden { share: 1.5 },
-                ..Options::default()
-            },
+            Options::default().estimator(Estimator::Broyden { share: 1.5 }),
             "share is 1.5",
         ),
         (
-            robot(Robot {
-                grippers: 3,
-                ..Robot::default()
-            }),
+            robot(Robot::default().grippers(3)),
             "grippers is 3: choose from 1 to 2",
         ),
+        (robot(Robot::default().lever_px(0.0)), "lever_px is 0"),
         (
-            robot(Robot {
-                lever_px: 0.0,
-                ..Robot::default()
-            }),
-            "lever_px is 0",
-        ),
-        (
-            robot(Robot {
-                speeds: [0.0; 3],
-                ..Robot::default()
-            }),
+            robot(Robot::default().speeds([0.0; 3])),
             "every speed limit is 0",
         ),
         (
-            robot(Robot {
-                workspaces: [Workspace {
+            robot(Robot::default().workspaces(
+                [Workspace {
                     least: [0.0; 3],
                     most: [1.0, 0.0, 1.0],
                 }; 2],
-                ..Robot::default()
-            }),
+            )),
             "the workspace of gripper 1 is empty along y",
         ),
     ];
@@ -91,10 +66,7 @@ fn invalid_targets_are_refused() {
         assert!(refusal.starts_with(sentence), "{refusal}");
     }
     let metric = Metric::bezier(8).expect("a metric");
-    let options = Options {
-        metric,
-        ..Options::default()
-    };
+    let options = Options::default().metric(metric);
     let sentence = "the metric is of 9 points and the target has 2: make it of the target's basis";
     assert_eq!(refusal(options, &TARGET), sentence);
     let mut servo = Servo::new(Options::default(), &TARGET).expect("good options");

@@ -2,9 +2,7 @@
 
 use std::collections::VecDeque;
 
-use lariat_control::{
-    Command, Doing, Metric, Observation, Options, Robot, Servo, Weights, Workspace,
-};
+use lariat_control::{Command, Doing, Metric, Observation, Options, Servo, Weights, Workspace};
 use lariat_fit::{Fitter, bernstein};
 use lariat_portable::SplitMix64;
 use lariat_simulation::{STEP_NS, Simulation, TargetShape, at_equal_steps};
@@ -76,18 +74,16 @@ impl Case {
             bernstein(sight.order, i as f64 / 63.0, &mut row);
             row
         });
-        Options {
-            robot: Robot {
-                grippers: 2,
-                start,
-                workspaces: [workspace; 2],
-                longest_apart_px: 0.998 * simulated.length_px,
-                ..options.robot
-            },
-            metric: Metric::of_rows(rows).expect("a metric"),
-            oldest_image_s: 0.6,
-            ..options
-        }
+        let robot = options
+            .robot
+            .grippers(2)
+            .start(start)
+            .workspaces([workspace; 2])
+            .longest_apart_px(0.998 * simulated.length_px);
+        options
+            .robot(robot)
+            .metric(Metric::of_rows(rows).expect("a metric"))
+            .oldest_image_s(0.6)
     }
 }
 

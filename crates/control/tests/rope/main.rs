@@ -17,12 +17,10 @@ const SIGHT: Sight = Sight {
 };
 
 fn options(estimator: Estimator) -> Options {
-    Options {
-        gain: 3.0,
-        tolerance_px: 1.5,
-        estimator,
-        ..Options::default()
-    }
+    Options::default()
+        .gain(3.0)
+        .tolerance_px(1.5)
+        .estimator(estimator)
 }
 
 /// Within 12 s, all of them with exploring; and it comes to rest nearer than 2 px.

@@ -48,22 +48,22 @@ fn drive(shape: TargetShape, seed: u64) -> (f64, bool) {
         let [x, y, z] = simulation.grippers()[i].at;
         [x, y, z, 0.0, 0.0, 0.0]
     });
-    let options = Options {
-        robot: Robot {
-            grippers: 2,
-            start,
-            speeds: [85.0, 85.0, 85.0, 1.0, 1.0, 0.0],
-            workspaces: [Workspace {
-                least: side(0, -1.0),
-                most: side(1, 1.0),
-            }; 2],
-            longest_apart_px: 0.998 * simulated.length_px,
-            ..Robot::default()
-        },
-        metric: Metric::bezier(ORDER).expect("a metric"),
-        gain: 3.0,
-        ..Options::default()
-    };
+    let options = Options::default()
+        .robot(
+            Robot::default()
+                .grippers(2)
+                .start(start)
+                .speeds([85.0, 85.0, 85.0, 1.0, 1.0, 0.0])
+                .workspaces(
+                    [Workspace {
+                        least: side(0, -1.0),
+                        most: side(1, 1.0),
+                    }; 2],
+                )
+                .longest_apart_px(0.998 * simulated.length_px),
+        )
+        .metric(Metric::bezier(ORDER).expect("a metric"))
+        .gain(3.0);
     let mut servo =
         SpaceServo::new(options, &describe(&mut fitter, &target).0).expect("good options");
     let mut random = SplitMix64::new(seed);

@@ -156,7 +156,7 @@ mod tests {
             width_px: 2.0 * HALF_PX,
             side: 0.0,
         }));
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         curve.points.extend([[10.0, Y], [80.0, Y], [150.0, Y]]);
         curve.width_px = 2.0 * HALF_PX;
         (line, curve)

@@ -123,7 +123,7 @@ mod tests {
     /// A rope, 8 px wide, from one place straight to another.
     fn rope(from: Vec2, to: Vec2) -> Curve {
         let share = |k: usize| k as f32 / 50.0;
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         let points = (0..=50).map(|k| vec2::along(from, vec2::sub(to, from), share(k)));
         curve.points.extend(points);
         curve.width_px = 8.0;
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn a_rope_that_comes_back_to_itself_is_met_there() {
         // Three sides of a square, and the last tip at the middle of the first.
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         let corners = [
             [20.0, 20.0],
             [180.0, 20.0],

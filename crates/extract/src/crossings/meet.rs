@@ -234,7 +234,7 @@ mod tests {
 
     /// A curve along `at` for t from 0 to 1, 10 px wide.
     fn curve(points: usize, at: impl Fn(f32) -> Vec2) -> Curve {
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         curve
             .points
             .extend((0..points).map(|i| at(i as f32 / (points - 1) as f32)));

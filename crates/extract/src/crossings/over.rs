@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn of_one_curve_each_strand_ends_halfway_to_the_other() {
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         curve.points.resize(101, [0.0; 2]);
         curve.length_px = 200.0;
         let mut open = [[90.0; 2]; 2];

@@ -248,7 +248,7 @@ impl Extractor {
         let line = &self.lines[l];
         line.resample(self.options.points, &mut self.spaced);
         if self.curves.len() <= self.count {
-            self.curves.push(Curve::empty());
+            self.curves.push(Curve::default());
         }
         let curve = &mut self.curves[self.count];
         curve.closed = line.closed;

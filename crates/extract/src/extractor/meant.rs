@@ -24,7 +24,7 @@ impl Meant {
     pub(super) fn reserve(&mut self, options: &Options) {
         let &Options { ropes, points, .. } = options;
         self.tracks.resize(options.at.len(), None);
-        self.curves.resize_with(ropes, Curve::empty);
+        self.curves.resize_with(ropes, Curve::default);
         for curve in &mut self.curves {
             curve.points.reserve(points);
             curve.widths_px.reserve(points);

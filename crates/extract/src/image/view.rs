@@ -88,6 +88,7 @@ impl PixelFormat {
 
 /// Why bytes and a size do not make an [`Image`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum ImageError {
     /// Width or height is zero.
     #[error("the image is {width}×{height} pixels: both sides must be at least 1")]

@@ -56,7 +56,7 @@ fn seen(space: &[Vec3]) -> (Vec<Curve>, Vec<Crossing>) {
         width_px: WIDTH,
         length_px: whole as f32,
         confidence: 1.0,
-        ..Curve::empty()
+        ..Curve::default()
     };
     (vec![curve], crossings)
 }

@@ -50,6 +50,7 @@ const ROPE_LEVEL: u8 = 128;
 
 /// Why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum MaskError {
     /// The mask has another size than the image.
     #[error(

@@ -20,6 +20,7 @@ const ROWS: usize = 64;
 
 /// A mask that extraction can take, and a sentence if its bytes meant something else.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct MaskLevels {
     /// A byte a pixel, row by row without padding; the higher the likelier rope.
     pub levels: Vec<u8>,

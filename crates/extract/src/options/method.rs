@@ -11,6 +11,7 @@ use thiserror::Error;
 /// centers for each piece of the mask, put in order. They are for comparing: the first is more accurate, faster, and the only
 /// one that follows a rope from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Method {
     /// The mask is thinned, and each cross-section measured between pixels.
     #[default]

@@ -27,6 +27,7 @@ const LEAST_COVERED: f32 = 0.0015;
 
 /// Why a mask of picked colours may be wrong: its `Display` is a whole sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum PickDoubt {
     /// Nothing in the mask is a rope.
     NoRope,
@@ -80,6 +81,7 @@ impl fmt::Display for PickDoubt {
 
 /// The judgement of a mask of picked colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PickJudgement {
     /// The reason to doubt it, if there is one.
     pub doubt: Option<PickDoubt>,

@@ -348,7 +348,7 @@ mod tests {
             points: (first..first + 64)
                 .map(|x| [x as f32, 70.0 - x as f32])
                 .collect(),
-            ..Curve::empty()
+            ..Curve::default()
         };
         let is_dim = |image: &Image, first| {
             let surroundings = Surroundings {

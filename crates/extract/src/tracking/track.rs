@@ -478,7 +478,7 @@ impl Tracker {
                 break;
             }
             if count == curves.len() {
-                curves.push(Curve::empty());
+                curves.push(Curve::default());
             }
             let curve = &mut curves[count];
             curve.track = track.number;
@@ -642,7 +642,7 @@ mod tests {
             hidden: vec![false; 20],
             width_px: 8.0,
             length_px: to - from,
-            ..Curve::empty()
+            ..Curve::default()
         }
     }
 
@@ -733,7 +733,7 @@ mod tests {
             hidden: vec![false; 20],
             width_px: 8.0,
             length_px: 190.0,
-            ..Curve::empty()
+            ..Curve::default()
         };
         for (confidence, is_known) in [(0.9, true), (0.3, false)] {
             let (mut tracker, mut curves) = (Tracker::default(), vec![curve.clone()]);

@@ -89,7 +89,7 @@ mod tests {
             let curve = Curve {
                 length_px: 300.0,
                 width_px: 8.0,
-                ..Curve::empty()
+                ..Curve::default()
             };
             usual.look(false, is_plain);
             (0..=STEADY.0).for_each(|_| usual.note(&curve));

@@ -75,10 +75,7 @@ fn no_frame_that_is_followed_by_its_edges_allocates_once_warm() {
         saturation: [0.3, 1.0],
         value: [0.1, 1.0],
     });
-    let options = Options {
-        mask: Mask::Hsv(red_and_blue.into()),
-        ..Options::default()
-    };
+    let options = Options::default().mask(Mask::Hsv(red_and_blue.into()));
     let mut extractor = Extractor::new(options).expect("the options are valid");
     extractor.prepare(320, 240);
     let mut run = || {
@@ -111,10 +108,7 @@ fn no_frame_of_a_clustering_allocates_after_preparation() {
     ] {
         // The last one is slow: its first frame takes 300 rounds.
         let most = if method == Method::FuzzyMeans { 4 } else { 40 };
-        let options = Options {
-            method,
-            ..Options::default()
-        };
+        let options = Options::default().method(method);
         let mut extractor = Extractor::new(options).expect("the options are valid");
         extractor.prepare(320, 240);
         let before = allocations();

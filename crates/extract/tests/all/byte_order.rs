@@ -22,10 +22,7 @@ fn told(
     [width, height, stride]: [usize; 3],
     format: PixelFormat,
 ) -> Vec<String> {
-    let options = Options {
-        mask: mask.clone(),
-        ..Options::default()
-    };
+    let options = Options::default().mask(mask.clone());
     let mut extractor = Extractor::new(options).expect("valid options");
     let mut told = Vec::new();
     for bytes in frames {

@@ -45,10 +45,7 @@ fn mask_of(ropes: &[Rope]) -> Vec<u8> {
 fn masked(picture: &[Rope], mask: &[Rope], options: Options) -> (Vec<f32>, Option<Notice>) {
     let (bytes, mask) = (table().draw(picture), mask_of(mask));
     let mask = Image::new(&mask, SIZE[0], SIZE[1], SIZE[0], PixelFormat::Gray8);
-    let options = Options {
-        mask: Mask::External,
-        ..options
-    };
+    let options = options.mask(Mask::External);
     let mut extractor = Extractor::new(options).expect("valid options");
     let scene = extractor.extract_masked(&rgb(&bytes), &mask.expect("a whole mask"));
     let scene = scene.expect("of the image's size");
@@ -84,10 +81,7 @@ fn a_strand_of_a_mask_where_the_picture_shows_none_is_not() {
     );
     assert_eq!(notice, Some(Notice::Unsure));
     // Who asks for less is told less.
-    let options = Options {
-        min_confidence: 0.0,
-        ..Options::default()
-    };
+    let options = Options::default().min_confidence(0.0);
     assert_eq!(masked(&[], &[nothing], options).1, None);
 }
 
@@ -169,11 +163,8 @@ fn a_shadow_is_less_sure_than_its_rope() {
 #[test]
 fn a_lost_rope_keeps_the_confidence_it_had_and_a_followed_one_that_of_its_last_extraction() {
     let (bytes, empty) = (table().draw(&[wave(240.0, BLUE)]), table().draw(&[]));
-    let mut extractor = Extractor::new(Options {
-        keep_lost: Duration::from_secs(1),
-        ..Options::default()
-    })
-    .expect("valid options");
+    let mut extractor = Extractor::new(Options::default().keep_lost(Duration::from_secs(1)))
+        .expect("valid options");
     let (mut last, mut followed) = (0.0, 0);
     for _ in 0..8 {
         let scene = extractor.extract(&rgb(&bytes));
@@ -221,10 +212,7 @@ fn of_more_curves_than_are_asked_for_the_surest_and_longest_stay() {
     let mut rope = wave(140.0, BLUE);
     rope.points.truncate(1200);
     let nothing = wave(340.0, BLUE);
-    let options = Options {
-        ropes: 1,
-        ..Options::default()
-    };
+    let options = Options::default().ropes(1);
     let (sure, _) = masked(
         std::slice::from_ref(&rope),
         &[rope.clone(), nothing],

@@ -161,11 +161,8 @@ fn a_mask_that_the_user_gave_is_not_doubted() {
         saturation: [0.0, 1.0],
         value: [0.0, 0.65],
     };
-    let mut extractor = Extractor::new(Options {
-        mask: Mask::Hsv(vec![dark]),
-        ..Options::default()
-    })
-    .expect("a valid range");
+    let mut extractor =
+        Extractor::new(Options::default().mask(Mask::Hsv(vec![dark]))).expect("a valid range");
     let drawn = draw(&[rope(BLUE), pen(BLACK, 260.0)], 1);
     // A straight, flat thing is unsure in every mask, but the user may have meant it.
     let (curves, notice) = seen(&mut extractor, &drawn);

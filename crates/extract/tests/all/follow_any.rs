@@ -11,10 +11,7 @@ const SIZE: (usize, usize) = (480, 360);
 const FRAMES: usize = 150;
 
 fn with_mask(mask: Mask) -> Extractor {
-    let options = Options {
-        mask,
-        ..Options::default()
-    };
+    let options = Options::default().mask(mask);
     Extractor::new(options).expect("valid options")
 }
 

@@ -31,10 +31,7 @@ fn everything() -> Mask {
 fn check(bytes: &[u8], width: usize, height: usize, stride: usize, format: PixelFormat) {
     let image = Image::new(bytes, width, height, stride, format).expect("enough bytes");
     for mask in [Mask::Auto, everything()] {
-        let options = Options {
-            mask,
-            ..Options::default()
-        };
+        let options = Options::default().mask(mask);
         let mut extractor = Extractor::new(options).expect("valid options");
         for _ in 0..2 {
             let scene = extractor.extract(&image);
@@ -175,33 +172,23 @@ fn what_is_no_image_is_refused() {
 #[test]
 fn options_that_make_no_sense_are_refused() {
     let new = |options| Extractor::new(options).err();
-    let with_mask = |hue_deg, saturation| Options {
-        mask: Mask::Hsv(vec![HsvRange {
+    let with_mask = |hue_deg, saturation| {
+        Options::default().mask(Mask::Hsv(vec![HsvRange {
             hue_deg,
             saturation,
             value: [0.0, 1.0],
-        }]),
-        ..Options::default()
+        }]))
     };
     assert_eq!(
-        new(Options {
-            points: 1,
-            ..Options::default()
-        }),
+        new(Options::default().points(1)),
         Some(OptionsError::Points(1))
     );
     assert_eq!(
-        new(Options {
-            ropes: 0,
-            ..Options::default()
-        }),
+        new(Options::default().ropes(0)),
         Some(OptionsError::Ropes(0))
     );
     assert_eq!(
-        new(Options {
-            mask: Mask::Hsv(vec![]),
-            ..Options::default()
-        }),
+        new(Options::default().mask(Mask::Hsv(vec![]))),
         Some(OptionsError::NoRange)
     );
     assert!(matches!(

@@ -13,6 +13,7 @@ mod follow;
 mod follow_any;
 mod hard;
 mod hostile;
+mod libraries;
 mod masks;
 mod meant;
 mod methods;

@@ -43,10 +43,7 @@ fn gray(bytes: &[u8]) -> Image<'_> {
 }
 
 fn external() -> Extractor {
-    let options = Options {
-        mask: Mask::External,
-        ..Options::default()
-    };
+    let options = Options::default().mask(Mask::External);
     Extractor::new(options).expect("valid options")
 }
 
@@ -155,11 +152,9 @@ fn mask(ropes: &[(Rope, u8)]) -> Vec<u8> {
 }
 
 fn curves(rgb: &[u8], mask: &[u8], mask_level: Option<u8>) -> Vec<Curve> {
-    let options = Options {
-        mask: Mask::External,
-        mask_level: mask_level.and_then(NonZeroU8::new),
-        ..Options::default()
-    };
+    let options = Options::default()
+        .mask(Mask::External)
+        .mask_level(mask_level.and_then(NonZeroU8::new));
     let mut extractor = Extractor::new(options).expect("valid options");
     let image = Image::new(rgb, SIZE.0, SIZE.1, 3 * SIZE.0, PixelFormat::Rgb8).expect("whole");
     let scene = extractor.extract_masked(&image, &gray(mask));

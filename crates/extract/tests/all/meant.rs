@@ -21,10 +21,7 @@ fn frame(k: usize, hidden: bool) -> Vec<u8> {
 }
 
 fn extractor(at: &[[f32; 2]]) -> Extractor {
-    let options = Options {
-        at: at.to_vec(),
-        ..Options::default()
-    };
+    let options = Options::default().at(at.to_vec());
     Extractor::new(options).expect("the options are valid")
 }
 
@@ -105,9 +102,6 @@ fn no_frame_allocates_once_warm() {
 
 #[test]
 fn a_position_is_two_numbers() {
-    let options = Options {
-        at: vec![[1.0, f32::NAN]],
-        ..Options::default()
-    };
+    let options = Options::default().at(vec![[1.0, f32::NAN]]);
     assert!(matches!(Extractor::new(options), Err(OptionsError::At(_))));
 }

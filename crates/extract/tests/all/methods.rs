@@ -18,10 +18,7 @@ fn methods() -> impl Iterator<Item = Method> {
 }
 
 fn extractor(method: Method) -> Extractor {
-    let options = Options {
-        method,
-        ..Options::default()
-    };
+    let options = Options::default().method(method);
     Extractor::new(options).expect("the options are valid")
 }
 
@@ -157,11 +154,7 @@ fn a_bare_table_gives_nothing() {
 
 /// What is seen in a mask that was made elsewhere, twice: the second time from the first one's centers.
 fn check_mask(method: Method, mask: &[u8], [width, height]: [usize; 2]) -> usize {
-    let options = Options {
-        method,
-        mask: Mask::External,
-        ..Options::default()
-    };
+    let options = Options::default().method(method).mask(Mask::External);
     let mut extractor = Extractor::new(options).expect("the options are valid");
     let image = Image::new(mask, width, height, width, PixelFormat::Gray8).expect("a whole image");
     for _ in 0..2 {

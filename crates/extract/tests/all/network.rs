@@ -9,10 +9,7 @@ use lariat_extract::{Extractor, Image, Mask, Network, Options, PixelFormat};
 use lariat_test_support::allocations;
 
 fn extractor() -> Extractor {
-    let options = Options {
-        mask: Mask::Network,
-        ..Options::default()
-    };
+    let options = Options::default().mask(Mask::Network);
     Extractor::new(options).expect("the options are valid")
 }
 

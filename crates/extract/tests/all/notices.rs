@@ -205,11 +205,8 @@ fn only_the_automatic_mask_has_doubts() {
         saturation: [0.4, 1.0],
         value: [0.1, 1.0],
     };
-    let mut by_color = Extractor::new(Options {
-        mask: Mask::Hsv(vec![blue]),
-        ..Options::default()
-    })
-    .expect("valid options");
+    let mut by_color =
+        Extractor::new(Options::default().mask(Mask::Hsv(vec![blue]))).expect("valid options");
     assert_eq!(by_color.extract(&image).notice, None);
 
     let nothing = vec![0; WIDTH * HEIGHT];

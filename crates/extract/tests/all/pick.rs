@@ -265,10 +265,7 @@ fn a_gray_image_is_picked_by_value() {
 
 fn is_valid(picked: &Picked) -> bool {
     let mask = Mask::Hsv(picked.ranges.clone());
-    let options = Options {
-        mask,
-        ..Options::default()
-    };
+    let options = Options::default().mask(mask);
     (0.0..=1.0).contains(&picked.agreement) && Extractor::new(options).is_ok()
 }
 

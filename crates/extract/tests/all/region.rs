@@ -88,13 +88,7 @@ fn options() -> [Options; 2] {
         value: [0.2, 1.0],
     };
     let mask = Mask::Hsv(vec![blue]);
-    [
-        Options::default(),
-        Options {
-            mask,
-            ..Options::default()
-        },
-    ]
+    [Options::default(), Options::default().mask(mask)]
 }
 
 #[test]

@@ -193,10 +193,7 @@ fn ropes_of_every_width_and_color_come_out_where_they_are() {
 fn points_stand_at_equal_steps() {
     let table = Table::new(320, 240, WHITE);
     let rgb = table.draw(&[Rope::along(8.0, BLUE, wave(0.4))]);
-    let options = Options {
-        points: 33,
-        ..Options::default()
-    };
+    let options = Options::default().points(33);
     let mut extractor = Extractor::new(options).expect("valid options");
     let curve = &see(&mut extractor, &rgb, &table).curves[0];
     assert_eq!((curve.points.len(), curve.widths_px.len()), (33, 33));
@@ -497,10 +494,7 @@ fn color_ranges_take_only_the_ropes_of_those_colors() {
             vec![&blue, &red],
         ),
     ] {
-        let options = Options {
-            mask: Mask::Hsv(ranges),
-            ..Options::default()
-        };
+        let options = Options::default().mask(Mask::Hsv(ranges));
         let mut extractor = Extractor::new(options).expect("valid options");
         let scene = see(&mut extractor, &rgb, &table);
         assert_eq!(scene.curves.len(), expected.len());
@@ -524,11 +518,7 @@ fn the_start_is_the_end_that_the_user_names() {
         (Some([280.0, 100.0]), 280.0),
         (Some([0.0, 0.0]), 40.0),
     ] {
-        let mut extractor = Extractor::new(Options {
-            start,
-            ..Options::default()
-        })
-        .expect("valid options");
+        let mut extractor = Extractor::new(Options::default().start(start)).expect("valid options");
         let scene = see(&mut extractor, &rgb, &table);
         assert!((scene.curves[0].points[0][0] - x).abs() < 2.0, "{start:?}");
     }

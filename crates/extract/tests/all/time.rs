@@ -126,11 +126,9 @@ fn a_rope_out_of_sight_is_lost_and_comes_back_as_itself() {
 #[test]
 fn a_lost_rope_is_dropped_in_the_end() {
     let table = Table::new(320, 240, WHITE);
-    let options = Options {
+    let options = Options::default()
         // An image without a time of its own comes 1/30 s after the last.
-        keep_lost: Duration::from_millis(134),
-        ..Options::default()
-    };
+        .keep_lost(Duration::from_millis(134));
     let mut extractor = Extractor::new(options).expect("valid options");
     let shown = table.draw(&[straight(100.0, 0.0)]);
     for _ in 0..5 {

@@ -154,10 +154,7 @@ fn a_covered_end_is_told_from_a_shorter_rope() {
 fn a_lost_rope_tells_its_age_and_is_dropped_after_its_time() {
     const MS: u64 = 1_000_000;
     let table = noisy();
-    let options = Options {
-        keep_lost: Duration::from_millis(250),
-        ..Options::default()
-    };
+    let options = Options::default().keep_lost(Duration::from_millis(250));
     let mut extractor = Extractor::new(options).expect("valid options");
     let (shown, empty) = (table.draw(&[wave(0.0)]), table.draw(&[]));
     let mut ages = Vec::new();

@@ -39,91 +39,29 @@ fn cases() -> Vec<(&'static str, Options)> {
         control_points: 11,
         knots,
     };
-    let of = |basis| Options {
-        basis,
-        ..Options::default()
-    };
-    let by = |solver| Options {
-        solver,
-        ..Options::bezier(9)
-    };
+    let of = |basis| Options::default().basis(basis);
+    let by = |solver| Options::bezier(9).solver(solver);
     vec![
         ("pinv", by(Solver::Pinv)),
         ("cholesky", by(Solver::Cholesky)),
         ("qr", by(Solver::Qr)),
         ("high order", Options::bezier(20)),
-        (
-            "ridge",
-            Options {
-                ridge: 0.01,
-                ..by(Solver::Pinv)
-            },
-        ),
-        (
-            "ridge by qr",
-            Options {
-                ridge: 0.01,
-                ..by(Solver::Qr)
-            },
-        ),
-        (
-            "pins",
-            Options {
-                pin_ends: true,
-                ..by(Solver::Pinv)
-            },
-        ),
-        (
-            "pins by cholesky",
-            Options {
-                pin_ends: true,
-                ..by(Solver::Cholesky)
-            },
-        ),
-        (
-            "pins by qr",
-            Options {
-                pin_ends: true,
-                ..by(Solver::Qr)
-            },
-        ),
-        (
-            "size",
-            Options {
-                choose_size: true,
-                ..Options::bezier(12)
-            },
-        ),
-        (
-            "weights",
-            Options {
-                weights: Weights::Given,
-                ..Options::bezier(8)
-            },
-        ),
-        (
-            "robust",
-            Options {
-                weights: Weights::Robust,
-                ..Options::bezier(8)
-            },
-        ),
-        (
-            "measured",
-            Options {
-                rho: Rho::Measured,
-                ..Options::bezier(8)
-            },
-        ),
+        ("ridge", by(Solver::Pinv).ridge(0.01)),
+        ("ridge by qr", by(Solver::Qr).ridge(0.01)),
+        ("pins", by(Solver::Pinv).pin_ends(true)),
+        ("pins by cholesky", by(Solver::Cholesky).pin_ends(true)),
+        ("pins by qr", by(Solver::Qr).pin_ends(true)),
+        ("size", Options::bezier(12).choose_size(true)),
+        ("weights", Options::bezier(8).weights(Weights::Given)),
+        ("robust", Options::bezier(8).weights(Weights::Robust)),
+        ("measured", Options::bezier(8).rho(Rho::Measured)),
         (
             "all at once",
-            Options {
-                rho: Rho::Measured,
-                weights: Weights::Robust,
-                ridge: 0.1,
-                pin_ends: true,
-                ..of(spline(Knots::Averaged))
-            },
+            of(spline(Knots::Averaged))
+                .rho(Rho::Measured)
+                .weights(Weights::Robust)
+                .ridge(0.1)
+                .pin_ends(true),
         ),
         ("spline", of(spline(Knots::Uniform))),
         ("spline, averaged", of(spline(Knots::Averaged))),
@@ -131,10 +69,7 @@ fn cases() -> Vec<(&'static str, Options)> {
         ("fourier", of(Basis::Fourier { harmonics: 4 })),
         (
             "fourier, measured",
-            Options {
-                rho: Rho::Measured,
-                ..of(Basis::Fourier { harmonics: 4 })
-            },
+            of(Basis::Fourier { harmonics: 4 }).rho(Rho::Measured),
         ),
         ("feature points", of(Basis::FeaturePoints { count: 9 })),
         ("mass", of(Basis::CenterOfMass)),

@@ -161,10 +161,7 @@ impl Pictures {
     /// What is seen in them.
     pub(crate) fn tell(&self, told: &mut Told) {
         for (case, mask, frames) in &self.films {
-            let options = Options {
-                mask: mask.clone(),
-                ..Options::default()
-            };
+            let options = Options::default().mask(mask.clone());
             let mut extractor = Extractor::new(options).expect("valid options");
             for (number, frame) in (0..).zip(frames) {
                 told.frame(case, "picture", Hash::new().bytes(&frame.bytes));
@@ -186,10 +183,7 @@ impl Pictures {
         }
         // The clusterings in the place of the skeleton.
         for (name, method) in Method::ALL.into_iter().skip(1) {
-            let options = Options {
-                method,
-                ..Options::default()
-            };
+            let options = Options::default().method(method);
             let mut extractor = Extractor::new(options).expect("valid options");
             for frame in &self.short {
                 tell(told, name, &extractor.extract(&frame.image()));

@@ -7,6 +7,7 @@ use faer::Mat;
 
 /// A Bezier curve brought to a lower order.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Reduced<const D: usize = 2> {
     /// Its control points: one more than its order.
     pub control_points: Vec<[f64; D]>,

@@ -6,6 +6,7 @@ use crate::curve::{Curve, CurveError};
 
 /// One Bezier piece of a curve.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct BezierPiece<const D: usize = 2> {
     /// The ρ of the whole curve at which it begins.
     pub from: f64,

@@ -6,6 +6,7 @@ use super::derivatives::{dot, minus};
 
 /// How far the points of a centerline are from a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Distance {
     /// Root of the mean squared distance (px); 0 if there is no point.
     pub rms: f64,

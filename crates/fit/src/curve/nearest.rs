@@ -7,6 +7,7 @@ use super::segments::nearest_on_chord;
 
 /// The point of a curve that is nearest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Nearest<const D: usize = 2> {
     /// Where on the curve, 0 to 1.
     pub rho: f64,

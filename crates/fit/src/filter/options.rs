@@ -1,13 +1,17 @@
 //! What a filter is told about a rope's motion and about its measurements.
 
 use super::error::FilterError;
+use crate::setters::setters;
 
 /// How a rope is taken to move, and how far measurements are trusted.
 ///
 /// *A point on the rope* is meant in the mean over the rope: how its points move is equally likely in every
 /// direction of the space of curves, so that the ends of a polynomial curve, which are freer than its middle,
 /// move more than its middle does.
+///
+/// Each field has a method of its name that sets it: `FilterOptions::default().noise_scale(2.0)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FilterOptions {
     /// The standard deviation of the acceleration of a point on the rope, along each axis, px/s². From 0 to
     /// 10⁷. Default: 1000, that of a gripper that takes a rope from rest to 0.1 m/s in 0.1 s, seen at 1 px
@@ -92,5 +96,16 @@ impl FilterOptions {
             }
         }
         Ok(())
+    }
+}
+
+setters! {
+    FilterOptions {
+        acceleration_px_s2: f64,
+        acceleration_lasts_s: f64,
+        speed_px_s: f64,
+        noise_scale: f64,
+        gate_sigma: f64,
+        longest_gap_s: f64,
     }
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// How uncertain measured control points are; the same for each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Noise<'a> {
     /// `σ²(BᵀB)⁻¹` with the `B` of the [`CurveSpace`](crate::CurveSpace): the fit of points that all weigh the same.
     Even {

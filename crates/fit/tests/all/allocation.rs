@@ -9,12 +9,8 @@ use lariat_test_support::allocations;
 fn a_fit_allocates_nothing() {
     for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
         for (order, points) in [(1, 2), (3, 33), (8, 120), (12, 256)] {
-            let mut fitter = Fitter::new(Options {
-                points,
-                solver,
-                ..Options::bezier(order)
-            })
-            .unwrap();
+            let mut fitter =
+                Fitter::new(Options::bezier(order).points(points).solver(solver)).unwrap();
             let rope: Vec<[f64; 2]> = (0..points)
                 .map(|i| [3.0 * i as f64, 100.0 * (0.1 * i as f64).sin()])
                 .collect();
@@ -44,11 +40,7 @@ fn points_at_equal_steps_again_and_their_noise_allocate_nothing() {
                 [300.0 * cos, 200.0 * sin + 0.1 * f64::from(i)]
             })
             .collect();
-        let options = Options {
-            basis,
-            points: 120,
-            ..Options::bezier(8)
-        };
+        let options = Options::bezier(8).basis(basis).points(120);
         let mut fitter = Fitter::new(options).unwrap();
         let mut line = Resampler::new();
         let mut covariances = [[[0.0; 2]; 2]; MAX_CONTROL_POINTS];
@@ -129,31 +121,17 @@ fn no_basis_and_no_option_allocates() {
         knots,
     };
     let plain = Options::default();
-    let of = |basis| Options { basis, ..plain };
+    let of = |basis| plain.basis(basis);
     let requests = [
         of(spline(Knots::Uniform)),
         of(Basis::RationalBezier { order: 8 }),
         of(Basis::Fourier { harmonics: 4 }),
         of(Basis::FeaturePoints { count: 9 }),
         of(Basis::CenterOfMass),
-        Options {
-            choose_size: true,
-            ..plain
-        },
-        Options {
-            ridge: 1.0,
-            pin_ends: true,
-            ..plain
-        },
-        Options {
-            rho: Rho::Measured,
-            ..of(spline(Knots::Averaged))
-        },
-        Options {
-            weights: Weights::Robust,
-            choose_size: true,
-            ..plain
-        },
+        plain.choose_size(true),
+        plain.ridge(1.0).pin_ends(true),
+        of(spline(Knots::Averaged)).rho(Rho::Measured),
+        plain.weights(Weights::Robust).choose_size(true),
     ];
     let ropes = [0.1, 0.02, 0.07].map(|bend| -> Vec<[f64; 2]> {
         (0..120)

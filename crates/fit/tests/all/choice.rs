@@ -266,3 +266,19 @@ fn a_clock_that_goes_back_begins_the_second_anew() {
     let resized = [60, 10, 11].map(|s| at(&wound, s).is_resized);
     assert_eq!(resized, [false, false, true]);
 }
+
+proptest! {
+    #[test]
+    fn points_in_single_precision_give_the_same_curve(points in any_rope(), width_px in 2.0f32..40.0) {
+        let narrow: Vec<_> = points.iter().map(|p| p.map(|c| c as f32)).collect();
+        let wide: Vec<_> = narrow.iter().map(|p| p.map(f64::from)).collect();
+        let options = Options::auto(POINTS, false);
+        let (mut one, mut other) = (Fitter::new(options).unwrap(), Fitter::new(options).unwrap());
+        let tolerance = Tolerance::of_rope(width_px);
+        let fit = one.fit_within(&narrow, tolerance).unwrap();
+        prop_assert_eq!(fit, other.fit_within(&wide, tolerance).unwrap());
+        let size = fit.control_points.len();
+        prop_assert!(size >= one.fit_within(&narrow, Tolerance::of_rope(2.0 * width_px)).unwrap().control_points.len());
+        prop_assert_eq!(&one.control_points(&narrow).unwrap(), &other.control_points(&wide).unwrap());
+    }
+}

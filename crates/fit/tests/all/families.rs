@@ -13,10 +13,7 @@ fn fit<const D: usize>(options: Options, points: &[[f64; D]]) -> Fit<D>
 where
     [f64; D]: Point<D>,
 {
-    let points_given = Options {
-        points: points.len(),
-        ..options
-    };
+    let points_given = options.points(points.len());
     let mut fitter = Fitter::<D>::in_dimensions(points_given).unwrap();
     fitter.fit(points).unwrap().clone()
 }
@@ -61,12 +58,10 @@ fn request() -> impl Strategy<Value = Options> {
     )
         .prop_map(|(basis, ridge, pin)| {
             let regression = !matches!(basis, Basis::FeaturePoints { .. } | Basis::CenterOfMass);
-            Options {
-                basis,
-                ridge: if regression { ridge } else { 0.0 },
-                pin_ends: pin && basis.has_ends(),
-                ..Options::default()
-            }
+            Options::default()
+                .basis(basis)
+                .ridge(if regression { ridge } else { 0.0 })
+                .pin_ends(pin && basis.has_ends())
         })
 }
 
@@ -88,7 +83,7 @@ proptest! {
 
     #[test]
     fn the_three_solvers_agree(options in request(), points in any_points(40..200)) {
-        let [pinv, cholesky, qr] = SOLVERS.map(|solver| fit(Options { solver, ..options }, &points));
+        let [pinv, cholesky, qr] = SOLVERS.map(|solver| fit(options.solver(solver), &points));
         let scale = size(&pinv.control_points);
         for other in [cholesky, qr] {
             let error = largest_difference(&pinv.control_points, &other.control_points);
@@ -136,7 +131,7 @@ proptest! {
     fn pinned_ends_are_the_first_and_the_last_point(options in request(), points in any_points(40..200)) {
         prop_assume!(options.basis.has_ends());
         for solver in SOLVERS {
-            let found = fit(Options { pin_ends: true, solver, ..options }, &points);
+            let found = fit(options.pin_ends(true).solver(solver), &points);
             prop_assert!(largest_difference(&found.control_points[..1], &points[..1]) < 1e-9);
             let last = found.control_points.len() - 1;
             prop_assert!(largest_difference(&found.control_points[last..], &points[points.len() - 1..]) < 1e-9);
@@ -159,7 +154,7 @@ proptest! {
 
     #[test]
     fn the_matrix_times_the_points_is_the_descriptor(options in request(), points in any_points(40..200)) {
-        let mut fitter = Fitter::new(Options { points: points.len(), ..options }).unwrap();
+        let mut fitter = Fitter::new(options.points(points.len())).unwrap();
         let found = fitter.fit(&points).unwrap().control_points.clone();
         let product: Vec<[f64; 2]> = fitter
             .matrix()
@@ -176,7 +171,7 @@ proptest! {
             let p = &fit.control_points;
             p.windows(3).map(|w| (0..2).map(|a| (w[0][a] - 2.0 * w[1][a] + w[2][a]).powi(2)).sum::<f64>()).sum()
         };
-        let with = |ridge| fit(Options { ridge, ..Options::bezier(order) }, &points);
+        let with = |ridge| fit(Options::bezier(order).ridge(ridge), &points);
         let (free, some, much) = (with(0.0), with(1.0), with(1e9));
         prop_assert!(bending(&some) <= bending(&free) * (1.0 + 1e-9));
         prop_assert!(free.rms_px <= some.rms_px * (1.0 + 1e-12));
@@ -198,10 +193,7 @@ fn arc(points: usize) -> Vec<[f64; 2]> {
 #[test]
 fn an_ellipse_is_one_harmonic() {
     let found = fit(
-        Options {
-            basis: Basis::Fourier { harmonics: 3 },
-            ..Options::default()
-        },
+        Options::default().basis(Basis::Fourier { harmonics: 3 }),
         &arc(120),
     );
     let expected = [
@@ -231,10 +223,7 @@ fn the_size_is_what_the_points_ask_for() {
     let points: Vec<[f64; 2]> = (0..120)
         .map(|i| point_at(&cubic, i as f64 / 119.0).map(|c| c + 0.3 * noise.normal()))
         .collect();
-    let options = Options {
-        choose_size: true,
-        ..Options::bezier(12)
-    };
+    let options = Options::bezier(12).choose_size(true);
     assert_eq!(fit(options, &points).basis, Basis::Bezier { order: 3 });
     let exact: Vec<[f64; 2]> = (0..120)
         .map(|i| point_at(&cubic, i as f64 / 119.0))
@@ -247,7 +236,7 @@ fn the_size_is_what_the_points_ask_for() {
     assert_eq!(found, named);
     // One harmonic of seven.
     let basis = Basis::Fourier { harmonics: 7 };
-    let found = fit(Options { basis, ..options }, &arc(90));
+    let found = fit(options.basis(basis), &arc(90));
     assert_eq!(found.basis, Basis::Fourier { harmonics: 1 });
 }
 
@@ -255,14 +244,11 @@ fn the_size_is_what_the_points_ask_for() {
 fn feature_points_are_points_of_the_rope_and_the_center_is_their_mean() {
     let rope: Vec<[f64; 2]> = (0..121).map(|i| [i as f64, (i * i) as f64]).collect();
     let basis = Basis::FeaturePoints { count: 5 };
-    let options = Options {
-        basis,
-        ..Options::default()
-    };
+    let options = Options::default().basis(basis);
     let found = fit(options, &rope);
     assert_eq!(found.control_points, [0, 30, 60, 90, 120].map(|i| rope[i]));
     let basis = Basis::CenterOfMass;
-    let found = fit(Options { basis, ..options }, &rope);
+    let found = fit(options.basis(basis), &rope);
     assert!(largest_difference(&found.control_points, &[[60.0, 4820.0]]) < 1e-9);
 }
 
@@ -273,32 +259,25 @@ fn options_without_use_are_refused_with_what_to_do() {
         Err(error @ FitterError::Option { .. }) => error.to_string(),
         Err(other) => panic!("{other}"),
     };
-    let ring = Options {
-        basis: Basis::Fourier { harmonics: 4 },
-        pin_ends: true,
-        ..Options::default()
-    };
+    let ring = Options::default()
+        .basis(Basis::Fourier { harmonics: 4 })
+        .pin_ends(true);
     assert_eq!(
         refusal(ring),
         "a Fourier series of 4 harmonics cannot be fitted with pinned ends: it has no outer control points; \
          leave them free"
     );
-    let points = Options {
-        basis: Basis::FeaturePoints { count: 6 },
-        ridge: 1.0,
-        ..Options::default()
-    };
+    let points = Options::default()
+        .basis(Basis::FeaturePoints { count: 6 })
+        .ridge(1.0);
     assert_eq!(
         refusal(points),
         "6 feature points cannot be fitted with a ridge: choose bezier, bspline or fourier, or no ridge"
     );
-    let text = Fitter::new(Options {
-        ridge: f64::NAN,
-        ..Options::default()
-    })
-    .err()
-    .unwrap()
-    .to_string();
+    let text = Fitter::new(Options::default().ridge(f64::NAN))
+        .err()
+        .unwrap()
+        .to_string();
     assert_eq!(text, "invalid ridge NaN: it must be 0 or positive");
 }
 
@@ -359,32 +338,16 @@ fn covariance_holds(options: Options) {
 fn the_covariance_is_that_of_noisy_draws() {
     let plain = Options::default();
     covariance_holds(plain);
-    covariance_holds(Options {
-        pin_ends: true,
-        points: 60,
-        ..Options::bezier(6)
-    });
-    covariance_holds(Options {
-        ridge: 3.0,
-        points: 60,
-        ..plain
-    });
+    covariance_holds(Options::bezier(6).pin_ends(true).points(60));
+    covariance_holds(plain.ridge(3.0).points(60));
     let basis = Basis::BSpline {
         degree: 3,
         control_points: 8,
         knots: Knots::Uniform,
     };
-    covariance_holds(Options {
-        basis,
-        points: 60,
-        ..plain
-    });
+    covariance_holds(plain.basis(basis).points(60));
     let basis = Basis::Fourier { harmonics: 3 };
-    covariance_holds(Options {
-        basis,
-        points: 60,
-        ..plain
-    });
+    covariance_holds(plain.basis(basis).points(60));
 }
 
 #[test]
@@ -398,11 +361,7 @@ fn the_noise_gain_is_the_largest_standard_deviation() {
     assert_eq!(fit.noise_gain(), largest.sqrt());
     // N equal points tell the mean to 1/√N.
     let basis = Basis::CenterOfMass;
-    let fitter = Fitter::new(Options {
-        basis,
-        ..Options::default()
-    })
-    .unwrap();
+    let fitter = Fitter::new(Options::default().basis(basis)).unwrap();
     assert!((fitter.last().noise_gain() - 1.0 / 120f64.sqrt()).abs() < 1e-15);
 }
 
@@ -412,11 +371,7 @@ fn the_condition_is_that_of_what_was_solved() {
         .map(|i| [3.0 * f64::from(i), f64::from(i * i) / 90.0])
         .collect();
     let even = Fitter::new(Options::default()).unwrap().last().condition;
-    let mut fitter = Fitter::new(Options {
-        weights: Weights::Given,
-        ..Options::default()
-    })
-    .unwrap();
+    let mut fitter = Fitter::new(Options::default().weights(Weights::Given)).unwrap();
     // The rows of B that weigh, and their singular values.
     let solved = |from: usize| {
         let b = Dense::from_fn(120 - from, 9, |i, j| {

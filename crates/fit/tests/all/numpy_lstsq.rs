@@ -19,12 +19,8 @@ fn every_solver_equals_numpy() {
         let order = case["order"].as_u64().unwrap() as usize;
         let number = |key: &str| case[key].as_f64().unwrap();
         for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
-            let mut fitter = Fitter::new(Options {
-                points: points.len(),
-                solver,
-                ..Options::bezier(order)
-            })
-            .unwrap();
+            let mut fitter =
+                Fitter::new(Options::bezier(order).points(points.len()).solver(solver)).unwrap();
             let about = format!("order {order}, {} points, {solver}", points.len());
 
             // Singular values are known to ε times the largest: their ratio to ε times itself, relatively.

@@ -129,10 +129,7 @@ fn agree(trial: &Trial, sigma_px: f64, tolerance: f64) {
 
 #[test]
 fn noise_of_pixels_comes_out_as_foretold() {
-    let options = Options {
-        points: 120,
-        ..Options::bezier(8)
-    };
+    let options = Options::bezier(8).points(120);
     let trial = trial(options, false, SIGMA_PX, 1);
     agree(&trial, SIGMA_PX, 0.1);
     // And it is another along the rope than across it, which one number could not say.
@@ -143,22 +140,16 @@ fn noise_of_pixels_comes_out_as_foretold() {
 
 #[test]
 fn of_a_ring_too() {
-    let options = Options {
-        basis: lariat_fit::Basis::Fourier { harmonics: 12 },
-        points: 120,
-        ..Options::bezier(8)
-    };
+    let options = Options::bezier(8)
+        .basis(lariat_fit::Basis::Fourier { harmonics: 12 })
+        .points(120);
     let trial = trial(options, true, SIGMA_PX, 2);
     agree(&trial, SIGMA_PX, 0.1);
 }
 
 #[test]
 fn lines_of_another_number_of_points_are_no_business_of_a_fitter() {
-    let mut fitter = Fitter::new(Options {
-        points: 50,
-        ..Options::bezier(3)
-    })
-    .unwrap();
+    let mut fitter = Fitter::new(Options::bezier(3).points(50)).unwrap();
     let mut line = Resampler::new();
     let points: Vec<[f64; 2]> = (0..40).map(|i| [f64::from(i), 0.0]).collect();
     line.resample(&points, false).unwrap();

@@ -6,12 +6,8 @@ use proptest::prelude::*;
 const SOLVERS: [Solver; 3] = [Solver::Pinv, Solver::Cholesky, Solver::Qr];
 
 fn fit_with(solver: Solver, order: usize, points: &[[f64; 2]]) -> Fit {
-    let mut fitter = Fitter::new(Options {
-        points: points.len(),
-        solver,
-        ..Options::bezier(order)
-    })
-    .unwrap();
+    let mut fitter =
+        Fitter::new(Options::bezier(order).points(points.len()).solver(solver)).unwrap();
     fitter.fit(points).unwrap().clone()
 }
 
@@ -79,7 +75,7 @@ proptest! {
     #[test]
     fn control_points_alone_are_those_of_the_fit((order, points) in problem()) {
         for solver in [Solver::Pinv, Solver::Qr] {
-            let options = Options { points: points.len(), solver, ..Options::bezier(order) };
+            let options = Options::bezier(order).points(points.len()).solver(solver);
             let mut fitter = Fitter::new(options).unwrap();
             let alone = fitter.control_points(&points).unwrap().to_vec();
             prop_assert_eq!(&alone, &fitter.fit(&points).unwrap().control_points);
@@ -152,7 +148,7 @@ proptest! {
     #[test]
     fn the_matrix_times_the_points_is_the_descriptor((order, points) in problem()) {
         for solver in SOLVERS {
-            let options = Options { points: points.len(), solver, ..Options::bezier(order) };
+            let options = Options::bezier(order).points(points.len()).solver(solver);
             let mut fitter = Fitter::new(options).unwrap();
             let product: Vec<[f64; 2]> = fitter
                 .matrix()
@@ -172,7 +168,7 @@ proptest! {
     fn any_numbers_at_all_are_answered_or_refused(
         points in prop::collection::vec(prop::array::uniform2(prop::num::f64::ANY), 20),
     ) {
-        let mut fitter = Fitter::new(Options { points: 20, ..Options::default() }).unwrap();
+        let mut fitter = Fitter::new(Options::default().points(20)).unwrap();
         match fitter.fit(&points) {
             Ok(fit) => prop_assert!(fit.control_points.iter().flatten().all(|c| c.is_finite())),
             Err(FitError::NotAPoint { index, value }) => {
@@ -197,11 +193,7 @@ fn a_smooth_curve_comes_back_from_any_order_that_is_not_refused() {
         for points in [9, 32, 33, 120, 256] {
             let mut highest = 0;
             for order in 3..points.min(32) {
-                let options = Options {
-                    points,
-                    solver,
-                    ..Options::bezier(order)
-                };
+                let options = Options::bezier(order).points(points).solver(solver);
                 let Ok(mut fitter) = Fitter::new(options) else {
                     continue;
                 };
@@ -236,11 +228,7 @@ fn elevate(control_points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 fn refusal(order: usize, points: usize, solver: Solver) -> String {
-    match Fitter::new(Options {
-        points,
-        solver,
-        ..Options::bezier(order)
-    }) {
+    match Fitter::new(Options::bezier(order).points(points).solver(solver)) {
         Ok(_) => panic!("order {order} with {points} points was taken"),
         Err(error) => error.to_string(),
     }
@@ -282,14 +270,10 @@ fn the_order_that_a_refusal_names_is_taken_and_the_next_is_not() {
     for solver in SOLVERS {
         for points in [2, 20, 32, 120] {
             for order in 1..=31usize.min(points - 1) {
-                let options = Options {
-                    points,
-                    solver,
-                    ..Options::bezier(order)
-                };
+                let options = Options::bezier(order).points(points).solver(solver);
                 if let Err(FitterError::IllConditioned { nearest, .. }) = Fitter::new(options) {
                     let nearest = nearest.expect("a line is always well conditioned");
-                    let with = |basis| Fitter::new(Options { basis, ..options });
+                    let with = |basis| Fitter::new(options.basis(basis));
                     assert!(with(nearest).is_ok(), "{options:?}");
                     let next = Basis::Bezier {
                         order: nearest.order() + 1,

@@ -26,14 +26,12 @@ fn least_squares_splines_are_scipys_and_geomdls() {
             },
         };
         for solver in [Solver::Pinv, Solver::Cholesky, Solver::Qr] {
-            let options = Options {
-                basis,
-                points: given.len(),
-                solver,
-                pin_ends: by_geomdl,
-                rho: if by_geomdl { Rho::Measured } else { Rho::Even },
-                ..Options::default()
-            };
+            let options = Options::default()
+                .basis(basis)
+                .points(given.len())
+                .solver(solver)
+                .pin_ends(by_geomdl)
+                .rho(if by_geomdl { Rho::Measured } else { Rho::Even });
             let mut fitter = Fitter::new(options).unwrap();
             let fit = fitter.fit(&given).unwrap();
             assert_eq!(fit.knots.len(), knots.len());

@@ -35,11 +35,8 @@ fn covariances_in_space_are_those_of_the_errors() {
         let (u, v) = (random.unit().max(1e-12), random.unit());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     };
-    let mut fitter = Fitter::<3>::in_dimensions(Options {
-        points: COUNT,
-        ..Options::bezier(4)
-    })
-    .expect("a fitter");
+    let mut fitter =
+        Fitter::<3>::in_dimensions(Options::bezier(4).points(COUNT)).expect("a fitter");
     let [across, along, end, shift] = SIGMAS;
     let square: Square<3> = [
         [across * across, 0.0, 0.0],

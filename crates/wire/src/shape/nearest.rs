@@ -13,6 +13,7 @@ const HALVINGS: usize = 52;
 
 /// Where a curve, or a line of points, is nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Nearest<const D: usize = 2> {
     /// Where along it.
     pub rho: f64,

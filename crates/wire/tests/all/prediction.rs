@@ -24,10 +24,7 @@ impl Followed {
         let writer =
             Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins)
                 .unwrap();
-        let options = Options {
-            basis: lariat_fit::Basis::Bezier { order },
-            ..Options::default()
-        };
+        let options = Options::default().basis(lariat_fit::Basis::Bezier { order });
         let points = options.points;
         let mut fitter = Fitter::new(options).unwrap();
         let space = fitter.curve_space().unwrap();

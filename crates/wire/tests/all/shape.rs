@@ -129,10 +129,7 @@ fn wave(count: usize, closed: bool) -> Vec<[f64; 2]> {
 
 /// What a plain fit of `basis` says, as a message.
 fn fitted(basis: lariat_fit::Basis, change: impl Fn(&mut Options)) -> (Descriptor, Vec<f64>) {
-    let mut options = Options {
-        basis,
-        ..Options::default()
-    };
+    let mut options = Options::default().basis(basis);
     change(&mut options);
     let points = wave(options.points, basis.is_closed());
     let mut fitter = Fitter::new(options).unwrap();

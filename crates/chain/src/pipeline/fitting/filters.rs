@@ -24,11 +24,9 @@ where
         unit_per_px: f64,
     ) -> anyhow::Result<Self> {
         let defaults = FilterOptions::default();
-        let options = FilterOptions {
-            acceleration_px_s2: unit_per_px * settings.acceleration_px_s2,
-            speed_px_s: unit_per_px * defaults.speed_px_s,
-            ..defaults
-        };
+        let options = defaults
+            .acceleration_px_s2(unit_per_px * settings.acceleration_px_s2)
+            .speed_px_s(unit_per_px * defaults.speed_px_s);
         let [open, closed] = fitters;
         let most = [open, closed].map(|fitter| fitter.options().basis.control_points());
         let plain = open.options();

@@ -217,7 +217,7 @@ mod tests {
     }
 
     fn curve(closed: bool) -> Curve {
-        let mut curve = Curve::empty();
+        let mut curve = Curve::default();
         curve.points.extend((0..40).map(|i| {
             let (sin, cos) = (i as f32 * std::f32::consts::TAU / 40.0).sin_cos();
             [60.0 + 50.0 * cos, 60.0 + 40.0 * sin]

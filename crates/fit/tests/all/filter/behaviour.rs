@@ -7,14 +7,15 @@ use lariat_portable::SplitMix64;
 const FRAME_NS: u64 = 10_000_000;
 
 /// A rope that certainly does not move, with any noise.
-const AT_REST: FilterOptions = FilterOptions {
-    acceleration_px_s2: 0.0,
-    acceleration_lasts_s: 0.1,
-    speed_px_s: 0.0,
-    noise_scale: 1.0,
-    gate_sigma: f64::INFINITY,
-    longest_gap_s: 1.0,
-};
+fn at_rest() -> FilterOptions {
+    FilterOptions::default()
+        .acceleration_px_s2(0.0)
+        .acceleration_lasts_s(0.1)
+        .speed_px_s(0.0)
+        .noise_scale(1.0)
+        .gate_sigma(f64::INFINITY)
+        .longest_gap_s(1.0)
+}
 
 fn bezier(order: usize) -> CurveSpace {
     CurveSpace::new(Dense::bezier(order, 120).matrix()).unwrap()
@@ -44,7 +45,7 @@ fn a_rope_at_rest_is_known_k_times_as_well_after_k_shapes() {
     let of_fit = b.transposed().times(&b).inverse();
     let space = bezier(8);
     for given_as_matrix in [false, true] {
-        let mut filter = Filter::<2>::new(9, AT_REST).unwrap();
+        let mut filter = Filter::<2>::new(9, at_rest()).unwrap();
         let random = &mut SplitMix64::new(3);
         let mut sum = [[0.0; 2]; 9];
         let variance_px2 = 0.25;
@@ -178,7 +179,7 @@ fn what_a_shape_does_not_see_is_left_as_it_was() {
     let dual = Dense::from_fn(1, count, |_, j| direction[j]).times(&gram);
     let along =
         |points: &[[f64; 2]], axis: usize| dual.times(&Dense::column_of(points, axis))[(0, 0)];
-    let mut filter = Filter::<2>::new(count, AT_REST).unwrap();
+    let mut filter = Filter::<2>::new(count, at_rest()).unwrap();
     filter
         .update(FRAME_NS, &space, &line(count), even(0.1))
         .unwrap();
@@ -359,10 +360,7 @@ fn covariances_stay_positive_definite_over_many_steps() {
                 inverse.transposed().times(&inverse)
             })
             .collect();
-        let options = FilterOptions {
-            gate_sigma: f64::INFINITY,
-            ..FilterOptions::default()
-        };
+        let options = FilterOptions::default().gate_sigma(f64::INFINITY);
         let mut filter = Filter::<2>::new(count, options).unwrap();
         let mut t_ns = 0;
         for step in 0..steps {

@@ -11,14 +11,15 @@ const M: usize = ORDER + 1;
 const POINTS: usize = 120;
 const SIGMA_PX: f64 = 0.4;
 
-const OPTIONS: FilterOptions = FilterOptions {
-    acceleration_px_s2: 2000.0,
-    acceleration_lasts_s: 0.05,
-    speed_px_s: 300.0,
-    noise_scale: 1.0,
-    gate_sigma: 10.0,
-    longest_gap_s: 1.0,
-};
+fn options() -> FilterOptions {
+    FilterOptions::default()
+        .acceleration_px_s2(2000.0)
+        .acceleration_lasts_s(0.05)
+        .speed_px_s(300.0)
+        .noise_scale(1.0)
+        .gate_sigma(10.0)
+        .longest_gap_s(1.0)
+}
 
 /// A rope that moves as the documentation says: accelerations of equal strength all over the space of curves,
 /// drawn here from `N/m (BᵀB)⁻¹`, so that a point on the rope has variance 1 in the mean.
@@ -34,7 +35,7 @@ impl<const D: usize> Rope<D> {
         let gram = b.transposed().times(b).scaled(M as f64 / POINTS as f64);
         let l = gram.cholesky().expect("a basis");
         let shapes = l.lower_inverse().transposed();
-        let speed = Dense::from_fn(M, D, |_, _| OPTIONS.speed_px_s);
+        let speed = Dense::from_fn(M, D, |_, _| options().speed_px_s);
         let drawn = normals(random, M * D);
         let velocities = Dense::from_fn(M, D, |i, j| speed[(i, j)] * drawn[i * D + j]);
         Self {
@@ -46,7 +47,7 @@ impl<const D: usize> Rope<D> {
 
     fn move_on(&mut self, h: f64, random: &mut SplitMix64) {
         // Integrals of one white noise, once and twice over the time h, and their covariance q h²/2.
-        let q = OPTIONS.spectral_density();
+        let q = options().spectral_density();
         let (once, twice) = (normals(random, M * D), normals(random, M * D));
         let velocity = Dense::from_fn(M, D, |i, j| (q * h).sqrt() * once[i * D + j]);
         let own = (q * h.powi(3) / 12.0).sqrt();
@@ -135,7 +136,7 @@ where
 {
     let random = &mut SplitMix64::new(seed);
     let space = CurveSpace::new(b.matrix()).unwrap();
-    let mut filter = Filter::<D>::new(M, OPTIONS).unwrap();
+    let mut filter = Filter::<D>::new(M, options()).unwrap();
     let mut rope = Rope::new(b, random);
     let mut t_ns = 1_000_000_000;
     let mut before = (t_ns, rope.points(&rope.positions));
@@ -231,24 +232,16 @@ fn a_filter_that_is_told_half_the_noise_is_found_out() {
     let space = CurveSpace::new(b.matrix()).unwrap();
     for (noise_scale, expected) in [(0.5, 1.0), (1.0, 1.0), (2.0, 1.0)] {
         // A rope at rest, known to be: all of the innovation is noise. The points err by noise_scale.
-        let options = FilterOptions {
-            acceleration_px_s2: 0.0,
-            speed_px_s: 0.0,
-            noise_scale,
-            ..OPTIONS
-        };
+        let options = options()
+            .acceleration_px_s2(0.0)
+            .speed_px_s(0.0)
+            .noise_scale(noise_scale);
         let mut nis = [Mean::default(), Mean::default()];
         let random = &mut SplitMix64::new(7);
         let mut rope = Rope::<2>::new(&b, random);
         rope.velocities = rope.velocities.scaled(0.0);
-        let mut filters = [
-            options,
-            FilterOptions {
-                noise_scale: 1.0,
-                ..options
-            },
-        ]
-        .map(|options| Filter::<2>::new(M, options).unwrap());
+        let mut filters = [options, options.noise_scale(1.0)]
+            .map(|options| Filter::<2>::new(M, options).unwrap());
         for frame in 0..400 {
             let (found, _) = fit(&b, &rope, 0..0, random);
             let variance_px2 = (SIGMA_PX / noise_scale).powi(2);

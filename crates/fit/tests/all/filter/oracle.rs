@@ -83,7 +83,7 @@ proptest! {
         let random = &mut SplitMix64::new(seed);
         let b = Dense::bezier(m - 1, (m + extra).max(2));
         let space = CurveSpace::new(b.matrix()).unwrap();
-        let options = FilterOptions { gate_sigma: f64::INFINITY, ..FilterOptions::default() };
+        let options = FilterOptions::default().gate_sigma(f64::INFINITY);
         let mut filter = Filter::<3>::new(m, options).unwrap();
         let mut textbook: Option<Textbook> = None;
         let mut t_ns = 0;

@@ -59,24 +59,12 @@ fn filters_that_cannot_be_say_why() {
     );
     let acceleration_px_s2 = -1.0;
     assert_eq!(
-        refusal(
-            9,
-            FilterOptions {
-                acceleration_px_s2,
-                ..usual
-            }
-        ),
+        refusal(9, usual.acceleration_px_s2(acceleration_px_s2)),
         "the filter's acceleration_px_s2 cannot be -1: choose from 0 to 10000000"
     );
     let gate_sigma = f64::NAN;
     assert_eq!(
-        refusal(
-            9,
-            FilterOptions {
-                gate_sigma,
-                ..usual
-            }
-        ),
+        refusal(9, usual.gate_sigma(gate_sigma)),
         "the filter's gate_sigma cannot be NaN: choose from 1 to inf"
     );
 }

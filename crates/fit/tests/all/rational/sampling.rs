@@ -122,11 +122,7 @@ pub(crate) fn with_noise<const D: usize>(
 
 /// The sum of the squared residuals of the polynomial of that order.
 pub(crate) fn polynomial_squared(order: usize, points: &[[f64; 2]]) -> f64 {
-    let mut fitter = Fitter::new(Options {
-        points: points.len(),
-        ..Options::bezier(order)
-    })
-    .unwrap();
+    let mut fitter = Fitter::new(Options::bezier(order).points(points.len())).unwrap();
     let rms_px = fitter.fit(points).unwrap().rms_px;
     points.len() as f64 * rms_px * rms_px
 }

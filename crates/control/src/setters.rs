@@ -1,0 +1,16 @@
+//! One setter for each option, so that options can be added without breaking programs that set some of them.
+
+/// Adds to a struct of options a method for each field, which sets it.
+macro_rules! setters {
+    ({$($generics:tt)*} $options:ty; $($field:ident: $type:ty,)*) => {
+        impl<$($generics)*> $options {$(
+            #[doc = concat!("Sets [`", stringify!($field), "`](Self#structfield.", stringify!($field), ").")]
+            #[must_use]
+            pub fn $field(mut self, $field: $type) -> Self {
+                self.$field = $field;
+                self
+            }
+        )*}
+    };
+}
+pub(crate) use setters;
