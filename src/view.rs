@@ -13,14 +13,10 @@ use lariat_chain::messages::Intake;
 use lariat_chain::stop::Stop;
 use lariat_view::{Options, Server, Shown};
 use lariat_wire::Rig;
-use rustix::process::{
-    Pid, Signal, getppid, kill_process, set_parent_process_death_signal, setpriority_process,
-};
+use rustix::process::{Pid, Signal, getppid, kill_process, set_parent_process_death_signal};
 
 /// The port, if it is free and no other was asked for.
 const PORT: u16 = 8765;
-/// How nice it is, of 19: between a frame's stages and a page, the stages go first.
-const NICENESS: i32 = 10;
 
 /// What is asked of `lariat view`.
 #[derive(Debug, Args)]
@@ -59,8 +55,6 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
             return Ok(ExitCode::SUCCESS);
         }
     }
-    // As nice as it can be; less so is no reason to show nothing.
-    let _ = setpriority_process(None, NICENESS);
     let options = Options {
         shown: match &args.file {
             Some(file) => Shown::Recording {

@@ -168,6 +168,19 @@ fn what_the_recorder_misses_or_has_no_room_for_is_counted_exactly() {
 }
 
 #[test]
+fn a_recorder_that_somebody_stopped_closes_its_file() {
+    let bench = Bench::new();
+    let mut chain = bench.start(&["--fps", "100", "--record", "run.mcap"]);
+    chain.wait_for_frames();
+    send(recorder(&chain), Signal::STOP);
+    chain.signal_chain(Signal::TERM);
+    let ended = chain.end();
+    assert!(ended.status.success(), "{}", ended.stderr);
+    assert!(Recording::read(&bench.path("run.mcap")).is_closed);
+    bench.assert_nothing_is_left();
+}
+
+#[test]
 fn a_recording_that_is_there_is_kept_and_the_chain_not_begun() {
     let bench = Bench::new();
     let run = |more: &[&str]| {

@@ -7,6 +7,7 @@
 
 use std::io::{Read, Write};
 use std::os::fd::AsFd;
+use std::sync::Arc;
 use std::time::Duration;
 
 use lariat_record::{
@@ -21,6 +22,7 @@ use tungstenite::Message;
 use crate::hub::Watcher;
 use crate::moment::Moment;
 use crate::session::{Event, Session};
+use crate::worker::Worker;
 
 /// What the WebSocket may be called: the older name, and that of the app's newer releases. What is used of them is the same.
 pub(crate) const PROTOCOLS: [&str; 2] = ["foxglove.websocket.v1", "foxglove.sdk.v1"];
@@ -75,6 +77,11 @@ impl Channel {
                 "schemaName": "lariat.Latency", "schema": latency_schema(), "schemaEncoding": "jsonschema",
             }),
         }
+    }
+
+    /// Whether its messages are pictures, which take long to encode.
+    fn is_picture(self) -> bool {
+        matches!(self, Self::Recorded(Topic::Image | Topic::Picture))
     }
 
     /// Writes its message of a moment into a buffer, which is emptied first, and says of when it is; `None` if there is none.
@@ -187,14 +194,60 @@ struct Subscription {
     channel_id: usize,
 }
 
+/// The pictures of a moment, each for a subscription.
+struct Pictures {
+    moment: Arc<Moment>,
+    wanted: Vec<Subscription>,
+    rig: Rig,
+    clock: Clock,
+}
+
+impl Pictures {
+    fn messages(self) -> Vec<Message> {
+        let mut encoded = Vec::new();
+        let message = |subscription| {
+            message_data(
+                subscription,
+                &self.moment,
+                &self.rig,
+                self.clock,
+                &mut encoded,
+            )
+        };
+        self.wanted.into_iter().filter_map(message).collect()
+    }
+}
+
+/// A moment's message for a subscription, encoded by way of a buffer; `None` if there is none.
+fn message_data(
+    subscription: Subscription,
+    moment: &Moment,
+    rig: &Rig,
+    clock: Clock,
+    encoded: &mut Vec<u8>,
+) -> Option<Message> {
+    let channel = CHANNELS[subscription.channel_id];
+    let at_ns = channel.encode(moment, rig.as_str(), clock, encoded)?;
+    let mut message = Vec::with_capacity(13 + encoded.len());
+    message.push(MESSAGE_DATA);
+    message.extend(subscription.id.to_le_bytes());
+    message.extend(at_ns.to_le_bytes());
+    message.extend_from_slice(encoded);
+    Some(Message::binary(message))
+}
+
 /// Serves one client, until either goes.
 pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Watcher) {
+    let Ok(worker) = Worker::start(watcher.bell(), Pictures::messages) else {
+        return;
+    };
     let mut client = Client {
         subscriptions: Vec::new(),
         rig: None,
         shown: 0,
         clock: Clock::now(),
         encoded: Vec::new(),
+        worker,
     };
     let about = json!({
         "op": "serverInfo", "name": format!("lariat {}", env!("CARGO_PKG_VERSION")), "capabilities": [],
@@ -228,6 +281,7 @@ struct Client {
     shown: u64,
     clock: Clock,
     encoded: Vec<u8>,
+    worker: Worker<Pictures>,
 }
 
 impl Client {
@@ -280,21 +334,30 @@ impl Client {
         };
         if let Some(moment) = watcher.moment_after(self.shown) {
             self.shown = moment.number;
-            for subscription in &self.subscriptions {
-                let channel = CHANNELS[subscription.channel_id];
-                let Some(at_ns) =
-                    channel.encode(&moment, rig.as_str(), self.clock, &mut self.encoded)
-                else {
-                    continue;
-                };
-                let mut message = Vec::with_capacity(13 + self.encoded.len());
-                message.push(MESSAGE_DATA);
-                message.extend(subscription.id.to_le_bytes());
-                message.extend(at_ns.to_le_bytes());
-                message.extend_from_slice(&self.encoded);
-                if !session.say(Message::binary(message)) {
+            let (pictures, others): (Vec<_>, Vec<_>) = (self.subscriptions.iter().copied())
+                .partition(|wanted| CHANNELS[wanted.channel_id].is_picture());
+            for wanted in others {
+                let message = message_data(wanted, &moment, rig, self.clock, &mut self.encoded);
+                if message.is_some_and(|message| !session.say(message)) {
                     return false;
                 }
+            }
+            // Those of moments that come while others are encoded are left out.
+            if !pictures.is_empty() && self.worker.is_idle() {
+                let pictures = Pictures {
+                    moment,
+                    wanted: pictures,
+                    rig: rig.clone(),
+                    clock: self.clock,
+                };
+                if self.worker.add(pictures).is_none() {
+                    return false;
+                }
+            }
+        }
+        while let Some(messages) = self.worker.next() {
+            if !messages.into_iter().all(|message| session.say(message)) {
+                return false;
             }
         }
         watcher.want();

@@ -236,7 +236,7 @@ impl Hub {
     }
 }
 
-fn ring(bell: &OwnedFd) {
+pub(crate) fn ring(bell: &OwnedFd) {
     // A bell that is full has been heard of anyway.
     let _ = rustix::io::write(bell, &1_u64.to_ne_bytes());
 }
@@ -270,6 +270,11 @@ impl Watcher {
     /// Whether the server ends.
     pub(crate) fn is_over(&self) -> bool {
         self.hub.is_over()
+    }
+
+    /// The bell, for others who have news for the client.
+    pub(crate) fn bell(&self) -> Arc<OwnedFd> {
+        self.bell.clone()
     }
 
     /// Has the bell ring anew from now on.

@@ -3,12 +3,13 @@
 //! ```text
 //!  rig ──► hub: one reader, only while somebody looks ──► the newest moment, shared
 //!                                                          │      each client is woken when it has asked for the next
-//!                       browser ◄── client's thread: JPEG ◄┘      (`live`), or sends what is subscribed to (`foxglove`)
+//!     browser ◄── client's thread ◄── its worker: JPEG ◄───┘      (`live`), or sends what is subscribed to (`foxglove`)
 //! ```
 //!
 //! **It costs the chain little.** The hub's receivers are not woken: it looks by itself, once a frame, some milliseconds after the last
 //! stage is done (`pace`), and copies an image out of shared memory only when a client has acknowledged the one before. No
-//! client: no reader, no thread that wakes. Pictures are encoded on the client's thread, once for all that want the same size.
+//! client: no reader, no thread that wakes. Pictures are encoded at low priority (`worker`), once for all that want the same size; short
+//! messages are sent at normal priority.
 //!
 //! **It is safe.** Without `--listen` it answers this machine's processes of its own user alone; with it whoever has the token that stands in the address. What a
 //! browser sends from another site's page is refused by `Host` and `Origin` (`guard`), so is all that is too large, too slow or
@@ -41,6 +42,7 @@ mod session;
 mod status;
 mod tuning;
 mod view;
+mod worker;
 
 pub use gather::{Gatherer, clock_bound_us};
 pub use server::{Options, Server, Shown, serve};

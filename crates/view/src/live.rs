@@ -23,11 +23,12 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use lariat_chain::settings::settings_of;
+use lariat_chain::stages::arrangement::give_way;
 use lariat_extract::Mask;
 use lariat_wire::{Rig, members};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use tungstenite::Message;
+use tungstenite::{Bytes, Message};
 
 use crate::calibrating;
 use crate::dropped;
@@ -38,6 +39,7 @@ use crate::moment::Moment;
 use crate::picture::times_smaller;
 use crate::session::{Event, Session};
 use crate::tuning::{self, Wish};
+use crate::worker::Worker;
 
 /// How the WebSocket of the page is called.
 pub(crate) const PROTOCOL: &str = "lariat.view.v1";
@@ -71,9 +73,153 @@ enum Said {
     Other,
 }
 
-/// One page.
-pub(crate) struct Page<S: Read + Write + AsFd> {
-    session: Session<S>,
+/// What a page has asked for that takes long.
+enum Task {
+    /// Shows a moment, this many pixels wide.
+    Show(Arc<Moment>, u32),
+    /// Answers a wish.
+    Answer {
+        id: u64,
+        wish: Wish,
+        rig: Option<Rig>,
+    },
+    /// Traces a picture file, with the settings of the rig.
+    Trace { file: Bytes, rig: Option<Rig> },
+}
+
+/// Shows one page the rig, until either goes.
+pub(crate) fn show_rig<S: Read + Write + AsFd>(
+    mut session: Session<S>,
+    may_write: bool,
+    watcher: &Watcher,
+) {
+    let mut desk = Desk::new(may_write);
+    let Ok(mut worker) = Worker::start(watcher.bell(), move |task| desk.work(task)) else {
+        return;
+    };
+    let (mut shown, mut told) = (0, 0);
+    let mut width = None;
+    while !watcher.is_over() {
+        let task = match session.next(Some(watcher.as_fd()), LOOK) {
+            Event::Text(text) => match serde_json::from_str(&text) {
+                Ok(Said::Next { width: wanted }) => {
+                    width = Some(wanted);
+                    watcher.want();
+                    None
+                }
+                Ok(Said::Ask { id, wish }) => Some(Task::Answer {
+                    id,
+                    wish,
+                    rig: watcher.rig(),
+                }),
+                Ok(Said::Frame { .. } | Said::Other) => None,
+                Err(_) => return,
+            },
+            Event::Binary(file) => Some(Task::Trace {
+                file,
+                rig: watcher.rig(),
+            }),
+            Event::Look => {
+                watcher.hear();
+                None
+            }
+            Event::End => return,
+        };
+        let moment = width.and_then(|wanted| Some((watcher.moment_after(shown)?, wanted)));
+        let show = moment.map(|(moment, wanted)| {
+            (shown, width) = (moment.number, None);
+            Task::Show(moment, wanted)
+        });
+        for task in [task, show].into_iter().flatten() {
+            let Some(messages) = worker.add(task) else {
+                return;
+            };
+            if !say_all(&mut session, messages) {
+                return;
+            }
+        }
+        if !session.is_clear() {
+            continue;
+        }
+        if let Some((number, status)) = watcher.status_after(told) {
+            told = number;
+            if !session.say(Message::text(&*status)) {
+                return;
+            }
+        }
+        while let Some(messages) = worker.next() {
+            if !say_all(&mut session, messages) {
+                return;
+            }
+        }
+    }
+}
+
+/// Shows one page a recording, until it goes.
+pub(crate) fn show_film<S: Read + Write + AsFd>(
+    mut session: Session<S>,
+    may_write: bool,
+    film: &Film,
+) {
+    // A chain may run on this machine.
+    give_way();
+    let mut desk = Desk::new(may_write);
+    let Ok(mut reel) = film.reel() else {
+        return;
+    };
+    if !session.say(Message::text(&*film.status)) {
+        return;
+    }
+    let mut wanted = None;
+    loop {
+        let task = match session.next(None, LOOK) {
+            Event::Text(text) => match serde_json::from_str(&text) {
+                // The last that is asked for is what is to be seen.
+                Ok(Said::Frame { place, width }) => {
+                    wanted = Some((place, width));
+                    None
+                }
+                Ok(Said::Ask { id, wish }) => Some(Task::Answer {
+                    id,
+                    wish,
+                    rig: None,
+                }),
+                Ok(Said::Next { .. } | Said::Other) => None,
+                Err(_) => return,
+            },
+            Event::Binary(file) => Some(Task::Trace { file, rig: None }),
+            Event::Look => None,
+            Event::End => return,
+        };
+        if let Some(task) = task
+            && !say_all(&mut session, desk.work(task))
+        {
+            return;
+        }
+        if session.is_clear()
+            && let Some((place, width)) = wanted.take()
+        {
+            let messages = match reel.moment(place) {
+                Ok(Some(moment)) => desk.work(Task::Show(Arc::new(moment), width)),
+                Ok(None) | Err(_) => {
+                    let missing = json!({ "type": "missing", "place": place });
+                    vec![Message::text(missing.to_string())]
+                }
+            };
+            if !say_all(&mut session, messages) {
+                return;
+            }
+        }
+    }
+}
+
+/// `false`: it is over.
+fn say_all<S: Read + Write + AsFd>(session: &mut Session<S>, messages: Vec<Message>) -> bool {
+    messages.into_iter().all(|message| session.say(message))
+}
+
+/// Works off the tasks of one page.
+struct Desk {
     may_write: bool,
     /// What it was shown last, the newest last.
     held: VecDeque<Arc<Moment>>,
@@ -83,10 +229,9 @@ pub(crate) struct Page<S: Read + Write + AsFd> {
     mask: Option<Mask>,
 }
 
-impl<S: Read + Write + AsFd> Page<S> {
-    pub(crate) fn new(session: Session<S>, may_write: bool) -> Self {
+impl Desk {
+    fn new(may_write: bool) -> Self {
         Self {
-            session,
             may_write,
             held: VecDeque::new(),
             width: 0,
@@ -94,105 +239,15 @@ impl<S: Read + Write + AsFd> Page<S> {
         }
     }
 
-    /// Shows it the rig, until either goes.
-    pub(crate) fn show_rig(mut self, watcher: &Watcher) {
-        let (mut shown, mut told) = (0, 0);
-        let mut width = None;
-        while !watcher.is_over() {
-            match self.session.next(Some(watcher.as_fd()), LOOK) {
-                Event::Text(text) => match serde_json::from_str(&text) {
-                    Ok(Said::Next { width: wanted }) => {
-                        width = Some(wanted);
-                        watcher.want();
-                    }
-                    Ok(Said::Ask { id, wish }) => {
-                        let rig = watcher.rig();
-                        let rig = rig.as_ref().map(Rig::as_str);
-                        if !self.answer(id, wish, rig) {
-                            return;
-                        }
-                    }
-                    Ok(Said::Frame { .. } | Said::Other) => {}
-                    Err(_) => return,
-                },
-                Event::Binary(file) => {
-                    let rig = watcher.rig();
-                    if !self.trace(&file, rig.as_ref().map(Rig::as_str)) {
-                        return;
-                    }
-                }
-                Event::Look => watcher.hear(),
-                Event::End => return,
-            }
-            if !self.session.is_clear() {
-                continue;
-            }
-            if let Some((number, status)) = watcher.status_after(told) {
-                told = number;
-                if !self.session.say(Message::text(&*status)) {
-                    return;
-                }
-            }
-            if let Some(wanted) = width
-                && let Some(moment) = watcher.moment_after(shown)
-            {
-                (shown, width) = (moment.number, None);
-                if !self.show(moment, wanted) {
-                    return;
-                }
-            }
+    fn work(&mut self, task: Task) -> Vec<Message> {
+        match task {
+            Task::Show(moment, width) => vec![self.show(moment, width)],
+            Task::Answer { id, wish, rig } => self.answer(id, wish, rig.as_ref().map(Rig::as_str)),
+            Task::Trace { file, rig } => vec![self.trace(&file, rig.as_ref().map(Rig::as_str))],
         }
     }
 
-    /// Shows it a recording, until it goes.
-    pub(crate) fn show_film(mut self, film: &Film) {
-        let Ok(mut reel) = film.reel() else {
-            return;
-        };
-        if !self.session.say(Message::text(&*film.status)) {
-            return;
-        }
-        let mut wanted = None;
-        loop {
-            match self.session.next(None, LOOK) {
-                Event::Text(text) => match serde_json::from_str(&text) {
-                    // The last that is asked for is what is to be seen.
-                    Ok(Said::Frame { place, width }) => wanted = Some((place, width)),
-                    Ok(Said::Ask { id, wish }) => {
-                        if !self.answer(id, wish, None) {
-                            return;
-                        }
-                    }
-                    Ok(Said::Next { .. } | Said::Other) => {}
-                    Err(_) => return,
-                },
-                Event::Binary(file) => {
-                    if !self.trace(&file, None) {
-                        return;
-                    }
-                }
-                Event::Look => {}
-                Event::End => return,
-            }
-            if self.session.is_clear()
-                && let Some((place, width)) = wanted.take()
-            {
-                let goes_on = match reel.moment(place) {
-                    Ok(Some(moment)) => self.show(Arc::new(moment), width),
-                    Ok(None) | Err(_) => {
-                        let missing = json!({ "type": "missing", "place": place });
-                        self.session.say(Message::text(missing.to_string()))
-                    }
-                };
-                if !goes_on {
-                    return;
-                }
-            }
-        }
-    }
-
-    /// `false`: it is over.
-    fn show(&mut self, moment: Arc<Moment>, width: u32) -> bool {
+    fn show(&mut self, moment: Arc<Moment>, width: u32) -> Message {
         self.width = width;
         let message = message(&moment, width, self.mask.as_ref());
         if self
@@ -205,11 +260,11 @@ impl<S: Read + Write + AsFd> Page<S> {
         if self.held.len() > HELD {
             self.held.pop_front();
         }
-        self.session.say(message)
+        message
     }
 
-    /// Shows what is seen in a picture file; `false`: it is over.
-    fn trace(&mut self, file: &[u8], rig: Option<&str>) -> bool {
+    /// What is seen in a picture file.
+    fn trace(&mut self, file: &[u8], rig: Option<&str>) -> Message {
         // Without a chain, by no settings.
         let settings = rig.and_then(|rig| {
             let members = members().ok()?;
@@ -223,18 +278,20 @@ impl<S: Read + Write + AsFd> Page<S> {
             Ok(moment) => self.show(Arc::new(moment), self.width),
             Err(why) => {
                 let why = json!({ "type": "undropped", "why": format!("{why:#}") });
-                self.session.say(Message::text(why.to_string()))
+                Message::text(why.to_string())
             }
         }
     }
 
-    /// Answers a wish; `false`: it is over.
-    fn answer(&mut self, id: u64, wish: Wish, rig: Option<&str>) -> bool {
-        let answer = match self.grant(wish, rig) {
+    /// What a wish changes of the picture, and its answer.
+    fn answer(&mut self, id: u64, wish: Wish, rig: Option<&str>) -> Vec<Message> {
+        let mut messages = Vec::new();
+        let answer = match self.grant(wish, rig, &mut messages) {
             Ok(said) => json!({ "type": "answer", "id": id, "said": said }),
             Err(why) => json!({ "type": "answer", "id": id, "refused": format!("{why:#}") }),
         };
-        self.session.say(Message::text(answer.to_string()))
+        messages.push(Message::text(answer.to_string()));
+        messages
     }
 
     /// Whether points were clicked in pictures as they come now.
@@ -247,7 +304,12 @@ impl<S: Read + Write + AsFd> Page<S> {
         Ok(())
     }
 
-    fn grant(&mut self, wish: Wish, rig: Option<&str>) -> Result<Value> {
+    fn grant(
+        &mut self,
+        wish: Wish,
+        rig: Option<&str>,
+        messages: &mut Vec<Message>,
+    ) -> Result<Value> {
         if wish.writes() && !self.may_write {
             bail!(FOREIGN);
         }
@@ -259,13 +321,13 @@ impl<S: Read + Write + AsFd> Page<S> {
                 let (answer, mask) = tuning::colours(moment, &at)?;
                 let moment = moment.clone();
                 self.mask = Some(mask);
-                self.show(moment, self.width);
+                messages.push(self.show(moment, self.width));
                 Ok(answer)
             }
             Wish::Mask { mask } => {
                 self.mask = mask.as_deref().map(tuning::mask).transpose()?;
                 if let Some(newest) = self.held.back().cloned() {
-                    self.show(newest, self.width);
+                    messages.push(self.show(newest, self.width));
                 }
                 Ok(Value::Null)
             }

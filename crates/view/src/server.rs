@@ -17,7 +17,6 @@ use crate::film::Film;
 use crate::guard::{Admitted, Guard, token};
 use crate::http::{Refusal, Request, answer, switch};
 use crate::hub::Hub;
-use crate::live::Page;
 use crate::peer::Peer;
 use crate::session::Session;
 use crate::{foxglove, live, page};
@@ -29,7 +28,7 @@ const MOST_FOREIGN: usize = MOST_CLIENTS / 2;
 /// How long a client may take to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(5);
 /// Of a client's thread: it keeps pictures on the heap.
-const STACK: usize = 512 << 10;
+pub(crate) const STACK: usize = 512 << 10;
 
 /// What a page shows.
 #[derive(Debug, Clone)]
@@ -273,7 +272,7 @@ fn open<S: Read + Write + AsFd>(
     };
     if let Some(film) = &shared.film {
         write_all(&mut stream, &switch(key, protocol));
-        return Page::new(Session::new(stream, rest), admitted.may_write).show_film(film);
+        return live::show_film(Session::new(stream, rest), admitted.may_write, film);
     }
     let Ok(watcher) = shared.hub.join() else {
         let refusal = Refusal(503, "Too many connections: close some of the pages.");
@@ -283,7 +282,7 @@ fn open<S: Read + Write + AsFd>(
     let session = Session::new(stream, rest);
     match is_foxglove(protocol) {
         true => foxglove::run(session, &watcher),
-        false => Page::new(session, admitted.may_write).show_rig(&watcher),
+        false => live::show_rig(session, admitted.may_write, &watcher),
     }
 }
 

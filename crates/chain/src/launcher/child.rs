@@ -395,11 +395,15 @@ impl Child {
         }
     }
 
-    /// Asks it to work off what waits, and end.
+    /// Asks it to work off what waits, and end. A process that somebody stopped (SIGSTOP) is continued for that, as systemd
+    /// does.
     pub(super) fn tell_to_stop(&mut self) {
         self.told_to_stop |= self.ending.is_none();
         match &mut self.host {
-            Host::Process { .. } => self.signal(Signal::TERM),
+            Host::Process { .. } => {
+                self.signal(Signal::TERM);
+                self.signal(Signal::CONT);
+            }
             Host::Thread { stopper, .. } => stopper.stop(),
         }
     }
