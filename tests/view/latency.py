@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """What an open page adds to the chain's latency: the same chain with and without one, round after round, in one run.
 
-    tests/view/latency.py LARIAT [--rounds N] [--seconds N] [--browser chromium] [-- FLAGS OF LARIAT RUN]
+    tests/view/latency.py LARIAT [--rounds N] [--seconds N] [--load N] [--browser chromium] [-- FLAGS OF LARIAT RUN]
 
 The page is a client that takes each frame and asks at once for the next, as a browser on another machine does; with --browser it is
 one on this machine, which draws with the same cores. Prints the medians of p50 and p99 over the rounds, and the median of the ratios
-within each round. For a machine on which nothing else runs.
+within each round, and how often the page was sent a status. For a machine on which nothing else runs: --load adds busy programs.
 """
 
 import argparse
@@ -25,7 +25,7 @@ class Page:
     """A WebSocket that asks for one frame after the other."""
 
     def __init__(self, port):
-        self.frames = 0
+        self.frames = self.statuses = 0
         self.socket = socket.create_connection(("127.0.0.1", port))
         key = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall((
@@ -52,6 +52,7 @@ class Page:
                 elif length == 127:
                     (length,) = struct.unpack(">Q", self.stream.read(8))
                 self.stream.read(length)
+                self.statuses += first & 15 == 1
                 if first & 15 == 2:
                     self.frames += 1
                     self.ask()
@@ -70,7 +71,7 @@ def free_port():
 
 
 def latencies(lariat, folder, flags, view, browser):
-    """p50 and p99 of one run, and the frames that the page was shown."""
+    """p50 and p99 of one run, and how many frames and statuses the page was sent."""
     report = os.path.join(folder, "report")
     command = [lariat, "run", "--force", "--out", report, *flags]
     server = page = shown = None
@@ -96,7 +97,7 @@ def latencies(lariat, folder, flags, view, browser):
         sys.exit(done.stderr)
     with open(os.path.join(report, "summary.json")) as file:
         total = json.load(file)["latency_us"]["total"]
-    return (total["p50"], total["p99"]), page.frames if page else 0
+    return (total["p50"], total["p99"]), (page.frames, page.statuses) if page else (0, 0)
 
 
 def main():
@@ -104,13 +105,15 @@ def main():
     parser.add_argument("lariat")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--seconds", type=int, default=20)
+    parser.add_argument("--load", type=int, default=0, help="busy programs beside it")
     parser.add_argument("--browser")
     parser.add_argument("flags", nargs="*", help="of lariat run, behind --")
     asked = parser.parse_args()
     lariat = os.path.abspath(asked.lariat)
     os.environ.setdefault("LARIAT_DOMAIN", f"lat-{os.getpid()}")
     flags = ["--duration", f"{asked.seconds}s", *asked.flags]
-    without, viewed, frames = [], [], []
+    without, viewed, counts = [], [], []
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(asked.load)]
     with tempfile.TemporaryDirectory() as folder:
         for number in range(asked.rounds):
             pair = [(False, without), (True, viewed)]
@@ -119,14 +122,17 @@ def main():
                 figures, shown = latencies(lariat, folder, flags, view, asked.browser)
                 into.append(figures)
                 if view:
-                    frames.append(shown)
+                    counts.append(shown)
+    for process in busy:
+        process.kill()
     print(f"{'':>8} {'without':>10} {'a page':>10} {'ratio':>7}")
     for place, name in enumerate(["p50, µs", "p99, µs"]):
         a, b = ([figures[place] for figures in runs] for runs in (without, viewed))
         ratio = statistics.median(y / x for x, y in zip(a, b))
         print(f"{name:>8} {statistics.median(a):10.0f} {statistics.median(b):10.0f} {ratio:7.3f}")
     if not asked.browser:
-        print(f"frames shown: {statistics.median(frames):.0f} in {asked.seconds} s")
+        frames, statuses = (statistics.median(kind) for kind in zip(*counts))
+        print(f"in {asked.seconds} s the page was sent {frames:.0f} frames and {statuses:.0f} statuses")
 
 
 main()

@@ -3,7 +3,7 @@
 use rustix::process::Signal;
 use serde_json::Value;
 
-use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope};
+use crate::page::{self, PATIENCE, Page, assert_curves_lie_on_the_rope};
 use crate::rig::Bench;
 use crate::viewing::Viewing;
 
@@ -132,4 +132,18 @@ fn a_lossless_chain_loses_nothing_to_a_page_that_asks_for_nothing_more() {
     page.moment();
     assert_eq!(bench.summary("report")["frames"]["received"], 400);
     viewing.end();
+}
+
+#[test]
+fn a_chain_that_waits_for_masks_says_so() {
+    let bench = Bench::new();
+    let chain = bench.start(&["--rig", "cell", "--mask", "external", "--fps", "30"]);
+    let viewing = Viewing::start(&bench, &["--rig", "cell"]);
+    let mut page = Page::of(&viewing);
+    let status = page.status(|status| {
+        let obstacle = status["obstacle"].as_str().unwrap_or_default();
+        obstacle.contains("lariat/cell/masks")
+    });
+    assert_eq!(status["rig"], "cell");
+    page::end(chain, viewing);
 }

@@ -3,6 +3,8 @@
 use std::os::fd::BorrowedFd;
 use std::time::Instant;
 
+use lariat_chain::settings::settings_of;
+use lariat_extract::Mask;
 use lariat_sink::{Arrival, Ledger, points_along};
 use lariat_wire::{
     Basis, DESCRIPTORS, DESCRIPTORS3, Descriptor, Descriptors, Descriptors3, Domain, FitQuality,
@@ -248,7 +250,7 @@ impl<'d> Gatherer<'d> {
         let has_reader = self.look.reader.is_some();
         match &self.rig {
             _ if has_reader && self.look.newest.is_some() => None,
-            _ if has_reader => Some("The chain is up; no frame has come yet.".into()),
+            Some(rig) if has_reader => Some(self.awaited(rig)),
             Some(rig) if self.rigs.contains(rig) => Some(format!(
                 "Rig {rig} is starting or ending: nothing writes descriptors."
             )),
@@ -263,6 +265,20 @@ impl<'d> Gatherer<'d> {
                 "No chain is running here: start one with `lariat run`; this screen waits for it."
                     .into(),
             ),
+        }
+    }
+}
+
+impl Gatherer<'_> {
+    /// What a chain that has sent nothing yet waits for.
+    fn awaited(&self, rig: &Rig) -> String {
+        let settings = stage_of(&self.members, rig.as_str(), "extract")
+            .and_then(|extract| settings_of(extract).ok());
+        match settings {
+            Some(settings) if settings.extract.mask == Mask::External => format!(
+                "The chain is up, and no frame has had a mask in time: start the program that writes lariat/{rig}/masks."
+            ),
+            _ => "The chain is up, and waits for its first frame.".into(),
         }
     }
 }
