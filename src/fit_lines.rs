@@ -1,6 +1,7 @@
 //! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
 
 use crate::descriptor_json::{Descriptor, Quality};
+use crate::versioned::Versioned;
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_chain::bounded::LONGEST_TEXT;
@@ -128,7 +129,7 @@ fn open(file: Option<&Path>) -> Result<(String, Box<dyn Read>)> {
 }
 
 fn write_line(output: &mut impl Write, descriptor: &Descriptor) -> io::Result<()> {
-    serde_json::to_writer(&mut *output, descriptor)?;
+    serde_json::to_writer(&mut *output, &Versioned::first(descriptor))?;
     output.write_all(b"\n")
 }
 

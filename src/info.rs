@@ -1,6 +1,7 @@
 //! `lariat info`: what a recording holds, told from its index.
 
 use crate::recording::{RecordingArgs, shown};
+use crate::versioned::Versioned;
 use anyhow::{Context, Result};
 use clap::Args;
 use lariat_chain::layout::{self, Column, Table, hanging};
@@ -113,7 +114,10 @@ pub(crate) fn run(args: InfoArgs) -> Result<ExitCode> {
     let file = shown(&args.recording.file);
     let info = Info::of(&recording, file.clone()).with_context(|| file)?;
     if args.json {
-        print(&format!("{}\n", serde_json::to_string(&info)?))?;
+        print(&format!(
+            "{}\n",
+            serde_json::to_string(&Versioned::first(&info))?
+        ))?;
     } else {
         print(&info.text())?;
     }

@@ -25,6 +25,7 @@ mod snapshot;
 mod topic;
 mod trace;
 mod version;
+mod versioned;
 mod view;
 
 use lariat_chain::notify::Notify;

@@ -2,6 +2,7 @@
 
 use super::shapes::FrameObject;
 use super::{Part, Written};
+use crate::versioned::Versioned;
 use anyhow::{Context, Result, bail};
 use std::io::{self, Write};
 
@@ -13,7 +14,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
         let wanted = part.is_wanted(place);
         place += 1;
         if let Some(descriptors) = gathered.descriptors().filter(|_| wanted) {
-            serde_json::to_writer(&mut *file, &FrameObject::of(descriptors))
+            serde_json::to_writer(&mut *file, &Versioned::first(FrameObject::of(descriptors)))
                 .map_err(io::Error::from)
                 .with_context(about)?;
             file.write_all(b"\n").with_context(about)?;

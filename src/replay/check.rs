@@ -8,6 +8,7 @@ use super::ReplayArgs;
 use super::difference::{Comparer, Difference, Rule};
 use super::distance;
 use super::stages::{Stages, prepare};
+use crate::versioned::Versioned;
 use anyhow::{Context, Result, bail};
 use lariat_chain::exit::wrong_use;
 use lariat_chain::layout::{self, hanging};
@@ -69,7 +70,10 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
     check.whole(&recording).with_context(impossible)?;
     let outcome = check.outcome(begin.elapsed());
     if args.json {
-        print(&format!("{}\n", serde_json::to_string(&outcome)?))?;
+        print(&format!(
+            "{}\n",
+            serde_json::to_string(&Versioned::first(&outcome))?
+        ))?;
     } else {
         print(&text(&file, &outcome, recording.about(), args.within))?;
     }

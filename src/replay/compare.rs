@@ -9,6 +9,7 @@ mod figures;
 use super::ReplayArgs;
 use super::stages::{Stages, prepare};
 use super::table;
+use crate::versioned::Versioned;
 use anyhow::{Context, Result, bail};
 pub(super) use figures::Figures;
 use figures::Times;
@@ -54,7 +55,10 @@ pub(super) fn run(args: &ReplayArgs) -> Result<ExitCode> {
     race.whole(&recording).with_context(impossible)?;
     let comparison = race.finish();
     if args.json {
-        print(&format!("{}\n", serde_json::to_string(&comparison)?))?;
+        print(&format!(
+            "{}\n",
+            serde_json::to_string(&Versioned::first(&comparison))?
+        ))?;
     } else {
         print(&table::text(&comparison))?;
     }

@@ -2,6 +2,7 @@
 
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::trace::frames::Shown;
+use crate::versioned::Versioned;
 use lariat_chain::confidence;
 use lariat_chain::layout::{self, Column, hanging};
 use lariat_extract::{Crossing, CrossingSequence, Scene};
@@ -131,7 +132,7 @@ impl Report {
     }
 
     pub(super) fn write_json(&self, output: &mut impl Write) -> io::Result<()> {
-        serde_json::to_writer(&mut *output, self)?;
+        serde_json::to_writer(&mut *output, &Versioned::first(self))?;
         output.write_all(b"\n")
     }
 

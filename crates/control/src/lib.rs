@@ -159,3 +159,7 @@ const fn dimensions(axes: usize) -> usize {
 
 #[cfg(test)]
 mod random;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

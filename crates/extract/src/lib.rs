@@ -223,3 +223,7 @@ pub use notice::Notice;
 pub use options::{HsvRange, Mask, Method, Options, OptionsError, UnknownMethod};
 pub use pick::{PickDoubt, PickError, PickJudgement, Picked, judge_pick, pick};
 pub use scene::{Crossing, Curve, Scene, Status};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

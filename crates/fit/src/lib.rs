@@ -177,3 +177,7 @@ pub use tolerance::Tolerance;
 pub use weighted::{MAX_NOISE_GAIN, WeightedError};
 // The matrix type of this interface.
 pub use faer::{Mat, MatRef};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

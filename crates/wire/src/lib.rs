@@ -150,3 +150,7 @@ pub use shape::{Covariance, Jacobian, Nearest, NoShape, Shape};
 pub use slices::take_short_slices;
 pub use survey::{ChannelEnds, ChannelState, ChannelWriter};
 pub use writer::{Slot, Writer};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

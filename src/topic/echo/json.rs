@@ -8,10 +8,11 @@ use serde::ser::{SerializeMap, Serializer};
 
 use crate::message_json::{Object, write_fields};
 use crate::topic::probe::Any;
+use crate::versioned::Versioned;
 
 /// The message on a line.
 pub(super) fn line(channel: &str, message: Any) -> Result<String> {
-    Ok(serde_json::to_string(&Line { channel, message })? + "\n")
+    Ok(serde_json::to_string(&Versioned::first(Line { channel, message }))? + "\n")
 }
 
 struct Line<'a> {
