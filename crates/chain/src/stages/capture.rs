@@ -1,6 +1,7 @@
 //! Capture as a process: a source's frames, written into shared memory and sent when they are due.
 
 mod depths;
+mod punctual;
 
 use std::os::fd::AsFd;
 
@@ -19,6 +20,7 @@ use super::{Station, Supervision};
 use crate::pipeline::{Schedule, frame_header};
 use crate::settings::{Fps, Settings, Stage};
 use depths::{DepthSlot, Depths};
+use punctual::Punctuality;
 
 /// How often it says that it lives, if nothing else does.
 const BEAT_NS: u64 = 1_000_000_000;
@@ -89,6 +91,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         restarts: before.restarts,
         lasts_ns: settings.run.duration_ns(),
         end_ns: None,
+        punctuality: (!settings.run.arrangement.realtime).then(Punctuality::default),
     };
     // What changes for capture starts it anew; of the rest it takes the version.
     let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
@@ -190,6 +193,8 @@ struct Sender<'w> {
     lasts_ns: Option<u64>,
     /// When that is over.
     end_ns: Option<u64>,
+    /// Of a source without realtime priority.
+    punctuality: Option<Punctuality>,
 }
 
 impl Sender<'_> {
@@ -263,7 +268,8 @@ impl Sender<'_> {
         // A frame that was taken at a moment of its own is not waited for.
         let is_live = frame.exposed_ns.is_some();
         let after_ns = self.lender.source.due_after_ns();
-        let due_ns = self.schedule.due_ns(now_ns(), frame.exposed_ns, after_ns);
+        let ready_ns = now_ns();
+        let due_ns = self.schedule.due_ns(ready_ns, frame.exposed_ns, after_ns);
         let end_ns = |lasts_ns| *self.end_ns.get_or_insert(due_ns.saturating_add(lasts_ns));
         let is_over = self
             .lasts_ns
@@ -271,6 +277,14 @@ impl Sender<'_> {
             .is_some_and(|end_ns| due_ns >= end_ns);
         if is_over || !(is_live || wait(station, due_ns)) {
             return Ok(false);
+        }
+        if let (false, Some(punctuality)) = (is_live, &mut self.punctuality)
+            && punctuality.is_starved(ready_ns, due_ns, now_ns())
+        {
+            tracing::warn!(
+                "capture is woken more than a period late for over 1 % of the frames, as other programs use the cores: give the \
+                 chain realtime priority (--realtime), or choose fewer frames/s"
+            );
         }
         self.sent.count += 1;
         self.sent.last_sequence = self.ahead + self.schedule.sequence(frame);

@@ -197,6 +197,7 @@ fn with_sender(
         restarts: 0,
         lasts_ns,
         end_ns: None,
+        punctuality: None,
     };
     test(Bench {
         sender,
