@@ -186,7 +186,7 @@ def part(folder, count, chain, bridge, frame_id, axes):
     """One rig: all topics, compared; then the points beside the rope that was drawn."""
     depth = ["--depth-images", str(folder / "depth"), "--depth", str(folder / "depth.yaml"), "--calibration", str(folder / "camera.yaml")]
     source = ["--source", str(folder / "color"), "--loop", "--fps", "20"]
-    with Rig([*source, *depth, *chain], ["--reliable", *bridge]) as rig:
+    with Rig([*source, *depth, *chain], bridge) as rig:
         rig.until(lambda: rig.points, "points")
         echo = subprocess.Popen([LARIAT, "topic", "echo", "descriptors3", "--rig", rig.name, "--json"], stdout=subprocess.PIPE, text=True)
         said = []

@@ -24,9 +24,9 @@ pub(crate) struct Args {
     /// The frame of reference of pictures; else the rig's name with _camera
     #[arg(long, value_name = "NAME")]
     camera_frame_id: Option<String>,
-    /// Send again what a listener missed; else as sensor data, best effort, which reliable listeners are not given
+    /// Send each message once, as sensor data. Listeners that ask for reliable delivery, as RViz does, are then not matched
     #[arg(long)]
-    pub(crate) reliable: bool,
+    pub(crate) best_effort: bool,
     /// The pictures' JPEG quality, 1 to 100
     #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) jpeg_quality: u8,
@@ -62,7 +62,7 @@ const IN: &str = "From the graph to the rig";
 
 const EXAMPLES: &str = "Examples:
   lariat ros2                                  the rig default, under /lariat/default/
-  lariat ros2 --rig left --reliable --frame-id table
+  lariat ros2 --rig left --frame-id table
   lariat ros2 --image /camera/image_raw        the frames of `lariat run --source external`
   lariat ros2 --ros-args -r __ns:=/cell -r /lariat/default/points:=/rope";
 
@@ -257,10 +257,10 @@ mod tests {
             "-r",
             "b:=c",
             "--",
-            "--reliable",
+            "--best-effort",
         ];
         let (ours, ros) = split(words.iter().map(OsString::from).collect());
-        assert_eq!(ours, ["lariat", "--rig", "a", "--reliable"]);
+        assert_eq!(ours, ["lariat", "--rig", "a", "--best-effort"]);
         assert_eq!(ros, ["-r", "b:=c"]);
     }
 }

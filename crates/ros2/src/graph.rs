@@ -62,7 +62,7 @@ impl Graph {
             participant = participant.with_only_networks([Ipv4Addr::LOCALHOST]);
         }
         let before = threads()?;
-        let participant = with_timer_slack(!args.reliable, || participant.build())
+        let participant = with_timer_slack(args.best_effort, || participant.build())
             .map_err(|e| anyhow!("{e}"))
             .with_context(about)?;
         let mut threads = threads()?;
@@ -95,7 +95,7 @@ impl Graph {
             context,
             threads,
             names: args.names.clone(),
-            reliable: args.reliable,
+            reliable: !args.best_effort,
             max_bytes: args.max_bytes,
         })
     }
