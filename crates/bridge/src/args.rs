@@ -80,14 +80,14 @@ impl Args {
         self.frames.map_or(0, |rate| (1000.0 / rate).round() as u16)
     }
 
-    /// The key; `None` with `--insecure`. The loopback needs one too: every user of the machine may send there.
+    /// The key; with `--insecure` [`Key::NONE`]. The loopback needs one too: every user of the machine may send there.
     ///
     /// # Errors
     /// It cannot be read, or there is none.
-    pub(crate) fn key(&self) -> Result<Option<Key>> {
+    pub(crate) fn key(&self) -> Result<Key> {
         match &self.key {
-            Some(path) => Key::read(path).map(Some),
-            None if self.insecure => Ok(None),
+            Some(path) => Key::read(path),
+            None if self.insecure => Ok(Key::NONE),
             None => wrong_use!(
                 "without a key, everyone on the network and every user of this machine could read the rig and forge it: make a \
                  key with `lariat bridge --make-key FILE`, copy it to the other side, and give both --key FILE; or say \
@@ -214,7 +214,7 @@ mod tests {
             let refusal = args(place).key().err().expect("no key is given");
             assert!(refusal.to_string().contains("--make-key"), "{refusal}");
             let insecure = args(&format!("{place} --insecure"));
-            assert!(insecure.key().is_ok_and(|key| key.is_none()));
+            assert!(insecure.key().is_ok());
             assert!(args(&format!("{place} --key /nowhere")).key().is_err());
         }
     }

@@ -1,9 +1,9 @@
-//! A datagram: who sent it, the how many-th of its kind it is, and what it says, sealed if there is a key.
+//! A datagram: who sent it, the how many-th of its kind it is, and what it says, sealed.
 //!
 //! ```text
-//!  0  'l' 'b'      2  version 2      3  kind, and 128 if it is sealed      4  the messages' versions, hashed
+//!  0  'l' 'b'      2  version 3      3  kind      4  the messages' versions, hashed
 //!  8  the sender's random number (u64)            16  how many of this kind it has sent, this one included (u64)
-//! 24  what it says …                              then 16 bytes of tag if it is sealed (ChaCha20-Poly1305, the head held to)
+//! 24  what it says …                              then 16 bytes of tag (ChaCha20-Poly1305, the head held to)
 //! ```
 //!
 //! Numbers are little endian. The nonce is kind and count, under a key that only this sender has: no nonce comes twice, and counts that only go up are the
@@ -16,8 +16,7 @@ use thiserror::Error;
 
 use crate::key::{Key, Seal, Side};
 
-const MAGIC: [u8; 3] = *b"lb\x02";
-const SEALED: u8 = 0x80;
+const MAGIC: [u8; 3] = *b"lb\x03";
 /// Bytes before what a datagram says.
 pub(crate) const HEAD: usize = 24;
 /// Bytes that a datagram has beside what it says.
@@ -79,15 +78,8 @@ pub(crate) enum Refused {
     #[error("the other side is of another release of lariat: use the same on both")]
     Release,
     #[error(
-        "the other side seals what it sends, and this one has no key: give both the same --key FILE"
-    )]
-    NoKey,
-    #[error(
-        "the other side does not seal what it sends, and this one has a key: give both the same --key FILE"
-    )]
-    Open,
-    #[error(
-        "what comes is sealed with another key, for another rig, or was changed on its way: give both sides the same --key FILE and --rig"
+        "what comes is sealed with another key or none, for another rig, or was changed on its way: give both sides the same \
+         --key FILE and --rig"
     )]
     Seal,
     #[error(
@@ -121,16 +113,16 @@ fn nonce(kind: u8, count: [u8; 8]) -> [u8; 12] {
 /// What one process sends.
 pub(crate) struct Outgoing {
     process: u64,
-    seal: Option<Seal>,
+    seal: Seal,
     sent: [AtomicU64; Kind::ALL.len()],
 }
 
 impl Outgoing {
     /// `process`: its random number.
-    pub(crate) fn new(process: u64, key: Option<&Key>, side: Side, rig: &Rig) -> Self {
+    pub(crate) fn new(process: u64, key: &Key, side: Side, rig: &Rig) -> Self {
         Self {
             process,
-            seal: key.map(|key| key.of(process, side, rig)),
+            seal: key.of(process, side, rig),
             sent: Default::default(),
         }
     }
@@ -150,14 +142,12 @@ impl Outgoing {
         let count = (1 + self.sent[kind as usize].fetch_add(1, Ordering::Relaxed)).to_le_bytes();
         datagram.clear();
         datagram.extend(MAGIC);
-        datagram.push(kind as u8 | if self.seal.is_some() { SEALED } else { 0 });
+        datagram.push(kind as u8);
         datagram.extend(versions().to_le_bytes());
         datagram.extend(self.process.to_le_bytes());
         datagram.extend(count);
         say(datagram);
-        if let Some(seal) = &self.seal {
-            seal.close(nonce(kind as u8, count), datagram, HEAD);
-        }
+        self.seal.close(nonce(kind as u8, count), datagram, HEAD);
     }
 }
 
@@ -174,7 +164,7 @@ pub(crate) struct Datagram<'d> {
 
 /// What the processes of the other side send.
 pub(crate) struct Incoming {
-    key: Option<Key>,
+    key: Key,
     from: Side,
     rig: Rig,
     /// The last to be heard of comes first.
@@ -182,7 +172,7 @@ pub(crate) struct Incoming {
 }
 
 impl Incoming {
-    pub(crate) fn new(key: Option<Key>, from: Side, rig: &Rig) -> Self {
+    pub(crate) fn new(key: Key, from: Side, rig: &Rig) -> Self {
         Self {
             key,
             from,
@@ -201,10 +191,7 @@ impl Incoming {
         };
         let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| head[at + i]));
         let (process, count) = (number(8), number(16));
-        let kind = Kind::ALL
-            .into_iter()
-            .find(|kind| *kind as u8 == head[3] & !SEALED);
-        let is_sealed = head[3] & SEALED != 0;
+        let kind = Kind::ALL.into_iter().find(|kind| *kind as u8 == head[3]);
         let is_ours = head[4..8] == versions().to_le_bytes();
         if head[..2] != MAGIC[..2] {
             return Err(Refused::Foreign);
@@ -212,25 +199,18 @@ impl Incoming {
         let (Some(kind), true, true) = (kind, head[2] == MAGIC[2], is_ours) else {
             return Err(Refused::Release);
         };
-        let says = match (&self.key, is_sealed) {
-            (None, true) => return Err(Refused::NoKey),
-            (Some(_), false) => return Err(Refused::Open),
-            (None, false) => &datagram[HEAD..],
-            (Some(key), true) => {
-                let known = self.seals.iter().position(|(known, _)| *known == process);
-                let (seal, is_new) = match known {
-                    Some(at) => (self.seals.remove(at).1, false),
-                    None => (key.of(process, self.from, &self.rig), true),
-                };
-                let says = seal.open(nonce(kind as u8, count.to_le_bytes()), datagram, HEAD);
-                // One that has not the key must not push out those that have.
-                if says.is_some() || !is_new {
-                    self.seals.truncate(SENDERS - 1);
-                    self.seals.insert(0, (process, seal));
-                }
-                says.ok_or(Refused::Seal)?
-            }
+        let known = self.seals.iter().position(|(known, _)| *known == process);
+        let (seal, is_new) = match known {
+            Some(at) => (self.seals.remove(at).1, false),
+            None => (self.key.of(process, self.from, &self.rig), true),
         };
+        let says = seal.open(nonce(kind as u8, count.to_le_bytes()), datagram, HEAD);
+        // One that has not the key must not push out those that have.
+        if says.is_some() || !is_new {
+            self.seals.truncate(SENDERS - 1);
+            self.seals.insert(0, (process, seal));
+        }
+        let says = says.ok_or(Refused::Seal)?;
         Ok(Datagram {
             process,
             kind,
@@ -261,8 +241,8 @@ mod tests {
     #[test]
     fn a_datagram_says_who_sent_it_and_the_how_many_th_it_is() {
         let (ours, theirs) = key("says");
-        for (ours, theirs) in [(None, None), (Some(ours), Some(theirs))] {
-            let outgoing = Outgoing::new(77, ours.as_ref(), Side::Near, &rig());
+        for (ours, theirs) in [(Key::NONE, Key::NONE), (ours, theirs)] {
+            let outgoing = Outgoing::new(77, &ours, Side::Near, &rig());
             let mut incoming = Incoming::new(theirs, Side::Near, &rig());
             let mut bytes = Vec::new();
             for count in 1..=3 {
@@ -290,25 +270,30 @@ mod tests {
         let (ours, theirs) = key("refused");
         let (other, _) = key("other");
         let mut bytes = Vec::new();
-        let sealed = Outgoing::new(1, Some(&ours), Side::Near, &rig());
-        let open = Outgoing::new(1, None, Side::Near, &rig());
-        let mut with_key = Incoming::new(Some(theirs), Side::Near, &rig());
-        let mut without = Incoming::new(None, Side::Near, &rig());
+        let sealed = Outgoing::new(1, &ours, Side::Near, &rig());
+        let open = Outgoing::new(1, &Key::NONE, Side::Near, &rig());
+        let mut with_key = Incoming::new(theirs, Side::Near, &rig());
+        let mut without = Incoming::new(Key::NONE, Side::Near, &rig());
         open.write(Kind::Ask, &mut bytes, |_| {});
-        assert_eq!(with_key.read(&mut bytes), Err(Refused::Open));
+        assert_eq!(with_key.read(&mut bytes), Err(Refused::Seal));
         sealed.write(Kind::Ask, &mut bytes, |_| {});
-        assert_eq!(without.read(&mut bytes.clone()), Err(Refused::NoKey));
+        assert_eq!(without.read(&mut bytes.clone()), Err(Refused::Seal));
         assert_eq!(
-            Incoming::new(Some(other), Side::Near, &rig()).read(&mut bytes.clone()),
+            Incoming::new(other, Side::Near, &rig()).read(&mut bytes.clone()),
             Err(Refused::Seal)
         );
         assert!(with_key.read(&mut bytes.clone()).is_ok());
         // A side does not take its own words for the other's.
         assert_eq!(with_key.read(&mut [0; 7]), Err(Refused::Foreign));
-        for at in 0..bytes.len() {
-            let mut changed = bytes.clone();
-            changed[at] ^= 1;
-            assert!(with_key.read(&mut changed).is_err(), "{at}");
+        // Whatever bit is flipped on the way, also without a key.
+        let mut plain = Vec::new();
+        open.write(Kind::Descriptors, &mut plain, |to| to.extend(b"rope"));
+        for (reader, bytes) in [(&mut with_key, &bytes), (&mut without, &plain)] {
+            for bit in 0..8 * bytes.len() {
+                let mut changed = bytes.clone();
+                changed[bit / 8] ^= 1 << (bit % 8);
+                assert!(reader.read(&mut changed).is_err(), "{bit}");
+            }
         }
         open.write(Kind::Ask, &mut bytes, |_| {});
         bytes[2] += 1;
@@ -324,9 +309,9 @@ mod tests {
     #[test]
     fn as_many_senders_as_like_are_read_by_turns() {
         let (ours, theirs) = key("many");
-        let mut incoming = Incoming::new(Some(theirs), Side::Far, &rig());
+        let mut incoming = Incoming::new(theirs, Side::Far, &rig());
         let senders: Vec<_> = (0..40)
-            .map(|i| Outgoing::new(i, Some(&ours), Side::Far, &rig()))
+            .map(|i| Outgoing::new(i, &ours, Side::Far, &rig()))
             .collect();
         let mut bytes = Vec::new();
         for count in 1..=3 {

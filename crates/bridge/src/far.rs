@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let key = args.key()?;
     let outgoing = Arc::new(Outgoing::new(
         key::random_number()?,
-        key.as_ref(),
+        &key,
         Side::Far,
         &args.rig,
     ));

@@ -102,7 +102,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let domain = Domain::open()?;
     let (key, rig) = (args.key()?, &args.rig);
     let near = &Near {
-        outgoing: Outgoing::new(key::random_number()?, key.as_ref(), Side::Near, rig),
+        outgoing: Outgoing::new(key::random_number()?, &key, Side::Near, rig),
         peers: Mutex::new(Peers::new()?),
         first: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)
             .context("the system has no descriptor left")?,

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use super::error::RecordingError;
 use super::index::Index;
-use super::layout::{HEAD_BYTES, metadata};
+use super::layout::{HEAD_BYTES, kind};
 use super::storage::Storage;
+use mcap::records::Record;
 
 /// The name of lariat's metadata.
 pub const METADATA: &str = "lariat";
@@ -26,10 +27,11 @@ impl About {
                 continue;
             };
             storage.read_into(at, bytes, &mut buffer)?;
-            if let Some((METADATA, entries)) = metadata(&buffer) {
-                let entries = entries.map(|(key, value)| (key.to_owned(), value.to_owned()));
+            if let Ok(Record::Metadata(metadata)) = mcap::parse_record(kind::METADATA, &buffer)
+                && metadata.name == METADATA
+            {
                 // What is known at the end is said again, and holds.
-                about.0.extend(entries);
+                about.0.extend(metadata.metadata);
             }
         }
         Ok(about)

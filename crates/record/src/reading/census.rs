@@ -6,7 +6,7 @@ use super::chunk::Unpacker;
 use super::error::RecordingError;
 use super::index::{Index, Indexed};
 use super::layout::{
-    CHUNK_HEAD_BYTES, ChunkHead, HEAD_BYTES, Message, MessageIndex, Records, head, kind,
+    CHUNK_HEAD_BYTES, ChunkHead, HEAD_BYTES, Message, Records, head, kind, message_index,
 };
 use super::storage::Storage;
 
@@ -75,11 +75,10 @@ fn find_places(
         {
             return Ok(None);
         }
-        let Some(index) = MessageIndex::read(buffer).filter(|index| index.channel == *channel)
-        else {
+        let Some(entries) = message_index(buffer, *channel) else {
             return Ok(None);
         };
-        places.extend(index.entries().map(|(_, place)| (place, *channel)));
+        places.extend(entries.iter().map(|entry| (entry.offset, *channel)));
     }
     let mut begin = [0; CHUNK_HEAD_BYTES as usize];
     let begin = storage.read_some(indexed.part.offset, &mut begin)?;

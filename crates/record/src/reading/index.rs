@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::chunk::Part;
-use super::layout::{Channel, ChunkIndex, Place, Records, Schema, kind};
+use super::layout::{Records, kind};
+use mcap::records::{AttachmentIndex, MetadataIndex, Record};
 
 /// A definition of messages, as it stands in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,19 +55,68 @@ impl Index {
     /// Takes over what a record says, if it is one of those that say what is where; `false` if it should and cannot be
     /// read.
     pub(super) fn take(&mut self, kind: u8, record: &[u8]) -> bool {
-        let taken = match kind {
-            kind::SCHEMA => Schema::read(record).map(|schema| self.add_schema(schema)),
-            kind::CHANNEL => Channel::read(record).map(|channel| self.add_channel(channel)),
-            kind::CHUNK_INDEX => ChunkIndex::read(record).map(|chunk| self.add_chunk(chunk)),
-            kind::ATTACHMENT_INDEX => {
-                Place::of_attachment(record).map(|place| self.attachments.push(placed(place)))
-            }
-            kind::METADATA_INDEX => {
-                Place::of_metadata(record).map(|place| self.metadata.push(placed(place)))
-            }
-            _ => Some(()),
+        let says_where = matches!(
+            kind,
+            kind::SCHEMA
+                | kind::CHANNEL
+                | kind::CHUNK_INDEX
+                | kind::ATTACHMENT_INDEX
+                | kind::METADATA_INDEX
+        );
+        if !says_where {
+            return true;
+        }
+        let Ok(record) = mcap::parse_record(kind, record) else {
+            return false;
         };
-        taken.is_some()
+        match record {
+            Record::Schema { header, data } => {
+                let definition = Definition {
+                    name: header.name,
+                    text: data.into_owned(),
+                };
+                self.schemas.entry(header.id).or_insert(definition);
+            }
+            Record::Channel(channel) => {
+                let listed = Listed {
+                    topic: channel.topic,
+                    encoding: channel.message_encoding,
+                    schema: channel.schema_id,
+                };
+                self.channels.entry(channel.id).or_insert(listed);
+            }
+            Record::ChunkIndex(chunk) => self.parts.push(Indexed {
+                part: Part {
+                    offset: chunk.chunk_start_offset,
+                    length: chunk.chunk_length,
+                    is_chunk: true,
+                },
+                start_ns: chunk.message_start_time,
+                end_ns: chunk.message_end_time,
+                indexes: chunk.message_index_offsets.into_iter().collect(),
+            }),
+            Record::AttachmentIndex(AttachmentIndex {
+                name,
+                offset,
+                length,
+                ..
+            }) => self.attachments.push(Placed {
+                name,
+                offset,
+                length,
+            }),
+            Record::MetadataIndex(MetadataIndex {
+                name,
+                offset,
+                length,
+            }) => self.metadata.push(Placed {
+                name,
+                offset,
+                length,
+            }),
+            _ => {}
+        }
+        true
     }
 
     /// Takes over the topics that are told of among messages.
@@ -76,43 +126,5 @@ impl Index {
                 self.take(kind, record);
             }
         }
-    }
-
-    fn add_schema(&mut self, schema: Schema) {
-        let definition = Definition {
-            name: schema.name.to_owned(),
-            text: schema.text.to_owned(),
-        };
-        self.schemas.entry(schema.id).or_insert(definition);
-    }
-
-    fn add_channel(&mut self, channel: Channel) {
-        let listed = Listed {
-            topic: channel.topic.to_owned(),
-            encoding: channel.encoding.to_owned(),
-            schema: channel.schema,
-        };
-        self.channels.entry(channel.id).or_insert(listed);
-    }
-
-    fn add_chunk(&mut self, chunk: ChunkIndex) {
-        self.parts.push(Indexed {
-            part: Part {
-                offset: chunk.offset,
-                length: chunk.length,
-                is_chunk: true,
-            },
-            start_ns: chunk.start_ns,
-            end_ns: chunk.end_ns,
-            indexes: chunk.indexes().collect(),
-        });
-    }
-}
-
-fn placed(place: Place) -> Placed {
-    Placed {
-        name: place.name.to_owned(),
-        offset: place.offset,
-        length: place.length,
     }
 }

@@ -1,8 +1,9 @@
-//! The records of an MCAP file that reading needs, as <https://mcap.dev/spec> lays them out. Read here and not by the mcap
-//! crate, because a damaged file is the usual case for whoever needs a recording most: nothing here allocates by a length
-//! that the file says, or panics.
+//! The records of an MCAP file (<https://mcap.dev/spec>) that are read from a part of their bytes, or for each message. The mcap
+//! crate reads the others. It cannot read these: a chunk's head without the chunk, a torn file's records up to the tear, and an
+//! attachment of fewer bytes than its own fields, which makes it panic (0.26).
 
 use super::fields::Fields;
+use mcap::records::{MessageIndexEntry, Record};
 
 /// What a file begins and ends with.
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -54,45 +55,6 @@ impl<'a> Iterator for Records<'a> {
     fn next(&mut self) -> Option<Self::Item> {
         let kind = self.0.u8()?;
         Some((kind, self.0.long_block()?))
-    }
-}
-
-/// A definition of messages.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Schema<'a> {
-    pub(super) id: u16,
-    pub(super) name: &'a str,
-    pub(super) text: &'a [u8],
-}
-
-impl<'a> Schema<'a> {
-    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        let (id, name) = (fields.u16()?, fields.text()?);
-        let _encoding = fields.text()?;
-        let text = fields.short_block()?;
-        Some(Self { id, name, text })
-    }
-}
-
-/// A topic.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Channel<'a> {
-    pub(super) id: u16,
-    pub(super) schema: u16,
-    pub(super) topic: &'a str,
-    pub(super) encoding: &'a str,
-}
-
-impl<'a> Channel<'a> {
-    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        Some(Self {
-            id: fields.u16()?,
-            schema: fields.u16()?,
-            topic: fields.text()?,
-            encoding: fields.text()?,
-        })
     }
 }
 
@@ -153,89 +115,6 @@ impl<'a> ChunkHead<'a> {
     }
 }
 
-/// Where a chunk is, and where the indexes of its messages are.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ChunkIndex<'a> {
-    pub(super) start_ns: u64,
-    pub(super) end_ns: u64,
-    pub(super) offset: u64,
-    pub(super) length: u64,
-    indexes: &'a [u8],
-}
-
-impl<'a> ChunkIndex<'a> {
-    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        Some(Self {
-            start_ns: fields.u64()?,
-            end_ns: fields.u64()?,
-            offset: fields.u64()?,
-            length: fields.u64()?,
-            indexes: fields.short_block()?,
-        })
-    }
-
-    /// Channels, and where the index of each one's messages is.
-    pub(super) fn indexes(self) -> impl Iterator<Item = (u16, u64)> {
-        let mut fields = Fields(self.indexes);
-        std::iter::from_fn(move || Some((fields.u16()?, fields.u64()?)))
-    }
-}
-
-/// The messages of one channel in one chunk.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MessageIndex<'a> {
-    pub(super) channel: u16,
-    entries: &'a [u8],
-}
-
-impl<'a> MessageIndex<'a> {
-    pub(super) fn read(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        Some(Self {
-            channel: fields.u16()?,
-            entries: fields.short_block()?,
-        })
-    }
-
-    /// Of each message the log time, and its place among the unpacked records.
-    pub(super) fn entries(self) -> impl Iterator<Item = (u64, u64)> {
-        let mut fields = Fields(self.entries);
-        std::iter::from_fn(move || Some((fields.u64()?, fields.u64()?)))
-    }
-}
-
-/// Where an attachment, or a piece of metadata, is.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place<'a> {
-    pub(super) offset: u64,
-    pub(super) length: u64,
-    pub(super) name: &'a str,
-}
-
-impl<'a> Place<'a> {
-    pub(super) fn of_attachment(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        let (offset, length) = (fields.u64()?, fields.u64()?);
-        let _times_and_size = fields.bytes(24)?;
-        let name = fields.text()?;
-        Some(Self {
-            offset,
-            length,
-            name,
-        })
-    }
-
-    pub(super) fn of_metadata(record: &'a [u8]) -> Option<Self> {
-        let mut fields = Fields(record);
-        Some(Self {
-            offset: fields.u64()?,
-            length: fields.u64()?,
-            name: fields.text()?,
-        })
-    }
-}
-
 /// An attachment: its name and its bytes.
 pub(super) fn attachment(record: &[u8]) -> Option<(&str, &[u8])> {
     let mut fields = Fields(record);
@@ -255,15 +134,10 @@ pub(super) fn attachment_name(record: &[u8]) -> Option<&str> {
     fields.text()
 }
 
-/// A piece of metadata: its name, and its keys with their values.
-pub(super) fn metadata(
-    record: &[u8],
-) -> Option<(&str, impl Iterator<Item = (&str, &str)> + Clone)> {
-    let mut fields = Fields(record);
-    let name = fields.text()?;
-    let mut map = Fields(fields.short_block()?);
-    Some((
-        name,
-        std::iter::from_fn(move || Some((map.text()?, map.text()?))),
-    ))
+/// The places of one channel's messages in a chunk; `None` of another record, or one that is damaged.
+pub(super) fn message_index(record: &[u8], channel: u16) -> Option<Vec<MessageIndexEntry>> {
+    match mcap::parse_record(kind::MESSAGE_INDEX, record) {
+        Ok(Record::MessageIndex(index)) if index.channel_id == channel => Some(index.records),
+        _ => None,
+    }
 }

@@ -7,8 +7,8 @@ use super::chunk::{Part, Unpacker};
 use super::error::RecordingError;
 use super::index::{Index, Indexed, Placed};
 use super::layout::{
-    CHUNK_HEAD_BYTES, ChunkHead, HEAD_BYTES, MAGIC, Message, MessageIndex, Records,
-    attachment_name, head, kind,
+    CHUNK_HEAD_BYTES, ChunkHead, HEAD_BYTES, MAGIC, Message, Records, attachment_name, head, kind,
+    message_index,
 };
 use super::storage::Storage;
 
@@ -227,11 +227,10 @@ pub(super) fn times_of(
             return Ok(None);
         };
         storage.read_into(offset + HEAD_BYTES, length, buffer)?;
-        let Some(index) = MessageIndex::read(buffer).filter(|index| index.channel == channel)
-        else {
+        let Some(entries) = message_index(buffer, channel) else {
             return Ok(None);
         };
-        index.entries().for_each(|(time_ns, _)| each(time_ns));
+        entries.iter().for_each(|entry| each(entry.log_time));
     }
     Ok(Some(()))
 }
