@@ -262,3 +262,23 @@ fn changed(path: &Path) -> Vec<u8> {
     writer.finish().unwrap();
     writer.into_inner().into_inner()
 }
+
+#[test]
+fn every_json_object_has_the_version_of_its_keys() {
+    let place = Place::new();
+    place.printed(&["export", GOLDEN, "--format", "jsonl", "--out", "all.jsonl"]);
+    let exported = std::fs::read_to_string(place.path("all.jsonl")).unwrap();
+    let commands: [&[&str]; 4] = [
+        &["info", GOLDEN, "--json"],
+        &["replay", GOLDEN, "--check", "--json"],
+        &["devices", "--json"],
+        &["doctor", "--json"],
+    ];
+    // Some of them say that there is something to do.
+    let printed = commands.map(|words| String::from_utf8(place.run(words).stdout).unwrap());
+    let whole = printed.iter().map(String::as_str);
+    for text in whole.chain(exported.lines()) {
+        let object: Value = serde_json::from_str(text).unwrap();
+        assert!(object["schema"].is_u64(), "{text}");
+    }
+}

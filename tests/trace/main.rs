@@ -109,7 +109,7 @@ fn a_line_has_the_keys_that_were_promised() {
     let expected = [
         (
             &report,
-            "crossings curves height image notices timing_us width",
+            "crossings curves height image notices schema timing_us width",
         ),
         (
             &report["timing_us"],
