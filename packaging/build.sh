@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes what is given to others, in target/packaging: two Debian packages and a wheel. Needs a Rust toolchain, python3 with venv,
-# dpkg and strip; cargo-deb and maturin are fetched if they are not there. How they are installed: docs/install.md.
+# dpkg and strip; cargo-deb, cargo-cyclonedx and maturin are fetched if they are not there. How they are installed: docs/install.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$PWD/target/packaging
@@ -8,12 +8,22 @@ tools=$PWD/target/packaging-tools
 rm -rf "$out"
 mkdir -p "$out" "$tools"
 export PATH=$tools/bin:$PATH
-command -v cargo-deb >/dev/null || cargo install --locked --root "$tools" cargo-deb
+for tool in cargo-deb cargo-cyclonedx; do
+    command -v "$tool" >/dev/null || cargo install --locked --root "$tools" "$tool"
+done
 if ! command -v maturin >/dev/null; then
     python3 -m venv "$tools/python"
     "$tools/python/bin/pip" install --quiet 'maturin>=1.9,<2'
     export PATH=$PATH:$tools/python/bin
 fi
+
+# What a binary is made of, as CycloneDX: sbom FOLDER OF THE MANIFEST FILE
+sbom() {
+    cargo cyclonedx --format json --all-features --manifest-path "$1/Cargo.toml" --override-filename sbom
+    sed "s#file://$PWD#file://#g" "$1/sbom.json" >"$2"
+    # It writes one for each crate of the workspace.
+    find . -name sbom.json -not -path './target/*' -delete
+}
 
 # The product with every kind of picture and its terminal screen, and the program that measures it: they share what is compiled
 # for both.
@@ -36,6 +46,9 @@ strip -o "$bench" target/release/lariat-bench
 packaging/licences.py --notices lariat >"$share/doc/lariat/notices"
 packaging/licences.py --notices lariat-top >"$share/doc/lariat/notices-top"
 packaging/licences.py --notices lariat-bench --manifest-path bench/Cargo.toml >"$share/doc/lariat/notices-bench"
+sbom . "$share/doc/lariat/sbom.json"
+sbom crates/top "$share/doc/lariat/sbom-top.json"
+sbom bench "$share/doc/lariat/sbom-bench.json"
 cp CHANGELOG.md "$share/doc/lariat/NEWS"
 gzip -9n "$share"/doc/lariat/*
 cargo deb --locked --no-build --no-strip --output "$out"
@@ -47,6 +60,7 @@ root=$out/ros2
 mkdir -p "$root"/usr/{bin,share/doc/lariat-ros2}
 strip -o "$root/usr/bin/lariat-ros2" target/ros2/release/lariat-ros2
 packaging/licences.py --notices lariat-ros2 --manifest-path "$ros2" >"$root/usr/share/doc/lariat-ros2/notices"
+sbom crates/ros2 "$root/usr/share/doc/lariat-ros2/sbom.json"
 gzip -9n "$root"/usr/share/doc/lariat-ros2/*
 cargo deb --locked --no-build --no-strip --manifest-path "$ros2" --output "$out"
 

@@ -95,9 +95,11 @@ mod tests {
     #[test]
     fn the_covered_rest_moves_along_with_what_is_seen() {
         let mut points: Vec<Vec2> = (0..=100).map(|i| [2.0 * i as f32, 0.0]).collect();
-        let mut part = Curve::default();
-        part.points = (0..=100).map(|i| [40.0 + i as f32, 5.0]).collect();
-        part.length_px = 100.0;
+        let part = Curve {
+            points: (0..=100).map(|i| [40.0 + i as f32, 5.0]).collect(),
+            length_px: 100.0,
+            ..Curve::default()
+        };
         let (length_px, seen_px) = Completer::default().complete(&mut points, 200.0, &part);
         assert!((seen_px[0] - 40.0).abs() < 3.0 && (seen_px[1] - 140.0).abs() < 3.0);
         assert_eq!(points.len(), 101);
