@@ -17,7 +17,7 @@ if ! command -v maturin >/dev/null; then
     export PATH=$PATH:$tools/python/bin
 fi
 
-# What a binary is made of, as CycloneDX: sbom FOLDER OF THE MANIFEST FILE
+# Writes the bill of materials of a binary, as CycloneDX: sbom FOLDER OF THE MANIFEST FILE
 sbom() {
     cargo cyclonedx --format json --all-features --manifest-path "$1/Cargo.toml" --override-filename sbom
     sed "s#file://$PWD#file://#g" "$1/sbom.json" >"$2"

@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# The list stands in deny.toml. tomllib is not in every Python that builds packages.
+# The list is in deny.toml. tomllib is not in every Python that builds packages.
 ALLOWED = set(re.findall(r'^ {4}"(.+)",$', (ROOT / "deny.toml").read_text().split("[licenses]")[1].split("[bans]")[0], re.MULTILINE))
 
 TEXTS = re.compile(r"^(licen[cs]e|copying|notice|unlicense)", re.IGNORECASE)

@@ -205,7 +205,7 @@ impl Incoming {
             None => (self.key.of(process, self.from, &self.rig), true),
         };
         let says = seal.open(nonce(kind as u8, count.to_le_bytes()), datagram, HEAD);
-        // One that has not the key must not push out those that have.
+        // A sender without the key must not push out those with it.
         if says.is_some() || !is_new {
             self.seals.truncate(SENDERS - 1);
             self.seals.insert(0, (process, seal));

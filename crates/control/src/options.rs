@@ -4,7 +4,7 @@ use crate::error::ServoError;
 use crate::setters::setters;
 use crate::{Metric, Robot};
 
-/// All that a servo is told before it starts. Each field has a method of its name that sets it:
+/// The settings of a servo. Each field has a method of its name that sets it:
 /// `Options::default().gain(1.0)`.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -36,7 +36,7 @@ pub enum Mask {
     External,
 }
 
-/// What to look for and how to describe it. Each field has a method of its name that sets it:
+/// The settings of an extractor. Each field has a method of its name that sets it:
 /// `Options::default().points(60)`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -71,16 +71,16 @@ pub enum Weights {
     Robust,
 }
 
-/// What is fixed when a [`Fitter`](crate::Fitter) is made. Each field has a method of its name that sets it:
+/// The settings of a [`Fitter`](crate::Fitter). Each field has a method of its name that sets it:
 /// `Options::bezier(5).points(80)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// The family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's four.
     pub basis: Basis,
-    /// Whether the number of control points is chosen: as many as `basis` has or fewer, the fewest that keep the curve
-    /// within a [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit_within`](crate::Fitter::fit_within) chooses anew
-    /// each time, and [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance;
+    /// Chooses the number of control points: the fewest, at most those of `basis`, that keep the curve within a
+    /// [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit_within`](crate::Fitter::fit_within) chooses for each fit,
+    /// and [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance;
     /// [`SteadySize`](crate::SteadySize) keeps a moving rope's. Default: no.
     pub choose_size: bool,
     /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than control points.

@@ -79,7 +79,7 @@ impl Channel {
         }
     }
 
-    /// Whether its messages are pictures, which take long to encode.
+    /// True for channels of pictures, which take long to encode.
     fn is_picture(self) -> bool {
         matches!(self, Self::Recorded(Topic::Image | Topic::Picture))
     }
@@ -218,7 +218,7 @@ impl Pictures {
     }
 }
 
-/// A moment's message for a subscription, encoded by way of a buffer; `None` if there is none.
+/// Encodes a moment for a subscription, by way of a buffer; `None` if the moment has no such message.
 fn message_data(
     subscription: Subscription,
     moment: &Moment,

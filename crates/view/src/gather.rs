@@ -270,7 +270,7 @@ impl<'d> Gatherer<'d> {
 }
 
 impl Gatherer<'_> {
-    /// What a chain that has sent nothing yet waits for.
+    /// Says what a chain that has sent nothing yet waits for.
     fn awaited(&self, rig: &Rig) -> String {
         let settings = stage_of(&self.members, rig.as_str(), "extract")
             .and_then(|extract| settings_of(extract).ok());

@@ -73,7 +73,7 @@ enum Said {
     Other,
 }
 
-/// What a page has asked for that takes long.
+/// A request of a page that takes long.
 enum Task {
     /// Shows a moment, this many pixels wide.
     Show(Arc<Moment>, u32),
@@ -263,7 +263,7 @@ impl Desk {
         message
     }
 
-    /// What is seen in a picture file.
+    /// Traces a picture file.
     fn trace(&mut self, file: &[u8], rig: Option<&str>) -> Message {
         // Without a chain, by no settings.
         let settings = rig.and_then(|rig| {
@@ -283,7 +283,7 @@ impl Desk {
         }
     }
 
-    /// What a wish changes of the picture, and its answer.
+    /// Answers a wish, and shows the picture again if the wish changes it.
     fn answer(&mut self, id: u64, wish: Wish, rig: Option<&str>) -> Vec<Message> {
         let mut messages = Vec::new();
         let answer = match self.grant(wish, rig, &mut messages) {

@@ -52,7 +52,7 @@ impl<T: Send + 'static> Worker<T> {
         })
     }
 
-    /// Whether no task is left.
+    /// True if no task is left.
     pub(crate) fn is_idle(&self) -> bool {
         self.waiting == 0
     }

@@ -193,7 +193,7 @@ struct Sender<'w> {
     lasts_ns: Option<u64>,
     /// When that is over.
     end_ns: Option<u64>,
-    /// Of a source without realtime priority.
+    /// Late wake-ups of a source without realtime priority.
     punctuality: Option<Punctuality>,
 }
 

@@ -1,4 +1,4 @@
-//! Whether the kernel wakes a source that paces itself in time.
+//! Detects a source whose timer the kernel serves late.
 
 /// Frames over which late ones are counted.
 const WINDOW: u32 = 1_000;
@@ -35,8 +35,8 @@ impl Punctuality {
 mod tests {
     use super::*;
 
-    /// How often a source of 1,000 frames/s is told, of which this many in a hundred wake so late.
-    fn told(late_in_100: u64, late_ns: u64) -> usize {
+    /// Number of warnings for a source of 1,000 frames/s that wakes this late for some frames in a hundred.
+    fn warnings(late_in_100: u64, late_ns: u64) -> usize {
         let mut punctuality = Punctuality::default();
         let is_told = |i: &u64| {
             let due_ns = i * 1_000_000;
@@ -52,10 +52,10 @@ mod tests {
     }
 
     #[test]
-    fn a_source_that_wakes_more_than_a_period_late_is_told_once() {
-        assert_eq!(told(2, 1_500_000), 1);
-        assert_eq!(told(1, 1_500_000), 0);
-        assert_eq!(told(100, 900_000), 0);
+    fn a_source_that_wakes_more_than_a_period_late_warns_once() {
+        assert_eq!(warnings(2, 1_500_000), 1);
+        assert_eq!(warnings(1, 1_500_000), 0);
+        assert_eq!(warnings(100, 900_000), 0);
     }
 
     #[test]
