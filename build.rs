@@ -17,7 +17,7 @@ fn of_git() -> Option<String> {
     if !Path::new(".git").exists() {
         return None;
     }
-    // What changes with each commit and checkout. What is not there would have cargo build anew each time.
+    // What changes with each commit and checkout. What is not there would have cargo build again each time.
     for name in ["HEAD", "logs/HEAD"] {
         let path = git(&["rev-parse", "--git-path", name])?;
         if Path::new(&path).exists() {

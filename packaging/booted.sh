@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A machine that boots systemd, with the Debian package in it: its chain as a service, watched and started anew. As root, with
+# A machine that boots systemd, with the Debian package in it: its chain as a service, watched and restarted. As root, with
 # systemd-nspawn (Debian's systemd-container) and debootstrap.
 #   packaging/booted.sh [FOLDER OF A DEBIAN WITH systemd, if there is one]
 set -euo pipefail
@@ -30,7 +30,7 @@ is_again() {
 systemctl start lariat@cell
 as_lariat lariat topic hz --rig cell --duration 2s
 systemctl status --no-pager lariat@cell
-# Killed, it is started anew, and can be read again.
+# Killed, it is restarted, and can be read again.
 systemctl kill --kill-whom=main --signal=KILL lariat@cell
 export -f is_again
 timeout 30 bash -c 'until is_again; do sleep 0.2; done'

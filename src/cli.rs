@@ -37,9 +37,9 @@ use lariat_chain::stages::Supervision;
 use lariat_chain::stop::Stop;
 use lariat_chain::{exit, launcher, layout, messages, output, stages};
 
-/// Sees ropes, cables and hoses through a camera, and gives a control loop their shape through shared memory
+/// Find ropes, cables and hoses in camera frames, and give a control loop their shape through shared memory
 ///
-/// Without a command: shows the whole chain live on a rendered rope, for 10 seconds. `lariat SOURCE` is `lariat run SOURCE`.
+/// Without a command, `lariat` runs the whole chain on a rendered rope for 10 seconds. `lariat SOURCE` is `lariat run SOURCE`.
 #[derive(Parser)]
 #[command(name = "lariat", version, long_version = version::long(), after_help = exit::CODES)]
 struct Cli {
@@ -52,10 +52,10 @@ struct Cli {
 /// How much is said on standard error beside errors, by the command and all that it starts.
 #[derive(clap::Args)]
 struct Verbosity {
-    /// Say more of what is done; -vv all
+    /// Print more messages; -vv prints all
     #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
     verbose: u8,
-    /// Say warnings, errors and results only
+    /// Print only warnings, errors and results
     #[arg(short, long, global = true)]
     quiet: bool,
 }
@@ -63,7 +63,7 @@ struct Verbosity {
 /// What is asked of `lariat run`: all that a chain can be, and a page beside it.
 #[derive(clap::Args)]
 struct RunArgs {
-    /// Show the chain in the browser too, as `lariat view` does; the page's address is printed
+    /// Also show the chain in the browser, as `lariat view` does; prints the page's address
     #[arg(long, help_heading = "Run")]
     view: bool,
     #[command(flatten)]
@@ -71,13 +71,13 @@ struct RunArgs {
 }
 
 const SET_EXAMPLES: &str = "Examples:
-  lariat set fit.control_points=7              of the rig default
+  lariat set fit.control_points=7              change the rig default
   lariat set --rig cell extract.ropes=2 capture.fps=60
-  lariat set                                   what holds now";
+  lariat set                                   print the current settings";
 
 const RUN_EXAMPLES: &str = "Examples:
-  lariat run rope.png --loop --duration 10s    one picture, again and again
-  lariat run /dev/video0 --record run.mcap     a camera, recorded";
+  lariat run rope.png --loop --duration 10s    show one picture repeatedly
+  lariat run /dev/video0 --record run.mcap     record a camera";
 
 const COMPLETIONS_EXAMPLES: &str = "Examples:
   lariat completions bash > ~/.local/share/bash-completion/completions/lariat
@@ -86,79 +86,79 @@ const COMPLETIONS_EXAMPLES: &str = "Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    /// The whole chain: capture, extract, fit and sink, each in a process of its own
+    /// Run the whole chain: capture, extract, fit and sink, each in its own process
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunArgs),
-    /// The first stage alone: sends a source's frames
+    /// Run the first stage alone: send a source's frames
     Capture(Flags),
-    /// The second stage alone: frames in, centerlines out
+    /// Run the second stage alone: frames in, centerlines out
     Extract(Flags),
-    /// The third stage alone; or descriptors of centerlines, line by line
+    /// Run the third stage alone; or fit curves to centerlines, line by line
     Fit(FitArgs),
-    /// The last stage alone: counts and times what arrives, and reports at the end
+    /// Run the last stage alone: count and time the results, and report at the end
     Sink(Flags),
-    /// Changes settings of a running chain, between two frames where that can be
+    /// Change settings of a running chain, between two frames if possible
     #[command(after_help = SET_EXAMPLES)]
     Set(SetArgs),
-    /// Starts a stage of a running chain anew; the others and all readers go on
+    /// Restart a stage of a running chain; the others and all readers continue
     Restart(RestartArgs),
-    /// Records what a chain sees and says, from outside, as an MCAP file
+    /// Record the frames and results of a running chain, as an MCAP file
     Record(RecordArgs),
     /// The recorder that `run --record` starts
     #[command(hide = true)]
     Recorder(Flags),
-    /// Computes a recording again: to check that the same comes out, or what other settings change
+    /// Recompute a recording, to check it or to try other settings
     Replay(Box<ReplayArgs>),
-    /// What was recorded, as a table, JSON lines, a video or pictures
+    /// Export a recording as a table, JSON lines, a video or pictures
     Export(ExportArgs),
-    /// What a recording holds
+    /// Describe a recording
     Info(InfoArgs),
-    /// The shapes of the ropes in pictures
+    /// Find the ropes in pictures and fit curves to them
     Trace(TraceArgs),
-    /// The colours of the ropes in a picture, as a mask for lariat.toml
+    /// Pick the colours of a picture's ropes, as a mask for lariat.toml
     Pick(PickArgs),
-    /// Where what the camera sees lies: the table, from points whose place on it is known
+    /// Calibrate the table's plane from points with known positions
     Calibrate(CalibrateArgs),
-    /// The cameras of this machine: formats, sizes, rates and controls
+    /// List this machine's cameras: formats, sizes, rates and controls
     Devices(DevicesArgs),
-    /// One frame of a camera, or any other source, as a PNG picture
+    /// Save one frame of a camera or another source as PNG
     Snapshot(SnapshotArgs),
-    /// A running chain, live on the terminal, by lariat-top, a program of its own
+    /// Show a running chain live on the terminal (program lariat-top)
     #[command(disable_help_flag = true)]
     Top(Words),
-    /// A running chain, live in the browser and in Foxglove
+    /// Show a running chain live in the browser and in Foxglove
     View(ViewArgs),
-    /// What passes on the channels of a running chain
+    /// Inspect the channels of a running chain
     Topic(TopicArgs),
-    /// A rig in a ROS 2 graph, by lariat-ros2, a program of its own
+    /// Connect a rig with a ROS 2 graph (program lariat-ros2)
     Ros2(Words),
-    /// A rig on another machine, by lariat-bridge, a program of its own
+    /// Carry a rig to another machine (program lariat-bridge)
     Bridge(Words),
-    /// Writes, checks and shows lariat.toml
+    /// Write, check and show lariat.toml
     Config(ConfigArgs),
-    /// What of this machine makes lariat slower than it could be, and what to type
+    /// Check this machine: what slows lariat down, and how to fix it
     Doctor(DoctorArgs),
-    /// A chain that systemd starts, watches and starts again
+    /// Run a chain as a systemd service
     Service(ServiceArgs),
-    /// What a shell completes after `lariat`, as a script for it
+    /// Print a completion script for a shell
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
         /// The shell
         shell: Shell,
     },
-    /// The manual pages, for packages
+    /// Write the manual pages, for packages
     #[command(hide = true)]
     Man(ManArgs),
-    /// The experiments of the paper that lariat is built on, repeated and with numbers
+    /// Repeat the experiments of the paper that lariat is built on
     #[command(disable_help_flag = true)]
     Paper(Words),
-    /// Drives a simulated rope to a shape through the whole chain, and measures how well
+    /// Drive a simulated rope to a shape through the whole chain, and measure how well
     #[command(disable_help_flag = true)]
     Servo(Words),
-    /// End-to-end latency on this machine, with its lower bounds and with other systems
+    /// Measure end-to-end latency, its lower bounds, and other systems
     #[command(disable_help_flag = true)]
     Bench(Words),
-    /// Changes from one summary.json to another that exceed the noise
+    /// Compare two summary.json files: changes that exceed the noise
     #[command(disable_help_flag = true)]
     Compare(Words),
 }
@@ -281,7 +281,7 @@ fn refuse(error: &clap::Error, words: &[OsString]) -> ! {
     let Some(word) = word.filter(|word| word != "help") else {
         error.exit()
     };
-    eprintln!("lariat: {word} is no command, and there is no such file");
+    eprintln!("lariat: {word} is neither a command nor a file");
     let cli = Cli::command();
     let commands = cli
         .get_subcommands()

@@ -16,19 +16,19 @@ pub(crate) struct ConfigArgs {
 
 #[derive(Debug, Subcommand)]
 enum ConfigCommand {
-    /// Write lariat.toml into this folder: every setting with its default and what it does
+    /// Write lariat.toml into this folder: every setting with its default and a description
     Init {
-        /// Overwrite the file that is there already
+        /// Overwrite an existing file
         #[arg(long)]
         force: bool,
     },
-    /// Say what is wrong with a settings file
+    /// Check a settings file
     Check {
         /// The file
         #[arg(default_value = FILE_NAME)]
         file: PathBuf,
     },
-    /// Print the settings that hold here, and where each came from
+    /// Print the current settings and the origin of each
     Show {
         #[command(flatten)]
         flags: Flags,

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use lariat_chain::output::print;
 
-/// The cameras of this machine: names, formats, sizes, rates and controls
+/// List this machine's cameras: names, formats, sizes, rates and controls
 #[derive(Debug, Args)]
 pub(crate) struct DevicesArgs {
     /// Print one JSON object

@@ -24,13 +24,13 @@ use checks::{Finding, Verdict};
 use lariat_chain::load::Load;
 use lariat_chain::output::print;
 
-/// Say what of this machine makes lariat slower than it could be, and what to type
+/// Check this machine: what slows lariat down, and how to fix it
 #[derive(Debug, Args)]
 pub(crate) struct DoctorArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Remove what killed processes left in shared memory; nothing that belongs to a living one is touched
+    /// Remove what killed processes left in shared memory; files of running processes are kept
     #[arg(long)]
     clean: bool,
 }

@@ -20,7 +20,7 @@ use std::num::NonZeroU64;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// What was recorded, as files of other programs
+/// Export a recording to files for other programs
 ///
 /// csv: a row for each rope in each frame, with its control points. jsonl: an object for each frame, with everything of its
 /// descriptors. y4m: a video, which `lariat run --source` shows again. png: a folder of numbered pictures, exact.
@@ -28,22 +28,22 @@ use std::process::ExitCode;
 pub(crate) struct ExportArgs {
     #[command(flatten)]
     recording: RecordingArgs,
-    /// What to write
+    /// Format of the files
     #[arg(long, value_enum)]
     format: Format,
     /// File to write, - for standard output; for png the folder, which must be new or empty
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
-    /// Overwrite a file, or pictures, that are there already
+    /// Overwrite existing files
     #[arg(long)]
     force: bool,
     /// First frame: its place in the recording, from 1, or a time from the beginning, such as 2.5s
     #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
     from: Option<Position>,
-    /// Last frame, likewise; of a time the last before it
+    /// Last frame, or the time before which to end
     #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
     to: Option<Position>,
-    /// Every Nth of these frames only
+    /// Only every Nth of these frames
     #[arg(long, value_name = "N", default_value = "1")]
     every: NonZeroU64,
 }

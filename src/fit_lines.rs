@@ -16,7 +16,7 @@ use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Descriptors of centerlines: the stage of the chain, or a filter of JSON lines
+/// Fit curves to centerlines: as the chain's third stage, or as a filter of JSON lines
 ///
 /// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines `{"points":[[x,y],…]}` and
 /// writes one descriptor object a line. A line may say `"closed":true`, give its points `"weights":[…]`, and say how

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::process::ExitCode;
 
-/// What a recording holds
+/// Describe a recording
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     #[command(flatten)]

@@ -11,10 +11,10 @@ use lariat_chain::output::{Existing, OutputFolder, print};
 /// Write the manual pages of all commands
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// The folder
+    /// Folder for the pages
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Overwrite those that are there already
+    /// Overwrite existing files
     #[arg(long)]
     force: bool,
 }

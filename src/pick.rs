@@ -14,7 +14,7 @@ use std::process::ExitCode;
 /// Below this agreement the ranges do not tell the rope from the rest, and the user is told.
 const GOOD: f32 = 0.7;
 
-/// The colours of the ropes in a picture, as a mask for lariat.toml
+/// Pick the colours of a picture's ropes, as a mask for lariat.toml
 #[derive(Debug, Args)]
 pub(crate) struct PickArgs {
     /// Picture: PNG, JPEG, WebP, TIFF, BMP or PGM
@@ -28,7 +28,7 @@ pub(crate) struct PickArgs {
     /// -mask.png in this folder)
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
-    /// Overwrite a file that is there already
+    /// Overwrite an existing file
     #[arg(long)]
     force: bool,
 }

@@ -32,7 +32,7 @@ pub(crate) struct RecordArgs {
         conflicts_with = "flush"
     )]
     out: Option<PathBuf>,
-    /// Have the recorder of the rig that was started with --ring write what it holds
+    /// Make the rig's recorder, started with --ring, write the frames it holds
     #[arg(long)]
     flush: bool,
     #[command(flatten)]
@@ -69,7 +69,7 @@ fn ask_to_flush(rig: &str) -> Result<ExitCode> {
         let pid = i32::try_from(recorder.pid).ok().and_then(Pid::from_raw);
         let pid = pid.context("a recorder has no valid process id")?;
         kill_process(pid, Signal::USR1)
-            .with_context(|| format!("recorder {} could not be told", recorder.pid))?;
+            .with_context(|| format!("recorder {} could not be reached", recorder.pid))?;
         eprintln!(
             "lariat: told recorder {} to write what it holds",
             recorder.pid

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 /// Which recording, for every command that reads one.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct RecordingArgs {
-    /// A recording, as `lariat record` makes them; or another MCAP file of ROS 2 with images
+    /// Recording of `lariat record`, or another MCAP file of ROS 2 with images
     #[arg(value_name = "FILE.mcap")]
     pub(crate) file: PathBuf,
-    /// The topic whose images are the frames, where there are several cameras
+    /// Image topic, if there are several cameras
     #[arg(long, value_name = "TOPIC")]
     pub(crate) topic: Option<String>,
 }

@@ -14,7 +14,7 @@ use lariat_chain::exit::wrong_use;
 use lariat_chain::settings::Flags;
 use std::process::ExitCode;
 
-/// Compute a recording again
+/// Recompute a recording, to check it or to try other settings
 ///
 /// With --check: everything again from the recorded frames, with the recorded settings; each centerline and each descriptor
 /// must come out as it was recorded, to the bit on a machine of the same kind. With --compare: the same frames with other
@@ -23,10 +23,10 @@ use std::process::ExitCode;
 pub(crate) struct ReplayArgs {
     #[command(flatten)]
     recording: RecordingArgs,
-    /// Compare each result with the recorded one; the first that differs is shown
+    /// Compare each result with the recorded one, and show the first difference
     #[arg(long, conflicts_with = "compare")]
     check: bool,
-    /// Let the recomputed curves lie so many pixels beside the recorded ones: for recordings that cannot be computed again
+    /// Allow this distance between recomputed and recorded curves, in pixels: for recordings that cannot be recomputed
     /// exactly
     #[arg(long, value_name = "PX", requires = "check", value_parser = pixels)]
     within: Option<f64>,

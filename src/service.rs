@@ -17,7 +17,7 @@ use lariat_wire::Rig;
 use place::Place;
 use rustix::process::geteuid;
 
-/// Have systemd start a chain, watch it, and start it again
+/// Run a chain as a systemd service
 #[derive(Debug, Args)]
 pub(crate) struct ServiceArgs {
     #[command(subcommand)]
@@ -26,9 +26,9 @@ pub(crate) struct ServiceArgs {
 
 #[derive(Debug, Subcommand)]
 enum ServiceCommand {
-    /// Write the unit, and settings for a rig that has none
+    /// Install the unit, and default settings for a rig without any
     Install(PlaceArgs),
-    /// Stop a rig's chain and start it no more; take the unit away with the last one. Settings stay
+    /// Stop and disable a rig's chain, and remove the unit with the last one. Settings stay
     Uninstall(PlaceArgs),
     /// Print the unit that `install` would write
     Show(PlaceArgs),
@@ -39,10 +39,10 @@ struct PlaceArgs {
     /// Camera chain
     #[arg(long, value_name = "NAME", default_value_t = Rig::default())]
     rig: Rig,
-    /// For the user who types this alone, in ~/.config, without root
+    /// For the current user only, in ~/.config, without root
     #[arg(long, conflicts_with_all = ["run_as", "root"])]
     user: bool,
-    /// The user that it runs as, and that all must be who read the rig
+    /// User of the service; readers of the rig must run as the same user
     #[arg(
         id = "run_as",
         long = "as",
@@ -50,7 +50,7 @@ struct PlaceArgs {
         default_value = "lariat"
     )]
     run_as: String,
-    /// For packages: below this folder instead of /, with /usr/bin/lariat; nothing of this machine is asked or told
+    /// For packages: install below this folder instead of /, with /usr/bin/lariat, without touching this machine
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
 }

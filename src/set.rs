@@ -21,7 +21,7 @@ struct Rig {
 pub(crate) struct SetArgs {
     #[command(flatten)]
     rig: Rig,
-    /// Settings as lariat.toml names them, and their values; none: prints what holds
+    /// Settings and values, named as in lariat.toml; without any, prints the current ones
     #[arg(value_name = "SECTION.SETTING=VALUE")]
     changes: Vec<String>,
 }
@@ -34,7 +34,7 @@ const PARTS: [&str; 5] = ["capture", "extract", "fit", "sink", "recorder"];
 pub(crate) struct RestartArgs {
     #[command(flatten)]
     rig: Rig,
-    /// The stage, or the recorder
+    /// Stage, or the recorder
     #[arg(value_parser = PARTS)]
     stage: String,
 }
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &SetArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Has a stage started anew.
+/// Has a stage restarted.
 ///
 /// # Errors
 /// No chain runs, or it has no such stage.

@@ -26,16 +26,16 @@ const SETTLING: Duration = Duration::from_secs(1);
 /// For so long no frame may come: many times the slowest camera's period.
 const PATIENCE_NS: u64 = 10_000_000_000;
 
-/// One frame of a camera, or any other source, as a PNG picture
+/// Save one frame of a camera or another source as PNG
 #[derive(Debug, Args)]
 pub(crate) struct SnapshotArgs {
-    /// Where to write it; - for standard output
+    /// File to write; - for standard output
     #[arg(value_name = "FILE.png")]
     file: PathBuf,
-    /// How long to look before the picture is taken (default: 1s for a camera, so that its exposure settles; else 0s)
+    /// Time to wait before the picture is taken (default: 1s for a camera, so that its exposure settles; 0s for others)
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     after: Option<Duration>,
-    /// Overwrite a file that is there already
+    /// Overwrite an existing file
     #[arg(long)]
     force: bool,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let mut source = lariat_capture::open(&settings.source())?;
     let Some(frame) = frame_after(after, source.as_mut(), &stop)? else {
-        bail!("no picture was taken: it was told to stop before there was one");
+        bail!("no picture was taken: it was stopped before there was one");
     };
     let mut bytes = vec![0; frame.bytes()];
     source.write(&mut bytes);

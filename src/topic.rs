@@ -18,7 +18,7 @@
 //! percentiles' samples. What was sent and not read by the one who looks is counted apart (`here`).
 //!
 //! A reader holds its channel open as it is. So one that only looks goes when the writer goes, and comes back with the next one:
-//! else a chain that is started anew with `--lossless`, or of another release, would be refused for its sake. A lossless writer
+//! else a chain that is restarted with `--lossless`, or of another release, would be refused for its sake. A lossless writer
 //! waits for each of its readers to take up its end, and then for the slowest: there they are woken, and say so.
 //!
 //! Who is at the ends of a channel is read from the transport's own tables (`Domain::channels`, `crates/wire/src/survey.rs`): a
@@ -55,7 +55,7 @@ use lariat_chain::exit::wrong_use;
 use lariat_chain::layout::{self, Column, Table};
 use lariat_chain::settings::duration;
 
-/// Look at what passes on the channels of a running chain
+/// Inspect the channels of a running chain
 #[derive(Debug, Args)]
 pub(crate) struct TopicArgs {
     #[command(subcommand)]
@@ -64,15 +64,15 @@ pub(crate) struct TopicArgs {
 
 #[derive(Debug, Subcommand)]
 enum TopicCommand {
-    /// The rigs and their channels: writer, readers, messages, shared memory
+    /// List rigs and their channels: writer, readers, messages, shared memory
     List(ListArgs),
-    /// How many messages a second, how evenly, and what was lost
+    /// Measure rate, jitter and losses
     Hz(MeterArgs),
-    /// The messages themselves, without pixels
+    /// Print messages, without pixels
     Echo(EchoArgs),
-    /// How long frames are under way, step by step
+    /// Measure the latency of frames, step by step
     Delay(DelayArgs),
-    /// How many megabytes a second
+    /// Measure megabytes per second
     Bw(MeterArgs),
 }
 
@@ -104,17 +104,17 @@ struct CommonArgs {
     /// Wait for the chain if it is not running yet
     #[arg(long)]
     wait: bool,
-    /// Print JSON objects, one a line
+    /// Print JSON objects, one per line
     #[arg(long)]
     json: bool,
-    /// Measure for so long (10s, 2m), print once, and end
+    /// Measure for this long (10s, 2m), print once, and end
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     duration: Option<Duration>,
 }
 
 #[derive(Debug, Args)]
 struct DelayArgs {
-    /// Also measure until the message is in a reader's hands: costs the chain a wake-up a frame
+    /// Also measure until a reader has the message; costs the chain a wake-up per frame
     #[arg(long)]
     in_hand: bool,
     #[command(flatten)]
@@ -129,7 +129,7 @@ struct EchoArgs {
     /// Print one message and end
     #[arg(long, conflicts_with = "count")]
     once: bool,
-    /// Print so many messages and end
+    /// Print this many messages and end
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     count: Option<u64>,
     #[command(flatten)]

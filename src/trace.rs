@@ -25,25 +25,25 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// The shapes of the ropes in pictures
+/// Find the ropes in pictures and fit curves to them
 #[derive(Debug, Args)]
 pub(crate) struct TraceArgs {
     /// Pictures, folders of them, Y4M videos, recordings, or `-`: a Y4M video or raw frames on standard input
     #[arg(required = true, value_name = "IMAGE")]
     images: Vec<PathBuf>,
-    /// Print a JSON object for each picture, one a line
+    /// Print a JSON object for each picture, one per line
     #[arg(long)]
     json: bool,
     /// Write a PNG of each picture with curve, points and control polygon drawn over it into this folder
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
-    /// Overwrite overlays that are there already
+    /// Overwrite existing overlays
     #[arg(long)]
     force: bool,
-    /// Take the pictures for one moving scene: ropes keep their number and direction
+    /// Treat the pictures as one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
-    /// Take each picture's mask from this folder: a picture of the same name, white for rope
+    /// Folder of masks: for each picture one of the same name, white for rope
     #[arg(long, value_name = "DIR")]
     masks: Option<PathBuf>,
     #[command(flatten)]

@@ -21,13 +21,13 @@ const PORT: u16 = 8765;
 /// What is asked of `lariat view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
-    /// A recording to be shown in the place of a chain
+    /// Recording to show instead of a chain
     #[arg(value_name = "FILE.mcap", conflicts_with = "rig")]
     file: Option<PathBuf>,
-    /// The topic whose images are the frames, where there are several cameras
+    /// Image topic, if the recording has several cameras
     #[arg(long, value_name = "TOPIC", requires = "file")]
     topic: Option<String>,
-    /// Camera chain that is shown (default: `default`, or the first there is)
+    /// Chain to show (default: `default`, or the first one)
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
     /// Address to listen on, for other machines: one of this machine's, or 0.0.0.0 for all. The page's address then has a token, and

@@ -231,7 +231,7 @@ fn a_word_that_is_neither_command_nor_file_is_told_what_it_may_have_been() {
         let said = String::from_utf8(output.stderr).expect("text");
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(
-            said.contains(&format!("{word} is no command, and there is no such file")),
+            said.contains(&format!("{word} is neither a command nor a file")),
             "{said}"
         );
         assert!(said.contains(guess), "{said}");

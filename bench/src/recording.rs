@@ -108,7 +108,7 @@ fn messages() -> Result<Vec<Vec<u8>>> {
         let mut cdr = Vec::new();
         ensure!(
             encode_image(&header, picture.bytes(), 0, "default", &mut cdr),
-            "a rendered frame is no RGB image"
+            "a rendered frame is not an RGB image"
         );
         messages.push(cdr);
     }

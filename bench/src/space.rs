@@ -57,7 +57,7 @@ fn width(text: &str) -> Result<f64, String> {
         .parse()
         .ok()
         .filter(|width| (1.0..100.0).contains(width));
-    width.ok_or_else(|| format!("'{text}' is no width of a rope in mm: from 1 to 100"))
+    width.ok_or_else(|| format!("'{text}' is not a rope width in mm: from 1 to 100"))
 }
 
 const SIZE: [usize; 2] = [848, 480];

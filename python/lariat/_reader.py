@@ -22,7 +22,7 @@ class Reader(_native.Reader):
                     case seen:  # Partial, Unsure, Lost, Stale, Absent
                         robot.hold(why=str(seen))
 
-    It may be opened before the chain runs, and goes on when the chain is started anew: until an image comes, what it has
+    It may be opened before the chain runs, and goes on when the chain is restarted: until an image comes, what it has
     gets older. Iterating it waits for the next image, at most for ``timeout``: then it gives the same frame as before,
     which is not new, so that a loop never stands still without knowing. Ctrl-C ends a wait, and other threads run
     during it. ``async for`` waits likewise.

@@ -84,7 +84,7 @@ class FrameWriter(_native.Writer):
                 frames.write(camera.read(), "bgr8")
 
     Frames are numbered, timed and counted as those of lariat's own cameras. The chain may be started before or after, and
-    anew; a rig has one writer at a time.
+    again; a rig has one writer at a time.
     """
 
     def __new__(cls, rig: str = "default", *, lossless: bool | None = None) -> Self:

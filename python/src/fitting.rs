@@ -206,7 +206,7 @@ impl Fitter {
     fn fitter(&self) -> Result<MutexGuard<'_, lariat_fit::Fitter>, Problem> {
         match self.fitter.try_lock() {
             Ok(fitter) => Ok(fitter),
-            // Every fit begins anew.
+            // Every fit begins again.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Problem::Busy),
         }

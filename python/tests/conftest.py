@@ -94,7 +94,7 @@ class States:
             self.tell(state, "sent")
 
     def restart(self) -> None:
-        """Numbers everything anew, as a chain that is started anew does."""
+        """Numbers everything again, as a chain that is restarted does."""
         self.tell("restart", "ready")
 
     def stop(self) -> None:

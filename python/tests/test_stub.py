@@ -1,6 +1,6 @@
 """An editor shows the stub's docstrings, and ``help`` those of the Rust half: they are the same.
 
-``LARIAT_WRITE_STUB=1 pytest tests/test_stub.py`` writes the stub's anew.
+``LARIAT_WRITE_STUB=1 pytest tests/test_stub.py`` writes the stub's again.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def test_the_stub_says_what_the_rust_half_says() -> None:
         stub = STUB.read_text()
     for node, name, doc in documented(ast.parse(stub).body, _native):
         assert doc, f"{name} is not documented"
-        assert ast.get_docstring(node) == doc, f"{name}: write the stub anew with LARIAT_WRITE_STUB=1"
+        assert ast.get_docstring(node) == doc, f"{name}: write the stub again with LARIAT_WRITE_STUB=1"
 
 
 def test_the_package_says_its_version() -> None:

@@ -189,7 +189,7 @@ pub(super) fn open_files(limits: &str) -> Finding {
 /// What lets a user have more of a limit.
 fn raise(limit: &str, value: &str) -> String {
     format!(
-        "`echo \"$USER - {limit} {value}\" | sudo tee -a /etc/security/limits.d/lariat.conf`, then log in anew (a systemd \
+        "`echo \"$USER - {limit} {value}\" | sudo tee -a /etc/security/limits.d/lariat.conf`, then log in again (a systemd \
          unit: Limit{}={})",
         if limit == "rtprio" {
             "RTPRIO"

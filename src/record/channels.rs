@@ -38,7 +38,7 @@ pub(crate) struct Seen {
     pub(crate) frames: u64,
     /// Messages of any kind.
     pub(crate) messages: u64,
-    /// A stage was seen for the first time, or had begun anew.
+    /// A stage was seen for the first time, or had begun again.
     pub(crate) begun: bool,
     /// By which version of the settings the newest message was made.
     pub(crate) settings: Option<u32>,
@@ -210,7 +210,7 @@ pub(crate) struct Counters {
 struct Counter(Option<u64>);
 
 impl Counter {
-    /// Whether a stage is heard of for the first time, or has begun anew.
+    /// Whether a stage is heard of for the first time, or has begun again.
     fn begins_with(&mut self, count: u64) -> bool {
         self.0.replace(count).is_none_or(|last| count <= last)
     }

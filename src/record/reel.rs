@@ -38,7 +38,7 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     let supervised = station.status.is_supervised();
     // A rig of others may have its masks made elsewhere.
     let masks = !supervised || settings.extract.mask == Mask::External;
-    // One that was started anew has not seen what was before.
+    // One that was restarted has not seen what was before.
     let from_start =
         supervised && !settings.capture.is_external() && station.heirloom.progress().restarts == 0;
     let camera = &settings.camera;

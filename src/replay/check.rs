@@ -131,7 +131,7 @@ impl Versions<'_> {
 /// A check, message by message.
 pub(super) struct Check<'a> {
     versions: Versions<'a>,
-    /// By which settings extract and fit went at the last message, and how often they had been started anew.
+    /// By which settings extract and fit went at the last message, and how often they had been restarted.
     of_extract: [u32; 2],
     of_fit: [u32; 2],
     stages: Stages,
@@ -367,7 +367,7 @@ fn beside(distance: f64) -> Difference {
         field: "the ropes' places".to_owned(),
         recorded: "as they were".to_owned(),
         now: match distance.is_finite() {
-            true => format!("up to {distance:.3} beside them"),
+            true => format!("up to {distance:.3} away from them"),
             false => "not the same ropes".to_owned(),
         },
         distance,

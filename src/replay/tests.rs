@@ -54,8 +54,8 @@ struct Making<'a> {
     sent: fn(u64) -> bool,
     /// Makes a mask of a frame's bytes.
     mask: Option<MaskMaker>,
-    /// Before which frame extract and fit are started anew.
-    anew: Option<u64>,
+    /// Before which frame extract and fit are restarted.
+    again: Option<u64>,
     /// What happens to a frame's messages on their way into the recording.
     change: &'a dyn Fn(&mut Shot),
 }
@@ -78,7 +78,7 @@ impl Default for Making<'_> {
             seen: |_| true,
             sent: |_| true,
             mask: None,
-            anew: None,
+            again: None,
             change: &|_| {},
         }
     }
@@ -138,7 +138,7 @@ impl Making<'_> {
                 source: SourceKind::Rendered as u32,
                 ..FrameHeader::default()
             };
-            if self.anew == Some(number) {
+            if self.again == Some(number) {
                 stages.restart_extract(&settings).unwrap();
                 stages.restart_fit(&settings).unwrap();
                 (extracted, fitted) = (0, 0);

@@ -10,7 +10,7 @@ use lariat_wire::Rig;
 pub(super) const NAME: &str = "lariat@.service";
 
 /// By what a unit of lariat's is known.
-pub(super) const HEAD: &str = "# Written by `lariat service install`, which writes it anew.";
+pub(super) const HEAD: &str = "# Written by `lariat service install`, which writes it again.";
 
 /// The name under which systemd knows a rig's chain.
 pub(super) fn instance(rig: &Rig) -> String {
@@ -29,13 +29,13 @@ pub(super) fn text(program: &Path, run_as: Option<&str>) -> Result<String> {
         .filter(|path| !path.contains(['\n', '"', '\\']))
     else {
         wrong_use!(
-            "{} cannot stand in a unit: move lariat to a folder of a plain name",
+            "{} cannot be written to a unit: move lariat to a folder of a plain name",
             program.display()
         );
     };
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if let Some(user) = run_as.filter(|user| user.is_empty() || !user.chars().all(is_plain)) {
-        wrong_use!("{user:?} is no user's name: it has letters, digits, `_`, `-` and `.`");
+        wrong_use!("{user:?} is not a user name: it has letters, digits, `_`, `-` and `.`");
     }
     // Its own specifiers and variables begin with these.
     let program = program.replace('%', "%%").replace('$', "$$");

@@ -35,7 +35,7 @@ pub(super) struct Pace(Option<(u64, u64)>);
 
 impl Pace {
     /// How many were sent since the last message, this one included, and in how many nanoseconds; `None` for the first,
-    /// and where a stage began anew.
+    /// and where a stage began again.
     pub(super) fn step(&mut self, channel: ChannelName, trace: &Trace) -> Option<(u64, u64)> {
         let (count, stamp_ns) = count_and_stamp(channel, trace);
         let (count_before, before_ns) = self.0.replace((count, stamp_ns))?;

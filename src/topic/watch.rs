@@ -78,7 +78,7 @@ pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Re
 
 /// The reader, as long as there is a writer.
 ///
-/// A reader that stays when the writer has gone would keep the channel as it was: a chain that is started anew with
+/// A reader that stays when the writer has gone would keep the channel as it was: a chain that is restarted with
 /// another delivery, or of another release, would be refused for its sake. So it goes with the writer, and comes back with
 /// the next one.
 struct Link<'p> {

@@ -1,4 +1,4 @@
-//! Stages that are started anew in their place, and settings that change, while the rest of a chain goes on.
+//! Stages that are restarted in their place, and settings that change, while the rest of a chain goes on.
 
 use std::fs;
 use std::io::Read;
@@ -38,10 +38,7 @@ fn reader(bench: &Bench) -> Reader {
 fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
     wait_for("a rope", || {
         let frame = reader.latest().unwrap();
-        assert!(
-            frame.run() <= 1,
-            "a stage that is started anew is no new run"
-        );
+        assert!(frame.run() <= 1, "a stage that is restarted is no new run");
         let message = frame.message()?;
         let is_new = message.trace.fitted > fitted;
         let curve = message.curves().first().filter(|_| is_new)?;
@@ -115,7 +112,7 @@ fn a_stage_that_is_killed_is_started_anew_and_all_others_go_on() {
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     for stage in STAGES {
-        let sentence = format!("{stage} was killed by signal 9 (SIGKILL); it is started anew");
+        let sentence = format!("{stage} was killed by signal 9 (SIGKILL); it is restarted");
         assert_eq!(
             ended.stderr.matches(&sentence).count(),
             1,
@@ -167,7 +164,7 @@ fn a_stage_that_falls_too_often_ends_the_chain() {
     send(id, Signal::KILL);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
-    let sentence = "1 parts were started anew within 60 s (max_restarts): no more";
+    let sentence = "1 parts were restarted within 60 s (max_restarts): no more";
     assert_eq!(
         ended.stderr.matches(sentence).count(),
         1,
@@ -216,7 +213,7 @@ fn a_recorder_that_is_killed_is_started_anew_and_what_it_wrote_stays() {
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
-    let sentence = "recorder was killed by signal 9 (SIGKILL); it is started anew";
+    let sentence = "recorder was killed by signal 9 (SIGKILL); it is restarted";
     assert_eq!(
         ended.stderr.matches(sentence).count(),
         1,
@@ -357,7 +354,7 @@ fn a_settings_file_that_is_edited_holds_at_once_if_it_is_watched() {
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     assert!(
-        ended.stderr.contains("started anew: capture"),
+        ended.stderr.contains("restarted: capture"),
         "{}",
         ended.stderr
     );

@@ -388,7 +388,7 @@ fn second_cameras_of_which_too_little_is_known_are_refused_with_a_sentence() {
     let said = ended(&["--second", "right.yaml", "--second-rig", "default"]);
     assert!(said.contains("it is this rig itself"), "{said}");
     let said = ended(&["--second", "camera.yaml", "--second-rig", "right"]);
-    assert!(said.contains("pose beside the first camera"), "{said}");
+    assert!(said.contains("pose relative to the first camera"), "{said}");
     let said = ended(&[&BESIDE[..], &["--depth", "depth.yaml"]].concat());
     assert!(said.contains("name one of them"), "{said}");
     bench.assert_nothing_is_left();

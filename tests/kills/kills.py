@@ -56,7 +56,7 @@ class Rounds:
         self.scratch = tempfile.mkdtemp(prefix="kills-")
         self.environment = dict(os.environ, LARIAT_DOMAIN=args.domain)
         self.restart = ["--restart", args.restart]
-        # A process that is killed at a call is killed there each time that it is started anew.
+        # A process that is killed at a call is killed there each time that it is restarted.
         Path(self.scratch, "lariat.toml").write_text("[run]\nmax_restarts = 3\n")
 
     def reader(self):
@@ -206,7 +206,7 @@ def main():
     words.add_argument("--reader", default="target/release/examples/join_and_leave")
     words.add_argument("--kills", type=int, default=200)
     words.add_argument("--seconds", type=float, default=240, help="no new kill after so long, for each KIND")
-    words.add_argument("--restart", default="never", help="of chains: on-failure starts anew what is killed")
+    words.add_argument("--restart", default="never", help="of chains: on-failure restarts what is killed")
     words.add_argument("--seed", type=int, default=1)
     words.add_argument("--domain", default="kills")
     args = words.parse_args()

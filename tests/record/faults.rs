@@ -26,7 +26,7 @@ fn wait_for_bytes(bench: &Bench, name: &str, bytes: u64) {
 /// The chain went on to its end, and says at the end that its recording did not.
 fn assert_only_the_recording_suffered(bench: &Bench, ended: &Ended, how: &str, frames: u64) {
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
-    let sentence = format!("the recorder {how}; the chain goes on without it");
+    let sentence = format!("the recorder {how}; the chain continues without it");
     assert!(ended.stderr.contains(&sentence), "{}", ended.stderr);
     assert_eq!(bench.summary("out")["frames"]["published"], frames);
     bench.assert_every_frame_is_accounted_for("out");
@@ -201,7 +201,7 @@ fn a_recording_that_is_there_is_kept_and_the_chain_not_begun() {
     assert!(!refused.status.success());
     let said = String::from_utf8_lossy(&refused.stderr);
     assert!(
-        said.contains("is no recording, and is not replaced"),
+        said.contains("is not a recording, and is not overwritten"),
         "{said}"
     );
     bench.assert_nothing_is_left();

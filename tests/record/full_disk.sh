@@ -32,7 +32,7 @@ for delivery in "" --lossless; do
     "$lariat" run --fps 60 --frames 240 $delivery --record "$disk/run.mcap" >/dev/null 2>"$said" || code=$?
     [ $code = 1 ] || fail "the exit code is $code"
     grep -q 'run.mcap ends here, and all before it is in it: the disk is full' "$said" || fail "the recorder did not say why"
-    grep -q 'the recorder failed .*; the chain goes on without it' "$said" || fail "the chain did not say so"
+    grep -q 'the recorder failed .*; the chain continues without it' "$said" || fail "the chain did not say so"
     # The magic at the end: the file was closed.
     [ "$(tail -c 8 "$disk/run.mcap" | od -An -c | tr -d ' ')" = '211MCAP0\r\n' ] || fail "the file was not closed"
     size=$(stat -c %s "$disk/run.mcap")

@@ -231,7 +231,7 @@ fn a_check_that_finds_a_difference_fails_and_shows_it() {
     assert!(said.contains("rope 1, point 3, x: recorded"), "{said}");
 }
 
-/// The recording written anew, with point 3 of frame 7 a hundredth of a pixel to the right.
+/// The recording written again, with point 3 of frame 7 a hundredth of a pixel to the right.
 fn changed(path: &Path) -> Vec<u8> {
     use lariat_record::Record;
     let bytes = std::fs::read(path).unwrap();

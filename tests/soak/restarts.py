@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How long a chain is without descriptors when a stage is killed, and is started anew in its place.
+"""How long a chain is without descriptors when a stage is killed, and is restarted in its place.
 
     cargo build --release -p lariat -p lariat-wire --bins --example traces
     tests/soak/restarts.py [--binary target/release/lariat] [--kills 100] [--seed 1] [KIND...]
@@ -36,7 +36,7 @@ class Rounds:
         self.domain, self.kills, self.pause_s, self.fps = args.domain, args.kills, args.pause, args.fps
         self.random = random.Random(args.seed)
         self.scratch = Path(tempfile.mkdtemp(prefix="restarts-"))
-        # The pause before a stage is started anew doubles with each within this window: each here is the first.
+        # The pause before a stage is restarted doubles with each within this window: each here is the first.
         Path(self.scratch, "lariat.toml").write_text("[run]\nmax_restarts = 100\nrestart_window_s = 0.3\n")
 
     def film(self):
@@ -80,7 +80,7 @@ class Rounds:
             shares.append(scheduled(chain.parts().get(stage)))
         traces.end()
         code = chain.end()
-        said = chain.count(rf"{stage} was killed by signal 9 \(SIGKILL\); it is started anew")
+        said = chain.count(rf"{stage} was killed by signal 9 \(SIGKILL\); it is restarted")
         if code != 0 or said != self.kills:
             print(f"{kind}: exit code {code}, {said} of {self.kills} restarts said\n{chain.text()[-2000:]}")
             times.append(None)

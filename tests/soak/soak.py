@@ -226,7 +226,7 @@ class Soak:
         while time.monotonic() < until and self.main.parts().get(name) == pid:
             time.sleep(0.05)
         if self.main.parts().get(name) == pid:
-            self.problems.append(f"{name} hung for 15 s, and was not started anew")
+            self.problems.append(f"{name} hung for 15 s, and was not restarted")
             os.kill(pid, signal.SIGCONT)
             return name
         self.killed[name] += 1
@@ -250,14 +250,14 @@ class Soak:
     def must(self, done):
         if done.returncode != 0:
             self.problems.append(f"{' '.join(map(str, done.args[1:]))}: exit code {done.returncode}: {done.stderr.strip()}")
-        self.renewed += done.stdout.count("started anew")
+        self.renewed += done.stdout.count("restarted")
 
     def do_edit(self):
         file = Path(self.main.folder, "lariat.toml")
         if self.random.random() < 0.3:
             file.write_text(self.settings() + "solver = \"guess\"\n")
             return "nonsense"
-        # The first starts capture anew, and changes nothing of what a rendered rope looks like.
+        # The first starts capture again, and changes nothing of what a rendered rope looks like.
         stiffness, solver = self.random.choice([0.1, 0.1, 0.2]), self.random.choice(["qr", "pinv", "cholesky"])
         file.write_text(self.settings(stiffness) + f"solver = \"{solver}\"\n")
         return f"stiffness {stiffness}, {solver}"
@@ -348,13 +348,13 @@ class Soak:
             f"{frames['published']} = {frames['received']} + {sum(lost.values())} "
             f"({', '.join(f'{link} {count}' for link, count in lost.items() if count)}); "
             f"{sum(frames['at_restart'].values())} at restarts")
-        said = {part: self.main.count(rf"{part} was killed by signal (9|7) .*it is started anew") for part in self.killed}
+        said = {part: self.main.count(rf"{part} was killed by signal (9|7) .*it is restarted") for part in self.killed}
         # Without shared memory a stage falls by itself, too, and is started again and again until there is some.
-        fell = self.main.count("failed with exit code .*it is started anew")
+        fell = self.main.count("failed with exit code .*it is restarted")
         row("every restart said", all(said[part] >= count for part, count in self.killed.items()),
             ", ".join(f"{part} {said[part]} of {count}" for part, count in self.killed.items()) + f"; {fell} fell by themselves")
         truth = self.without_faults(frames["published"])
-        # Of a count that goes on the other way around, a stage would have begun anew by itself.
+        # Of a count that goes on the other way around, a stage would have begun again by itself.
         row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
         for kind in ("centerline", "curve"):
             usual, now = (of["error_px"][kind] for of in (truth, summary))

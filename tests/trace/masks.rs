@@ -44,7 +44,7 @@ fn a_network_that_is_missing_or_none_is_named() {
     std::fs::write(folder.path().join("my.weights"), "none").unwrap();
     assert_eq!(
         complaint("my.weights"),
-        "lariat: my.weights: These are no weights of lariat's network, which begin with LARIATN1: give the file that \
+        "lariat: my.weights: These are not weights of lariat's network, which begin with LARIATN1: give the file that \
          training has written.\n"
     );
 }

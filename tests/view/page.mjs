@@ -1,5 +1,5 @@
 // The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, a click makes a mask, four make
-// the table's plane, it goes on when the rig or the server is started anew, and, asked for it, neither browser nor server grows in ten minutes.
+// the table's plane, it goes on when the rig or the server is restarted, and, asked for it, neither browser nor server grows in ten minutes.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -131,7 +131,7 @@ await page.screenshot({ path: `${folder}/plane.png` });
 await plane.locator("input").nth(2).fill("");
 await holds("a point without a number is waited for", async () => plane.locator("text=Use it").isDisabled());
 await plane.locator("input").nth(2).fill("290");
-await holds("and judged anew", async () => plane.locator("text=Use it").isEnabled());
+await holds("and judged again", async () => plane.locator("text=Use it").isEnabled());
 await plane.locator("text=Use it").click();
 await holds("the plane is written", async () => (await plane.textContent()).includes("written into"));
 assert.match(await readFile(`${started}/plane.toml`, "utf8"), /homography/);
@@ -142,7 +142,7 @@ await page.keyboard.press("End");
 await page.keyboard.press("f");
 await holds("ropes are in millimetres", async () => (await text("ropes")).includes("mm"));
 
-// The server is started anew: the page goes on, and may change things as before.
+// The server is restarted: the page goes on, and may change things as before.
 const port = new URL(address).port;
 await view.end();
 await holds("the page says that the server is gone", async () => (await text("state")).includes("server is gone"));
@@ -154,7 +154,7 @@ await page.click("text=Automatic");
 await holds("and changes settings", async () => (await text("tuning")).includes("nothing has changed"));
 await page.keyboard.press("f");
 
-// The rig is started anew.
+// The rig is restarted.
 await rig.end();
 await holds("the page says what to start", async () => (await text("obstacle")).includes("lariat run --rig cell"));
 rig = await chain(lariat, "--seed", "5");

@@ -36,7 +36,7 @@ impl Way {
             Self::Solver(Solver::Pinv) => "pinv: (BᵀB)⁻¹Bᵀ kept",
             Self::Solver(Solver::Cholesky) => "cholesky of BᵀB kept",
             Self::Solver(Solver::Qr) => "QR of B kept",
-            Self::Anew => "measured ρ: algebra anew",
+            Self::Anew => "measured ρ: algebra again",
         }
     }
 
@@ -111,7 +111,7 @@ impl Cost {
             .collect();
         let mut sentence = format!(
             "{verdict}: with the algebra done beforehand a fit of order 8 takes {}, {} times that of order 2, and {} of an \
-             extraction from the picture ({}). With all algebra anew for each centerline it takes {}.",
+             extraction from the picture ({}). With all algebra again for each centerline it takes {}.",
             time(eight),
             digits(growth),
             percent(share),

@@ -94,7 +94,7 @@ pub(super) fn summary(path: &Path) -> Result<Summary> {
     let text = std::fs::read_to_string(&file).with_context(|| {
         format!("{shown} cannot be read: name a summary.json of `lariat bench --out DIR` or `lariat run --out DIR`")
     })?;
-    parse(&text).with_context(|| format!("{shown} is no summary of lariat"))
+    parse(&text).with_context(|| format!("{shown} is not a summary of lariat"))
 }
 
 fn parse(text: &str) -> Result<Summary> {

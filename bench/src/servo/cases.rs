@@ -57,18 +57,18 @@ impl Target {
         let path = Path::new(name);
         if !path.exists() {
             wrong_use!(
-                "`{name}` is no target: say u, s, line, or a file with {{\"points\":[[x,y],…]}}"
+                "`{name}` is not a target: say u, s, line, or a file with {{\"points\":[[x,y],…]}}"
             );
         }
         let text =
             std::fs::read_to_string(path).with_context(|| format!("{name} could not be read"))?;
         let line: Line = serde_json::from_str(text.lines().next().unwrap_or_default())
             .with_context(|| {
-                format!("{name} is no target: {{\"points\":[[x,y],…]}} in one line is")
+                format!("{name} is not a target: {{\"points\":[[x,y],…]}} in one line is")
             })?;
         let is_place = |point: &[f64; 2]| point.iter().all(|at| at.is_finite());
         if line.points.len() < 2 || !line.points.iter().all(is_place) {
-            bail!("{name} is no target: a curve takes two points at least");
+            bail!("{name} is not a target: a curve takes two points at least");
         }
         Ok(Self::Points(line.points))
     }
@@ -147,7 +147,7 @@ impl Case {
                 });
                 if cases.len() == 1 {
                     let of = if lifted { " of a lifted rope" } else { "" };
-                    wrong_use!("`{name}` is no group of a study{of}: see `lariat servo --help`");
+                    wrong_use!("`{name}` is not a group of a study{of}: see `lariat servo --help`");
                 }
             }
         }

@@ -80,7 +80,7 @@ pub(super) struct Robot {
 
 impl Job {
     pub(super) fn write(&self, path: &Path) -> Result<()> {
-        let text = serde_json::to_string(self).context("a job that cannot be said")?;
+        let text = serde_json::to_string(self).context("a job that cannot be written")?;
         std::fs::write(path, text).with_context(|| format!("{} was not written", path.display()))
     }
 

@@ -21,7 +21,7 @@ impl Value {
     pub(super) fn list(&self) -> Result<&[Self]> {
         match self {
             Self::List(list) => Ok(list),
-            Self::Number(number) => bail!("a list is asked for where the number {number} stands"),
+            Self::Number(number) => bail!("a list is expected instead of the number {number}"),
         }
     }
 
@@ -32,8 +32,8 @@ impl Value {
     pub(super) fn number(&self) -> Result<f64> {
         match self {
             Self::Number(number) if number.is_finite() => Ok(*number),
-            Self::Number(number) => bail!("{number} is no number to reckon with"),
-            Self::List(_) => bail!("a number is asked for where a list stands"),
+            Self::Number(number) => bail!("{number} is not a finite number"),
+            Self::List(_) => bail!("a number is expected instead of a list"),
         }
     }
 }

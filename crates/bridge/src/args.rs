@@ -15,21 +15,21 @@ use lariat_wire::Rig;
 
 use crate::key::Key;
 
-/// A rig on another machine: its descriptors over the network, with their ages
+/// Carry a rig to another machine: its descriptors over the network, with their ages
 #[derive(Debug, Parser)]
 #[command(name = "lariat bridge", version, after_help = EXAMPLES)]
 #[command(group(ArgGroup::new("place").required(true).args(["listen", "connect", "make_key"])))]
 pub(crate) struct Args {
-    /// On the camera's machine: where the other side connects to
+    /// On the camera's machine: address to listen on
     #[arg(long, value_name = "udp/ADDRESS:PORT")]
     pub(crate) listen: Option<Place>,
-    /// On the other machine: where the camera's listens
+    /// On the other machine: address of the camera's machine
     #[arg(long, value_name = "udp/HOST:PORT")]
     pub(crate) connect: Option<Place>,
-    /// The rig, of the same name on both sides
+    /// Name of the rig, the same on both sides
     #[arg(long, value_name = "NAME", default_value = "default")]
     pub(crate) rig: Rig,
-    /// With --connect: also carry these, behind the descriptors
+    /// With --connect: also carry these channels, after the descriptors
     #[arg(
         long,
         value_name = "CHANNELS",
@@ -38,22 +38,22 @@ pub(crate) struct Args {
         conflicts_with = "listen"
     )]
     pub(crate) also: Vec<Also>,
-    /// With --connect: also carry so many frames a second, as JPEG, on the port behind --connect's
+    /// With --connect: also carry this many frames per second, as JPEG, on the port after --connect's
     #[arg(long, value_name = "RATE", value_parser = rate, conflicts_with = "listen")]
     pub(crate) frames: Option<f64>,
-    /// With --listen: a command that is older than this when it comes is dropped
+    /// With --listen: drop commands that are older than this
     #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration::parse)]
     pub(crate) command_age: Duration,
-    /// Run before all ordinary programs, on the core of a realtime chain's stages
+    /// Run with realtime priority, on the core of a realtime chain's stages
     #[arg(long)]
     pub(crate) realtime: bool,
-    /// The file with the key that both sides share
+    /// File with the key that both sides share
     #[arg(long, value_name = "FILE", conflicts_with = "insecure")]
     key: Option<PathBuf>,
     /// Use no key: anyone on the network, and every user of this machine, can read the rig, forge it, and move the simulated robot
     #[arg(long)]
     insecure: bool,
-    /// Make a key, in a new file
+    /// Write a new key into this file
     #[arg(long, value_name = "FILE")]
     pub(crate) make_key: Option<PathBuf>,
 }

@@ -58,7 +58,7 @@ impl<P: Payload + ?Sized> Read<P> {
         self.receiver.as_ref()
     }
 
-    /// The oldest message that waits. A reader that fails is let go of, and taken up anew when it is [followed](Self::follow) next.
+    /// The oldest message that waits. A reader that fails is let go of, and taken up again when it is [followed](Self::follow) next.
     pub(crate) fn next(&mut self) -> Option<Message<P>> {
         match self.receiver.as_ref()?.next() {
             Ok(message) => message,

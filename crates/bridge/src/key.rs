@@ -57,7 +57,7 @@ impl Key {
         }
         let Some(key) = from_hex(text.trim()) else {
             bail!(
-                "{shown} is no key, which is 64 hexadecimal digits: `lariat bridge --make-key FILE` makes one"
+                "{shown} is not a key of 64 hexadecimal digits: `lariat bridge --make-key FILE` makes one"
             );
         };
         Ok(Self(key))

@@ -8,7 +8,7 @@
 //!
 //! The thread that waits for descriptors sends them, and the one that waits at the far socket writes them: two wakings, as a ping has. A library of
 //! sessions brings threads of its own between both, and what it would do for that is not wanted here. zenoh 1.10 over UDP, which carried this before,
-//! woke five threads in a row. Its subscriptions went over the same lossy link, once, so that silence had to begin them anew; its
+//! woke five threads in a row. Its subscriptions went over the same lossy link, once, so that silence had to begin them again; its
 //! queue gave up descriptors when its thread had no core; it has no security over plain UDP; and it is 260 crates. QUIC's datagrams (RFC 9221) obey
 //! congestion control, which takes 2 % of loss for a full link: at 50 ms each way its window is then some 9 datagrams a round trip (`1.22 / √p`, Mathis
 //! and others 1997), 90 a second, where a camera has 200. So each datagram is sealed here, with a key that both sides share: ChaCha20-Poly1305 of

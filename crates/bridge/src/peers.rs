@@ -2,7 +2,7 @@
 //!
 //! Anybody may write any address as a datagram's sender. So who asks is told a number that follows from its address, its cookie, and only who says
 //! it back is sent more than the one answer, which is as long as the question: nobody has the bridge send to a third one. Cookies are not kept, but
-//! made anew (HMAC-SHA-256 under a key of this process), and are good for a minute or two, as is a recording of who said one.
+//! made again (HMAC-SHA-256 under a key of this process), and are good for a minute or two, as is a recording of who said one.
 
 use std::net::SocketAddr;
 
@@ -224,8 +224,8 @@ mod tests {
         assert!(late.is_some_and(|late| !late.is_heard));
         assert!(addresses(&peers, later).is_empty());
         // Of another process of this side.
-        let mut anew = Peers::new().expect("random numbers");
-        let late = anew.ask((7, 2), &asks(told.cookie), at(1), START);
+        let mut again = Peers::new().expect("random numbers");
+        let late = again.ask((7, 2), &asks(told.cookie), at(1), START);
         assert!(late.is_some_and(|late| !late.is_heard));
     }
 

@@ -122,7 +122,7 @@ mod tests {
         stamps.set(&mut first, &offset(5_000_000_000, 10), u64::MAX);
         stamps.set(&mut second, &offset(5_000_005_000, 10), u64::MAX);
         assert!(second.exposed_ns > first.exposed_ns);
-        // A chain that was started anew on a machine that was, too.
+        // A chain that was restarted on a machine that was, too.
         let mut third = trace(5_900_000_000);
         stamps.set(&mut third, &offset(5_000_000_000, 10), u64::MAX);
         assert_eq!(third.exposed_ns, 900_000_000);

@@ -14,7 +14,7 @@
 //     }
 //
 // A rig is one camera and its chain of processes (`lariat run`). The chain may start later than its readers, and be started
-// anew. Coordinates are pixels of the image (x right, y down), or the message's unit. Times are nanoseconds of
+// again. Coordinates are pixels of the image (x right, y down), or the message's unit. Times are nanoseconds of
 // CLOCK_MONOTONIC. The curve is f(rho), rho from 0 at the rope's first end to 1 at its last.
 //
 // **Wrong shapes.** A rope's shape is behind one of four pointers: `fresh` is the rope as it is, `partial` has a covered
@@ -211,7 +211,7 @@ typedef enum lariat_seen {
   LARIAT_NO_ROPE = 8,
   // The only rope was asked for, and there are several: choose one by its track.
   LARIAT_SEVERAL = 9,
-  // The track is of a run of the chain that is over: choose a rope anew.
+  // The track is of a run of the chain that is over: choose a rope again.
   LARIAT_OTHER_RUN = 10,
   // Its numbers make no rope. A chain of this release sends none such.
   LARIAT_UNREADABLE = 11,
@@ -330,7 +330,7 @@ typedef struct lariat_trace {
   uint64_t fitted_ns;
   // By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
   uint32_t settings;
-  // How often capture, extract and fit had been started anew, a byte each from the lowest on, modulo 256: `restarts`.
+  // How often capture, extract and fit had been restarted, a byte each from the lowest on, modulo 256: `restarts`.
   uint32_t restarts;
 } lariat_trace;
 
@@ -352,7 +352,7 @@ typedef struct lariat_descriptors {
   struct lariat_centerline centerlines[LARIAT_MAX_ROPES];
 } lariat_descriptors;
 
-// Which rope: its number, and the run of the chain that gave it. A chain that is started anew numbers its ropes anew.
+// Which rope: its number, and the run of the chain that gave it. A chain that is restarted numbers its ropes again.
 typedef struct lariat_track {
   // The run, as lariat_run counts it.
   uint64_t run;
@@ -563,7 +563,7 @@ LARIAT_MUST_USE
 uint64_t lariat_age_ns(const struct lariat_reader *reader);
 
 // Which run of the chain that message is of, counted by this reader from 1; 0 before the first. When it changes, ropes are
-// numbered anew, and basis, order and unit may be others.
+// numbered again, and basis, order and unit may be others.
 LARIAT_MUST_USE
 uint64_t lariat_run(const struct lariat_reader *reader);
 
@@ -722,7 +722,7 @@ LARIAT_MUST_USE
 int lariat_pixel_format(const char *name);
 
 // Becomes the writer of a rig's frames: "default", or what the chain was started with (--rig NAME). The chain may be started
-// before or after it, and anew; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
+// before or after it, and again; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
 // refused, until the first has closed or its process is gone.
 //
 // Returns 0, or an error; *writer is then NULL.

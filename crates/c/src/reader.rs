@@ -216,7 +216,7 @@ pub unsafe extern "C" fn lariat_age_ns(reader: *const lariat_reader) -> u64 {
 }
 
 /// Which run of the chain that message is of, counted by this reader from 1; 0 before the first. When it changes, ropes are
-/// numbered anew, and basis, order and unit may be others.
+/// numbered again, and basis, order and unit may be others.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_run(reader: *const lariat_reader) -> u64 {

@@ -36,7 +36,7 @@ pub enum lariat_seen {
     LARIAT_NO_ROPE = 8,
     /// The only rope was asked for, and there are several: choose one by its track.
     LARIAT_SEVERAL = 9,
-    /// The track is of a run of the chain that is over: choose a rope anew.
+    /// The track is of a run of the chain that is over: choose a rope again.
     LARIAT_OTHER_RUN = 10,
     /// Its numbers make no rope. A chain of this release sends none such.
     LARIAT_UNREADABLE = 11,
@@ -62,7 +62,7 @@ pub enum lariat_doubt {
 use lariat_doubt::*;
 use lariat_seen::*;
 
-/// Which rope: its number, and the run of the chain that gave it. A chain that is started anew numbers its ropes anew.
+/// Which rope: its number, and the run of the chain that gave it. A chain that is restarted numbers its ropes again.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct lariat_track {
@@ -262,7 +262,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         LARIAT_FRESH => c"the rope is seen whole",
         LARIAT_PARTIAL => c"a part of the rope is covered",
         LARIAT_UNSURE => {
-            c"the curve does not lie on the rope, but its centerline does; or it may be no rope, or its confidence is too low"
+            c"the curve does not lie on the rope, but its centerline does; or it may not be a rope, or its confidence is too low"
         }
         LARIAT_LOST => c"the rope is out of sight",
         LARIAT_STALE => c"the last image of the rope is too old",
@@ -272,7 +272,7 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
         LARIAT_NO_ROPE => c"there is no such rope in the image",
         LARIAT_SEVERAL => c"there are several ropes: choose one by its track",
         LARIAT_OTHER_RUN => {
-            c"the chain was started anew, and numbers ropes anew: choose the rope again"
+            c"the chain was restarted, and numbers ropes again: choose the rope again"
         }
         LARIAT_UNREADABLE => {
             c"the message makes no sense: use the same release of lariat for every process"

@@ -49,7 +49,7 @@ pub unsafe extern "C" fn lariat_pixel_format(name: *const c_char) -> c_int {
 }
 
 /// Becomes the writer of a rig's frames: "default", or what the chain was started with (--rig NAME). The chain may be started
-/// before or after it, and anew; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
+/// before or after it, and again; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
 /// refused, until the first has closed or its process is gone.
 ///
 /// Returns 0, or an error; *writer is then NULL.

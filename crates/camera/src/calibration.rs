@@ -27,7 +27,7 @@ pub enum CalibrationError {
     TooLarge,
     /// No YAML.
     #[error(
-        "it is no YAML ({0}): give the file as OpenCV's FileStorage or ROS's camera_calibration wrote it"
+        "this is not YAML ({0}): give the file as OpenCV's FileStorage or ROS's camera_calibration wrote it"
     )]
     Yaml(String),
     /// No XML.

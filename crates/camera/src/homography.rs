@@ -29,7 +29,7 @@ pub enum HomographyError {
     #[error("{0} points are too many: give at most {MOST}")]
     TooMany(usize),
     /// A coordinate that is not finite.
-    #[error("point {0} is no place: give finite numbers of pixels and millimetres")]
+    #[error("point {0} is not a position: give finite numbers of pixels and millimetres")]
     NotAPoint(usize),
     /// Three of four points in a line.
     #[error(

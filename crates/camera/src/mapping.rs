@@ -46,7 +46,7 @@ pub enum SizeError {
     },
     /// The plane was measured in other pixels.
     #[error(
-        "the plane was measured in pixels that another lens calibration had been applied to: measure it anew, by `lariat \
+        "the plane was measured in pixels that another lens calibration had been applied to: measure it again, by `lariat \
          calibrate plane` with this --calibration"
     )]
     OtherCamera,
@@ -57,7 +57,7 @@ pub enum SizeError {
     )]
     NoCamera,
     /// Numbers too large or too small to be turned round.
-    #[error("the plane's homography cannot be inverted at the frames' size: measure it anew")]
+    #[error("the plane's homography cannot be inverted at the frames' size: measure it again")]
     Singular,
 }
 

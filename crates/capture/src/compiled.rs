@@ -1,5 +1,5 @@
 //! Reading and writing picture files by their names, compiled here, once, in a build for tests: both are generic, and without
-//! this list every test with pictures compiles all codecs anew. In a release crates share no generic code.
+//! this list every test with pictures compiles all codecs again. In a release crates share no generic code.
 
 use image::{DynamicImage, ImageResult, RgbImage};
 use std::path::Path;

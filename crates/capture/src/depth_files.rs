@@ -19,7 +19,7 @@ pub const READ: [[&str; 2]; 2] = [
     ],
     [
         "pairing with pictures",
-        "by the number or the time in the names of both, else by order; a notice says which",
+        "by the number or the time in the names of both, otherwise by order; a notice says which",
     ],
 ];
 

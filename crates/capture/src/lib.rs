@@ -71,7 +71,7 @@
 //! | a time (`stamp`) | start of exposure as it is; end of frame less the exposure time, if a control tells it, without the readout, which none does; no monotonic clock, a moment to come or one before the stream: the moment of arrival. Each doubt is said once |
 //! | a frame flagged as damaged, cut short, or that does not decode | its buffer queued again; its number is a gap; said once a second at most |
 //! | a call that fails | made once more, and said |
-//! | `POLLERR`, `EIO` | stopped, buffers given up, started again; after pauses that double from 50 ms to 5 s, until it has run well for 2 s. Three failures in a row: opened anew |
+//! | `POLLERR`, `EIO` | stopped, buffers given up, started again; after pauses that double from 50 ms to 5 s, until it has run well for 2 s. Three failures in a row: reopened |
 //! | `ENODEV` | closed, so that the driver can go. inotify on the folders of its name (`hotplug`) wakes for the node, the link in `by-id`, and its permissions; opened with the same format, rate and controls |
 //! | no frame for three periods (`silence`) | said once, and once more when frames come again. The period is the camera's, or the last pause up to 0.5 s, as a camera exposes longer in the dark |
 //!

@@ -43,7 +43,7 @@ impl RawFrames {
         let sides = 1..=LARGEST_SIDE as u32;
         if !(sides.contains(&width) && sides.contains(&height)) {
             return Err(refuse(format!(
-                "{width}x{height} is no size of frames: sides are from 1 to {LARGEST_SIDE}"
+                "{width}x{height} is not a valid frame size: sides are from 1 to {LARGEST_SIDE}"
             )));
         }
         if !format.fits(self.size) {
@@ -260,7 +260,7 @@ impl Piped {
                     .likely(total)
                     .map(|what| format!(": all {total} bytes would be whole frames of {what}"));
                 format!(
-                    "it ended in frame {frame}, after {} of {} bytes: the writer broke off, or its frames are no {}x{} {}{}",
+                    "it ended in frame {frame}, after {} of {} bytes: the writer stopped within a frame, or its frames are not {}x{} {}{}",
                     self.have,
                     raw.bytes(),
                     raw.size[0],

@@ -369,7 +369,7 @@ impl Decode for Recorded {
     fn nothing(&self) -> SourceError {
         SourceError::Recording {
             path: self.path.clone(),
-            what: "there is no frame in the part that was asked for".to_owned(),
+            what: "this part of the recording has no frame".to_owned(),
         }
     }
 }

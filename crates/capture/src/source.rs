@@ -96,7 +96,7 @@ pub trait FrameSource: Send {
     fn lend(&mut self, _slot: LentSlot) {}
 
     /// Goes on behind the frame of this number, which another source of the same settings showed last, before it is asked for a
-    /// frame or lent a slot. `false` if it begins anew: one that is live has nothing to pass over, and one that is looped does
+    /// frame or lent a slot. `false` if it begins again: one that is live has nothing to pass over, and one that is looped does
     /// not know how often to.
     ///
     /// # Errors
@@ -181,7 +181,7 @@ pub enum SourceError {
     Unnamed,
     /// Frames from outside are a chain's alone.
     #[error(
-        "frames of the source external go straight into a chain: start it with `lariat run --source external`, and the program that writes them beside it"
+        "frames of the source external go straight into a chain: start it with `lariat run --source external`, and the program that writes them alongside"
     )]
     External,
     /// A rope that cannot be simulated.
@@ -209,13 +209,13 @@ pub enum SourceError {
         advice: String,
     },
     /// What is to be followed is no folder.
-    #[error("{} is no folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
+    #[error("{} is not a folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
     NotAFolder {
         /// The path as it was given.
         path: PathBuf,
     },
     /// The kernel does not tell what happens in a folder.
-    #[error("cannot follow the folder {}: {error} (how many may be followed at a time stands in /proc/sys/fs/inotify)", path.display())]
+    #[error("cannot follow the folder {}: {error} (the limits are in /proc/sys/fs/inotify)", path.display())]
     Unwatchable {
         /// The folder.
         path: PathBuf,
@@ -257,7 +257,7 @@ pub enum SourceError {
         what: String,
     },
     /// A moment of a sequence that has no rate.
-    #[error("{} s tell no frame where frames have no rate: name it by its number, or say how many frames a second are shown", time.as_secs_f64())]
+    #[error("{} s do not name a frame, as the frames have no rate: name it by its number, or say how many frames a second are shown", time.as_secs_f64())]
     NoRate {
         /// The moment, from the first frame on.
         time: Duration,

@@ -37,7 +37,7 @@ pub enum Asked {
     File,
     /// That settings hold from now on, each written as `section.name=value`.
     Set(Vec<String>),
-    /// That a stage is started anew.
+    /// That a stage is restarted.
     Restart(String),
 }
 

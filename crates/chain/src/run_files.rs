@@ -129,7 +129,7 @@ pub fn check_recording(settings: &Settings, file: &Path) -> Result<()> {
     match settings.record.ring {
         None => output(settings, file).map(|_| ()),
         Some(_) if file == Path::new("-") => {
-            wrong_use!("--ring writes a file each time that it is told to: name one, not -")
+            wrong_use!("--ring writes a file on each request: name one, not -")
         }
         Some(_) => Ok(()),
     }

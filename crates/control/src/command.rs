@@ -124,7 +124,7 @@ impl fmt::Display for Why {
                     "the shape has {given} coordinates and the target {expected}"
                 )
             }
-            Self::NotAShape => f.write_str("a coordinate is no place in a picture"),
+            Self::NotAShape => f.write_str("a coordinate is not a position in a picture"),
             Self::Weights => f.write_str("invalid weights: each must be finite and not negative"),
             Self::Clock => f.write_str("time went back, or the image is of the future"),
             Self::Told => f.write_str("told to"),

@@ -53,7 +53,7 @@ pub enum ServoError {
         expected: usize,
     },
     /// A coordinate of the target is no number, or absurdly large.
-    #[error("coordinate {index} of the target is {value}, which is no place in a picture")]
+    #[error("coordinate {index} of the target is {value}, which is not a position in a picture")]
     NotATarget {
         /// Which, counted from 0.
         index: usize,

@@ -31,7 +31,7 @@ impl Learner {
         }
     }
 
-    /// A column was measured anew, with this variance (a mean square, as [`Pair::noise_px2`], by px²).
+    /// A column was measured again, with this variance (a mean square, as [`Pair::noise_px2`], by px²).
     pub(crate) fn measured(&mut self, input: usize, variance: f64) {
         if let Self::Kalman(kalman) = self {
             kalman.measured(input, variance);

@@ -99,7 +99,7 @@
 //! - **What the robot may do** (`limits`): the whole vector is scaled, its direction kept; then acceleration, borders, and two grippers that
 //!   must not pull their rope taut. A property test feeds it numbers of every kind: no command is above a limit.
 //! - **What it is at** (`servo`, `progress`): exploring, steering, arrived (the shape still there some time after it stood still), holding. A hold
-//!   is at once and ends by a ramp. A loop that gets no nearer for a second explores anew, a few times at most; time in which the limits
+//!   is at once and ends by a ramp. A loop that gets no nearer for a second explores again, a few times at most; time in which the limits
 //!   leave little of what the law asks for counts less.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

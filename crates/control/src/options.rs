@@ -158,7 +158,7 @@ pub struct Exploring {
     pub reach_px: f64,
     /// How fast, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
     pub speed_px_s: f64,
-    /// Explore anew when the error has not fallen by a twentieth for this long, s; up to four times as long where the limits leave
+    /// Explore again when the error has not fallen by a twentieth for this long, s; up to four times as long where the limits leave
     /// less of what the law asks for. From 0.1 to 10³. Default: 1.
     pub stalled_s: f64,
     /// How often at most. Default: 4.

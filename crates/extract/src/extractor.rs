@@ -458,7 +458,7 @@ impl Extractor {
             joined
         };
         self.lengthen(joined);
-        // A refitted line is measured anew: the centers would be lost.
+        // A refitted line is measured again: the centers would be lost.
         let joined = match self.options.method {
             Method::Skeleton => self.refit(image, joined),
             _ => joined,
@@ -614,7 +614,7 @@ impl Extractor {
     /// clock, had these curves: ropes keep their numbers and directions, those that were lost age on, and what
     /// [`tracks`](Self::tracks) the other had given is not given again. The next image is looked at whole.
     ///
-    /// What only the other knew, such as the ropes' colors and how long a covered one is, is learnt anew.
+    /// What only the other knew, such as the ropes' colors and how long a covered one is, is learnt again.
     pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
         self.new_scene();
         self.size = size.into();

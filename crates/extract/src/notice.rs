@@ -146,15 +146,15 @@ impl Notice {
                 &["light the table from more sides", OWN_COLOR],
             ),
             Notice::MaybeShadow => (
-                "something has the shape of a rope beside it and the table's colour in less light, as its shadow would",
+                "something has the shape of the rope next to it and the table's colour in less light, like a shadow",
                 &["light the table from more sides", OWN_COLOR],
             ),
             Notice::LikeAPen => (
-                "something straight and short is unlike the rope beside it, as a pen is",
+                "something straight and short is unlike the rope next to it, like a pen",
                 NO_ROPE,
             ),
             Notice::LikeAMark => (
-                "something small is unlike the rope beside it, as letters and marks are",
+                "something small is unlike the rope next to it, like letters and marks",
                 NO_ROPE,
             ),
             Notice::LikeAnEdge => (

@@ -22,14 +22,16 @@ pub enum ArcLengthError {
         second: usize,
     },
     /// All points are at one place.
-    #[error("all {points} points are at the same place, which is no curve: give points along one")]
+    #[error(
+        "all {points} points are at the same place, so there is no curve: give points along one"
+    )]
     NoLength {
         /// How many there are.
         points: usize,
     },
     /// A coordinate is NaN, infinite or absurdly large.
     #[error(
-        "coordinate {axis} of point {index} is {value}, which is no place in a picture: it must be finite and \
+        "coordinate {axis} of point {index} is {value}, which is not a position in a picture: it must be finite and \
          below {MAX_COORDINATE_PX:e} px in size"
     )]
     NotAPoint {

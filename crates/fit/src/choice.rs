@@ -51,7 +51,7 @@ pub struct Judged {
 }
 
 /// The size of one rope's curve over time. It is chosen when the rope is first seen, with some margin, and stays: a control
-/// loop must not see its vector change length. Only when the curve has not fitted for a second is it chosen anew.
+/// loop must not see its vector change length. Only when the curve has not fitted for a second is it chosen again.
 #[derive(Debug, Clone, Default)]
 pub struct SteadySize {
     /// Which of the fitter's places for ropes of their own knots is this one's.

@@ -100,7 +100,7 @@ pub enum FitError {
     },
     /// A coordinate is NaN, infinite or absurdly large.
     #[error(
-        "point {index} has the coordinate {value}, which is no place in a picture: all must be finite and \
+        "point {index} has the coordinate {value}, which is not a position in a picture: all must be finite and \
          below {MAX_COORDINATE_PX:e} px in size"
     )]
     NotAPoint {

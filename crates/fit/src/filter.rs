@@ -129,7 +129,7 @@ where
     }
 
     /// Takes in a shape: the control points at the moment `t_ns`, of the curves of `space`, as uncertain as
-    /// `noise`. The answer says whether it went on from the shapes before or began anew. `space` is told
+    /// `noise`. The answer says whether it went on from the shapes before or began again. `space` is told
     /// from others as an object: give the same one, or clones of it, as long as the curves are the same.
     ///
     /// # Errors

@@ -110,7 +110,7 @@ impl<const D: usize> Linear<D> {
     }
 
     /// The control points of these points, and how far they are from the curve; `lanes` is room for the points in
-    /// columns. `None` if a coordinate is no place in a picture. Allocates nothing.
+    /// columns. `None` if a coordinate is not a position in a picture. Allocates nothing.
     pub(crate) fn fit(
         &mut self,
         arch: lariat_portable::Arch,

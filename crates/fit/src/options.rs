@@ -49,7 +49,7 @@ pub enum Rho {
     /// In even steps, as lariat's extraction spaces its points: all of the algebra is done beforehand.
     Even,
     /// Measured along the given points, chord by chord, for points that are not evenly spaced: the algebra is
-    /// done anew for each fit.
+    /// done again for each fit.
     Measured,
 }
 

@@ -15,7 +15,7 @@ const VERSION: u32 = 1;
 pub enum NetworkError {
     /// The first bytes are others.
     #[error(
-        "These are no weights of lariat's network, which begin with LARIATN1: give the file that training has written."
+        "These are not weights of lariat's network, which begin with LARIATN1: give the file that training has written."
     )]
     Magic,
     /// A version that this lariat does not read.

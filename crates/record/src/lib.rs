@@ -80,7 +80,7 @@
 //!
 //! **Computing again** (`src/replay`). The pipeline takes messages wherever these lie; `replay/stages` hands it recorded ones. `crates/chain/src/recorded` brings together what the channels said of one frame: complete when each
 //! channel has told of it or has gone on to a later frame. `--check` goes by the counters in the traces: extract is handed the frames that
-//! have centerlines, fit the recorded centerlines that have descriptors; a counter that is 1 again is a stage started anew; a gap is
+//! have centerlines, fit the recorded centerlines that have descriptors; a counter that is 1 again is a stage restarted; a gap is
 //! a message that the recorder did not get, so that the past is not known and the check impossible. To the bit where architecture
 //! and processor are those in the metadata, else within 10⁻⁹ px (numbers that are no positions: relatively). `--compare` runs the
 //! recorded settings beside the new ones, frame by frame in turns, each first in half of the frames, so that times are of one run; errors

@@ -1,7 +1,7 @@
 //! Reading recordings, whole ones and what is left of others.
 //!
 //! An MCAP file is a row of records, most of them chunks of messages, with an index at its end. A recorder that was killed
-//! leaves no index, and a last chunk that may be torn; so the index is made anew then, from what is whole. The bytes are
+//! leaves no index, and a last chunk that may be torn; so the index is made again then, from what is whole. The bytes are
 //! read at places and never all at once.
 
 mod about;

@@ -94,7 +94,7 @@ impl Args {
         let id = match (self.domain_id, std::env::var("ROS_DOMAIN_ID")) {
             (Some(id), _) => id,
             (None, Ok(text)) if !text.trim().is_empty() => text.trim().parse().map_err(|_| {
-                WrongUse(format!("ROS_DOMAIN_ID={text} is no number from 0 to 232"))
+                WrongUse(format!("ROS_DOMAIN_ID={text} is not a number from 0 to 232"))
             })?,
             _ => 0,
         };
@@ -151,7 +151,7 @@ impl Names {
     fn add(&mut self, rule: &str) -> Result<()> {
         let parts = rule.split_once(":=");
         let Some((from, to)) = parts.filter(|(from, to)| !from.is_empty() && !to.is_empty()) else {
-            wrong_use!("{rule} is no rule for a name: write FROM:=TO");
+            wrong_use!("{rule} is not a rule for a name: write FROM:=TO");
         };
         match from {
             "__ns" => self.namespace = Some(to.to_owned()),

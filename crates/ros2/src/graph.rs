@@ -73,7 +73,7 @@ impl Graph {
         let usual = format!("lariat_{}", in_ros(args.rig.as_str()));
         let (namespace, name) = (args.names.namespace(), args.names.node(&usual));
         let node_name = NodeName::new(namespace, name)
-            .map_err(|e| anyhow!("{namespace} and {name} are no names for a node: {e}"))?;
+            .map_err(|e| anyhow!("{namespace} and {name} are not valid names for a node: {e}"))?;
         let mut node = context
             .new_node(node_name, parameters::options(&args.rig))
             .map_err(|e| anyhow!("{e}"))

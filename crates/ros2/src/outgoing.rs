@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let domain = Domain::open()?;
     while serve(args, &domain, &stop)? == Ended::WithTheGraph {
         eprintln!(
-            "lariat-ros2: this process was stopped for a while, and the transport did not go on with it: the graph is entered anew"
+            "lariat-ros2: this process was stopped for a while, and the transport did not continue with it: the graph is entered again"
         );
     }
     Ok(())

@@ -91,7 +91,7 @@ impl Parameters {
 fn holding(rig: &Rig) -> Result<BTreeMap<String, ParameterValue>> {
     let settings: Table = ask(rig.as_str(), &Asked::Settings)?
         .parse()
-        .context("the chain's settings are no TOML")?;
+        .context("the chain's settings are not TOML")?;
     let of = |section: &'static str| {
         let values = settings.get(section).and_then(Value::as_table);
         let values = values.into_iter().flatten();

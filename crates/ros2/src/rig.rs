@@ -181,7 +181,7 @@ fn until<P: Payload + ?Sized>(
     Ok(None)
 }
 
-/// What is read; a reader that fails is let go of, and taken up anew at the next check.
+/// What is read; a reader that fails is let go of, and taken up again at the next check.
 fn take<P: Payload + ?Sized, T>(
     reader: &mut Option<Receiver<P>>,
     read: impl FnOnce(&Receiver<P>) -> Result<Option<T>, WireError>,

@@ -6,15 +6,15 @@
 //! that was published is received or lost on exactly one link. How many of Δc − Δe extract skipped for want of a mask, it
 //! says at its end.
 //!
-//! A stage that its chain started anew in its place counts on, and says so in the trace: what was lost from the last message before to the
-//! first one after, on whichever link, was lost at that restart (`at_restart`). One of a chain that was started anew whole counts from 1
+//! A stage that its chain restarted in its place counts on, and says so in the trace: what was lost from the last message before to the
+//! first one after, on whichever link, was lost at that restart (`at_restart`). One of a chain that was restarted whole counts from 1
 //! again: then its counter itself is the difference. As no stage sends more than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where such a
 //! start breaks that, the frame that proves a send is believed.
 //!
 //! On another machine the bridge is one more stage: it counts what it writes there, Δb. Then what was lost on the way there is Δf − Δb, and what was lost
 //! behind it Δb − 1.
 //!
-//! A sink that was started anew, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
+//! A sink that was restarted, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
 //! one: what that had received and not written down, and what came while there was none.
 //!
 //! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
@@ -26,7 +26,7 @@ use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
 use crate::{AtRestart, FinalCounts, Lost};
 use lariat_message::Trace;
 
-/// How often each stage was seen to begin anew.
+/// How often each stage was seen to begin again.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Restarts {
     /// Capture, or its source.
@@ -120,7 +120,7 @@ impl Ledger {
             trace.fitted,
         ];
         let (before, arrival) = match self.last {
-            // A fit begun anew also counts from 1, but its clock does not go back.
+            // A fit begun again also counts from 1, but its clock does not go back.
             Some((last, fitted_ns)) if now[3] <= last[3] && trace.fitted_ns <= fitted_ns => {
                 // A reader that comes late is given the newest of before: the last sink has counted it.
                 let is_given_anew = self.resumed && now == last;
@@ -155,7 +155,7 @@ impl Ledger {
     fn follow_bridge(&mut self, bridged: u64) -> u64 {
         match std::mem::replace(&mut self.bridged, bridged) {
             last if last > 0 && last < bridged => bridged - last,
-            // Begun anew.
+            // Begun again.
             last if bridged > 0 && last > bridged => bridged,
             _ => 1,
         }
@@ -207,7 +207,7 @@ impl Ledger {
         }
     }
 
-    /// Of what was lost after capture, extract and fit, what was lost from the last message before a stage was started anew to
+    /// Of what was lost after capture, extract and fit, what was lost from the last message before a stage was restarted to
     /// the first one after.
     pub fn at_restart(&self) -> AtRestart {
         let [capture, extract, fit] = self.at_restart;
@@ -239,7 +239,7 @@ impl Ledger {
         };
         let mut least = 0;
         for i in (0..4).rev() {
-            // Less than nothing: begun anew in between.
+            // Less than nothing: begun again in between.
             let step = (first[i].saturating_sub(1)).saturating_sub(before[i]);
             least = step.max(least);
             self.steps[i] = self.steps[i].saturating_add(least);
@@ -251,16 +251,16 @@ impl Ledger {
     fn advance(&mut self, before: Counters, now: [Option<u64>; 4], least: u64) -> Counters {
         let mut reached = before;
         let mut least = least;
-        let mut anew = [false; 4];
+        let mut again = [false; 4];
         for i in (0..4).rev() {
             let step = match now[i] {
                 Some(count) if count < before[i] => {
-                    anew[i] = true;
+                    again[i] = true;
                     count.max(least)
                 }
                 Some(count) => {
-                    // Fewer than the next stage sent: begun anew, and past its old count again.
-                    anew[i] = count - before[i] < least;
+                    // Fewer than the next stage sent: begun again, and past its old count again.
+                    again[i] = count - before[i] < least;
                     (count - before[i]).max(least)
                 }
                 None => least,
@@ -269,9 +269,9 @@ impl Ledger {
             self.steps[i] = self.steps[i].saturating_add(step);
             least = step;
         }
-        self.restarts.capture += u64::from(anew[0] || anew[1]);
-        self.restarts.extract += u64::from(anew[2]);
-        self.restarts.fit += u64::from(anew[3]);
+        self.restarts.capture += u64::from(again[0] || again[1]);
+        self.restarts.extract += u64::from(again[2]);
+        self.restarts.fit += u64::from(again[3]);
         reached
     }
 
@@ -362,7 +362,7 @@ impl Ledger {
         })
     }
 
-    /// Which stages began anew.
+    /// Which stages began again.
     pub fn restarts(&self) -> Restarts {
         self.restarts
     }

@@ -39,7 +39,7 @@ impl Report {
         &self.summary
     }
 
-    /// Which stages were seen to begin anew.
+    /// Which stages were seen to begin again.
     pub fn restarts(&self) -> Restarts {
         self.facts.restarts
     }

@@ -334,12 +334,12 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
         ("fit", facts.restarts.fit),
     ] {
         if times > 0 {
-            notes.push(format!("{stage} began anew {}: what was lost meanwhile is counted as far as the counters show it.", plural(times, "time")));
+            notes.push(format!("{stage} began again {}: what was lost meanwhile is counted as far as the counters show it.", plural(times, "time")));
         }
     }
     if facts.restarts.sink > 0 {
         let times = plural(facts.restarts.sink, "time");
-        notes.push(format!("sink began anew {times}, and went on counting: what came while it was away is lost with it, and the last second before is not timed."));
+        notes.push(format!("sink was restarted {times}, and went on counting: what came while it was away is lost with it, and the last second before is not timed."));
     }
     for (stage, count) in facts.finished.iter().flat_map(|sent| {
         [
@@ -399,14 +399,14 @@ fn depth_notes(summary: &Summary) -> impl Iterator<Item = String> {
         .filter(|&count| count > 0)
         .map(|count| {
             format!(
-                "{} had no depth image, or second view, beside them: their ropes are described in the image only.",
+                "{} had no depth image or second view: their ropes are described in the image only.",
                 plural(count, "frame")
             )
         });
     let (lost, unpaired) = (depth.lost.unwrap_or(0), depth.unpaired.unwrap_or(0));
     let images = depth.images.filter(|_| lost + unpaired > 0).map(|images| {
         format!(
-            "The depth camera gave {}, of which {unpaired} were no frame's; {lost} more were lost at the source.",
+            "The depth camera gave {}; {unpaired} of them belonged to no frame; {lost} more were lost at the source.",
             plural(images, "image")
         )
     });

@@ -2,7 +2,7 @@
 //!
 //! Truth, centerlines and descriptors come over three services, each at its own time, and any of them may be lost. Each
 //! waits for the others in a ring of the last frames, found by the source's number; the moment of exposure, where both
-//! know it, tells the frames of a source that began anew from those before.
+//! know it, tells the frames of a source that began again from those before.
 
 use crate::drawn::points_along;
 use crate::error::{Compared, Frame};

@@ -10,7 +10,7 @@ export class History {
   /** Keeps one more. */
   add(moment) {
     const last = this.#moments.at(-1);
-    // Another chain, or one that was started anew after a reboot: its clock is another.
+    // Another chain, or one that was restarted after a reboot: its clock is another.
     if (last && moment.said.exposed_ms < last.said.exposed_ms) this.clear();
     this.#moments.push(moment);
     this.#bytes += moment.bytes;

@@ -130,7 +130,7 @@ impl Lens {
 fn quoted(path: &Path) -> Result<String> {
     let path = path.to_str().with_context(|| {
         format!(
-            "{} cannot stand in a settings file: it is no text",
+            "{} cannot be written to a settings file: it is not text",
             path.display()
         )
     })?;

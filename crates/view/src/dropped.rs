@@ -41,7 +41,7 @@ pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
         .context("there is no room for the picture")?;
     let picture = Picture::load(kept.path())
         .ok()
-        .context("what was dropped is no picture that can be read")?;
+        .context("the dropped file is not a picture that can be read")?;
     let picture = picture.into_rgb();
     let (width, height) = picture.dimensions();
     let header = FrameHeader {

@@ -315,7 +315,7 @@ impl Client {
                 None
             }
             Ok(Said::Other) => None,
-            Err(_) => warning("This is no message of the protocol.".to_owned()),
+            Err(_) => warning("This is not a message of the protocol.".to_owned()),
         }
     }
 

@@ -42,7 +42,7 @@ pub struct Gatherer<'d> {
     look: Look,
 }
 
-/// What is known of the rig that is shown. Another one begins anew.
+/// What is known of the rig that is shown. Another one begins again.
 #[derive(Debug, Default)]
 struct Look {
     reader: Option<Receiver<Descriptors>>,
@@ -285,7 +285,7 @@ impl Gatherer<'_> {
 
 impl Look {
     /// Becomes a reader when there is a writer, and goes with it: a reader that stayed would be in the way of a chain that
-    /// is started anew with another delivery.
+    /// is restarted with another delivery.
     fn link(&mut self, domain: &Domain, rig: &Rig) {
         let state = domain.channel(rig, DESCRIPTORS.name());
         let is_written = state.as_ref().is_some_and(|state| {

@@ -61,7 +61,7 @@ impl Request {
         let (mut upgrade, mut version, mut key) = (false, false, None);
         for header in head.headers {
             let Ok(value) = str::from_utf8(header.value) else {
-                return Err(Refusal(400, "A line of the request's head is no text."));
+                return Err(Refusal(400, "A line of the request's head is not text."));
             };
             let value = value.trim();
             let name = header.name.to_ascii_lowercase();

@@ -277,7 +277,7 @@ impl Watcher {
         self.bell.clone()
     }
 
-    /// Has the bell ring anew from now on.
+    /// Has the bell ring again from now on.
     pub(crate) fn hear(&self) {
         let mut count = [0; 8];
         let _ = rustix::io::read(&*self.bell, &mut count);

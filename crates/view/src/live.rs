@@ -48,7 +48,7 @@ const LOOK: Duration = Duration::from_secs(5);
 
 /// Why one that is not our own page is refused.
 const FOREIGN: &str = "this connection may not change anything: open the page by its address";
-const NO_CHAIN: &str = "there is no chain to be asked";
+const NO_CHAIN: &str = "no chain is running";
 /// Moments that the page may still speak of: the one on its screen, and those that came after it.
 const HELD: usize = 3;
 
@@ -299,7 +299,7 @@ impl Desk {
         let shown = self.held.back().map(|moment| &moment.descriptors);
         ensure!(
             shown.is_some_and(|shown| [shown.width, shown.height] == size),
-            "the points were clicked in pictures of another size: click them anew"
+            "the points were clicked in pictures of another size: click them again"
         );
         Ok(())
     }

@@ -99,7 +99,7 @@ impl Server {
                 options.port
             ),
             ErrorKind::AddrNotAvailable => anyhow::anyhow!(
-                "{} is no address of this machine: say --listen with one, or 0.0.0.0 for all",
+                "{} is not an address of this machine: say --listen with one, or 0.0.0.0 for all",
                 options.listen
             ),
             _ => anyhow::Error::new(cause).context(format!("cannot listen on {asked}")),

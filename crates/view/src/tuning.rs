@@ -85,7 +85,7 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
     match wish {
         Wish::Settings => {
             let text = ask(rig, &Asked::Settings)?;
-            let table: toml::Table = text.parse().context("the chain's settings are no TOML")?;
+            let table: toml::Table = text.parse().context("the chain's settings are not TOML")?;
             Ok(serde_json::to_value(table)?)
         }
         Wish::Set { changes } => {
@@ -98,7 +98,7 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
             ask(rig, &Asked::Set(changes.clone()))?;
             let file = PathBuf::from(ask(rig, &Asked::File)?.trim_end());
             let text = match bounded::read(&file, bounded::LONGEST_TEXT) {
-                Ok(bytes) => String::from_utf8(bytes).context("the settings file is no text")?,
+                Ok(bytes) => String::from_utf8(bytes).context("the settings file is not text")?,
                 Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => String::new(),
                 Err(cause) => {
                     return Err(cause).with_context(|| format!("cannot read {}", file.display()));

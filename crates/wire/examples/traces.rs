@@ -1,7 +1,7 @@
 //! A reader that says when each frame that it sees was made and by whom: what `tests/soak` measures by.
 //!
 //! A line for each: its number, exposed, fitted and in hand (ns of the monotonic clock), which settings made it, how often
-//! capture, extract and fit had been started anew, and its ropes that are seen now.
+//! capture, extract and fit had been restarted, and its ropes that are seen now.
 
 use std::io::Write;
 use std::time::{Duration, Instant};

@@ -156,7 +156,7 @@ impl Passing {
                     holder: holder(inode.unwrap_or(0)),
                 });
             };
-            // It may have been removed, and made anew by another, while it was waited for.
+            // It may have been removed, and made again by another, while it was waited for.
             if fs::symlink_metadata(root).map(|data| data.ino()).ok() == inode {
                 return Ok(Self { _lock: folder });
             }

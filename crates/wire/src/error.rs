@@ -8,7 +8,7 @@ use thiserror::Error;
 pub enum WireError {
     /// A rig's name has other characters than it may.
     #[error(
-        "'{0}' is no name for a rig: use 1 to 32 of the characters a-z, 0-9, '-' and '_', for example --rig left-arm"
+        "'{0}' is not a valid rig name: use 1 to 32 of the characters a-z, 0-9, '-' and '_', for example --rig left-arm"
     )]
     RigName(String),
     /// The variable that names the domain holds something unusable.

@@ -43,7 +43,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Which run of the chain it is of, counted by this reader from 1; 0 before the first message. When it changes, tracks
-    /// have begun anew, and the new chain may have another basis, order or unit.
+    /// have begun again, and the new chain may have another basis, order or unit.
     pub fn run(&self) -> u64 {
         self.moment.run
     }

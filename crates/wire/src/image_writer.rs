@@ -2,7 +2,7 @@
 //! A camera or a mask network of the user's own: images into a rig's shared memory, with a header and stamps that the chain
 //! counts and times by.
 //!
-//! A writer of images takes the channel as it is, lossless or not; its slots are made for the largest image so far, and anew for a larger one. Python's
+//! A writer of images takes the channel as it is, lossless or not; its slots are made for the largest image so far, and again for a larger one. Python's
 //! arrays of a slot are views of it: they are counted, and while one lives the writer's memory stays mapped (closing waits for the last one, larger slots
 //! are refused, as `mmap` has it). Frames in Python are copies, as messages are.
 
@@ -266,7 +266,7 @@ impl FrameWriter {
         self.send(stamp)
     }
 
-    /// Whether its slots have room for an image of so many bytes. Where not, they are made anew with the loan of one, and what
+    /// Whether its slots have room for an image of so many bytes. Where not, they are made again with the loan of one, and what
     /// was borrowed before is no memory any more.
     pub fn has_room(&self, bytes: usize) -> bool {
         self.images.has_room(bytes)

@@ -19,13 +19,13 @@
 //! ```
 //!
 //! [`Reader::open`] names the rig: one camera and its chain of processes (`lariat run`). The chain may start later, and be
-//! started anew. [`Reader::wait`] sleeps until a frame comes; [`Reader::latest`] never sleeps, for a loop with a beat of its
+//! restarted. [`Reader::wait`] sleeps until a frame comes; [`Reader::latest`] never sleeps, for a loop with a beat of its
 //! own; [`Reader::before_poll`] is for a `poll` that waits for other things too. All three give a [`Frame`]: the newest
 //! message, where it lies in shared memory, and how old its image is *now*.
 //!
 //! Of a frame a loop asks [the only rope](Frame::only_rope), or [the rope of a track](Frame::rope), and says how old the
 //! image may be. The answer is a [`Seen`], and only its first case is the rope as it is. A covered, a doubtful, a lost or an old
-//! shape has to be taken by its name, and a rope of a chain that was started anew is never taken for one of before.
+//! shape has to be taken by its name, and a rope of a chain that was restarted is never taken for one of before.
 //!
 //! A [`Rope`] has its [centerline](Rope::centerline), the points where it was seen, with widths; its [control
 //! points](Rope::control_points), its [age](Rope::age), a [prediction](Rope::predict) of where
@@ -64,10 +64,10 @@
 //! - **The newest stays in the reader's hands**, in shared memory, until the next comes: a look with nothing new is some
 //!   atomics and the clock. One message waits for such a reader, not eight: with overflow there is then none to be skipped. On
 //!   a lossless channel eight wait for it as for others.
-//! - **Age** is from the exposure to the moment of the question, each time anew. An exposure later than the fit's own stamp counts
+//! - **Age** is from the exposure to the moment of the question, each time again. An exposure later than the fit's own stamp counts
 //!   as that stamp: no message stays young for ever.
 //! - **Runs.** A new writer is a new run of the chain, and so is an `extracted` that goes back, or goes on by less than `fitted`
-//!   (an extract that was started anew by hand). Tracks belong to a run.
+//!   (an extract that was restarted by hand). Tracks belong to a run.
 //! - **Unsure** comes before covered and after lost: a curve that misses its points (`fit`), or a status `doubtful`, is not to be
 //!   steered by, whatever is hidden. A writer that does not judge (`fit` 0) is trusted, so that writers of one's own are not shut out.
 //!   A coarse curve passes where the loop says so when it opens the reader; a doubtful rope is taken by its name only.

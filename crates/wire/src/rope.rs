@@ -13,7 +13,7 @@ use crate::{
 
 /// Which rope: its number, which it keeps from frame to frame, and the run of the chain that gave it.
 ///
-/// A chain that is started anew numbers its ropes anew: a track of another run is never found again, so that no other
+/// A chain that is restarted numbers its ropes again: a track of another run is never found again, so that no other
 /// rope is taken for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Track {
@@ -286,7 +286,7 @@ impl<'a> Rope<'a> {
     }
 }
 
-/// No prediction goes farther: the chain's own filter begins anew after as long without an image.
+/// No prediction goes farther: the chain's own filter begins again after as long without an image.
 pub const FARTHEST: Duration = Duration::from_millis(500);
 
 /// A rope where it is thought to be at another moment.
@@ -324,7 +324,7 @@ pub enum NoPrediction {
     #[error(transparent)]
     NoShape(#[from] NoShape),
     /// Its control points have no velocities.
-    #[error("the chain does not filter, so that ropes have no velocities: start it with --filter")]
+    #[error("the chain does not filter, so ropes have no velocities: start it with --filter")]
     NotFiltered,
     /// Of its velocity nothing is known yet.
     #[error(

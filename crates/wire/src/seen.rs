@@ -98,7 +98,7 @@ impl fmt::Display for Seen<'_> {
             }
             Self::Unsure(rope, Doubt::LowConfidence) => write!(
                 f,
-                "that rope {} is one, whole and in order, is sure to {:.0} % only, and more was asked for",
+                "rope {} has a confidence of {:.0} % only, less than required",
                 rope.track(),
                 100.0 * rope.confidence()
             ),
@@ -130,11 +130,11 @@ pub enum Doubt {
     #[error("the curve does not lie on the rope, but its centerline does")]
     Coarse,
     /// It is seen whole, but what is seen may be no rope.
-    #[error("it may be no rope, but a shadow, a pen or an edge")]
+    #[error("it may not be a rope, but a shadow, a pen or an edge")]
     NoRope,
     /// Its [confidence](Rope::confidence) is less than was asked for
     /// ([`Reader::min_confidence`](crate::Reader::min_confidence)).
-    #[error("its confidence is less than was asked for")]
+    #[error("its confidence is less than required")]
     LowConfidence,
 }
 
@@ -175,8 +175,8 @@ pub enum Absent {
     /// The only rope was asked for, and there are several: choose one by its track.
     #[error("there are several ropes: choose one by its track")]
     Several,
-    /// The track is of a run of the chain that is over: choose a rope anew.
-    #[error("the chain was started anew, and numbers ropes anew: choose the rope again")]
+    /// The track is of a run of the chain that is over: choose a rope again.
+    #[error("the chain was restarted, and numbers ropes again: choose the rope again")]
     OtherRun,
     /// Its numbers make no rope. A chain of this release sends none such.
     #[error("the message makes no sense: use the same release of lariat for every process")]

@@ -78,7 +78,7 @@ fn what_was_lost_on_the_way_is_not_handed_on_now_either() {
 fn stages_that_were_started_anew_are_so_again() {
     let made = Making {
         settings: FILTERED,
-        anew: Some(5),
+        again: Some(5),
         ..Making::default()
     };
     assert_eq!(same(&check(&made.make(), None).unwrap()).1, 12);

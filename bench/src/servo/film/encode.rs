@@ -24,7 +24,7 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     let (_, first) = pictures
         .first()
         .context("there is no film, as no image came that it could be made of")?;
-    let side = |px: u32| u16::try_from(px).context("a film of such large images is no GIF");
+    let side = |px: u32| u16::try_from(px).context("images of this size do not fit into a GIF");
     let (width, height) = (side(first.width())?, side(first.height())?);
     let mut bytes = Vec::new();
     // Each picture has colors of its own.

@@ -219,7 +219,7 @@ impl Robot {
         if now_ns.saturating_sub(self.said_ns) > SAY_NS {
             self.said_ns = now_ns;
             say(&format!(
-                "a command came {:.1} ms after it was given, and was dropped, as all older than {:.1} ms are ({} so far): --command-age sets that",
+                "a command came {:.1} ms after it was given, and was dropped, like all older than {:.1} ms ({} until now): --command-age sets that",
                 age_ns as f64 * 1e-6,
                 self.most_age_ns as f64 * 1e-6,
                 self.done.old

@@ -11,7 +11,7 @@ pub(super) fn size(found: &Found) -> Result<Option<[u32; 2]>, CalibrationError> 
         Some(side) if is_side(side) => Ok(side as u32),
         _ => wrong(
             key,
-            format!("{} is no number of pixels from 1 to 65535", shown(value)),
+            format!("{} is not a number of pixels from 1 to 65535", shown(value)),
         ),
     };
     if let Some((key, value)) = found.any(&SIZE) {
@@ -49,7 +49,7 @@ pub(super) fn crop(
             Some(number) if number == 0.0 || is_side(number) => Ok(number as u32),
             _ => wrong(
                 key,
-                format!("{} is no number of pixels from 0 to 65535", shown(value)),
+                format!("{} is not a number of pixels from 0 to 65535", shown(value)),
             ),
         },
     };

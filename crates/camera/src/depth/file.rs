@@ -120,6 +120,6 @@ fn number(file: &Node, name: &str, default: f64) -> Result<f64, CalibrationError
     };
     match calibration::number(value) {
         Some(number) => Ok(number),
-        None => calibration::wrong(key, "a single number is asked for here"),
+        None => calibration::wrong(key, "a single number is expected here"),
     }
 }

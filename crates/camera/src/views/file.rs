@@ -26,7 +26,7 @@ impl SecondCalibration {
         let second = calibration::camera(&file)?;
         let Some(pose) = Pose::read(&file, LEAST_MM)? else {
             return Err(CalibrationError::Missing(
-                "pose beside the first camera",
+                "pose relative to the first camera",
                 "rotation (nine numbers, or a quaternion x, y, z, w) and translation_mm",
             ));
         };

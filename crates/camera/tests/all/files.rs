@@ -129,7 +129,7 @@ fn what_is_wrong_is_said_with_its_key() {
         (with("image_height: 480\n", ""), "image_width: give both"),
         (
             with("image_height: 480", "image_height: 0"),
-            "image_height: \"0\" is no number of pixels",
+            "image_height: \"0\" is not a number of pixels",
         ),
         (
             with("image_height: 480", "image_height: [4, 8]"),

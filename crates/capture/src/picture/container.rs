@@ -52,7 +52,7 @@ pub(crate) fn stranger(path: &Path, head: &[u8]) -> String {
     match Foreign::of(head).or_else(|| Foreign::named(path)) {
         Some(known) => known.advice(path),
         None => format!(
-            "is no picture ({PICTURES}) and no .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)",
+            "is neither a picture ({PICTURES}) nor a .y4m video: convert it first (a video with `ffmpeg -i {} out.y4m`)",
             path.display()
         ),
     }

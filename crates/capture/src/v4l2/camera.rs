@@ -99,7 +99,7 @@ pub(super) enum Encoding {
 pub(super) trait Port: Send {
     type Driver: Driver;
 
-    /// Opens the camera anew, set up as it was at first. Fails if it cannot be set up so. Beside it what is not quite as it
+    /// Opens the camera again, set up as it was at first. Fails if it cannot be set up so. Beside it what is not quite as it
     /// was, if anything is.
     fn reopen(&mut self) -> Result<(Self::Driver, Option<String>), CameraError>;
 

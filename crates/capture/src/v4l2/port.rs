@@ -110,7 +110,7 @@ impl Port for DevicePort {
         };
         if as_before != self.shape {
             return Err(device.refusal(
-                "be set up as before: it is not the same camera, or its driver has changed; start lariat anew",
+                "be set up as before: it is not the same camera, or its driver has changed; start lariat again",
                 Errno::INVAL,
             ));
         }

@@ -13,7 +13,7 @@ pub(super) struct Sequence {
 
 impl Sequence {
     /// The number of a frame by the driver's: as far behind the last as the driver's is. A driver that does not count, or
-    /// begins anew, has the next one.
+    /// begins again, has the next one.
     pub(super) fn of(&mut self, driver: u32) -> u64 {
         let step = match self.driver.replace(driver) {
             // Modulo 2³², so that a wrap is a step like any other; half of that and more is a step back.
@@ -33,7 +33,7 @@ impl Sequence {
         self.last
     }
 
-    /// The driver begins to stream anew: what it lost meanwhile is not known.
+    /// The driver begins to stream again: what it lost meanwhile is not known.
     pub(super) fn restart(&mut self) {
         self.driver = None;
     }

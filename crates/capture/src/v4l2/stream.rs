@@ -183,7 +183,7 @@ impl<D: Driver> Stream<D> {
         Some(slot)
     }
 
-    /// Has the buffer of a frame that was dequeued filled anew.
+    /// Has the buffer of a frame that was dequeued filled again.
     pub(super) fn requeue(
         &mut self,
         filled: &Filled,
@@ -195,7 +195,7 @@ impl<D: Driver> Stream<D> {
                     .get_mut(filled.index)
                     .and_then(|place| place.slot.take());
                 match slot {
-                    // It cannot be kept here if the driver does not take it: then all is stopped, and lent anew.
+                    // It cannot be kept here if the driver does not take it: then all is stopped, and lent again.
                     Some(slot) => self.keep(filled.index, slot),
                     None => Ok(()),
                 }

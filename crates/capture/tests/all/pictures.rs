@@ -364,7 +364,7 @@ fn what_cannot_be_shown_is_refused_before_the_first_frame() {
     fs::write(at("text.txt"), "words").unwrap();
     let text = refusal(open_paths(&[at("text.txt")], false));
     assert!(
-        text.contains("text.txt is no picture (PNG, JPEG, WebP, TIFF, BMP or PGM)"),
+        text.contains("text.txt is neither a picture (PNG, JPEG, WebP, TIFF, BMP or PGM)"),
         "{text}"
     );
 

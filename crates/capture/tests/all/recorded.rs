@@ -314,7 +314,7 @@ fn the_truth_comes_with_its_frame_wherever_it_stands() {
 #[test]
 fn a_count_or_a_clock_that_restarts_or_jumps_continues_by_a_period_and_says_so() {
     let folder = TempDir::new().unwrap();
-    let path = folder.path().join("anew.mcap");
+    let path = folder.path().join("again.mcap");
     let mut made = Made::new(&path, Compression::None);
     let frames = [
         (5, 50),

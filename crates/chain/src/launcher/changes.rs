@@ -21,7 +21,7 @@ const TRIED: [Part; 4] = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
 /// A change of settings that is being tried.
 pub(super) struct Trial {
     /// Which of [`TRIED`] restart.
-    anew: [bool; 4],
+    again: [bool; 4],
     flags_before: Flags,
     before: Arc<Settings>,
     /// The client that asked for the change; `None` for an edited file.
@@ -34,8 +34,8 @@ pub(super) struct Trial {
 
 impl Trial {
     fn parts(&self) -> impl Iterator<Item = Part> + use<> {
-        let anew = self.anew;
-        TRIED.into_iter().filter(move |part| anew[*part as usize])
+        let again = self.again;
+        TRIED.into_iter().filter(move |part| again[*part as usize])
     }
 }
 
@@ -49,7 +49,7 @@ impl Chain {
         match Control::open(&self.settings.run.rig) {
             Ok(control) => self.control = Some(control),
             Err(cause) => {
-                tracing::warn!("the chain cannot be told anything while it runs: {cause:#}")
+                tracing::warn!("the running chain takes no commands: {cause:#}")
             }
         }
     }
@@ -193,7 +193,7 @@ impl Chain {
             return Ok("nothing has changed\n".to_owned());
         }
         let mut concerned = settings.concerned(&self.settings)?;
-        concerned.live[Part::Fit as usize] |= is_read_again && !concerned.anew[Part::Fit as usize];
+        concerned.live[Part::Fit as usize] |= is_read_again && !concerned.again[Part::Fit as usize];
         let named = |of: [bool; 4]| {
             let names: Vec<_> = TRIED
                 .iter()
@@ -202,10 +202,10 @@ impl Chain {
                 .collect();
             names.join(", ")
         };
-        if concerned.anew.contains(&true) && settings.run.fuse {
+        if concerned.again.contains(&true) && settings.run.fuse {
             anyhow::bail!(
-                "{} would have to be started anew, which a fused chain cannot do: stop it, and start it with the new value",
-                named(concerned.anew)
+                "{} would have to be restarted, which a fused chain cannot do: stop it, and start it with the new value",
+                named(concerned.again)
             );
         }
         // What a stage could not make is said to who asks.
@@ -226,13 +226,13 @@ impl Chain {
         if concerned.live.contains(&true) {
             answer += &format!("; {} between two frames", named(concerned.live));
         }
-        if concerned.anew.contains(&true) {
-            answer += &format!("; started anew: {}", named(concerned.anew));
+        if concerned.again.contains(&true) {
+            answer += &format!("; restarted: {}", named(concerned.again));
         }
         answer.push('\n');
-        if concerned.anew.contains(&true) {
+        if concerned.again.contains(&true) {
             self.trial = Some(Trial {
-                anew: concerned.anew,
+                again: concerned.again,
                 flags_before: self.flags.clone(),
                 before: self.settings.clone(),
                 client: None,
@@ -243,7 +243,7 @@ impl Chain {
         self.hand_out(settings);
         for part in TRIED
             .into_iter()
-            .filter(|part| concerned.anew[*part as usize])
+            .filter(|part| concerned.again[*part as usize])
         {
             self.renew(part);
         }
@@ -261,13 +261,13 @@ impl Chain {
             anyhow::bail!("this chain has no {name}: name capture, extract, fit or sink");
         };
         if self.settings.run.fuse && part.fused().is_some() {
-            anyhow::bail!("{name} is no process of its own, as the chain is fused");
+            anyhow::bail!("{name} has no process of its own, as the chain is fused");
         }
         self.renew(part);
-        Ok(format!("{name} is started anew\n"))
+        Ok(format!("{name} is restarted\n"))
     }
 
-    /// Has a part end, to be started anew.
+    /// Has a part end, to be restarted.
     pub(super) fn renew(&mut self, part: Part) {
         let Some(child) = self.children[part as usize].as_mut() else {
             return;

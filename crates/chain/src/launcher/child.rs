@@ -408,7 +408,7 @@ impl Child {
         }
     }
 
-    /// Ends it at once, to be started anew.
+    /// Ends it at once, to be restarted.
     pub(super) fn strike(&self) {
         self.signal(Signal::KILL);
     }

@@ -14,7 +14,7 @@ pub(super) struct Watched {
 }
 
 impl Chain {
-    /// Kills the stages that stand still while work waits for them, if they are started anew then.
+    /// Kills the stages that stand still while work waits for them, if they are restarted then.
     pub(super) fn strike_the_hanging(&mut self) {
         let run = &self.settings.run;
         if !run.starts_anew() || run.lossless {

@@ -133,9 +133,9 @@ struct Chain {
     children: [Option<Child>; Part::ALL.len()],
     heirlooms: [Heirloom; Part::ALL.len()],
     restarts: Restarts,
-    /// When a part that fell is started anew.
+    /// When a part that fell is restarted.
     due: [Option<Instant>; Part::ALL.len()],
-    /// Those that were told to end, to be started anew.
+    /// Those that were told to end, to be restarted.
     renewed: [bool; Part::ALL.len()],
     watched: [Watched; Part::ALL.len()],
     /// When the chain was up.
@@ -149,7 +149,7 @@ struct Chain {
     herald: Herald,
     /// The first that ended when it should not have, for good.
     fallen: Option<Part>,
-    /// Nothing is started anew any more.
+    /// Nothing is restarted any more.
     is_stopping: bool,
     /// The recorder ended when it should not have, and the chain went on.
     recording_lost: bool,
@@ -187,7 +187,7 @@ impl Chain {
         })
     }
 
-    /// Starts a part, for the first time or anew.
+    /// Starts a part, for the first time or again.
     fn start(&mut self, part: Part) -> anyhow::Result<()> {
         let settings = &self.settings;
         let heirloom = &self.heirlooms[part as usize];
@@ -209,7 +209,7 @@ impl Chain {
         Ok(())
     }
 
-    /// The settings of a part that is started anew.
+    /// The settings of a part that is restarted.
     fn settings_of(&self, part: Part, restarts: u64) -> Settings {
         let mut settings = Settings::clone(&self.settings);
         let run = &mut settings.run;
@@ -428,13 +428,13 @@ impl Chain {
                     0.0 => String::new(),
                     pause_s => format!(" in {pause_s} s"),
                 };
-                eprintln!("lariat: {name} {how}; it is started anew{when}");
+                eprintln!("lariat: {name} {how}; it is restarted{when}");
                 self.herald.trouble(&format!("{name} fell: {reason}"));
             }
             Verdict::TooMany(count) => {
                 let window_s = run.restart_window.as_secs_f64();
                 eprintln!(
-                    "lariat: {count} parts were started anew within {window_s} s (max_restarts): no more"
+                    "lariat: {count} parts were restarted within {window_s} s (max_restarts): no more"
                 );
             }
             Verdict::End => {}
@@ -448,7 +448,7 @@ impl Chain {
             // A chain is there for its robot: without a recording it goes on.
             Some(ending) if part == Part::Recorder && self.began.is_some() => {
                 if !std::mem::replace(&mut self.recording_lost, true) {
-                    eprintln!("lariat: the recorder {ending}; the chain goes on without it");
+                    eprintln!("lariat: the recorder {ending}; the chain continues without it");
                 }
             }
             // It wants no more than the word that it would be given at the end.
@@ -518,7 +518,7 @@ impl Chain {
     }
 }
 
-/// The name of the file that a recorder writes which was started anew: `run.mcap`, `run-2.mcap`, `run-3.mcap`.
+/// The name of the file that a recorder writes which was restarted: `run.mcap`, `run-2.mcap`, `run-3.mcap`.
 fn numbered(file: &Path, number: u64) -> std::path::PathBuf {
     if file == Path::new("-") {
         return file.to_owned();

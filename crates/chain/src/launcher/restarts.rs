@@ -1,4 +1,4 @@
-//! When a part that fell is started anew, and when the chain gives up.
+//! When a part that fell is restarted, and when the chain gives up.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use crate::settings::{Restart, Run};
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 
-/// The parts that were started anew within the window.
+/// The parts that were restarted within the window.
 #[derive(Debug, Default)]
 pub(super) struct Restarts {
     /// When each was.
@@ -19,11 +19,11 @@ pub(super) struct Restarts {
 /// What becomes of a part that fell.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// It is started anew at this moment.
+    /// It is restarted at this moment.
     Anew(Instant),
     /// The chain ends with it.
     End,
-    /// The chain ends, as this many were started anew within the window.
+    /// The chain ends, as this many were restarted within the window.
     TooMany(u32),
 }
 

@@ -48,7 +48,7 @@ impl Chain {
         }
     }
 
-    /// Those that fell and are to report are still started anew; who else fell has ended.
+    /// Those that fell and are to report are still restarted; who else fell has ended.
     fn start_those_that_report(&mut self) {
         for part in Part::ALL {
             if self.due[part as usize].is_none() || !part.is_told_the_last_word() {
@@ -64,7 +64,7 @@ impl Chain {
                 started = self.listen(Some(end), None);
             }
             if let Err(cause) = started {
-                tracing::warn!("{} is not started anew: {cause:#}", part.name());
+                tracing::warn!("{} is not restarted: {cause:#}", part.name());
             }
         }
     }

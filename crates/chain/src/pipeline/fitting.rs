@@ -105,7 +105,7 @@ impl CurveFitter {
         Ok(())
     }
 
-    /// Extract was started with another number of points: its word counts, and the algebra is done anew, once.
+    /// Extract was started with another number of points: its word counts, and the algebra is done again, once.
     fn count_anew(&mut self, count: usize) -> Result<()> {
         self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()

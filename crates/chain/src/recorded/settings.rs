@@ -107,7 +107,7 @@ fn text_of(recording: &Recording, name: &str) -> Result<Option<String>> {
     bytes
         .map(String::from_utf8)
         .transpose()
-        .with_context(|| format!("{name} in the recording is no text"))
+        .with_context(|| format!("{name} in the recording is not text"))
 }
 
 /// What a file of a later version of the settings is called: `lariat.toml`, `lariat.2.toml`.

@@ -29,15 +29,15 @@ pub fn version_line(version: u32) -> String {
 pub struct Concerned {
     /// They take it between two frames.
     pub live: [bool; 4],
-    /// They are started anew.
-    pub anew: [bool; 4],
+    /// They are restarted.
+    pub again: [bool; 4],
 }
 
 /// How a setting comes to hold.
 enum Way {
     /// One stage takes it between two frames.
     Live(Stage),
-    /// Stages are started anew.
+    /// Stages are restarted.
     Anew(&'static [Stage]),
     /// The chain itself goes by it.
     Chain,
@@ -98,7 +98,7 @@ impl Settings {
                 Way::Live(stage) => concerned.live[stage as usize] = true,
                 Way::Anew(stages) => {
                     for &stage in stages {
-                        concerned.anew[stage as usize] = true;
+                        concerned.again[stage as usize] = true;
                     }
                 }
                 Way::Chain => {}
@@ -112,7 +112,7 @@ impl Settings {
             );
         }
         for stage in 0..4 {
-            concerned.live[stage] &= !concerned.anew[stage];
+            concerned.live[stage] &= !concerned.again[stage];
         }
         Ok(concerned)
     }
@@ -261,8 +261,8 @@ mod tests {
             live: of(stages),
             ..Concerned::default()
         };
-        let anew = |stages| Concerned {
-            anew: of(stages),
+        let again = |stages| Concerned {
+            again: of(stages),
             ..Concerned::default()
         };
         let here = concerned(&["fit.control_points=7", "extract.min_confidence=0.25"]).unwrap();
@@ -270,11 +270,11 @@ mod tests {
         assert_eq!(concerned(&[]).unwrap(), Concerned::default());
         assert_eq!(
             concerned(&["capture.fps=60"]).unwrap(),
-            anew(&[Stage::Capture])
+            again(&[Stage::Capture])
         );
         assert_eq!(
             concerned(&["extract.mask=external", "extract.ropes=2"]).unwrap(),
-            anew(&[Stage::Extract])
+            again(&[Stage::Extract])
         );
         assert_eq!(
             concerned(&["run.restart=always"]).unwrap(),

@@ -32,7 +32,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     };
     let Some((_, unit_s)) = UNITS_S.iter().find(|(name, _)| *name == unit) else {
         return Err(format!(
-            "\"{unit}\" is no unit of time here: use us, ms, s, m or h"
+            "\"{unit}\" is not a unit of time here: use us, ms, s, m or h"
         ));
     };
     Ok(number * unit_s)

@@ -237,7 +237,7 @@ impl Args for Flags {
                 .num_args(1..)
                 .action(ArgAction::Append)
                 .value_parser(|text: &str| typed(&Takes::Paths, text))
-                .help("Where frames come from, as with --source");
+                .help("Source of the frames, as with --source");
             command = command.arg(bare);
         }
         command.arg(

@@ -12,7 +12,7 @@ use toml::{Table, Value};
 /// A change makes no sense, the text is no TOML, or it has the setting in a way that this cannot change. The sentence then has the
 /// lines to be written by hand.
 pub fn with_changes(text: &str, changes: &[String]) -> Result<String> {
-    let mut meant: Table = text.parse().context("the settings file is no TOML")?;
+    let mut meant: Table = text.parse().context("the settings file is not TOML")?;
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let mut by_hand = String::new();
     for change in changes {
@@ -21,7 +21,7 @@ pub fn with_changes(text: &str, changes: &[String]) -> Result<String> {
         let _ = write!(by_hand, "\n[{section}]\n{name} = {value}");
         let table = meant.entry(section).or_insert_with(|| Table::new().into());
         let Some(table) = table.as_table_mut() else {
-            bail!("{section} is no section in the settings file");
+            bail!("{section} is not a section of the settings file");
         };
         table.insert(name.to_owned(), value.clone());
         put(&mut lines, section, name, &value);

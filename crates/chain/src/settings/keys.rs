@@ -27,19 +27,16 @@ pub(super) struct Key {
 /// What each section is about.
 const SECTIONS: [(&str, &str); 8] = [
     ("run", "The chain as a whole."),
-    ("capture", "Where frames come from."),
+    ("capture", "The source of frames."),
     (
         "simulation",
-        "The rope that is simulated, with the source \"simulated\".",
+        "The simulated rope, for the source \"simulated\".",
     ),
-    ("camera", "Where what is seen in them lies."),
-    (
-        "extract",
-        "What is a rope in them, and how its centerline is given.",
-    ),
+    ("camera", "Lens, plane, depth: from pixels to millimetres."),
+    ("extract", "Finding ropes, and their centerlines."),
     ("fit", "The curve that describes the centerline."),
-    ("sink", "What is shown while the chain runs."),
-    ("record", "What a recording keeps, and how."),
+    ("sink", "The live line."),
+    ("record", "The contents and the format of recordings."),
 ];
 
 /// Which of [`KEYS`] are of this section.

@@ -139,7 +139,7 @@ pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)>
     if capture.depth_images.is_some() && !capture.is_of_pictures() {
         return Some((
             "depth_images",
-            "depth images lie beside pictures, one for each: name a folder of pictures as the source".to_owned(),
+            "depth images belong to pictures, one for each: name a folder of pictures as the source".to_owned(),
         ));
     }
     if capture.is_camera() && capture.depth_source.as_ref() == capture.source.first() {

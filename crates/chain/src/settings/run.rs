@@ -4,7 +4,7 @@ use crate::settings::Arrangement;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// When a stage is started anew in its place, while the others go on.
+/// When a stage is restarted in its place, while the others go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Restart {
     /// Never: the chain ends with it.
@@ -42,9 +42,9 @@ pub struct Run {
     pub record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub fuse: bool,
-    /// Whether nobody looks on: nothing is shown, and a stage that fell is started anew if nothing else is said.
+    /// Whether nobody looks on: nothing is shown, and a stage that fell is restarted if nothing else is said.
     pub daemon: bool,
-    /// When a stage is started anew.
+    /// When a stage is restarted.
     pub restart: Restart,
     /// How often at most within the window before the chain gives up.
     pub max_restarts: u32,
@@ -61,7 +61,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether any stage is started anew. Threads of one process are not.
+    /// Whether any stage is restarted. Threads of one process are not.
     pub fn starts_anew(&self) -> bool {
         self.restart != Restart::Never && !self.fuse
     }

@@ -15,8 +15,9 @@ use lariat_wire::MAX_CURVES;
 use toml::Value;
 
 // A row is a setting: its field in `Settings`, which begins with its section; `as` its name, if the field's is another;
-// its kind; and what it does. If it has a flag, then as the help shows it; the commands that have it, beside `run` and
-// those that take all that `run` does; its heading in the help; and a line for `-h`. `--help` shows what the setting does.
+// its kind; and its description, which `--help` and new settings files show. A setting with a flag also has: the flag as the
+// help shows it; the commands that have it besides `run` and commands that take all of `run`'s; the heading in the help; and a
+// line for `-h`.
 macro_rules! keys {
     ($($section:ident $(.$field:ident)+ $(as $name:ident)?: $kind:expr, $about:literal $(, $flag:literal, $of:expr, $heading:literal, $help:literal)?;)*) => {
         &[$(Key {
@@ -48,10 +49,10 @@ const PLACE: By<Position> = By(range::position, range::position_value, Takes::Wh
 
 pub(super) const KEYS: &[Key] = keys! {
     run.rig: By(meaning::rig, |rig| Value::String(rig.clone()), Takes::Text),
-        "Name of this camera chain, so that several run side by side: 1 to 32 of a-z, 0-9, _ and -.",
+        "Name of this camera's chain, so that several can run on one machine: 1 to 32 of a-z, 0-9, _ and -.",
         "--rig NAME", "capture extract fit sink record", "Run", "Name of the chain, to run several";
     run.lossless: SWITCH,
-        "Let capture wait for slow readers instead of skipping frames (for files, not for a live robot).",
+        "Let capture wait for slow readers instead of skipping frames. For files, not for a live robot.",
         "--lossless", "capture extract fit sink record", "Run", "Wait for slow readers, lose no frame";
     run.duration as duration_s: Maybe("10", SECONDS),
         "Stop after this many seconds.",
@@ -63,285 +64,295 @@ pub(super) const KEYS: &[Key] = keys! {
         "Write the report (table, histograms, summary.json) into this folder.",
         "--out DIR", "sink", "Report", "Write the report into this folder";
     run.trace: Maybe("\"timeline.json\"", PATH),
-        "Write when each stage worked on each of the last 1,000 frames into this file, for ui.perfetto.dev.",
+        "Write a timeline of the last 1,000 frames into this file, for ui.perfetto.dev.",
         "--trace FILE.json", "sink", "Report", "Write a timeline for ui.perfetto.dev";
     run.record: Maybe("\"run.mcap\"", PATH),
-        "Record what the chain sees and says into this file, which `lariat replay`, ROS 2 and Foxglove read.",
-        "--record FILE.mcap", "", "Recording", "Record what the chain sees and says";
+        "Record the chain's frames and results into this file, for `lariat replay`, ROS 2 and Foxglove.",
+        "--record FILE.mcap", "", "Recording", "Record frames and results";
     run.deadline as deadline_us: Maybe("33000", MICROSECONDS),
-        "A descriptor later than this after its image counts as a miss, in microseconds; if not set,\n\
-         the time between two frames.",
+        "Count a descriptor as a miss if it is older than this when it arrives, in microseconds. Default: the\n\
+         time between two frames.",
         "--deadline TIME", "sink", "Report", "Latency that counts as a miss, such as 33ms";
     run.fuse: SWITCH,
-        "Run capture, extract and fit in one process (`lariat run`): waits are a fifth shorter, but a crash of one ends all.",
+        "Run capture, extract and fit in one process. Waits are a fifth shorter, but a crash of one stage ends\n\
+         all three.",
         "--fuse", "", "Run", "Capture, extract and fit in one process";
     run.daemon: SWITCH,
-        "Nobody looks on: no line of figures is shown, and `restart` is \"on-failure\" if nothing else is said.",
+        "Run unattended: no live line, and `restart` is \"on-failure\" unless set.",
         "--daemon", "", "Run", "Unattended: no live line, --restart on-failure";
     run.restart: Named("ways", &run::RESTARTS),
-        "When a stage is started anew in its place, while the others and all readers go on: \"never\" (its chain ends with it),\n\
-         \"on-failure\" (it died, hangs, or was told to end by another than its chain), or \"always\" (also when its source has ended).",
-        "--restart WHEN", "", "Run", "Start a stage anew that fell: on-failure";
+        "When to restart a stage while the others and all readers continue: \"never\" (the chain ends),\n\
+         \"on-failure\" (after a crash, a hang, or a signal from elsewhere), or \"always\" (also when its source\n\
+         has ended).",
+        "--restart WHEN", "", "Run", "When to restart a stage, such as on-failure";
     run.max_restarts: Whole(1..=1_000_000),
-        "How often stages are started anew within `restart_window_s` before the chain gives up and ends. With `daemon` it\n\
-         never gives up, and retries every 5 s.";
+        "Number of restarts within `restart_window_s` after which the chain ends. With `daemon` the chain never\n\
+         ends for this, and retries every 5 s.";
     run.restart_window as restart_window_s: SECONDS,
-        "See `max_restarts`, in seconds.";
+        "Time window of `max_restarts`, in seconds.";
     run.hang as hang_s: SECONDS,
-        "A stage that stands still for so many seconds while work waits for it hangs, and is started anew (not with lossless, where\n\
-         each waits for the next).";
+        "Restart a stage that makes no progress for this many seconds while work waits for it. Not with\n\
+         `lossless`, where each stage waits for the next.";
     run.start_limit as start_limit_s: SECONDS,
         "Fail a stage that is not ready after this many seconds.";
     run.watch: SWITCH,
-        "Take a change of the settings file while the chain runs, as `lariat set` does.",
-        "--watch", "", "Run", "Take changes of the settings file while it runs";
+        "Apply changes of the settings file while the chain runs, as `lariat set` does.",
+        "--watch", "", "Run", "Apply changes of the settings file while running";
     run.arrangement.realtime: SWITCH,
-        "For a robot: FIFO scheduling, locked memory, and the stages on cores as `cpus` says. What of it this user\n\
-         may not have is said in a sentence, and the chain runs without.",
+        "For a robot: FIFO scheduling, locked memory, and stages pinned to cores (see `cpus`). Without the\n\
+         permission for one of these, lariat warns and runs without it.",
         "--realtime", STAGES, "Real time", "FIFO scheduling, locked memory, chosen cores";
     run.arrangement.cpus: By(arrangement::cpus, arrangement::cpus_value, Takes::Text),
-        "The cores of capture, extract, fit and sink: [0, 0, 1, 1], or of some of them: { extract = 1 }. \"none\": where\n\
-         the kernel likes. \"auto\": likewise; with realtime as was measured to be best.",
+        "Cores of capture, extract, fit and sink, such as [0, 0, 1, 1], or of some stages: { extract = 1 }.\n\
+         \"none\": the kernel chooses. \"auto\": the kernel chooses, or with `realtime` the fastest measured\n\
+         arrangement.",
         "--cpus CORES", STAGES, "Real time", "Core of each stage, such as 0,0,1,1";
     run.arrangement.scheduling: Named("classes", &arrangement::SCHEDULING),
-        "The kernel's scheduling class of the stages: \"other\" as all programs, or \"fifo\", before all of them.",
+        "Scheduling class of the stages: \"other\" (like ordinary programs) or \"fifo\" (before all of them).",
         "--scheduling CLASS", STAGES, "Real time", "Scheduling class";
     run.arrangement.priority: Whole(1..=arrangement::MAX_PRIORITY),
-        "Capture's priority under FIFO, 1 to 96; extract, fit and sink have 1, 2 and 3 more, so that a frame on its way\n\
-         goes before the next one.",
+        "Priority of capture under FIFO, 1 to 96. Extract, fit and sink get 1, 2 and 3 more, so that a frame in\n\
+         progress goes before the next one.",
         "--priority N", STAGES, "Real time", "Priority of capture under FIFO";
     run.arrangement.lock_memory: SWITCH,
-        "Keep the stages' memory from being paged out.",
+        "Keep the stages' memory in RAM.",
         "--lock-memory", STAGES, "Real time", "Keep memory from being paged out";
     run.arrangement.wake: Named("ways", &arrangement::WAKES),
-        "How a stage learns of a message: woken (\"event\"), or looking for it for a while before it sleeps (\"spin\": faster,\n\
-         for a machine with a core for each stage and nothing else to do).",
-        "--wake HOW", "extract fit sink", "Real time", "How a stage learns of a message";
+        "How a stage waits for a message: \"event\" (sleep until woken) or \"spin\" (poll for a while before\n\
+         sleeping: faster, but it needs a free core for each stage).",
+        "--wake HOW", "extract fit sink", "Real time", "How a stage waits for a message";
     run.arrangement.spin as spin_us: By(arrangement::spin, arrangement::spin_value, MICROSECONDS.takes()),
-        "For how long it looks, in microseconds: at most 10000.",
-        "--spin TIME", "extract fit sink", "Real time", "How long --wake spin looks, such as 50us";
+        "Time to poll with `wake = \"spin\"`, in microseconds, at most 10000.",
+        "--spin TIME", "extract fit sink", "Real time", "Time to poll with --wake spin, such as 50us";
 
     capture.source: By(meaning::paths, |paths| meaning::paths_value(paths), Takes::Paths),
-        "\"rendered\" (a rope drawn by lariat), \"simulated\" (one held by grippers), \"external\" (frames that a program of\n\
-         yours writes), a camera (\"/dev/video0\", or better a name in /dev/v4l/by-id, which\n\
-         stays), a recording (.mcap), or a picture, a folder of pictures or a Y4M or MJPEG video, or a list of them. \"-\": standard input, a\n\
-         Y4M video, or frames as they are (then size and pixel_format say what they are).",
+        "\"rendered\" (a rope drawn by lariat), \"simulated\" (a rope held by grippers), \"external\" (frames from your\n\
+         own program), a camera (\"/dev/video0\", or a name in /dev/v4l/by-id, which does not change), a recording\n\
+         (.mcap), a picture, a folder of pictures, a Y4M or MJPEG video, or a list of these. \"-\": standard input,\n\
+         as Y4M or as raw frames (then set size and pixel_format).",
         "--source PATH", "capture snapshot", "Source", "Camera, pictures, video, recording, external or -";
     capture.fps: By(meaning::fps, meaning::fps_value, Takes::Number),
-        "Frames per second, or \"max\". \"auto\": as many as a camera has, as a video or a recording was made, as they come on\n\
-         standard input, 30 of all else.",
+        "Frames per second, or \"max\". \"auto\": the rate of the camera, video or recording, the arrival times of\n\
+         standard input, and 30 for other sources.",
         "--fps NUMBER", "capture sink snapshot trace", "Source", "Frames per second, `max` or `auto`";
     capture.size: By(meaning::size, meaning::size_value, Takes::Text),
-        "Width and height in pixels, 64 to 8192, of a camera's picture or the rendered one: [640, 480]. \"auto\": that, or\n\
-         what a camera has near it.",
+        "Width and height of a camera's or rendered picture in pixels, 64 to 8192, such as [640, 480]. \"auto\":\n\
+         640 × 480, or the camera's nearest size.",
         "--size WxH", "capture snapshot trace", "Source", "Size of a camera's, rendered or raw picture";
     capture.seed: Whole(0..=u64::MAX),
-        "Which of all rendered or simulated ropes: the same number makes the same rope on every machine.",
-        "--seed NUMBER", "capture snapshot", "Source", "Which of all rendered or simulated ropes";
+        "Number of the rendered or simulated rope. The same number gives the same rope on every machine.",
+        "--seed NUMBER", "capture snapshot", "Source", "Number of the rendered or simulated rope";
     capture.looped as loop: SWITCH,
-        "Begin again after the last file.",
-        "--loop", "capture", "Source", "Begin again after the last file";
+        "Start again after the last file.",
+        "--loop", "capture", "Source", "Start again after the last file";
     capture.range.from: Maybe("120", PLACE),
-        "Of pictures or a video, begin with this frame: its number, from 1, or a time, \"2.5s\", by the video's own rate\n\
-         or the pictures' fps.",
-        "--from PLACE", "capture trace", "Source", "Begin with this frame, or time such as 2.5s";
+        "First frame of pictures or a video: its number, from 1, or a time such as \"2.5s\", by the video's rate or\n\
+         the pictures' fps.",
+        "--from PLACE", "capture trace", "Source", "First frame, or a time such as 2.5s";
     capture.range.to: Maybe("\"10s\"", PLACE),
-        "And end with this frame, or before this time.",
-        "--to PLACE", "capture trace", "Source", "End with this frame, or before this time";
+        "Last frame, or the time before which to end.",
+        "--to PLACE", "capture trace", "Source", "Last frame, or the time before which to end";
     capture.range.every: By(range::every, range::every_value, Takes::Whole),
-        "Show every Nth of them only: 3 is the first, the fourth, the seventh, ...",
+        "Show every Nth frame only: with 3 the first, the fourth, the seventh and so on.",
         "--every N", "capture trace", "Source", "Show every Nth frame only";
     capture.follow: SWITCH,
-        "Show what is in the folder, and then each picture as it comes, once it is closed or moved there.",
+        "Show the pictures in the folder, then each new picture once it is closed or moved there.",
         "--follow", "capture", "Source", "Show each picture that comes into a folder";
     capture.topic: Maybe("\"/left/image_raw\"", TEXT),
-        "Which images of a recording are shown, if it has those of several cameras; `lariat info` lists them.",
-        "--topic TOPIC", "capture trace", "Source", "Of a recording with several cameras, the images";
+        "Image topic of a recording with several cameras; `lariat info` lists them.",
+        "--topic TOPIC", "capture trace", "Source", "Image topic of a recording";
     capture.depth_images: Maybe("\"depth/\"", PATH),
-        "Depth images beside the source's pictures: a folder of PNG files of 16 bits, one for each, in the same order. camera.depth\n\
-         says what they are.",
-        "--depth-images PATH", "capture", "Source", "Depth images beside the pictures: a folder";
+        "Depth images that belong to the source's pictures: a folder of 16-bit PNG files, one for each picture,\n\
+         in the same order. camera.depth describes the depth camera.",
+        "--depth-images PATH", "capture", "Source", "Folder of depth images, one for each picture";
     capture.depth_source: Maybe("\"/dev/video2\"", PATH),
-        "A depth camera beside the source, which is a camera, too: a node that gives Z16 or Y16, as `lariat devices` lists it, or better a\n\
-         name in /dev/v4l/by-id. camera.depth says what it is; its images have that file's size.",
-        "--depth-source PATH", "capture", "Camera", "Depth camera beside the camera: /dev/video2";
+        "Depth camera next to the source, which must be a camera: a node with Z16 or Y16, as `lariat devices`\n\
+         lists it, or its name in /dev/v4l/by-id. camera.depth describes it and gives the size of its images.",
+        "--depth-source PATH", "capture", "Camera", "Depth camera next to the source: /dev/video2";
     capture.depth_within as depth_within_us: Maybe("20000", MICROSECONDS),
-        "Of that camera each frame has the image nearest in time, taken no more than this before or after it, in microseconds. If not\n\
-         set, three fifths of the time between two of its images.";
+        "Maximum time between a frame and its depth image, in microseconds. Default: three fifths of the time\n\
+         between two depth images.";
     capture.camera.pixel_format: By(camera::pixel_format, camera::pixel_format_value, Takes::Text),
-        "A camera's pixel format, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for the mask.\n\
-         Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, i420, yuyv, nv12, gray16, bayer_rggb8, ...",
+        "Pixel format of a camera, such as \"yuyv\" or \"mjpg\", as `lariat devices` lists them. \"auto\": the best for\n\
+         the mask. Of raw frames on standard input: gray8, rgb8, bgr8, bgra8, i420, yuyv, nv12, gray16,\n\
+         bayer_rggb8 and others.",
         "--pixel-format CODE", "capture snapshot trace", "Camera", "Pixel format, such as yuyv or mjpg; raw: rgb8";
     capture.camera.io: Named("ways", &camera::IO),
-        "How frames come from a camera's driver: \"userptr\" straight into shared memory, \"mmap\" by one copy, or \"auto\".",
+        "How frames come from the camera's driver: \"userptr\" (straight into shared memory), \"mmap\" (one copy), or\n\
+         \"auto\".",
         "--io WAY", "capture snapshot", "Camera", "How frames come from the driver";
     capture.camera.controls: Controls,
-        "What a camera's controls are set to, by the names in `lariat devices`.",
+        "Values for the camera's controls, by the names in `lariat devices`.",
         "--control NAME=VALUE", "capture snapshot", "Camera", "Set a control, such as exposure_auto=1";
     capture.camera.lock: SWITCH,
-        "Hold a camera's exposure, white balance, gain and focus as they are when its picture has settled, after a second.",
+        "Hold exposure, white balance, gain and focus once the picture has settled, after a second.",
         "--lock", "capture", "Camera", "Hold exposure, white balance, gain and focus";
     capture.camera.restore: SWITCH,
-        "Put a camera's controls back at the end as they were.",
-        "--restore", "capture", "Camera", "Put controls back at the end";
+        "Restore the camera's controls at the end.",
+        "--restore", "capture", "Camera", "Restore the camera's controls at the end";
 
     simulation.grippers: Whole(1..=2),
-        "How many grippers hold the rope: 1 or 2. They take commands from lariat/<rig>/commands.";
+        "Number of grippers that hold the rope, 1 or 2. They take commands from lariat/<rig>/commands.";
     simulation.length_px: Between(100.0..=6000.0),
-        "Length of the rope in pixels: 100 to two thirds of the picture's width, and of 4/3 of its height.";
+        "Length of the rope in pixels: from 100 to two thirds of the picture's width, and at most 4/3 of its\n\
+         height.";
     simulation.stiffness: Between(0.01..=1.0),
-        "Bending stiffness by mass of length, in m⁴/s² with a pixel as a millimetre, 0.01 to 1: a cable has 0.1.";
+        "Bending stiffness divided by mass per length, in m⁴/s² for pixels of 1 mm, 0.01 to 1. A cable has 0.1.";
     simulation.friction: Between(0.0..=1.0),
         "Coefficient of friction with the table, 0 to 1.";
     simulation.noise: Between(0.0..=4.0),
-        "Standard deviation of the camera's noise in its picture, in steps of a byte, 0 to 4.";
+        "Standard deviation of the camera's noise, in levels of 256, 0 to 4.";
     simulation.hand_at_s: Maybe("2", Between(0.0..=1e6)),
-        "Let a hand come and rest on the rope, from this moment on, in seconds after the first frame.";
+        "Time at which a hand comes and rests on the rope, in seconds after the first frame.";
     simulation.hand_for_s: Between(0.0..=1e6),
-        "For how many seconds it rests there.";
+        "Time for which the hand rests there, in seconds.";
 
     camera.calibration: Maybe("\"camera.yaml\"", PATH),
-        "The lens: a file of OpenCV's FileStorage or of ROS's camera_calibration (YAML). A rope's points are undistorted\n\
-         by it, never the image.",
+        "Lens calibration: a YAML file of OpenCV (FileStorage) or of ROS (camera_calibration). It undistorts the\n\
+         rope's points, never the image.",
         "--calibration FILE", "capture fit trace replay", "Millimetres", "Lens: a YAML file of OpenCV or ROS";
     camera.plane: Maybe("\"plane.toml\"", PATH),
-        "The table that the rope lies on: a file as `lariat calibrate plane` writes it.",
+        "Plane of the table that the rope lies on: a file written by `lariat calibrate plane`.",
         "--plane FILE", SHAPES, "Millimetres", "Table, by `lariat calibrate plane`";
     camera.unit: Maybe("\"mm\"", Named("units", &view::UNITS)),
-        "What descriptors come in: \"px\" of the image (with a calibration, of one without distortion), or \"mm\" on the\n\
-         plane. If not set, mm where a plane is named.",
-        "--unit UNIT", SHAPES, "Millimetres", "What descriptors come in";
+        "Unit of descriptors: \"px\" of the image (without distortion, if there is a calibration) or \"mm\" on the\n\
+         plane. Default: mm if there is a plane.",
+        "--unit UNIT", SHAPES, "Millimetres", "Unit of descriptors";
     camera.depth: Maybe("\"depth.yaml\"", PATH),
-        "A depth camera beside the colour one: its calibration, its pose to the colour camera, and how it errs. Ropes are described in\n\
-         space, too, in mm, from the images on lariat/<rig>/depth. \"simulated\": the simulated rope is lifted, before cameras that are known.",
-        "--depth FILE", "capture fit", "Millimetres", "Depth camera beside the colour one: a YAML file";
+        "Depth camera next to the colour camera: a file with its calibration, its pose relative to the colour\n\
+         camera, and its errors. Descriptors then also come in space, in mm, from the images on\n\
+         lariat/<rig>/depth. \"simulated\": the simulated rope is lifted, in front of known cameras.",
+        "--depth FILE", "capture fit", "Millimetres", "Depth camera: a YAML file";
     camera.second: Maybe("\"right.yaml\"", PATH),
-        "A second colour camera beside this one, in the place of a depth camera: its calibration, and its pose to this one. Ropes are\n\
-         described in space, too, in mm, by what the rig second_rig sees of them.",
-        "--second FILE", "fit", "Millimetres", "Second colour camera beside this one: a YAML file";
+        "Second colour camera, instead of a depth camera: a file with its calibration, and its pose relative to\n\
+         this one. Descriptors then also come in space, in mm, from the centerlines of the rig second_rig.",
+        "--second FILE", "fit", "Millimetres", "Second colour camera: a YAML file";
     camera.second_rig: Maybe("\"right\"", By(meaning::rig, |rig| Value::String(rig.clone()), Takes::Text)),
-        "The rig of that camera, which runs by itself: lariat run --rig right.",
+        "Rig of the second camera, which runs on its own: lariat run --rig right.",
         "--second-rig NAME", "fit", "Millimetres", "Rig of the second camera";
     camera.second_within as second_within_us: Maybe("5000", MICROSECONDS),
-        "Each frame has what that camera saw nearest in time, no more than this before or after it, in microseconds. If not set, three\n\
-         fifths of the time between two of its frames.";
+        "Maximum time between a frame and the second camera's, in microseconds. Default: three fifths of the time\n\
+         between two of the second camera's frames.";
     camera.pose: Maybe("\"pose.yaml\"", PATH),
-        "Where the colour camera stands before the robot (hand-eye): rotation and translation_mm. Ropes in space are described in the\n\
-         robot's frame then, else in the camera's.",
-        "--pose FILE", "fit", "Millimetres", "Pose of the camera before the robot: a YAML file";
+        "Pose of the colour camera in the robot's frame (hand-eye calibration): rotation and translation_mm.\n\
+         Ropes in space are then in the robot's frame, otherwise in the camera's.",
+        "--pose FILE", "fit", "Millimetres", "Pose of the camera in the robot's frame: YAML";
     camera.depth_deadline as depth_deadline_us: MICROSECONDS,
-        "A frame whose depth image, or second view, has not come this long after its capture is described without, in microseconds.";
+        "Maximum time from capture to the depth image or second view, in microseconds. A frame that waits longer\n\
+         is described without it.";
 
     extract.mask: By(meaning::mask, meaning::mask_value, Takes::Toml),
-        "What is rope. \"auto\" takes what differs from the background; \"network\" asks a small neural network, for ropes\n\
-         on any ground. Or colours, one range or more:\n\
+        "Which pixels are rope. \"auto\": pixels that differ from the background. \"network\": pixels that a small\n\
+         neural network finds, on any background. Or colour ranges:\n\
          [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.2, 1] }]\n\
-         Hue in degrees, 0 to 360 (twice OpenCV's 0 to 179), and [350, 10] goes through red; saturation and\n\
-         value from 0 to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them.\n\
-         Or \"external\": another process writes each frame's mask to lariat/<rig>/masks.",
-        "--mask MASK", SEEN, "Rope", "What is rope: auto, network, external or colours";
+         Hue is in degrees, 0 to 360 (twice OpenCV's), and [350, 10] goes through red; saturation and value are 0\n\
+         to 1 (OpenCV's divided by 255). `lariat pick PICTURE` proposes them. \"external\": another process writes\n\
+         each frame's mask to lariat/<rig>/masks.",
+        "--mask MASK", SEEN, "Rope", "Mask of the ropes: auto, network, external, colours";
     extract.mask_level: By(meaning::mask_level, meaning::mask_level_value, Takes::Whole),
-        "From which level on a pixel of an external mask is rope, 1 to 255. \"auto\" chooses it by the mask itself: low where\n\
-         it is soft, as a network's probabilities are, so that ropes do not break where the network is unsure.";
+        "Lowest level of an external mask that is rope, 1 to 255. \"auto\" chooses it for each mask: low for soft\n\
+         masks such as probabilities, so that ropes do not break where they are uncertain.";
     extract.network: Maybe("\"my.weights\"", PATH),
-        "A network trained on pictures of your own, in the place of the one that lariat brings along.",
-        "--network FILE", SEEN, "Rope", "Network trained on pictures of your own";
+        "Weights of a network trained on your own pictures, instead of lariat's.",
+        "--network FILE", SEEN, "Rope", "Network trained on your own pictures";
     extract.mask_deadline as mask_deadline_us: MICROSECONDS,
-        "A frame whose external mask has not come this long after its capture is skipped, in microseconds.";
+        "Maximum time from capture to a frame's external mask, in microseconds. Later frames are skipped.";
     extract.method: Named("methods", &Method::ALL),
-        "How the mask becomes a centerline: \"skeleton\", the most accurate and by far the fastest, or, to compare\n\
-         with it, the centers of a clustering, put in order: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
-        "--method NAME", SEEN, "Rope", "How the mask becomes a centerline";
+        "How to find the centerline in the mask: \"skeleton\" (the most accurate and by far the fastest), or for\n\
+         comparison the ordered centers of a clustering: \"kmeans\", \"som\", \"gmm\" or \"fcm\".",
+        "--method NAME", SEEN, "Rope", "How to find the centerline in the mask";
     extract.points: Whole(2..=MAX_POINTS),
-        "Points of a centerline, at equal steps of arc length: at least as many as control points, at most 256.",
+        "Number of points of a centerline, at equal steps of arc length: at least the number of control points,\n\
+         at most 256.",
         "--points N", "capture extract fit trace replay", "Rope", "Points of a centerline";
     extract.ropes: Whole(1..=MAX_CURVES),
-        "The most ropes reported, the surest and longest: 1 to 24.",
-        "--ropes N", SEEN, "Rope", "The most ropes reported, 1 to 24";
+        "Maximum number of ropes reported, the most confident and longest, 1 to 24.",
+        "--ropes N", SEEN, "Rope", "Maximum number of ropes reported, 1 to 24";
     extract.min_confidence: Between(0.0..=1.0),
-        "The confidence, 0 to 1, below which a rope is warned of where nothing else says why it may be wrong. It is reported\n\
-         all the same: a loop asks for its own.";
+        "Confidence below which a warning names a rope, 0 to 1. The rope is still reported; readers have a\n\
+         threshold of their own.";
     extract.start: Maybe("[0, 0]", By(meaning::position, meaning::position_value, Takes::Numbers)),
-        "A rope's first point in the first frame is the end nearest to this position [x, y], in pixels; if not\n\
-         set, the end nearest to the top left.",
+        "Position [x, y] in pixels: in the first frame, the rope's end nearest to it becomes the first point.\n\
+         Default: the end nearest to the top left.",
         "--start X,Y", SEEN, "Rope", "A rope's first end is the one nearest to this";
     extract.at: By(meaning::positions, |at| meaning::positions_value(at), Takes::Positions),
-        "The ropes that are meant, each by a position [x, y] on it in the first frame in which it is found; others are not\n\
-         reported. [] means all.",
-        "--at X,Y,…", SEEN, "Rope", "Only the ropes that lie here";
+        "Positions [x, y] on the ropes to report, in the first frame that shows them. [] reports all ropes.",
+        "--at X,Y,…", SEEN, "Rope", "Report only the ropes at these positions";
     extract.keep_lost as keep_lost_s: SECONDS,
-        "For how many seconds a rope that is out of sight is still reported, as lost.";
+        "Time for which a rope that is out of sight is still reported, as lost, in seconds.";
     extract.roi: Maybe("[160, 120, 320, 240]", By(view::region, view::region_value, Takes::Numbers)),
-        "The part of the image that is read, [x, y, width, height] in pixels: a rope ends at its edge as at the image's.",
-        "--roi X,Y,W,H", SEEN, "Rope", "Part of the image that is read";
+        "Part of the image to read, [x, y, width, height] in pixels. A rope ends at its border as at the image's.",
+        "--roi X,Y,W,H", SEEN, "Rope", "Part of the image to read";
 
     fit.basis: Named("bases", &Family::ALL),
-        "The family of curves: \"auto\" (the fewest control points that keep the curve on the rope), \"bezier\" (the paper's),\n\
-         \"bspline\", \"rational\", \"points\" (of the rope itself), \"mass\" (its center). Closed ropes are always truncated\n\
-         Fourier series; with \"fourier\" `lariat fit` takes every line for one.",
+        "Family of curves: \"auto\" (the fewest control points that keep the curve on the rope), \"bezier\" (the\n\
+         paper's), \"bspline\", \"rational\", \"points\" (points of the rope), or \"mass\" (its center). Closed ropes are\n\
+         always truncated Fourier series. With \"fourier\" `lariat fit` treats every line as closed.",
         "--basis NAME", SHAPES, "Curve", "Family of the curve";
     fit.control_points: Maybe("9", By(meaning::control_points, meaning::control_points_value, Takes::Whole)),
-        "Control points of the curve, 2 to 32 (9 if only its basis is named; without a basis they are a Bezier curve's), or\n\
-         \"auto\": as few as keep the curve on the rope. A closed curve has as many coefficients, or one fewer.",
+        "Number of control points, 2 to 32, or \"auto\": the fewest that keep the curve on the rope. Default: 9 if\n\
+         the basis is named. A number without a basis means a Bezier curve. A closed curve has as many\n\
+         coefficients, or one fewer.",
         "--control-points N", SHAPES, "Curve", "Control points, 2 to 32, or `auto`";
     fit.max_control_points: Whole(2..=MAX_CONTROL_POINTS),
-        "The most control points that control_points = \"auto\" chooses.";
+        "Maximum that control_points = \"auto\" chooses.";
     fit.tolerance: ABOVE_0,
-        "How far from the curve, in widths of the rope, 95 % of its points may be, and all within half a width. A curve that\n\
-         is farther off is \"coarse\", which its descriptor says.";
+        "Maximum distance of 95 % of the points from the curve, in widths of the rope. All points must be within\n\
+         half a width. Otherwise the descriptor says that the curve is \"coarse\".";
     fit.tolerance_px: ABOVE_0,
-        "And at most so many pixels of the image, which counts for wide ropes.";
+        "Upper limit of `tolerance`, in pixels of the image, for wide ropes.";
     fit.degree: Whole(1..=MAX_ORDER),
-        "Degree of a B-spline's pieces, 1 to 31. A Bezier curve's degree is one less than its control points.",
+        "Degree of a B-spline's pieces, 1 to 31. The degree of a Bezier curve is one less than its control\n\
+         points.",
         "--degree N", SHAPES, "Curve", "Degree of a B-spline's pieces";
     fit.knots: Named("kinds of knots", &Knots::NAMED),
-        "Where a B-spline's pieces meet: at even steps (\"uniform\") or evenly among the points (\"averaged\").",
-        "--knots NAME", SHAPES, "Curve", "Where a B-spline's pieces meet";
+        "Knots of a B-spline: \"uniform\" (at equal steps) or \"averaged\" (by the points).",
+        "--knots NAME", SHAPES, "Curve", "Knots of a B-spline";
     fit.solver: Named("solvers", &Solver::ALL),
-        "How it is computed: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
-        "--solver NAME", SHAPES, "Curve", "How the curve is computed";
+        "Solver of the least squares: \"pinv\" (fastest), \"cholesky\" or \"qr\".",
+        "--solver NAME", SHAPES, "Curve", "Solver of the least squares";
     fit.ridge: AT_LEAST_0,
-        "What a bend of the control polygon costs, 0 or more: a little of it tames high orders.",
-        "--ridge NUMBER", SHAPES, "Curve", "What a bend of the control polygon costs";
+        "Penalty on bends of the control polygon, 0 or more. A small one tames high orders.",
+        "--ridge NUMBER", SHAPES, "Curve", "Penalty on bends of the control polygon";
     fit.pin_ends: SWITCH,
-        "Let curves begin and end exactly at the centerline's ends.",
+        "Make curves begin and end exactly at the centerline's ends.",
         "--pin-ends", SHAPES, "Curve", "Begin and end at the centerline's ends";
     fit.rho: Named("ways", &Rho::ALL),
-        "The arc length that each point stands for: in \"even\" steps, or \"measured\" along the points, chord by chord.",
-        "--rho NAME", SHAPES, "Curve", "Arc length that each point stands for";
+        "Arc length of each point: \"even\" steps, or \"measured\" along the points, chord by chord.",
+        "--rho NAME", SHAPES, "Curve", "Arc length of each point";
     fit.robust: SWITCH,
-        "Let points far off the curve weigh less, and those of a rope that were covered nothing.",
-        "--robust", SHAPES, "Curve", "Let points far off the curve weigh less";
+        "Give outliers less weight, and covered points none.",
+        "--robust", SHAPES, "Curve", "Give outliers less weight";
     fit.filter: SWITCH,
-        "Filter the control points in time (Kalman, constant velocity); descriptors then have velocities too.",
+        "Filter the control points in time (Kalman, constant velocity). Descriptors then also have velocities.",
         "--filter", "fit trace replay", "Curve", "Filter the control points in time";
     fit.acceleration_px_s2: ABOVE_0,
-        "How much the filter thinks the rope's points accelerate, in px/s² over 1 s (of the image, also where\n\
-         descriptors come in mm): the more, the less it smooths.";
+        "Acceleration of the rope's points that the filter expects, in px/s² over 1 s, also for descriptors in\n\
+         mm. A larger one smooths less.";
 
     sink.live: SWITCH,
-        "Show a line of figures while the chain runs.";
+        "Show a live line of figures.";
 
     record.images: Named("kinds of images", &recording::IMAGES),
-        "How frames are recorded: \"raw\" (as they are), \"png\" (a quarter to a half, to the bit, for a core's work),\n\
-         \"jpeg\" (a tenth), or \"none\".",
-        "--images KIND", "record", "Recording", "How frames are recorded";
+        "How to record frames: \"raw\" (unchanged), \"png\" (lossless, a quarter to a half of the size, costs a\n\
+         core), \"jpeg\" (a tenth of the size), or \"none\".",
+        "--images KIND", "record", "Recording", "How to record frames";
     record.quality: Whole(1..=100),
         "Quality of JPEGs, 1 to 100.",
         "--quality N", "record", "Recording", "Quality of JPEGs, 1 to 100";
     record.compression: Named("compressions", &recording::COMPRESSIONS),
-        "How the recording is compressed: \"none\", \"lz4\" or \"zstd\".",
-        "--compression NAME", "record", "Recording", "How it is compressed";
+        "Compression of the recording: \"none\", \"lz4\" or \"zstd\".",
+        "--compression NAME", "record", "Recording", "Compression of the recording";
     record.queue_bytes as queue_mb: MEGABYTES,
-        "Memory for what waits for the disk, in MB. What finds no room is dropped, and counted.",
-        "--queue SIZE", "record", "Recording", "Memory for what waits for the disk";
+        "Memory for data that waits for the disk, in MB. Data that does not fit is dropped and counted.",
+        "--queue SIZE", "record", "Recording", "Memory for data that waits for the disk";
     record.ring as ring_s: Maybe("30", SECONDS),
-        "Keep only the last so many seconds, in memory; `lariat record --flush` writes them.",
-        "--ring TIME", "record", "Recording", "Keep the last so much, write it when told";
+        "Keep only the last seconds, in memory; `lariat record --flush` writes them.",
+        "--ring TIME", "record", "Recording", "Keep only this long; write it on request";
     record.ring_bytes as ring_mb: MEGABYTES,
-        "The most memory that these seconds may take, in MB.",
-        "--ring-memory SIZE", "record", "Recording", "The most memory that --ring may take";
+        "Maximum memory for these seconds, in MB.",
+        "--ring-memory SIZE", "record", "Recording", "Maximum memory for --ring";
     record.replace: SWITCH,
         "Overwrite a recording, report or timeline that exists. Ignored in a file that is not named by --config.",
-        "--force", "record sink", "Recording", "Overwrite files that are there";
+        "--force", "record sink", "Recording", "Overwrite files that exist";
 };

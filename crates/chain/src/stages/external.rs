@@ -80,7 +80,7 @@ impl External {
             } else {
                 let silence = Duration::from_nanos(now_ns().saturating_sub(self.last.captured_ns));
                 tracing::warn!(
-                    "no frame came for {:.1} s: is the program that writes {channel} still running? What readers have is stale meanwhile",
+                    "no frame came for {:.1} s: is the program that writes {channel} still running? Readers have stale data meanwhile",
                     silence.as_secs_f64()
                 );
             }
@@ -109,7 +109,7 @@ impl External {
         let pause = Duration::from_nanos(trace.captured_ns.saturating_sub(self.last.captured_ns));
         let pause = if is_first { Duration::ZERO } else { pause };
         self.silent = Some(now + SHORTEST_SILENCE.max(PERIODS * pause));
-        // A writer that was started anew counts from 1 again.
+        // A writer that was restarted counts from 1 again.
         let advanced = trace.captured.checked_sub(self.last.captured);
         self.published += match advanced {
             _ if is_first => 1,

@@ -110,7 +110,7 @@ fn depths([images, lost, unpaired]: [u64; 3]) -> DepthCounts {
 /// What another release may say.
 fn unknown(line: &str) -> anyhow::Error {
     anyhow::anyhow!(
-        "`{line}` is no word between a stage and its chain: use the same release for all stages"
+        "`{line}` is not a message between a stage and its chain: use the same release for all stages"
     )
 }
 

@@ -272,7 +272,7 @@ impl<S: Simd> Room<'_, S> {
         }
     }
 
-    /// Adds the moments to the sums, and begins anew.
+    /// Adds the moments to the sums, and begins again.
     #[inline(always)]
     fn flush(&mut self, count: usize) {
         for (sums, moments) in self.sums.iter_mut().zip(&mut self.moments[..count]) {

@@ -65,7 +65,7 @@ impl WithSimd for Drawing<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        // A copy: what is behind a reference might be what is drawn on, and would be read anew for each pixel.
+        // A copy: what is behind a reference might be what is drawn on, and would be read again for each pixel.
         let brush = *self.0;
         brush.draw_slabs(self.1, self.2);
     }

@@ -1,4 +1,4 @@
-//! The picture: table, rope, grippers and hand, drawn anew where they were and are.
+//! The picture: table, rope, grippers and hand, drawn again where they were and are.
 
 use lariat_message::{Centerlines, PixelFormat};
 use lariat_simulation::Simulation;

@@ -117,7 +117,7 @@ impl Centerliner {
         line.samples.len() >= 2
     }
 
-    /// Lays a line anew along a rope so wide, whose middle it follows roughly.
+    /// Lays a line again along a rope so wide, whose middle it follows roughly.
     pub(crate) fn lay_anew(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
         if line.samples.len() < 3 || line.length_px() < 3.0 * step_px {
@@ -148,7 +148,7 @@ impl Centerliner {
         self.smoother.smooth(line, reach(half_px, step_px));
     }
 
-    /// Measures the tips too, which were run on along the way they seemed to go, and lays them anew.
+    /// Measures the tips too, which were run on along the way they seemed to go, and lays them again.
     fn measure_tips(&mut self, source: &Source, line: &mut Line, how: Measure) {
         let Measure {
             half_px, step_px, ..
@@ -156,12 +156,12 @@ impl Centerliner {
         let n = line.samples.len();
         let within = |halves: f32| (halves * half_px / step_px) as usize + 2;
         // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
-        let anew = within(ANEW_HALVES).min(n / 4);
+        let again = within(ANEW_HALVES).min(n / 4);
         weigh_ends(
             line,
             self.extender
                 .is_free()
-                .map(|free| if free { anew } else { 0 }),
+                .map(|free| if free { again } else { 0 }),
             1.0,
         );
         let count = within(TIP_HALVES);

@@ -33,7 +33,7 @@ const OWN_HALVES: f32 = 1.25;
 /// The centers are smoothed over so many widths: as far as those that lie abreast take turns.
 const SMOOTH_WIDTHS: f32 = 0.5;
 const SMOOTH_PX: f32 = 2.5;
-/// Half-widths of the way's ends that are laid anew: where thinning has bent them, then where they are run on straight.
+/// Half-widths of the way's ends that are laid again: where thinning has bent them, then where they are run on straight.
 const CUTS_HALVES: [f32; 2] = [2.5, 1.0];
 const LAST_CUT_HALVES: f32 = 0.7;
 /// The weight of a place in an open stretch where no center is: of no account, but not nothing, as in a crossing.

@@ -4,7 +4,7 @@ use super::Extractor;
 use crate::occlusion::ends::Scenery;
 
 impl Extractor {
-    /// Joins the first `count` lines, of a mask that was cut, where they pass under each other, and lays them anew in the whole one.
+    /// Joins the first `count` lines, of a mask that was cut, where they pass under each other, and lays them again in the whole one.
     pub(super) fn join_strands(&mut self, count: usize, width_px: f32, yuv: bool) -> usize {
         let scenery = Scenery {
             past: &self.zones.past,

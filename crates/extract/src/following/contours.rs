@@ -3,7 +3,7 @@
 //! As [chords](super::chords) are, but without a table: at each of a rope's points the rope's own color is learnt where it
 //! was extracted whole, and what is far from that color is ground, whatever its own may be. The difference from the rope's
 //! color grows along a pixel row in proportion to the ground's share in it, so that an edge lies where it passes half of
-//! what it comes to beyond: to a tenth of a pixel on any ground, and anew in each frame, so that nothing of the ground has
+//! what it comes to beyond: to a tenth of a pixel on any ground, and again in each frame, so that nothing of the ground has
 //! to be remembered while the rope moves over it or the camera over both.
 //!
 //! The edges of a point are read each by itself (measurement lines as in Blake and Isard, "Active Contours", 1998). Where

@@ -38,7 +38,7 @@ struct Walk {
     color: Color,
 }
 
-/// Traces all pieces on. `traced` gets the ribs of all of them anew, with those that were found.
+/// Traces all pieces on. `traced` gets the ribs of all of them again, with those that were found.
 pub(super) fn run(
     picture: &Picture,
     ground: &mut Ground,

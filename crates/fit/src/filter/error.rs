@@ -106,7 +106,7 @@ pub enum UpdateError {
     },
     /// A control point that is NaN, infinite or absurdly far away.
     #[error(
-        "control point {index} is no place: all its numbers must be finite and below {limit:e} px in size"
+        "control point {index} is not a position: all its numbers must be finite and below {limit:e} px in size"
     )]
     NotAPoint {
         /// Which, counted from 0.

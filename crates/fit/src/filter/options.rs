@@ -20,7 +20,7 @@ pub struct FilterOptions {
     /// How long an acceleration lasts before it is another, s. From 10⁻⁴ to 10. Default: 0.1.
     ///
     /// White noise has a spectral density `q` and no standard deviation. An acceleration `a` that is drawn
-    /// anew every `T` seconds adds `a²T²` to the variance of a velocity each time, white acceleration `q T`:
+    /// again every `T` seconds adds `a²T²` to the variance of a velocity each time, white acceleration `q T`:
     /// so `q = a²T`, px²/s³. That says the same at any frame rate.
     pub acceleration_lasts_s: f64,
     /// The standard deviation of the velocity of a point on the rope, along each axis, before anything is

@@ -30,14 +30,14 @@ pub enum FilterStep {
         /// that its mean over many shapes is `m D` (see [`FilterOptions::noise_scale`](crate::FilterOptions::noise_scale)).
         nis: f64,
     },
-    /// It has other curves than those before it, so the filter began anew with it.
+    /// It has other curves than those before it, so the filter began again with it.
     OtherCurves,
-    /// It came too long after the one before it, so the filter began anew with it.
+    /// It came too long after the one before it, so the filter began again with it.
     LongGap {
         /// How long after, s.
         seconds: f64,
     },
-    /// It was too far from its prediction to be the same rope in motion, so the filter began anew with it.
+    /// It was too far from its prediction to be the same rope in motion, so the filter began again with it.
     Jumped {
         /// The normalized innovation squared; infinite if the prediction's covariance was lost in rounding.
         nis: f64,
@@ -62,17 +62,17 @@ impl fmt::Display for FilterStep {
                 )
             }
             FilterStep::OtherCurves => f.write_str(
-                "the filter began anew: the shape has other curves than those before it",
+                "the filter began again: the shape has other curves than those before it",
             ),
             FilterStep::LongGap { seconds } => {
                 write!(
                     f,
-                    "the filter began anew: the last shape was {seconds:.3} s ago"
+                    "the filter began again: the last shape was {seconds:.3} s ago"
                 )
             }
             FilterStep::Jumped { nis } => write!(
                 f,
-                "the filter began anew: the rope jumped, its normalized innovation squared {nis:.1}"
+                "the filter began again: the rope jumped, its normalized innovation squared {nis:.1}"
             ),
         }
     }

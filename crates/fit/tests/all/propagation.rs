@@ -1,4 +1,4 @@
-//! Pixel noise, through a tilted plane and equal steps set anew, to the control points: as foretold, and as it is.
+//! Pixel noise, through a tilted plane and equal steps set again, to the control points: as foretold, and as it is.
 
 use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler, Square};
 use lariat_portable::SplitMix64;

@@ -303,7 +303,7 @@ fn a_refused_fit_does_not_harm_the_next() {
     broken[60][1] = f64::NAN;
     assert_eq!(
         fitter.fit(&broken).unwrap_err().to_string(),
-        "point 60 has the coordinate NaN, which is no place in a picture: all must be finite and below 1e9 px in \
+        "point 60 has the coordinate NaN, which is not a position in a picture: all must be finite and below 1e9 px in \
          size"
     );
     assert_eq!(fitter.fit(&rope).unwrap(), &first);

@@ -37,20 +37,20 @@ message! {
         /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each
         /// change since.
         settings: u32 = 0 => number,
-        /// How often capture, extract and fit had been started anew, a byte each from the lowest on, modulo 256:
+        /// How often capture, extract and fit had been restarted, a byte each from the lowest on, modulo 256:
         /// [`restarts`](Self::restarts).
         restarts: u32 = 0 => number,
     }
 }
 
 impl Trace {
-    /// How often capture, extract and fit had been started anew when they sent this, modulo 256.
+    /// How often capture, extract and fit had been restarted when they sent this, modulo 256.
     pub const fn restarts(&self) -> [u8; 3] {
         let [capture, extract, fit, _] = self.restarts.to_le_bytes();
         [capture, extract, fit]
     }
 
-    /// Says how often a stage was started anew: capture is 0, extract 1, fit 2.
+    /// Says how often a stage was restarted: capture is 0, extract 1, fit 2.
     pub const fn set_restarts(&mut self, stage: usize, restarts: u64) {
         let mut all = self.restarts.to_le_bytes();
         all[stage] = restarts as u8;

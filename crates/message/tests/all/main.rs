@@ -1,5 +1,5 @@
 //! What follows from the messages' declarations elsewhere: tables in documents, layouts for C and Python. They are committed,
-//! and made anew by `LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message`.
+//! and made again by `LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message`.
 
 use std::path::Path;
 

@@ -13,7 +13,7 @@ pub enum RecordingError {
     Io(#[from] std::io::Error),
     /// It is something else.
     #[error(
-        "this is no recording: it does not begin as an MCAP file does. `lariat run --record FILE.mcap` makes one"
+        "this is not a recording: it does not begin as an MCAP file does. `lariat run --record FILE.mcap` makes one"
     )]
     NotMcap,
     /// A recording of ROS 1.
@@ -84,7 +84,7 @@ pub enum RecordingError {
     },
     /// A part is not what was written.
     #[error(
-        "the recording is damaged at byte {offset}: {why}. What lies before and behind can be read"
+        "the recording is damaged at byte {offset}: {why}. The parts before and after it can be read"
     )]
     Damaged {
         /// Where the part begins.

@@ -15,7 +15,7 @@ pub enum WriteError {
     #[error("there is a recording {} already: name another file, or replace it with --force", .0.display())]
     Exists(PathBuf),
     /// There is something else of that name.
-    #[error("{} is no recording, and is not replaced by one: name another file", .0.display())]
+    #[error("{} is not a recording, and is not overwritten: name another file", .0.display())]
     NoRecording(PathBuf),
     /// Another program is writing to it.
     #[error("{} is being written by another program: name another file", .0.display())]

@@ -327,7 +327,7 @@ impl Recorder {
     /// How many messages are missing before this one.
     fn missed(&mut self, what: Counted, count: u64) -> u64 {
         let last = self.counts[what as usize].replace(count);
-        // A stage that was started anew counts from 1 again.
+        // A stage that was restarted counts from 1 again.
         last.map_or(0, |last| count.saturating_sub(last.saturating_add(1)))
     }
 

@@ -6,7 +6,7 @@ use mcap::Compression;
 
 #[test]
 fn a_message_costs_no_allocation_once_warm() {
-    // lz4's decoder is made anew for each chunk; what else there is, is kept.
+    // lz4's decoder is made again for each chunk; what else there is, is kept.
     for (compression, per_chunk) in [
         (None, 0),
         (Some(Compression::Zstd), 0),

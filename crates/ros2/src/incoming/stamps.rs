@@ -9,7 +9,7 @@ use super::Trouble;
 
 /// A stamp ahead by no more than this is of clocks that were read one after the other.
 const CLOCKS_APART_NS: u64 = 1_000_000;
-/// The clocks are held against each other anew when this is over: the keepers of the time of day move it.
+/// The clocks are held against each other again when this is over: the keepers of the time of day move it.
 const MEASURED_FOR_NS: u64 = 1_000_000_000;
 /// Frames whose stamps are known: more than are under way in any chain.
 const KNOWN: usize = 256;

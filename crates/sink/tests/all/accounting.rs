@@ -232,7 +232,7 @@ proptest! {
             pending = [0; 2];
             prop_assert!(is_whole(&sink.frames()));
             prop_assert_eq!(sink.frames().lost.total(), found.total());
-            // What a bridge wrote last before it began anew is not known.
+            // What a bridge wrote last before it began again is not known.
             prop_assert!(was_anew || sink.frames().lost == found);
         }
     }
@@ -301,7 +301,7 @@ fn an_extract_that_began_anew_is_said_and_its_frames_are_counted() {
     );
     assert_eq!(report.restarts().extract, 1);
     assert_eq!((report.restarts().capture, report.restarts().fit), (0, 0));
-    assert!(report.to_string().contains("extract began anew 1 time"));
+    assert!(report.to_string().contains("extract began again 1 time"));
 }
 
 #[test]
@@ -336,9 +336,9 @@ fn a_whole_chain_that_began_anew_is_counted_on() {
     for _ in 0..10 {
         receive(&mut sink, chain.frame(None).unwrap());
     }
-    let mut anew = Chain::default();
+    let mut again = Chain::default();
     for _ in 0..4 {
-        let trace = anew.frame(None).unwrap();
+        let trace = again.frame(None).unwrap();
         let later = 3_600_000_000_000;
         receive(
             &mut sink,
@@ -513,7 +513,7 @@ fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
     assert_eq!(sink.frames().lost, Lost::default());
 }
 
-/// Extract is started anew in its place: it counts on, and says so. What was on its way then is lost at the restart, on its links.
+/// Extract is restarted in its place: it counts on, and says so. What was on its way then is lost at the restart, on its links.
 #[test]
 fn what_was_lost_while_a_stage_was_started_anew_is_told_apart() {
     let mut chain = Chain::default();
@@ -595,7 +595,7 @@ fn frames_and_depth_images_that_did_not_find_each_other_are_in_the_report() {
         [31, 2, 5].map(Some)
     );
     assert!(
-        text.contains("gave 31 images, of which 5 were no frame's; 2 more were lost"),
+        text.contains("gave 31 images; 5 of them belonged to no frame; 2 more were lost"),
         "{text}"
     );
     let (_, text) = said(FinalCounts {

@@ -49,7 +49,7 @@ fn commands_come_in_the_order_in_which_they_were_sent_and_eight_wait() {
 
 #[test]
 fn a_controller_that_was_started_anew_is_heard_and_two_are_refused() {
-    let rig: Rig = "anew".parse().expect("a name");
+    let rig: Rig = "again".parse().expect("a name");
     let reader = CommandReader::open(domain(), &rig).expect("a reader");
     let domain = domain();
     for count in [7, 1] {

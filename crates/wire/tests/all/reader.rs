@@ -314,7 +314,7 @@ fn an_unsure_rope_says_why_and_its_centerline_is_there() {
         [
             "the curve of rope 3 misses it by up to 15.8, where it is 18.0 wide: its centerline is right, and \
              `lariat run --basis auto` finds a curve that lies on it",
-            "rope 4 is doubtful: it may be no rope, but a shadow, a pen or an edge",
+            "rope 4 is doubtful: it may not be a rope, but a shadow, a pen or an edge",
         ]
     );
     let lines = frame.ropes(ANY_AGE).map(|seen| match seen {
@@ -409,7 +409,7 @@ fn of_several_ropes_none_is_the_only_one_and_each_has_its_track() {
 
 #[test]
 fn a_chain_started_anew_numbers_ropes_anew_and_no_old_track_finds_one() {
-    let place = Place::new("anew");
+    let place = Place::new("again");
     let mut reader = place.reader();
     let mut chain = place.chain();
     chain.send(&[rope(1, Status::Ok, 5.0)]);

@@ -6,7 +6,7 @@ use super::*;
 use crate::v4l2::error::CameraError;
 use crate::v4l2::stream::NotStarted;
 
-/// After so many failures to start it in a row, the device is opened anew.
+/// After so many failures to start it in a row, the device is reopened.
 const FAILURES_BEFORE_REOPENING: u32 = 3;
 
 impl<P: Port> Camera<P> {
@@ -22,7 +22,7 @@ impl<P: Port> Camera<P> {
         match driver.filter(|_| errno != Errno::NODEV) {
             Some(driver) => {
                 self.told.warn(&format!(
-                    "its stream broke ({call}: {errno}) and is started anew"
+                    "its stream broke ({call}: {errno}) and is restarted"
                 ));
                 self.state = State::Stopped(driver);
             }
@@ -99,7 +99,7 @@ impl<P: Port> Camera<P> {
             self.recovery.failed(now_ns);
             if self.recovery.failures() == FAILURES_BEFORE_REOPENING {
                 self.told.warn(&format!(
-                    "it cannot be started ({call}: {errno}); it is opened anew"
+                    "it cannot be started ({call}: {errno}); it is reopened"
                 ));
             }
         }

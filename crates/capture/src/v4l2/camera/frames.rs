@@ -134,7 +134,7 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// Has the driver fill a buffer anew.
+    /// Has the driver fill a buffer again.
     fn requeue(&mut self, filled: &Filled) -> Option<Next> {
         if let State::Streaming(stream) = &mut self.state
             && let Err(failure) = stream.requeue(filled)

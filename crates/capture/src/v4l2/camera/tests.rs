@@ -42,7 +42,7 @@ fn what_does_not_take_memory_is_copied_from() {
     bench.expose(1, GOOD);
     assert_eq!(bench.shown(), (1, 77));
     assert!(bench.news().contains("MMAP"));
-    assert_eq!(bench.hardware().opened, 1, "it need not be opened anew");
+    assert_eq!(bench.hardware().opened, 1, "it need not be reopened");
     let mut bench = Bench::new(Io::UserPointer, false);
     let refused = bench.camera.next().expect_err("it may not be copied from");
     assert!(refused.to_string().contains("REQBUFS"), "{refused}");
@@ -133,7 +133,7 @@ fn a_broken_stream_is_started_anew_and_numbers_go_on() {
     assert_eq!(value, 2);
     assert_eq!(bench.hardware().opened, 1);
     let said = bench.said();
-    assert!(said.contains("is started anew"), "{said}");
+    assert!(said.contains("is restarted"), "{said}");
     assert!(bench.news().contains("frames come again"));
 }
 

@@ -62,7 +62,7 @@ where
             Noise::Covariance(&self.covariance)
         };
         let filter = self.ropes.of_track(track, exposed_ns, Filter::forget);
-        // A moment that is not later, as of a source that began anew: the rope is where it was measured.
+        // A moment that is not later, as of a source that began again: the rope is where it was measured.
         let step = filter.update(exposed_ns, &space, &fit.control_points, noise);
         if step.is_err() {
             filter.forget();

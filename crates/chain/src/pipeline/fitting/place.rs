@@ -1,7 +1,7 @@
 //! A curve's points taken to where they lie: through the lens and onto the plane, at equal steps there.
 //!
 //! **Equal steps** (`crates/fit/src/resample.rs`). Equal steps in the picture are not equal on a tilted table, and ρ is arc length
-//! on the table: the points are set anew at equal steps along cubics through them, so that the precomputed
+//! on the table: the points are set again at equal steps along cubics through them, so that the precomputed
 //! matrix of the even grid serves as before (measured ρ, the other way, costs 60 times the fit). A straight line has points
 //! equal to rounding, a bend of radius r and steps h to h²/24r² of its length.
 //!

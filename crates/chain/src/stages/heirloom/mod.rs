@@ -29,7 +29,7 @@ pub const HEIRLOOM_FD: &str = "LARIAT_HEIRLOOM_FD";
 /// How far a stage is, over all its processes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// How often it was started anew.
+    /// How often it was restarted.
     pub restarts: u64,
     /// What it sent.
     pub sent: Sent,
@@ -84,7 +84,7 @@ struct Memory {
 
 impl Memory {
     fn of(file: File) -> Result<Self> {
-        let words = map(&file, BYTES).context("there is no memory for what a stage leaves")?;
+        let words = map(&file, BYTES).context("there is no memory for a stage's handover state")?;
         Ok(Self { file, words })
     }
 }
@@ -97,7 +97,7 @@ impl Heirloom {
     pub fn make(stage: &str) -> Result<Self> {
         let made = memfd_create(format!("lariat-{stage}"), MemfdFlags::CLOEXEC);
         let file = made.and_then(|file| ftruncate(&file, BYTES as u64).map(|()| File::from(file)));
-        let file = file.context("there is no memory for what a stage leaves to its successor")?;
+        let file = file.context("there is no memory for a stage's handover state")?;
         Ok(Self {
             memory: Some(Memory::of(file)?),
             progress: Progress::default(),
@@ -170,7 +170,7 @@ impl Heirloom {
         self.write();
     }
 
-    /// The stage is started anew.
+    /// The stage is restarted.
     pub fn begin_anew(&mut self) {
         self.progress = self.read();
         self.progress.restarts += 1;

@@ -43,7 +43,7 @@ pub(super) fn tally(heirloom: &Heirloom, options: Options) -> Tally {
     }
     inherited(heirloom, options).unwrap_or_else(|cause| {
         tracing::warn!(
-            "sink counts from now on, as it cannot go on where the last one stopped: {cause}"
+            "sink counts from now on, as it cannot continue where the last one stopped: {cause}"
         );
         Tally::new(Options {
             from_start: false,

@@ -337,7 +337,7 @@ impl Rope {
         (self.is_brief || self.unseen_frames <= MOST_UNSEEN_FRAMES) && self.lay(image)
     }
 
-    /// Lays the stations anew from end to end.
+    /// Lays the stations again from end to end.
     fn lay(&mut self, image: &Image) -> bool {
         let Some(ends_px) = self.find_ends(image) else {
             return false;

@@ -333,9 +333,9 @@ fn every_step_is_a_sentence() {
         [
             "the filter began with this shape",
             "the shape was taken in, its normalized innovation squared 17.2",
-            "the filter began anew: the shape has other curves than those before it",
-            "the filter began anew: the last shape was 1.500 s ago",
-            "the filter began anew: the rope jumped, its normalized innovation squared 4000.0",
+            "the filter began again: the shape has other curves than those before it",
+            "the filter began again: the last shape was 1.500 s ago",
+            "the filter began again: the rope jumped, its normalized innovation squared 4000.0",
         ]
     );
 }

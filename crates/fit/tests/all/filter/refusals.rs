@@ -108,7 +108,7 @@ fn shapes_that_cannot_be_taken_in_say_why_and_change_nothing() {
     );
     assert_eq!(
         refusal(2000, &space, &[SHAPE[0], SHAPE[1], [f64::NAN, 1.0]], EVEN),
-        "control point 2 is no place: all its numbers must be finite and below 1e12 px in size"
+        "control point 2 is not a position: all its numbers must be finite and below 1e12 px in size"
     );
     assert_eq!(
         refusal(2000, &space, &SHAPE, Noise::Even { variance_px2: -0.5 }),

@@ -282,7 +282,7 @@ impl Bench {
         self.camera.next().expect("no fault").expect("no end")
     }
 
-    /// The next frame that is no blank one. Its slot is lent anew.
+    /// The next frame that is no blank one. Its slot is lent again.
     pub(super) fn next_image(&mut self) -> Frame {
         loop {
             let frame = self.next();
@@ -295,7 +295,7 @@ impl Bench {
         }
     }
 
-    /// The next frame's number and value; blank ones are passed over. Its slot is lent anew.
+    /// The next frame's number and value; blank ones are passed over. Its slot is lent again.
     pub(super) fn shown(&mut self) -> (u64, u8) {
         loop {
             let frame = self.next();
