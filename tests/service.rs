@@ -149,7 +149,7 @@ fn what_cannot_be_installed_is_refused_with_what_to_do() {
         root.path(),
         &["install", "--as", "ann\nExecStartPre=/bin/sh"],
     );
-    assert!(said.expect_err("no name").contains("is no user's name"));
+    assert!(said.expect_err("no name").contains("is not a user name"));
     let said = service(root.path(), &["install", "--rig", "../cell"]);
     assert!(said.expect_err("no rig").contains("../cell"));
     fs::write(root.path().join("usr"), "a file").expect("written");

@@ -322,7 +322,7 @@ fn what_is_no_summary_is_named() {
     let nothing = compare(&json!({}), &json!({}));
     let said = String::from_utf8_lossy(&nothing.stderr);
     assert!(
-        !nothing.status.success() && said.contains("is no summary of lariat"),
+        !nothing.status.success() && said.contains("is not a summary of lariat"),
         "{said}"
     );
 }

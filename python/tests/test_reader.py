@@ -406,7 +406,7 @@ def test_the_thread_that_asks_has_short_slices() -> None:
 
 
 def test_what_is_wrong_is_said_in_a_sentence(domain: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ValueError, match="is no name for a rig"):
+    with pytest.raises(ValueError, match="is not a valid rig name"):
         lariat.Reader("Left Arm")
     with pytest.raises(ValueError, match="give a number of seconds"):
         lariat.Reader(timeout=-1.0)

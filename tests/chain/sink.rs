@@ -147,7 +147,7 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     let count = count.map(|count| count.trim_matches([' ', ']']).parse());
     assert_eq!(count, Some(Ok(received - 1)), "{total}");
     assert!(text.contains("with a sink"), "{text}");
-    assert!(text.contains("sink began again 2 times"), "{text}");
+    assert!(text.contains("sink was restarted 2 times"), "{text}");
 }
 
 #[test]

@@ -160,7 +160,7 @@ fn who_follows_a_channel_goes_with_the_chain_and_comes_back_with_the_next_howeve
     let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
     chain.wait_for_frames();
     let (mut echo, mut lines) = follow(&bench, &["echo", "--json"]);
-    assert!(next(&mut lines).starts_with("{\"channel\":\"descriptors\""));
+    assert!(next(&mut lines).starts_with("{\"schema\":1,\"channel\":\"descriptors\""));
     chain.signal_chain(Signal::INT);
     assert!(chain.end().status.success());
     let ended_ns = lariat_wire::now_ns();

@@ -192,8 +192,11 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
             "say what to do with the recording: --check",
         ),
         (&["replay", "none.mcap", "--check"], "No such file"),
-        (&["replay", "text.mcap", "--check"], "this is no recording"),
-        (&["info", "text.mcap"], "this is no recording"),
+        (
+            &["replay", "text.mcap", "--check"],
+            "this is not a recording",
+        ),
+        (&["info", "text.mcap"], "this is not a recording"),
         (
             &["replay", GOLDEN, "--check", "--control-points", "7"],
             "a check uses the settings of the recording",

@@ -44,7 +44,7 @@ fn a_port_that_is_taken_is_said() {
     let output = bench.run(&["view", "--listen", "203.0.113.9"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
-        !output.status.success() && said.contains("no address of this machine"),
+        !output.status.success() && said.contains("not an address of this machine"),
         "{said}"
     );
     viewing.end();

@@ -82,7 +82,7 @@ fn a_picture_that_is_dropped_is_traced() {
             break text;
         }
     };
-    assert!(why.contains("no picture"), "{why}");
+    assert!(why.contains("not a picture"), "{why}");
     end(chain, viewing);
 }
 

@@ -18,8 +18,7 @@ use std::fmt;
 use std::process::ExitCode;
 
 /// The same in the help.
-pub const CODES: &str =
-    "Exit codes: 0 done; 1 failed, or the check did not pass; 2 wrong use or settings.";
+pub const CODES: &str = "Exit codes: 0 done; 1 failed, or a check failed; 2 wrong use or settings.";
 
 /// What was asked makes no sense, whatever the machine and the files. Its text is a sentence that says what to do.
 #[derive(Debug)]

@@ -334,7 +334,7 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
         ("fit", facts.restarts.fit),
     ] {
         if times > 0 {
-            notes.push(format!("{stage} began again {}: what was lost meanwhile is counted as far as the counters show it.", plural(times, "time")));
+            notes.push(format!("{stage} was restarted {}: what was lost meanwhile is counted as far as the counters show it.", plural(times, "time")));
         }
     }
     if facts.restarts.sink > 0 {

@@ -145,7 +145,7 @@ fn what_is_wrong_is_said_with_its_key() {
             "references",
         ),
         (with("data: [0.1,", "data: [-0.1e9,"), "above a million"),
-        (said("{a: [1, 2"), "it is no YAML"),
+        (said("{a: [1, 2"), "this is not YAML"),
         (said(&"[".repeat(200)), "nested too deeply"),
         (said(&"x".repeat(1 << 21)), "longer than 1 MiB"),
     ] {

@@ -481,7 +481,7 @@ fn what_is_no_recording_or_holds_no_images_is_refused() {
     };
     assert!(refusal(&path).contains("No such file"));
     std::fs::write(&path, "words").unwrap();
-    assert!(refusal(&path).contains("no recording"));
+    assert!(refusal(&path).contains("not a recording"));
     let path = folder.path().join("without.mcap");
     let mut made = Made::new(&path, Compression::None);
     let of_frame = header(1, 10);

@@ -173,7 +173,8 @@ impl fmt::Display for Lacks {
 
 /// Whether the cores that the settings name are there, for the chain to know before it starts its stages.
 pub fn check(wanted: &Arrangement) -> anyhow::Result<()> {
-    let before = sched_getaffinity(None).context("the kernel did not name the cores that lariat may use")?;
+    let before =
+        sched_getaffinity(None).context("the kernel did not name the cores that lariat may use")?;
     if let Cpus::Cores(cores) = wanted.cpus {
         let outcome = cores.into_iter().flatten().try_for_each(pin);
         // As it was: the stages are children, and would have it from here.

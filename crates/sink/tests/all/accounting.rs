@@ -301,7 +301,7 @@ fn an_extract_that_began_anew_is_said_and_its_frames_are_counted() {
     );
     assert_eq!(report.restarts().extract, 1);
     assert_eq!((report.restarts().capture, report.restarts().fit), (0, 0));
-    assert!(report.to_string().contains("extract began again 1 time"));
+    assert!(report.to_string().contains("extract was restarted 1 time"));
 }
 
 #[test]

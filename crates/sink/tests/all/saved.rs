@@ -237,7 +237,7 @@ fn what_came_while_there_was_no_sink_is_lost_with_it_and_said() {
         text.contains("    with a sink                                        6\n"),
         "{text}"
     );
-    assert!(text.contains("sink began again 1 time"), "{text}");
+    assert!(text.contains("sink was restarted 1 time"), "{text}");
 }
 
 #[test]

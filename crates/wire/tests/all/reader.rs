@@ -246,7 +246,7 @@ fn a_rope_below_the_confidence_that_a_loop_asks_for_is_not_fresh() {
         let frame = reader.latest().unwrap();
         let seen = frame.only_rope(ANY_AGE);
         if expected == "LowConfidence" && !confidence.is_nan() {
-            let sentence = format!("is sure to {:.0} % only", 100.0 * confidence);
+            let sentence = format!("has a confidence of {:.0} % only", 100.0 * confidence);
             assert!(seen.to_string().contains(&sentence), "{seen}");
         }
         let said = match seen {
