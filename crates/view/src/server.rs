@@ -28,7 +28,7 @@ const MOST_FOREIGN: usize = MOST_CLIENTS / 2;
 /// How long a client may take to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(5);
 /// Of a client's thread: it keeps pictures on the heap.
-pub(crate) const STACK: usize = 512 << 10;
+const STACK: usize = 512 << 10;
 
 /// What a page shows.
 #[derive(Debug, Clone)]

@@ -12,7 +12,6 @@ use lariat_chain::stages::arrangement::give_way;
 use tungstenite::Message;
 
 use crate::hub::ring;
-use crate::server::STACK;
 
 /// Tasks that may wait. A client that asks for more waits for the first to be done.
 const MOST_WAITING: usize = 4;
@@ -35,7 +34,8 @@ impl<T: Send + 'static> Worker<T> {
     ) -> std::io::Result<Self> {
         let (tasks, to_do) = channel();
         let (finished, done) = channel();
-        let thread = Builder::new().name("view-worker".into()).stack_size(STACK);
+        // With the usual stack: an extraction needs more than a client's own thread has.
+        let thread = Builder::new().name("view-worker".into());
         thread.spawn(move || {
             give_way();
             for task in to_do {
