@@ -94,7 +94,9 @@ impl Args {
         let id = match (self.domain_id, std::env::var("ROS_DOMAIN_ID")) {
             (Some(id), _) => id,
             (None, Ok(text)) if !text.trim().is_empty() => text.trim().parse().map_err(|_| {
-                WrongUse(format!("ROS_DOMAIN_ID={text} is not a number from 0 to 232"))
+                WrongUse(format!(
+                    "ROS_DOMAIN_ID={text} is not a number from 0 to 232"
+                ))
             })?,
             _ => 0,
         };
