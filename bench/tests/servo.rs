@@ -53,7 +53,7 @@ fn a_lifted_rope_is_driven_in_space_by_what_a_depth_camera_sees_and_is_filmed() 
     let output = bench.run(&["servo", "--lifted", "--study", "latency"]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
-        said.contains("no group of a study of a lifted rope"),
+        said.contains("not a group of a study of a lifted rope"),
         "{said}"
     );
     assert_eq!(output.status.code(), Some(2), "{said}");

@@ -160,7 +160,7 @@ def test_what_is_wrong_is_said_in_a_sentence() -> None:
     assert "choose one of auto, bezier, bspline" in wrong(wave(120), basis="nurbs")
     assert "shape (n, 2)" in wrong(np.zeros((20, 3)))
     assert "shape (n, 2)" in wrong(np.zeros(20))
-    assert "no place in a picture" in wrong(np.full((20, 2), np.nan))
+    assert "not a position in a picture" in wrong(np.full((20, 2), np.nan))
     assert "give one for each" in wrong(wave(120), weights=np.ones(3))
     with pytest.raises(ValueError, match="made for 120"):
         lariat.Fitter(120).fit(wave(20))
