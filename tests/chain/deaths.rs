@@ -153,10 +153,10 @@ fn a_stage_that_does_not_end_is_killed_and_named() {
     let open = File::options().read(true).write(true).open(&pipe);
     let open = open.expect("a pipe");
     fcntl_setpipe_size(&open, 4096).expect("a size");
-    let mut chain = bench.start(&["--fps", "100", "--trace", "timeline.json"]);
+    // A timeline of far more than the pipe holds.
+    let frames = ["--fps", "200", "--frames", "200"];
+    let chain = bench.start(&[&frames[..], &["--trace", "timeline.json"]].concat());
     let ids = chain.ids;
-    chain.wait_for_frames();
-    chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
     let sentence = "lariat: sink did not end within 3 s of being told to, and was killed";
