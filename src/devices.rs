@@ -14,6 +14,7 @@ use lariat_capture::{
 };
 use serde::Serialize;
 
+use crate::versioned::Versioned;
 use lariat_chain::output::print;
 
 /// List this machine's cameras: names, formats, sizes, rates and controls
@@ -37,10 +38,9 @@ pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
     let cameras = list_cameras();
     let text = if args.json {
         let list = List {
-            schema: 1,
             cameras: cameras.iter().map(Camera::of).collect(),
         };
-        serde_json::to_string_pretty(&list)? + "\n"
+        serde_json::to_string_pretty(&Versioned::first(list))? + "\n"
     } else {
         cameras
             .iter()
@@ -59,7 +59,6 @@ pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
 
 #[derive(Serialize)]
 struct List {
-    schema: u32,
     cameras: Vec<Camera>,
 }
 

@@ -20,6 +20,7 @@ use rustix::process::geteuid;
 use rustix::thread::{CpuSet, sched_getaffinity};
 use serde::Serialize;
 
+use crate::versioned::Versioned;
 use checks::{Finding, Verdict};
 use lariat_chain::load::Load;
 use lariat_chain::output::print;
@@ -37,7 +38,6 @@ pub(crate) struct DoctorArgs {
 
 #[derive(Serialize)]
 struct Diagnosis {
-    schema: u32,
     works: bool,
     checks: Vec<Finding>,
 }
@@ -50,12 +50,8 @@ pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     let checks = examine(args.clean);
     let works = checks.iter().all(|found| found.verdict != Verdict::Bad);
     let text = if args.json {
-        let diagnosis = Diagnosis {
-            schema: 1,
-            works,
-            checks,
-        };
-        serde_json::to_string_pretty(&diagnosis)? + "\n"
+        let diagnosis = Diagnosis { works, checks };
+        serde_json::to_string_pretty(&Versioned::first(diagnosis))? + "\n"
     } else {
         checks.iter().map(Finding::to_string).collect()
     };

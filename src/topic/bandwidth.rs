@@ -12,6 +12,7 @@ use super::Titled;
 use super::probe::Any;
 use super::rate::Pace;
 use super::watch::Meter;
+use crate::versioned::Versioned;
 
 /// The figures since the last report.
 pub(super) struct Bandwidth {
@@ -45,7 +46,6 @@ impl Bandwidth {
 
 #[derive(Serialize)]
 struct Figures<'a> {
-    schema: u32,
     rig: &'a str,
     channel: &'static str,
     /// That were read here.
@@ -92,7 +92,6 @@ impl Meter for Bandwidth {
         let mb_per_s = mean.zip(hz).map(|(mean, hz)| mean * hz / 1e6);
         let text = if json {
             let figures = Figures {
-                schema: 1,
                 rig: rig.as_str(),
                 channel: self.channel.as_str(),
                 messages: self.messages,
@@ -104,7 +103,7 @@ impl Meter for Bandwidth {
                     max: self.most,
                 },
             };
-            serde_json::to_string(&figures)? + "\n"
+            serde_json::to_string(&Versioned::first(figures))? + "\n"
         } else {
             let kb = |bytes: Option<usize>| bytes.map(|bytes| bytes as f64 / 1e3);
             let figures = [

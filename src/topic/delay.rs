@@ -12,6 +12,7 @@ use serde::{Serialize, Serializer};
 
 use super::probe::Any;
 use super::watch::Meter;
+use crate::versioned::Versioned;
 
 /// All since the start: percentiles need their time.
 pub(super) struct Delay {
@@ -52,7 +53,6 @@ fn key(step: Step) -> &'static str {
 
 #[derive(Serialize)]
 struct Figures<'a> {
-    schema: u32,
     rig: &'a str,
     channel: &'static str,
     messages: u64,
@@ -124,14 +124,13 @@ impl Meter for Delay {
     fn report(&mut self, rig: &Rig, json: bool) -> Result<String> {
         if json {
             let figures = Figures {
-                schema: 1,
                 rig: rig.as_str(),
                 channel: lariat_wire::DESCRIPTORS.name(),
                 messages: self.messages,
                 latency_us: Steps(&self.steps),
                 clock_bound_us: clock_bound_us(rig),
             };
-            return Ok(serde_json::to_string(&figures)? + "\n");
+            return Ok(serde_json::to_string(&Versioned::first(figures))? + "\n");
         }
         let mut text = format!(
             "{:<20}     p50     p90     p99   p99.9     max   of {} frames\n",

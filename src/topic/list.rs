@@ -9,11 +9,11 @@ use serde::Serialize;
 use lariat_chain::output::print;
 
 use super::{ListArgs, nothing_runs};
+use crate::versioned::Versioned;
 use lariat_chain::layout::{self, Column, Table, hanging};
 
 #[derive(Serialize)]
 struct List<'a> {
-    schema: u32,
     rigs: Vec<RigEntry<'a>>,
 }
 
@@ -71,10 +71,10 @@ pub(super) fn run(args: &ListArgs) -> Result<ExitCode> {
         .filter(|state| args.rig.as_ref().is_none_or(|rig| state.rig == *rig))
         .collect();
     let text = if args.json {
-        serde_json::to_string_pretty(&List {
-            schema: 1,
+        let list = List {
             rigs: rigs(&shown, &members),
-        })? + "\n"
+        };
+        serde_json::to_string_pretty(&Versioned::first(list))? + "\n"
     } else if shown.is_empty() {
         return Err(nothing_runs(""));
     } else {

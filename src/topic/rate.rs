@@ -14,6 +14,7 @@ use super::ChannelName;
 use super::Titled;
 use super::probe::Any;
 use super::watch::Meter;
+use crate::versioned::Versioned;
 
 /// The counter and the stamp that the channel's writer gives its messages.
 fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
@@ -171,7 +172,6 @@ impl Rate {
         let variance = mean_s.map(|mean| seen.squares_s2 / seen.count as f64 - mean * mean);
         let ms = |ns: u64| ns as f64 / 1e6;
         Figures {
-            schema: 1,
             rig: rig.as_str(),
             channel: self.channel.as_str(),
             messages: seen.messages,
@@ -196,7 +196,6 @@ impl Rate {
 
 #[derive(Serialize)]
 struct Figures<'a> {
-    schema: u32,
     rig: &'a str,
     channel: &'static str,
     /// That were read here.
@@ -269,7 +268,7 @@ impl Meter for Rate {
     fn report(&mut self, rig: &Rig, json: bool) -> Result<String> {
         let figures = self.figures(rig);
         let text = if json {
-            serde_json::to_string(&figures)? + "\n"
+            serde_json::to_string(&Versioned::first(figures))? + "\n"
         } else {
             let Spread {
                 mean,

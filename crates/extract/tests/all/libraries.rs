@@ -1,7 +1,7 @@
 //! The example that uses extraction and fit as libraries.
 
 #[path = "../../examples/descriptor.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the example's main is run by hand")]
 mod descriptor;
 
 #[test]
