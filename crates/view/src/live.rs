@@ -87,6 +87,43 @@ enum Task {
     Trace { file: Bytes, rig: Option<Rig> },
 }
 
+/// The meaning of what happened on a page's connection.
+enum Heard {
+    Nothing,
+    /// There is news from elsewhere.
+    Look,
+    /// The page is ready for the next moment of a rig, this wide.
+    Next(u32),
+    /// It wants a frame of a recording.
+    Frame {
+        place: u64,
+        width: u32,
+    },
+    Task(Task),
+    Over,
+}
+
+/// `rig`: the rig that the page shows, if it does.
+fn heard(event: Event, rig: impl FnOnce() -> Option<Rig>) -> Heard {
+    let text = match event {
+        Event::Text(text) => text,
+        Event::Binary(file) => return Heard::Task(Task::Trace { file, rig: rig() }),
+        Event::Look => return Heard::Look,
+        Event::End => return Heard::Over,
+    };
+    match serde_json::from_str(&text) {
+        Ok(Said::Next { width }) => Heard::Next(width),
+        Ok(Said::Frame { place, width }) => Heard::Frame { place, width },
+        Ok(Said::Ask { id, wish }) => Heard::Task(Task::Answer {
+            id,
+            wish,
+            rig: rig(),
+        }),
+        Ok(Said::Other) => Heard::Nothing,
+        Err(_) => Heard::Over,
+    }
+}
+
 /// Shows one page the rig, until either goes.
 pub(crate) fn show_rig<S: Read + Write + AsFd>(
     mut session: Session<S>,
@@ -100,41 +137,25 @@ pub(crate) fn show_rig<S: Read + Write + AsFd>(
     let (mut shown, mut told) = (0, 0);
     let mut width = None;
     while !watcher.is_over() {
-        let task = match session.next(Some(watcher.as_fd()), LOOK) {
-            Event::Text(text) => match serde_json::from_str(&text) {
-                Ok(Said::Next { width: wanted }) => {
-                    width = Some(wanted);
-                    watcher.want();
-                    None
-                }
-                Ok(Said::Ask { id, wish }) => Some(Task::Answer {
-                    id,
-                    wish,
-                    rig: watcher.rig(),
-                }),
-                Ok(Said::Frame { .. } | Said::Other) => None,
-                Err(_) => return,
-            },
-            Event::Binary(file) => Some(Task::Trace {
-                file,
-                rig: watcher.rig(),
-            }),
-            Event::Look => {
-                watcher.hear();
-                None
+        let mut task = None;
+        match heard(session.next(Some(watcher.as_fd()), LOOK), || watcher.rig()) {
+            Heard::Next(wanted) => {
+                width = Some(wanted);
+                watcher.want();
             }
-            Event::End => return,
-        };
+            Heard::Task(asked) => task = Some(asked),
+            Heard::Look => watcher.hear(),
+            Heard::Frame { .. } | Heard::Nothing => {}
+            Heard::Over => return,
+        }
         let moment = width.and_then(|wanted| Some((watcher.moment_after(shown)?, wanted)));
         let show = moment.map(|(moment, wanted)| {
             (shown, width) = (moment.number, None);
             Task::Show(moment, wanted)
         });
         for task in [task, show].into_iter().flatten() {
-            let Some(messages) = worker.add(task) else {
-                return;
-            };
-            if !say_all(&mut session, messages) {
+            let added = worker.add(task);
+            if !added.is_some_and(|messages| say_all(&mut session, messages)) {
                 return;
             }
         }
@@ -172,29 +193,16 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
     }
     let mut wanted = None;
     loop {
-        let task = match session.next(None, LOOK) {
-            Event::Text(text) => match serde_json::from_str(&text) {
-                // The last that is asked for is what is to be seen.
-                Ok(Said::Frame { place, width }) => {
-                    wanted = Some((place, width));
-                    None
+        match heard(session.next(None, LOOK), || None) {
+            // The page shows the last frame that it asks for.
+            Heard::Frame { place, width } => wanted = Some((place, width)),
+            Heard::Task(task) => {
+                if !say_all(&mut session, desk.work(task)) {
+                    return;
                 }
-                Ok(Said::Ask { id, wish }) => Some(Task::Answer {
-                    id,
-                    wish,
-                    rig: None,
-                }),
-                Ok(Said::Next { .. } | Said::Other) => None,
-                Err(_) => return,
-            },
-            Event::Binary(file) => Some(Task::Trace { file, rig: None }),
-            Event::Look => None,
-            Event::End => return,
-        };
-        if let Some(task) = task
-            && !say_all(&mut session, desk.work(task))
-        {
-            return;
+            }
+            Heard::Next(_) | Heard::Look | Heard::Nothing => {}
+            Heard::Over => return,
         }
         if session.is_clear()
             && let Some((place, width)) = wanted.take()
