@@ -17,7 +17,7 @@ fn of_git() -> Option<String> {
     if !Path::new(".git").exists() {
         return None;
     }
-    // What changes with each commit and checkout. What is not there would have cargo build again each time.
+    // Files that change with each commit and checkout. A missing one would make cargo rebuild every time.
     for name in ["HEAD", "logs/HEAD"] {
         let path = git(&["rev-parse", "--git-path", name])?;
         if Path::new(&path).exists() {

@@ -436,7 +436,7 @@ class Trace:
         """By which settings the sender went: 0 by those that its chain began with, one more for each change since."""
     @property
     def restarts(self) -> tuple[int, int, int]:
-        """How often capture, extract and fit had been restarted, modulo 256."""
+        """Restarts of capture, extract and fit, modulo 256."""
 
 @final
 class Fresh:

@@ -30,7 +30,7 @@ pub(crate) struct Trace {
     fitted_ns: u64,
     /// By which settings the sender went: 0 by those that its chain began with, one more for each change since.
     settings: u32,
-    /// How often capture, extract and fit had been restarted, modulo 256.
+    /// Restarts of capture, extract and fit, modulo 256.
     restarts: (u8, u8, u8),
 }
 

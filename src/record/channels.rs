@@ -210,7 +210,7 @@ pub(crate) struct Counters {
 struct Counter(Option<u64>);
 
 impl Counter {
-    /// Whether a stage is heard of for the first time, or has begun again.
+    /// True if a stage is new, or was restarted.
     fn begins_with(&mut self, count: u64) -> bool {
         self.0.replace(count).is_none_or(|last| count <= last)
     }

@@ -131,7 +131,7 @@ impl Versions<'_> {
 /// A check, message by message.
 pub(super) struct Check<'a> {
     versions: Versions<'a>,
-    /// By which settings extract and fit went at the last message, and how often they had been restarted.
+    /// The settings' version and the restarts of extract and fit at the last message.
     of_extract: [u32; 2],
     of_fit: [u32; 2],
     stages: Stages,

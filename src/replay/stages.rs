@@ -106,7 +106,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Extract, as it is when it was restarted in its place: it goes on after what the one before said last.
+    /// Replaces extract as a restart in its place does: it continues after the last message of the one before.
     pub(super) fn replace_extract(&mut self, settings: &Settings) -> Result<()> {
         let past = self.extractor.past();
         self.restart_extract(settings)?;

@@ -35,7 +35,7 @@ fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
 pub(super) struct Pace(Option<(u64, u64)>);
 
 impl Pace {
-    /// How many were sent since the last message, this one included, and in how many nanoseconds; `None` for the first,
+    /// Messages sent since the last one, this one included, and the nanoseconds between the two; `None` for the first,
     /// and where a stage began again.
     pub(super) fn step(&mut self, channel: ChannelName, trace: &Trace) -> Option<(u64, u64)> {
         let (count, stamp_ns) = count_and_stamp(channel, trace);

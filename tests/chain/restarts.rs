@@ -1,4 +1,4 @@
-//! Stages that are restarted in their place, and settings that change, while the rest of a chain goes on.
+//! Stages that are restarted in their place, and settings that change, while the rest of a chain continues.
 
 use std::fs;
 use std::io::Read;
@@ -38,7 +38,7 @@ fn reader(bench: &Bench) -> Reader {
 fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
     wait_for("a rope", || {
         let frame = reader.latest().unwrap();
-        assert!(frame.run() <= 1, "a stage that is restarted is no new run");
+        assert!(frame.run() <= 1, "a restarted stage is not a new run");
         let message = frame.message()?;
         let is_new = message.trace.fitted > fitted;
         let curve = message.curves().first().filter(|_| is_new)?;

@@ -257,7 +257,7 @@ class Soak:
         if self.random.random() < 0.3:
             file.write_text(self.settings() + "solver = \"guess\"\n")
             return "nonsense"
-        # The first starts capture again, and changes nothing of what a rendered rope looks like.
+        # The first restarts capture, and changes nothing in a rendered rope's picture.
         stiffness, solver = self.random.choice([0.1, 0.1, 0.2]), self.random.choice(["qr", "pinv", "cholesky"])
         file.write_text(self.settings(stiffness) + f"solver = \"{solver}\"\n")
         return f"stiffness {stiffness}, {solver}"
@@ -354,7 +354,7 @@ class Soak:
         row("every restart said", all(said[part] >= count for part, count in self.killed.items()),
             ", ".join(f"{part} {said[part]} of {count}" for part, count in self.killed.items()) + f"; {fell} fell by themselves")
         truth = self.without_faults(frames["published"])
-        # Of a count that goes on the other way around, a stage would have begun again by itself.
+        # A count that goes back would mean that a stage restarted by itself.
         row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
         for kind in ("centerline", "curve"):
             usual, now = (of["error_px"][kind] for of in (truth, summary))

@@ -1,8 +1,8 @@
 //! The other side: what comes is written to the rig's channels here, with its stamps on this machine's clock.
 //!
 //! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves
-//! (`Seen::Stale`). Whether the other side is there, and what time it is there, is asked 20 times a second; who is not answered for [`SILENCE_NS`]
-//! looks its name up again and begins again, whatever the cause: a cut link, a process that was killed, an address that moved. The thread that waits at the
+//! (`Seen::Stale`). The bridge asks the other side for its time 20 times a second. Without an answer for [`SILENCE_NS`] it
+//! looks the name up again and reconnects, whatever the cause: a cut link, a process that was killed, an address that moved. The thread that waits at the
 //! socket opens what comes, checks it and writes it to the channel itself.
 
 mod controller;
@@ -39,7 +39,7 @@ use written::Written;
 const ASK_NS: u64 = 50_000_000;
 /// And so much earlier, where a message has just come.
 const ASK_EARLY_NS: u64 = 10_000_000;
-/// Unanswered for so long, it begins again: eight questions.
+/// It reconnects after eight questions without an answer.
 const SILENCE_NS: u64 = 8 * ASK_NS;
 /// Between two tries, where a name is not known or an address not to be reached.
 const RETRY_NS: u64 = 100_000_000;

@@ -12,7 +12,7 @@
 //! queue gave up descriptors when its thread had no core; it has no security over plain UDP; and it is 260 crates. QUIC's datagrams (RFC 9221) obey
 //! congestion control, which takes 2 % of loss for a full link: at 50 ms each way its window is then some 9 datagrams a round trip (`1.22 / √p`, Mathis
 //! and others 1997), 90 a second, where a camera has 200. So each datagram is sealed here, with a key that both sides share: ChaCha20-Poly1305 of
-//! `ring` (`key`, `datagram`). What that does not hide: that a bridge is there, when it sends and how much. What it does not stop: someone on the
+//! `ring` (`key`, `datagram`). That does not hide that a bridge is there, when it sends and how much, and it does not stop someone on the
 //! network who floods the port.
 //!
 //! Both built alike, without optimization of the whole, in turns on two busy cores (`tests/bridge/run --only none`): a descriptor from shared memory to shared memory

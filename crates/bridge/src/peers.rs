@@ -1,8 +1,8 @@
 //! The far sides that are sent to: each asks, again and again, from an address that it has shown to be its own. Pure: it is told the times.
 //!
-//! Anybody may write any address as a datagram's sender. So who asks is told a number that follows from its address, its cookie, and only who says
-//! it back is sent more than the one answer, which is as long as the question: nobody has the bridge send to a third one. Cookies are not kept, but
-//! made again (HMAC-SHA-256 under a key of this process), and are good for a minute or two, as is a recording of who said one.
+//! Anybody may write any address as a datagram's sender. So the answer to a question contains a cookie, a number that follows from the
+//! asker's address, and the bridge sends more only to an asker that repeats it. The answer is as long as the question, so nobody can make the bridge flood a
+//! third machine. Cookies are recomputed, not stored (HMAC-SHA-256 under a key of this process), and are valid for a minute or two.
 
 use std::net::SocketAddr;
 

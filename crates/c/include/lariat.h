@@ -330,7 +330,7 @@ typedef struct lariat_trace {
   uint64_t fitted_ns;
   // By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
   uint32_t settings;
-  // How often capture, extract and fit had been restarted, a byte each from the lowest on, modulo 256: `restarts`.
+  // Restarts of capture, extract and fit, modulo 256, one byte each from the lowest: `restarts`.
   uint32_t restarts;
 } lariat_trace;
 

@@ -108,7 +108,7 @@ pub struct lariat_trace {
     pub fitted_ns: u64,
     /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
     pub settings: u32,
-    /// How often capture, extract and fit had been restarted, a byte each from the lowest on, modulo 256: `restarts`.
+    /// Restarts of capture, extract and fit, modulo 256, one byte each from the lowest: `restarts`.
     pub restarts: u32,
 }
 

@@ -95,9 +95,9 @@ pub trait FrameSource: Send {
     /// Takes a slot into its hands, under a number that none of those has that it holds.
     fn lend(&mut self, _slot: LentSlot) {}
 
-    /// Goes on behind the frame of this number, which another source of the same settings showed last, before it is asked for a
-    /// frame or lent a slot. `false` if it begins again: one that is live has nothing to pass over, and one that is looped does
-    /// not know how often to.
+    /// Continues after the frame of this number, the last one of another source with the same settings. Called before the first
+    /// frame or slot. `false` if the source starts from the beginning: a live one has nothing to skip, and a looped one does not
+    /// know how many rounds to skip.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).

@@ -1,4 +1,4 @@
-//! Whether the error still falls. Where it does not, `J` may be wrong in a way that no motion of now shows, and is looked for again.
+//! Detects that the error no longer falls. `J` may then be wrong in a way that the current motion does not show, so the servo explores again.
 
 use crate::options::Exploring;
 
@@ -44,7 +44,7 @@ impl Progress {
         self.resume(now_ns);
     }
 
-    /// Whether it is time to explore again; that often is then one less. `share` of the law's wish has been done since the last time.
+    /// True if it is time to explore again, which uses up one exploration. `share` of the law's wish has been done since the last call.
     pub(crate) fn has_stalled(&mut self, error_px: f64, share: f64, now_ns: u64) -> bool {
         let since_s = now_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
         self.stalled_s += share.clamp(LEAST_SHARE, 1.0) * since_s;

@@ -177,7 +177,7 @@ impl<const A: usize> Servo<A> {
         Ok(())
     }
 
-    /// Another rope, or one that was let go and taken again: it is explored again. Where the grippers are stays known.
+    /// Starts with another rope, or one that was released and gripped again: explores again, and keeps the grippers' positions.
     pub fn begin_anew(&mut self) {
         self.jacobian = Jacobian::ZERO;
         self.learner = Learner::new(self.options.estimator);

@@ -614,7 +614,7 @@ impl Extractor {
     /// clock, had these curves: ropes keep their numbers and directions, those that were lost age on, and what
     /// [`tracks`](Self::tracks) the other had given is not given again. The next image is looked at whole.
     ///
-    /// What only the other knew, such as the ropes' colors and how long a covered one is, is learnt again.
+    /// It learns again what only the other knew, such as the ropes' colors and the length of a covered one.
     pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
         self.new_scene();
         self.size = size.into();

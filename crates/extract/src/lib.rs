@@ -56,8 +56,8 @@
 //!
 //! # Bounds
 //!
-//! Any bytes are accepted, without a panic and in bounded time and memory. A mask of more than 60 % of the image, with more
-//! pieces than one run for each 16 pixels, or with a skeleton of more than 131,072 pixels, has no ropes. At most
+//! Any bytes are accepted, without a panic and in bounded time and memory. A mask is rejected if it covers more than 60 % of the
+//! image, has more than one run for each 16 pixels, or a skeleton of more than 131,072 pixels. At most
 //! [`Options::ropes`] curves and 32 crossings are reported. Memory is kept from image to image, so an extractor that is warm
 //! allocates nothing. Results are the same to the bit on all machines and vector sets (`lariat-portable`).
 //!

@@ -1,8 +1,8 @@
 //! The same pictures give the same numbers, to the last bit, whatever vectors a machine has, whoever made it, and however the
 //! code was compiled: drawn films through the extractor and through every kind of fit, held against a file of hashes.
 //!
-//! A line of the file is a case and a step, and a hash for each frame: the first that differs says where to look. Where a change
-//! is meant, `LARIAT_WRITE_HASHES=1 cargo test -p lariat-extract --test same_bits` writes the file again.
+//! A line of the file is a case and a step, and a hash for each frame: the first that differs says where to look. After an intended
+//! change, `LARIAT_WRITE_HASHES=1 cargo test -p lariat-extract --test same_bits` writes the file again.
 //! `tests/simd/run` runs this test on processors of other kinds.
 
 mod drawing;

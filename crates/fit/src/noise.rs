@@ -1,5 +1,4 @@
-//! What noise of the pixels does to the control points of a curve that was fitted elsewhere: on a table, to points that were
-//! set again at equal steps.
+//! Propagates pixel noise to the control points of a curve that was fitted elsewhere: on a table, to resampled points.
 //!
 //! Pixel noise is independent, of variance σ² in each coordinate of each point. A map with the derivative `Jᵢ` makes of it
 //! `σ² Sᵢ`, `Sᵢ = JᵢJᵢᵀ`, in the points `cᵢ` that are resampled: new point `k` is `Σᵢ Rₖᵢ cᵢ` ([`Resampler`]) at the arc

@@ -71,7 +71,7 @@ pub(crate) struct HuberFit {
     /// The standard deviation of one coordinate of a point, px, from the median distance: it does not see the
     /// outliers, and its square stands for the residual variance.
     pub(crate) sigma_px: f64,
-    /// How often the points were weighed again, at most [`MAX_ROUNDS`].
+    /// Number of reweightings, at most [`MAX_ROUNDS`].
     pub(crate) rounds: usize,
 }
 

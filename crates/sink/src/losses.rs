@@ -3,8 +3,8 @@
 //! Each stage numbers what it sends. Of two consecutive messages at the sink, let Δs, Δc, Δe, Δf be how far the source's
 //! number and the counters of capture, extract and fit have moved: the source skipped Δs − Δc frames, the link after
 //! capture lost Δc − Δe, the one after extract Δe − Δf, the one after fit Δf − 1. The sums telescope, so that every frame
-//! that was published is received or lost on exactly one link. How many of Δc − Δe extract skipped for want of a mask, it
-//! says at its end.
+//! that was published is received or lost on exactly one link. Extract reports at its end how
+//! many of Δc − Δe it skipped for want of a mask.
 //!
 //! A stage that its chain restarted in its place counts on, and says so in the trace: what was lost from the last message before to the
 //! first one after, on whichever link, was lost at that restart (`at_restart`). One of a chain that was restarted whole counts from 1
@@ -14,8 +14,8 @@
 //! On another machine the bridge is one more stage: it counts what it writes there, Δb. Then what was lost on the way there is Δf − Δb, and what was lost
 //! behind it Δb − 1.
 //!
-//! A sink that was restarted, and goes on where the last one stopped, takes the Δf − 1 of its first message for lost with that
-//! one: what that had received and not written down, and what came while there was none.
+//! A restarted sink continues where the last one stopped. It counts the Δf − 1 of its first message as lost with that one:
+//! messages that were received but not yet noted, and messages that came while no sink ran.
 //!
 //! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
 //! skipped for want of a mask are in `lost.capture`. What was under way when the chain stopped is known too: each stage says at its end what it
@@ -26,7 +26,7 @@ use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
 use crate::{AtRestart, FinalCounts, Lost};
 use lariat_message::Trace;
 
-/// How often each stage was seen to begin again.
+/// Number of restarts seen, for each stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Restarts {
     /// Capture, or its source.
@@ -207,8 +207,7 @@ impl Ledger {
         }
     }
 
-    /// Of what was lost after capture, extract and fit, what was lost from the last message before a stage was restarted to
-    /// the first one after.
+    /// Losses after capture, extract and fit between the last message before a stage's restart and the first one after it.
     pub fn at_restart(&self) -> AtRestart {
         let [capture, extract, fit] = self.at_restart;
         AtRestart {

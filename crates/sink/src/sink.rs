@@ -26,7 +26,7 @@ impl Sink {
         Self::of(Tally::new(options))
     }
 
-    /// A sink that goes on with a tally. What waited for its truth is not compared, and the live line begins again.
+    /// A sink that continues a tally. Messages that waited for their truth are not compared, and the live line starts again.
     pub fn of(tally: Tally) -> Self {
         let live = Live::new(tally.compared.shown());
         Self {

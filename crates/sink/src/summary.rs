@@ -37,7 +37,7 @@ pub struct Frames {
     pub with_curve: u64,
     /// What was lost on each link.
     pub lost: Lost,
-    /// Of these, what was lost while a stage was restarted.
+    /// The part of these that was lost while a stage was restarted.
     pub at_restart: AtRestart,
 }
 
@@ -67,7 +67,7 @@ impl Depth {
     }
 }
 
-/// Of the frames lost after a stage, those lost while it or another was restarted in its place.
+/// Frames lost after a stage while it or another was restarted in its place.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct AtRestart {
     /// Sent by capture, never by extract.

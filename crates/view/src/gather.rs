@@ -42,7 +42,7 @@ pub struct Gatherer<'d> {
     look: Look,
 }
 
-/// What is known of the rig that is shown. Another one begins again.
+/// The state of the rig that is shown. It starts again for another rig.
 #[derive(Debug, Default)]
 struct Look {
     reader: Option<Receiver<Descriptors>>,

@@ -87,7 +87,7 @@ enum Task {
     Trace { file: Bytes, rig: Option<Rig> },
 }
 
-/// The meaning of what happened on a page's connection.
+/// A page's request, or another event on its connection.
 enum Heard {
     Nothing,
     /// There is news from elsewhere.

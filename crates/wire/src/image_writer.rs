@@ -266,8 +266,8 @@ impl FrameWriter {
         self.send(stamp)
     }
 
-    /// Whether its slots have room for an image of so many bytes. Where not, they are made again with the loan of one, and what
-    /// was borrowed before is no memory any more.
+    /// True if its slots have room for an image of this many bytes. Otherwise the next loan makes new slots, and borrowed memory
+    /// becomes invalid.
     pub fn has_room(&self, bytes: usize) -> bool {
         self.images.has_room(bytes)
     }

@@ -18,7 +18,7 @@ pub(crate) use run::WriterId;
 
 /// Reads the shapes of a rig's ropes, for a control loop.
 ///
-/// It may be opened before the chain runs, and goes on when the chain is restarted: until a message comes, what it has
+/// It may be opened before the chain runs, and survives restarts of the chain: until a message comes, what it has
 /// gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24 readers share a rig; one that is slow, stopped or killed
 /// disturbs neither the chain nor the others. It belongs to one thread at a time; each thread of several opens its own.
 ///

@@ -132,7 +132,7 @@ pub enum Doubt {
     /// It is seen whole, but what is seen may be no rope.
     #[error("it may not be a rope, but a shadow, a pen or an edge")]
     NoRope,
-    /// Its [confidence](Rope::confidence) is less than was asked for
+    /// Its [confidence](Rope::confidence) is less than required
     /// ([`Reader::min_confidence`](crate::Reader::min_confidence)).
     #[error("its confidence is less than required")]
     LowConfidence,

@@ -28,7 +28,7 @@ use crate::tally::Tally;
 const LARGEST: u64 = 3 << 26;
 /// How often they are asked for; frames are listened for once they were asked for at the other port.
 const ASK_NS: u64 = 250_000_000;
-/// Without a picture for so long, it begins again.
+/// It reconnects after this time without a picture.
 const SILENCE_NS: u64 = 3_000_000_000;
 
 /// How frames are asked for.

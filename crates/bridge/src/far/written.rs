@@ -137,7 +137,7 @@ impl<M: Carried> Written<M> {
         Some(())
     }
 
-    /// What went wrong is said once, and the channel is written again.
+    /// Reports a failure once, and reopens the channel.
     fn note(&mut self, done: Result<(), WireError>) {
         let cause = done.err().map(|cause| cause.to_string());
         if let Some(cause) = &cause {

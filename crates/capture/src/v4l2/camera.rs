@@ -99,8 +99,8 @@ pub(super) enum Encoding {
 pub(super) trait Port: Send {
     type Driver: Driver;
 
-    /// Opens the camera again, set up as it was at first. Fails if it cannot be set up so. Beside it what is not quite as it
-    /// was, if anything is.
+    /// Reopens the camera with its first set-up, and returns what differs from it, if anything. Fails if the set-up cannot be
+    /// restored.
     fn reopen(&mut self) -> Result<(Self::Driver, Option<String>), CameraError>;
 
     /// The error that a refused call means.

@@ -4,7 +4,7 @@ use crate::settings::Arrangement;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// When a stage is restarted in its place, while the others go on.
+/// When to restart a stage in its place while the others continue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Restart {
     /// Never: the chain ends with it.
@@ -42,9 +42,9 @@ pub struct Run {
     pub record: Option<PathBuf>,
     /// Whether capture, extract and fit are threads of one process.
     pub fuse: bool,
-    /// Whether nobody looks on: nothing is shown, and a stage that fell is restarted if nothing else is said.
+    /// Runs unattended: no live line, and stages are restarted unless `restart` says otherwise.
     pub daemon: bool,
-    /// When a stage is restarted.
+    /// When to restart a stage.
     pub restart: Restart,
     /// How often at most within the window before the chain gives up.
     pub max_restarts: u32,
@@ -61,7 +61,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether any stage is restarted. Threads of one process are not.
+    /// True if stages are restarted. Threads of one process are not.
     pub fn starts_anew(&self) -> bool {
         self.restart != Restart::Never && !self.fuse
     }

@@ -24,7 +24,7 @@ use punctual::Punctuality;
 
 /// How often it says that it lives, if nothing else does.
 const BEAT_NS: u64 = 1_000_000_000;
-/// How often a camera is looked for that is not there when capture is restarted.
+/// Interval between two looks for a camera that is missing when capture is restarted.
 const LOOK_AGAIN_NS: u64 = 200_000_000;
 
 /// Sends frames until the source or its time ends, or a signal comes.
@@ -93,7 +93,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         end_ns: None,
         punctuality: (!settings.run.arrangement.realtime).then(Punctuality::default),
     };
-    // What changes for capture starts it again; of the rest it takes the version.
+    // A change for capture restarts it; of other changes it takes the version.
     let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     if let Some(first) = first {
         sender.send(&first, &mut station, &mut |_, _| true)?;
@@ -187,7 +187,7 @@ struct Sender<'w> {
     sent: Sent,
     /// What its numbers are ahead of the source's.
     ahead: u64,
-    /// How often capture was restarted.
+    /// Number of restarts of capture.
     restarts: u64,
     /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
     lasts_ns: Option<u64>,

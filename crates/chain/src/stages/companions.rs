@@ -125,7 +125,7 @@ impl Companions {
         loop {
             if let Some(held) = &self.held {
                 let held = &held.header().trace;
-                // A capture that began again counts from 1 again; its clock goes on.
+                // A restarted capture counts from 1 again; its clock continues.
                 if held.captured_ns > frame.captured_ns {
                     return Ok(false);
                 }

@@ -40,7 +40,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         true => RunFiles::reopen(settings)?,
     };
     let mut station = Station::open(settings, Stage::Sink, supervision)?;
-    // What changes for sink starts it again.
+    // A change for sink restarts it.
     let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     let supervised = station.status.is_supervised();
     // Frames from elsewhere may have begun long before the chain.

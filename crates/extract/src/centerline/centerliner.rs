@@ -117,7 +117,7 @@ impl Centerliner {
         line.samples.len() >= 2
     }
 
-    /// Lays a line again along a rope so wide, whose middle it follows roughly.
+    /// Lays a line again along a rope of this half-width, from a line that follows its middle roughly.
     pub(crate) fn lay_anew(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
         if line.samples.len() < 3 || line.length_px() < 3.0 * step_px {

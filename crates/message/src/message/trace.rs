@@ -37,14 +37,14 @@ message! {
         /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each
         /// change since.
         settings: u32 = 0 => number,
-        /// How often capture, extract and fit had been restarted, a byte each from the lowest on, modulo 256:
+        /// Restarts of capture, extract and fit, modulo 256, one byte each from the lowest:
         /// [`restarts`](Self::restarts).
         restarts: u32 = 0 => number,
     }
 }
 
 impl Trace {
-    /// How often capture, extract and fit had been restarted when they sent this, modulo 256.
+    /// Restarts of capture, extract and fit before they sent this, modulo 256.
     pub const fn restarts(&self) -> [u8; 3] {
         let [capture, extract, fit, _] = self.restarts.to_le_bytes();
         [capture, extract, fit]

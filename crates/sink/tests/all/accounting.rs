@@ -232,7 +232,7 @@ proptest! {
             pending = [0; 2];
             prop_assert!(is_whole(&sink.frames()));
             prop_assert_eq!(sink.frames().lost.total(), found.total());
-            // What a bridge wrote last before it began again is not known.
+            // The last message of a bridge before its restart is unknown.
             prop_assert!(was_anew || sink.frames().lost == found);
         }
     }
@@ -513,7 +513,7 @@ fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
     assert_eq!(sink.frames().lost, Lost::default());
 }
 
-/// Extract is restarted in its place: it counts on, and says so. What was on its way then is lost at the restart, on its links.
+/// Extract is restarted in its place: it counts on, and says so. Messages under way are lost at the restart, on their links.
 #[test]
 fn what_was_lost_while_a_stage_was_started_anew_is_told_apart() {
     let mut chain = Chain::default();

@@ -1,7 +1,7 @@
 //! When the chain was restarted: ropes are then numbered again, and a number means another rope.
 //!
-//! A new fit is a new writer. A new extract, under a fit that goes on, counts from 1 again: seen when the count goes back,
-//! or, where many messages passed by, when it went on by less than fit's own, which cannot send what it was not sent. But a stage
+//! A new fit is a new writer. A new extract under the same fit counts from 1 again. That is seen when the count goes back,
+//! or, after many messages, when it grew by less than fit's own, which cannot send what it was not sent. But a stage
 //! that its chain restarted in its place says so (`Trace::restarts`), counts on, and its ropes keep their numbers: that is the same run.
 
 use crate::Trace;

@@ -132,7 +132,7 @@ fn a_prediction_is_the_filters_own_once_it_has_settled() {
                 let (ours, theirs) = (shape.control_points()[j], truth.control_points[j]);
                 let apart = (ours[0] - theirs[0]).hypot(ours[1] - theirs[1]);
                 assert!(apart < 1e-6, "{rate}: {j} is {apart} px apart");
-                // σ² is told again from each frame's residuals, of 220 degrees of freedom: a tenth of it, up and down.
+                // σ² is estimated from each frame's residuals, with 220 degrees of freedom: a tenth of it, up and down.
                 let [[variance, _], _] = shape.covariance().block(j, j);
                 let ratio = variance / truth.covariance_px2[j * (count + 1)];
                 assert!(

@@ -6,7 +6,7 @@ use super::*;
 use crate::v4l2::error::CameraError;
 use crate::v4l2::stream::NotStarted;
 
-/// After so many failures to start it in a row, the device is reopened.
+/// Failures to start in a row after which the device is reopened.
 const FAILURES_BEFORE_REOPENING: u32 = 3;
 
 impl<P: Port> Camera<P> {

@@ -29,7 +29,7 @@ pub const HEIRLOOM_FD: &str = "LARIAT_HEIRLOOM_FD";
 /// How far a stage is, over all its processes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// How often it was restarted.
+    /// Number of restarts.
     pub restarts: u64,
     /// What it sent.
     pub sent: Sent,

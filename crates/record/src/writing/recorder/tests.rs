@@ -158,7 +158,7 @@ fn what_came_too_late_for_the_recorder_is_counted_from_the_counters() {
     for count in [3, 4, 8, 1, 3] {
         recorder.frame(&header(count), &pixels).unwrap();
     }
-    // Two before 1 are not known; a capture that begins again is no loss.
+    // Two before 1 are not known; a restarted capture is not a loss.
     assert_eq!(recorder.drops().frames, 3 + 1);
     recorder.begins_with_the_rig();
     recorder.centerlines(&centerlines(3)).unwrap();

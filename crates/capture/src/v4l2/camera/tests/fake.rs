@@ -282,7 +282,7 @@ impl Bench {
         self.camera.next().expect("no fault").expect("no end")
     }
 
-    /// The next frame that is no blank one. Its slot is lent again.
+    /// The next frame that is not blank. Its slot is lent again.
     pub(super) fn next_image(&mut self) -> Frame {
         loop {
             let frame = self.next();
