@@ -3,8 +3,8 @@
 mod about;
 mod channels;
 mod looks;
-mod reel;
 mod report;
+mod stage;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -46,7 +46,7 @@ pub(crate) fn run(args: RecordArgs) -> Result<ExitCode> {
     let Some(file) = args.out.filter(|_| !flush) else {
         return ask_to_flush(&settings.run.rig);
     };
-    reel::run(&settings, &file, Supervision::of_this_process()?)
+    stage::run(&settings, &file, Supervision::of_this_process()?)
 }
 
 /// Records for the chain that started this process.
@@ -55,7 +55,7 @@ pub(crate) fn run_for_chain(flags: &Flags) -> Result<ExitCode> {
     let Some(file) = settings.run.record.clone() else {
         wrong_use!("there is nothing to record into: say --record FILE.mcap");
     };
-    reel::run(&settings, &file, Supervision::of_this_process()?)
+    stage::run(&settings, &file, Supervision::of_this_process()?)
 }
 
 /// Tells the recorders of a rig that keep the last seconds to write them.

@@ -3,7 +3,7 @@
 //! Whoever looks is one more reader, and a reader costs the chain what waking it costs: a notification of 5 to 20 µs for
 //! each message, in the writer. So only `echo`, whose lines are to be there when their messages are, and `delay
 //! --in-hand`, which measures just that, are woken. All else goes by the stamps and counters in the messages, which are the
-//! same whenever they are read, and looks by itself before a buffer can overflow ([`nap`]). A `--lossless` chain is the
+//! same whenever they are read, and looks by itself before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the
 //! exception: it waits for each of its readers to take up its end, and then for the slowest, so there all of them are
 //! woken, and it is said.
 //!
@@ -14,7 +14,7 @@
 //! makes one `sendto` a message with sink alone, beside `hz` and beside `top`, and two beside `echo`.) Stamps and counters
 //! are the same whenever a message is read: rates, intervals, losses and the steps' times come from these alone, with the ledger
 //! and the steps of `crates/sink`. `hz` and `bw` look again before a buffer is full, at a pace that follows the channel's
-//! (`topic/nap`); `top` takes what waits ten times a second, a part of the messages at a high rate, and loses nothing by it but
+//! (`topic/poll_interval`); `top` takes what waits ten times a second, a part of the messages at a high rate, and loses nothing by it but
 //! percentiles' samples. What was sent and not read by the one who looks is counted apart (`here`).
 //!
 //! A reader holds its channel open as it is. So one that only looks goes when the writer goes, and comes back with the next one:
@@ -39,7 +39,7 @@ mod bandwidth;
 mod delay;
 mod echo;
 mod list;
-mod nap;
+mod poll_interval;
 mod probe;
 mod rate;
 mod watch;

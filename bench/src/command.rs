@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 use lariat_chain::{exit, output::Unread};
 
 use crate::{
-    accuracy, compare, confidence, day, families, fit_rivals, hard, instructions, latency, methods,
-    network, paper, readers, recording, rivals, servo, space, tracking,
+    accuracy, backgrounds, bases, clusterings, compare, confidence, fit_rivals, instructions,
+    latency, network, paper, readers, recording, rivals, servo, soak, three_d, tracking,
 };
 
 /// The measurements behind the figures that lariat claims (those of single steps are run by `cargo bench`)
@@ -41,25 +41,27 @@ enum Command {
     #[command(alias = "time")]
     Tracking(tracking::Args),
     /// Share of right pictures on grounds and under light that a plain table does not have
-    Hard(hard::Args),
+    #[command(name = "backgrounds", alias = "hard")]
+    Backgrounds(backgrounds::Args),
     /// One part at a time, for valgrind to count its instructions
     Instructions(instructions::Args),
     /// Ropes in space by a drawn depth camera, against the true axis
-    Space(space::Args),
+    #[command(name = "3d", alias = "space")]
+    ThreeD(three_d::Args),
     /// Time of each layer of the mask network, with the machine's limit and ONNX Runtime
     Network(network::Args),
     /// Fits the weights of a curve's confidence to drawn pictures, and tests them on others
     CalibrateConfidence(confidence::Args),
     /// The chain with each basis and option: its curves against the true rope
-    Families(families::Args),
+    Bases(bases::Args),
     /// A day of frames by a simulated clock: the cost of the last hour against that of the first
-    Day(day::Args),
+    Soak(soak::Args),
     /// The same work by OpenCV and scikit-image, side by side with lariat's
     Rivals(rivals::Args),
     /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
     FitRivals(fit_rivals::Args),
     /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
-    Methods(methods::Args),
+    Clusterings(clusterings::Args),
     /// Speed of writing recordings, compared with dd
     Recording(recording::Args),
     /// Cost of reading for a control loop, and of control loops for the chain
@@ -91,16 +93,16 @@ impl Command {
             Self::Controller(args) => return servo::run_controller(&args),
             Self::Accuracy(args) => accuracy::run(&args)?,
             Self::Tracking(args) => tracking::run(&args)?,
-            Self::Hard(args) => hard::run(&args)?,
+            Self::Backgrounds(args) => backgrounds::run(&args)?,
             Self::Instructions(args) => instructions::run(&args)?,
-            Self::Space(args) => space::run(&args)?,
+            Self::ThreeD(args) => three_d::run(&args)?,
             Self::Network(args) => network::run(&args)?,
             Self::CalibrateConfidence(args) => confidence::run(&args)?,
-            Self::Families(args) => families::run(&args)?,
-            Self::Day(args) => day::run(&args)?,
+            Self::Bases(args) => bases::run(&args)?,
+            Self::Soak(args) => soak::run(&args)?,
             Self::Rivals(args) => rivals::run(&args)?,
             Self::FitRivals(args) => fit_rivals::run(&args)?,
-            Self::Methods(args) => methods::run(&args)?,
+            Self::Clusterings(args) => clusterings::run(&args)?,
             Self::Recording(args) => recording::run(&args)?,
             Self::Readers(args) => readers::run(&args)?,
             Self::ReadersPart(args) => readers::part(&args)?,

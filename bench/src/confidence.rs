@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
 use lariat_extract::{Curve, Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat, pick};
-use lariat_plot::{Axis, Chart, Look, Marker, Stroke, draw as draw_charts};
+use lariat_plot::{Axis, Chart, LineStyle, Marker, Stroke, draw as draw_charts};
 use lariat_portable::SplitMix64;
 
 use lariat_chain::output::{Existing, Output};
@@ -27,7 +27,7 @@ use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
 
-/// The first seed of the hard classes: those before are `lariat-bench hard`'s, which measures what is fitted here.
+/// The first seed of the hard classes: those before are `lariat-bench backgrounds`'s, which measures what is fitted here.
 const HARD_FROM: u64 = 1000;
 
 /// What to draw.
@@ -157,9 +157,11 @@ fn chart(maker: Maker, reliability: &Reliability) -> Chart {
     };
     let axis = |label| Axis::linear(label, [0.0, 1.0], 0.2);
     let mut chart = Chart::new(axis("confidence"), axis("share that is right")).titled(title);
-    let diagonal = Look::nth(1).marker(Marker::None).stroke(Stroke::Dashed);
+    let diagonal = LineStyle::nth(1)
+        .marker(Marker::None)
+        .stroke(Stroke::Dashed);
     chart.line("as said", diagonal, vec![[0.0; 2], [1.0; 2]]);
-    chart.line("curves", Look::nth(0), reliability.points());
+    chart.line("curves", LineStyle::nth(0), reliability.points());
     chart
 }
 

@@ -37,7 +37,7 @@
 //! within such a phase. Drawing the rope is half of the work at
 //! that rate, all on the one core, so that each such pause takes three times its length to catch up with.
 //!
-//! `lariat-bench day` shows the film of a rope for a day by the frames' own clock, through extraction, fit and filter (2.6
+//! `lariat-bench soak` shows the film of a rope for a day by the frames' own clock, through extraction, fit and filter (2.6
 //! million frames in two minutes): the last hour costs what the first did, in time, memory and descriptors. Sink has a test of
 //! as many messages.
 

@@ -1,6 +1,6 @@
 //! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
 
-mod elsewhere;
+mod recorded;
 mod video;
 
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub(crate) struct Args {
     story: Option<String>,
     /// What says where ropes are on the grounds of clutter, handheld and passing, in frames that are not followed
     #[arg(long, value_enum, default_value = "true")]
-    mask: Sayer,
+    mask: MaskSource,
     /// A picture that the ropes of those stories lie on, instead of a drawn ground
     #[arg(long, value_name = "PICTURE")]
     ground: Option<PathBuf>,
@@ -56,7 +56,7 @@ pub(crate) struct Args {
 
 /// Who says where ropes are.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Sayer {
+enum MaskSource {
     /// The film itself
     True,
     Auto,
@@ -105,8 +105,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         for seed in seeds() {
             let mut film = film(story, seed, args.size, ground.as_ref());
             let mask = match args.mask {
-                Sayer::True if story.is_cluttered() => Mask::External,
-                Sayer::Network if story.is_cluttered() => Mask::Network,
+                MaskSource::True if story.is_cluttered() => Mask::External,
+                MaskSource::Network if story.is_cluttered() => Mask::Network,
                 _ => Mask::Auto,
             };
             let next = |rgb: &mut Vec<u8>, mask: &mut Vec<u8>| {
@@ -132,7 +132,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// Runs the film of a folder's pictures with a hand over it, and prints what was wrong.
 fn run_over(folder: &Path, args: &Args) -> Result<()> {
-    let film = elsewhere::Film::read(folder)?;
+    let film = recorded::Film::read(folder)?;
     let frames = args.frames.div_ceil(args.seeds.max(1));
     let mut total = Total::of("hand");
     print_head()?;

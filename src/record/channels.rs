@@ -33,7 +33,7 @@ pub(crate) struct Channels {
 
 /// What was seen of a rig in one look.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Seen {
+pub(crate) struct Counts {
     /// Frames.
     pub(crate) frames: u64,
     /// Messages of any kind.
@@ -67,8 +67,8 @@ impl Channels {
         ledger: &mut Ledger,
         last: &mut Counters,
         mut places: impl FnMut(&Descriptors) -> Option<Mapping>,
-    ) -> anyhow::Result<Seen> {
-        let mut seen = Seen::default();
+    ) -> anyhow::Result<Counts> {
+        let mut seen = Counts::default();
         // What is largest, and has the least room to wait, first.
         while let Some(frame) = self.frames.next()? {
             let header: &FrameHeader = frame.header();

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_capture_that_begins_anew_is_no_pace() {
+    fn a_capture_that_begins_again_is_no_pace() {
         let mut looks = Looks::new();
         looks.frame(100, 10 * MS);
         looks.frame(101, 20 * MS);

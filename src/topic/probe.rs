@@ -10,7 +10,7 @@ use lariat_wire::{
     now_ns,
 };
 
-use super::nap::Nap;
+use super::poll_interval::PollInterval;
 use super::{ChannelName, Place, with_a_hint};
 use lariat_chain::stop::Stop;
 
@@ -66,7 +66,7 @@ enum Reader {
 pub(super) struct Probe {
     reader: Reader,
     /// Of one that is not woken.
-    nap: Option<Nap>,
+    poll_interval: Option<PollInterval>,
     came: usize,
 }
 
@@ -92,7 +92,7 @@ impl Probe {
         };
         Ok(Self {
             reader,
-            nap: (!woken).then(|| Nap::new(buffer)),
+            poll_interval: (!woken).then(|| PollInterval::new(buffer)),
             came: 0,
         })
     }
@@ -123,9 +123,9 @@ impl Probe {
     /// Sleeps until it is time to look again, until the deadline, or until a signal came.
     pub(super) fn sleep(&mut self, deadline: Instant, stop: &Stop) -> Result<(), WireError> {
         let came = std::mem::take(&mut self.came);
-        if let Some(nap) = &mut self.nap {
+        if let Some(poll_interval) = &mut self.poll_interval {
             let left = deadline.saturating_duration_since(Instant::now());
-            sleep_for(nap.after(came).min(left), stop);
+            sleep_for(poll_interval.after(came).min(left), stop);
             return Ok(());
         }
         let (deadline, stop) = (Some(deadline), Some(stop.as_fd()));

@@ -77,7 +77,7 @@ fn another(bench: &Bench, stage: &str, before: i32) -> Option<i32> {
 }
 
 #[test]
-fn a_stage_that_is_killed_is_started_anew_and_all_others_go_on() {
+fn a_stage_that_is_killed_is_restarted_and_all_others_go_on() {
     let bench = Bench::new();
     let mut chain = start(&bench, &["--fps", "100"]);
     chain.wait_for_frames();
@@ -126,7 +126,7 @@ fn a_stage_that_is_killed_is_started_anew_and_all_others_go_on() {
 }
 
 #[test]
-fn a_stage_that_stands_still_while_frames_wait_is_killed_and_started_anew() {
+fn a_stage_that_stands_still_while_frames_wait_is_killed_and_restarted() {
     let bench = Bench::new();
     fs::write(bench.path("lariat.toml"), "[run]\nhang_s = 1\n").unwrap();
     let mut chain = start(&bench, &["--fps", "100"]);
@@ -198,7 +198,7 @@ fn a_chain_that_is_told_to_end_before_a_stage_is_back_ends_in_order() {
 }
 
 #[test]
-fn a_recorder_that_is_killed_is_started_anew_and_what_it_wrote_stays() {
+fn a_recorder_that_is_killed_is_restarted_and_what_it_wrote_stays() {
     let bench = Bench::new();
     let mut chain = start(&bench, &["--fps", "100", "--record", "run.mcap"]);
     chain.wait_for_frames();
@@ -403,7 +403,7 @@ fn a_service_manager_hears_that_the_chain_is_up_at_work_and_at_its_end() {
 }
 
 #[test]
-fn a_stage_is_started_anew_when_that_is_asked_for() {
+fn a_stage_is_restarted_when_that_is_asked_for() {
     let bench = Bench::new();
     let recorded = ["--lossless", "--record", "run.mcap"];
     let mut chain = bench.start(&[&["--fps", "50", "--out", "out"], &recorded[..]].concat());
@@ -437,7 +437,7 @@ fn start_copy(bench: &Bench) -> Running {
 }
 
 #[test]
-fn stages_are_started_anew_from_the_file_that_runs_though_another_took_its_place() {
+fn stages_are_restarted_from_the_file_that_runs_though_another_took_its_place() {
     let bench = Bench::new();
     let mut chain = start_copy(&bench);
     chain.wait_for_frames();

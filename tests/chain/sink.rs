@@ -7,7 +7,7 @@ use std::os::fd::AsRawFd;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use lariat_chain::stages::heirloom::Heirloom;
+use lariat_chain::stages::handover::Handover;
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Rig, Trace, Writer, now_ns};
 use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
@@ -23,13 +23,13 @@ struct Sink {
 }
 
 impl Sink {
-    fn start(bench: &Bench, heirloom: &Heirloom) -> Self {
-        let heirloom = heirloom.file().expect("held");
-        fcntl_setfd(heirloom, FdFlags::empty()).expect("a descriptor");
+    fn start(bench: &Bench, handover: &Handover) -> Self {
+        let handover = handover.file().expect("held");
+        fcntl_setfd(handover, FdFlags::empty()).expect("a descriptor");
         let (said, its_end) = pipe_with(PipeFlags::empty()).expect("a pipe");
         let mut process = bench
             .command(&["sink", "--out", "report"])
-            .env("LARIAT_HEIRLOOM_FD", heirloom.as_raw_fd().to_string())
+            .env("LARIAT_HANDOVER_FD", handover.as_raw_fd().to_string())
             .env("LARIAT_STATUS_FD", its_end.as_raw_fd().to_string())
             .env("LARIAT_CHAIN_PID", std::process::id().to_string())
             .stdin(Stdio::piped())
@@ -102,18 +102,18 @@ fn send_frames(writer: &Writer<Descriptors>, numbers: impl IntoIterator<Item = u
 #[test]
 fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     let bench = Bench::new();
-    let heirloom = Heirloom::make("sink").expect("memory");
+    let handover = Handover::make("sink").expect("memory");
     let domain = Domain::named(&bench.domain).expect("a domain");
     let rig = Rig::default();
     let delivery = Delivery::NewestWins;
     let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &delivery);
     let writer = writer.expect("the rig's only writer");
 
-    let mut first = Sink::start(&bench, &heirloom);
+    let mut first = Sink::start(&bench, &handover);
     send_frames(&writer, 1..=100);
     first.wait_until_it_shows("100 received");
     let deadline = Instant::now() + Duration::from_secs(60);
-    let timed = heirloom.tally().expect("held");
+    let timed = handover.tally().expect("held");
     while timed.newest_first().next().is_none() {
         assert!(Instant::now() < deadline, "nothing is left to a successor");
         std::thread::sleep(Duration::from_millis(10));
@@ -122,8 +122,8 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     send_frames(&writer, 101..=150);
 
     // It is killed before anything has come, and the third goes on all the same.
-    Sink::start(&bench, &heirloom).kill();
-    let mut third = Sink::start(&bench, &heirloom);
+    Sink::start(&bench, &handover).kill();
+    let mut third = Sink::start(&bench, &handover);
     send_frames(&writer, 151..=200);
     third.wait_until_it_shows("lost");
     let text = third.end("sequence 200\ncaptured 200\nextracted 200\nfitted 200\n");

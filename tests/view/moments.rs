@@ -87,7 +87,7 @@ fn without_a_page_nothing_is_read_and_a_page_that_asks_for_nothing_has_no_pictur
 }
 
 #[test]
-fn a_page_goes_on_when_its_chain_is_started_anew() {
+fn a_page_goes_on_when_its_chain_is_restarted() {
     let bench = Bench::new();
     let viewing = Viewing::start(&bench, &["--rig", "cell"]);
     let mut page = Page::of(&viewing);

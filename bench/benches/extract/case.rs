@@ -166,11 +166,11 @@ struct Found {
 }
 
 /// A picture, and its mask if it has one.
-type Seen<'a> = (&'a Picture, Option<&'a Picture>);
+type Frame<'a> = (&'a Picture, Option<&'a Picture>);
 
 fn see<'a>(
     extractor: &'a mut Extractor,
-    (picture, mask): Seen,
+    (picture, mask): Frame,
     after: &mut dyn FnMut(Step),
 ) -> Result<Scene<'a>> {
     let image = picture.image();
@@ -180,7 +180,7 @@ fn see<'a>(
     })
 }
 
-fn timed(extractor: &mut Extractor, seen: Seen, read_ns: f64, times: &mut Times) -> Result<Found> {
+fn timed(extractor: &mut Extractor, seen: Frame, read_ns: f64, times: &mut Times) -> Result<Found> {
     let start = Instant::now();
     let (mut last, mut ns) = (start, [0.0; WHOLE + 1]);
     let scene = see(extractor, seen, &mut |step| {

@@ -6,7 +6,7 @@ use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 use lariat_fit::{Basis, Filter, FilterOptions, Fitter, Noise};
 use lariat_plot::spread::mean;
 use lariat_plot::words::{digits, px};
-use lariat_plot::{Axis, Chart, Look, Marker, Stroke};
+use lariat_plot::{Axis, Chart, LineStyle, Marker, Stroke};
 
 use crate::csv::Csv;
 use crate::curves::{bspline, fitter, sampled};
@@ -187,7 +187,7 @@ impl AtRest {
     fn chart(&self) -> Chart {
         let lines = || {
             self.rows.iter().enumerate().flat_map(|(i, row)| {
-                let look = Look::nth(i);
+                let look = LineStyle::nth(i);
                 let line = |what: &str, stroke| {
                     let name = format!("{}, {what}", row.family.name());
                     (name, look.stroke(stroke))
@@ -224,7 +224,9 @@ impl AtRest {
             chart.line(&name, look, placed(px));
         }
         if let Some(curve_px) = curve {
-            let look = Look::nth(6).marker(Marker::None).stroke(Stroke::Dotted);
+            let look = LineStyle::nth(6)
+                .marker(Marker::None)
+                .stroke(Stroke::Dotted);
             chart.line("the Bezier curve itself", look, placed(curve_px));
         }
         chart

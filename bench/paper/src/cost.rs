@@ -3,7 +3,7 @@
 use lariat_fit::{Basis, Fitter, Options, Rho, Solver};
 use lariat_plot::spread::median;
 use lariat_plot::words::{digits, list, percent, time};
-use lariat_plot::{Axis, Chart, Look};
+use lariat_plot::{Axis, Chart, LineStyle};
 use std::time::Instant;
 
 use crate::csv::Csv;
@@ -20,7 +20,7 @@ const BATCH_S: f64 = 3e-4;
 enum Way {
     Solver(Solver),
     /// ρ measured along the points, so that all algebra is done for each fit: the paper's "at every iteration".
-    Anew,
+    Recomputed,
 }
 
 impl Way {
@@ -28,7 +28,7 @@ impl Way {
         Self::Solver(Solver::Pinv),
         Self::Solver(Solver::Cholesky),
         Self::Solver(Solver::Qr),
-        Self::Anew,
+        Self::Recomputed,
     ];
 
     fn name(self) -> &'static str {
@@ -36,7 +36,7 @@ impl Way {
             Self::Solver(Solver::Pinv) => "pinv: (BᵀB)⁻¹Bᵀ kept",
             Self::Solver(Solver::Cholesky) => "cholesky of BᵀB kept",
             Self::Solver(Solver::Qr) => "QR of B kept",
-            Self::Anew => "measured ρ: algebra again",
+            Self::Recomputed => "measured ρ: algebra again",
         }
     }
 
@@ -47,7 +47,7 @@ impl Way {
             .points(POINTS);
         let options = match self {
             Self::Solver(solver) => options.solver(solver),
-            Self::Anew => options.rho(Rho::Measured),
+            Self::Recomputed => options.rho(Rho::Measured),
         };
         Fitter::new(options).ok()
     }
@@ -116,7 +116,7 @@ impl Cost {
             digits(growth),
             percent(share),
             time(self.extraction_us),
-            time(self.of(Way::Anew, 8)),
+            time(self.of(Way::Recomputed, 8)),
         );
         if !refused.is_empty() {
             sentence += &format!(
@@ -138,7 +138,7 @@ impl Cost {
             let line = ORDERS.iter().zip(row);
             chart.line(
                 way.name(),
-                Look::nth(i),
+                LineStyle::nth(i),
                 line.map(|(&n, &us)| [n as f64, us]).collect(),
             );
             for (order, us) in ORDERS.iter().zip(row) {

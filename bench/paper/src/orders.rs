@@ -2,7 +2,7 @@
 
 use lariat_fit::Basis;
 use lariat_plot::words::{count, digits, list, percent, px};
-use lariat_plot::{Axis, Chart, Look, Mark, Marker, Spread, Stroke as Dash, spread::median};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, Spread, Stroke as Dash, spread::median};
 
 use crate::PaperError;
 use crate::csv::Csv;
@@ -173,7 +173,7 @@ impl Orders {
             .marks
             .push(band("middle half", 0.25, |s| s.p25, |s| s.p75));
         let line = spreads.iter().map(|(n, s)| [*n, s.median]).collect();
-        chart.line("median of all", Look::nth(0), line);
+        chart.line("median of all", LineStyle::nth(0), line);
         if self.kinds.len() > 1 {
             const STROKES: [Dash; 5] = [
                 Dash::Dashed,
@@ -183,7 +183,7 @@ impl Orders {
                 Dash::Dashed,
             ];
             for (i, kind) in self.kinds.iter().enumerate() {
-                let look = Look::nth(i + 1).marker(Marker::None);
+                let look = LineStyle::nth(i + 1).marker(Marker::None);
                 chart.line(
                     kind,
                     look.stroke(STROKES[i % STROKES.len()]),

@@ -1,7 +1,7 @@
 //! The rivals that the paper names and the curves that it allows, at an equal number of parameters.
 
 use lariat_plot::words::{digits, list, px, time};
-use lariat_plot::{Axis, Chart, Look, Mark, Spread, spread::median};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Spread, spread::median};
 
 use crate::cost::median_us;
 use crate::csv::Csv;
@@ -145,7 +145,7 @@ impl Rivals {
         });
         for (i, (family, sizes)) in of_lines().enumerate() {
             let line = sizes.iter().map(|s| [s.numbers as f64, s.off.median]);
-            chart.line(family.name(), Look::nth(i), line.collect());
+            chart.line(family.name(), LineStyle::nth(i), line.collect());
         }
         let mass = self
             .rows
@@ -153,7 +153,7 @@ impl Rivals {
             .find(|(family, _)| *family == Family::CenterOfMass);
         if let Some(size) = mass.and_then(|(_, sizes)| sizes.first()) {
             let at = [size.numbers as f64, size.off.median];
-            let look = Look::nth(of_lines().count());
+            let look = LineStyle::nth(of_lines().count());
             chart.line(Family::CenterOfMass.name(), look, vec![at]);
         }
         Ok(Figure {

@@ -268,7 +268,7 @@ impl Shapes {
 }
 
 /// A rope as the extractor saw it.
-pub(crate) struct Seen {
+pub(crate) struct ExtractedRope {
     pub(crate) points: Vec<[f64; 2]>,
     width_px: f64,
 }
@@ -289,7 +289,7 @@ impl TimedExtractor {
     }
 
     /// The points of every open rope in the picture that is wholly seen.
-    pub(crate) fn look(&mut self, picture: &Picture) -> Result<Vec<Seen>, PaperError> {
+    pub(crate) fn look(&mut self, picture: &Picture) -> Result<Vec<ExtractedRope>, PaperError> {
         let image = picture.image()?;
         self.extractor.reset();
         let began = Instant::now();
@@ -300,7 +300,7 @@ impl TimedExtractor {
             .iter()
             .filter(|curve| !curve.closed && curve.status == Status::Ok);
         Ok(whole
-            .map(|curve| Seen {
+            .map(|curve| ExtractedRope {
                 points: curve.points.iter().map(|p| p.map(f64::from)).collect(),
                 width_px: f64::from(curve.width_px),
             })

@@ -9,7 +9,7 @@ mod legend;
 mod marks;
 
 pub use axis::Axis;
-pub use marks::{Look, Mark, Marker, Stroke};
+pub use marks::{LineStyle, Mark, Marker, Stroke};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -88,7 +88,7 @@ impl Chart {
     }
 
     /// Adds a line that is named in the legend.
-    pub fn line(&mut self, name: &str, look: Look, points: Vec<[f64; 2]>) {
+    pub fn line(&mut self, name: &str, look: LineStyle, points: Vec<[f64; 2]>) {
         let name = name.to_owned();
         self.marks.push(Mark::Line { name, look, points });
     }
@@ -266,7 +266,7 @@ mod tests {
             Axis::log("error & px", [0.01, 100.0]),
         );
         let points = (1..10).map(|i| [f64::from(i), 10.0 / f64::from(i)]);
-        chart.line("Bezier", Look::nth(0), points.clone().collect());
+        chart.line("Bezier", LineStyle::nth(0), points.clone().collect());
         chart.marks.push(Mark::Thin {
             color: 1,
             points: points.collect(),

@@ -3,13 +3,13 @@
 //! Numbers go in ([`Spread`] says how some are spread), text comes out; nothing is read, written or fetched.
 //!
 //! ```
-//! use lariat_plot::{Axis, Chart, Look, draw, page};
+//! use lariat_plot::{Axis, Chart, LineStyle, draw, page};
 //!
 //! let mut chart = Chart::new(
 //!     Axis::linear("time, s", [0.0, 4.0], 1.0),
 //!     Axis::log("error, px", [0.5, 100.0]),
 //! );
-//! chart.line("a rope", Look::nth(0), vec![[0.0, 80.0], [2.0, 3.0], [4.0, 1.0]]);
+//! chart.line("a rope", LineStyle::nth(0), vec![[0.0, 80.0], [2.0, 3.0], [4.0, 1.0]]);
 //! let svg = draw("error against time", &[chart], 1)?;
 //! assert!(page("A rope", &svg).ends_with("</html>\n"));
 //! # Ok::<(), lariat_plot::PlotError>(())
@@ -20,6 +20,6 @@ mod page;
 pub mod spread;
 pub mod words;
 
-pub use chart::{Axis, Chart, Look, Mark, Marker, PlotError, Stroke, draw};
+pub use chart::{Axis, Chart, LineStyle, Mark, Marker, PlotError, Stroke, draw};
 pub use page::{check_tags, escaped, page};
 pub use spread::Spread;

@@ -22,7 +22,7 @@ const BINS: [f32; 3] = [0.0, 0.5, 0.9];
 
 /// One crossing as an eye saw it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct LabelledCrossing {
     /// Set and picture: `S1/img000`.
     image: String,
     at: [f32; 2],
@@ -64,7 +64,7 @@ pub(super) fn list_for(dataset: &Path) -> Option<PathBuf> {
 ///
 /// # Errors
 /// The file cannot be read, or a line has no such five values.
-pub(super) fn load(path: &Path) -> Result<Vec<Seen>> {
+pub(super) fn load(path: &Path) -> Result<Vec<LabelledCrossing>> {
     let shown = path.display();
     let text = fs::read_to_string(path)
         .with_context(|| format!("cannot read the crossings in {shown}"))?;
@@ -81,9 +81,9 @@ pub(super) fn load(path: &Path) -> Result<Vec<Seen>> {
     Ok(seen)
 }
 
-fn parse(line: &str) -> Option<Seen> {
+fn parse(line: &str) -> Option<LabelledCrossing> {
     let [image, x, y, over_deg, sure] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
-    Some(Seen {
+    Some(LabelledCrossing {
         image: image
             .rsplit_once('.')
             .map_or(image, |(name, _)| name)
@@ -99,7 +99,7 @@ fn parse(line: &str) -> Option<Seen> {
 }
 
 /// The table of all sets that are in the list; nothing when none is.
-pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[Seen]) -> String {
+pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[LabelledCrossing]) -> String {
     let mut out = String::new();
     let mut bins = [(0, 0); BINS.len()];
     let mut remarks = Vec::new();
@@ -147,8 +147,8 @@ pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[Seen]) -> String {
 }
 
 /// Compares a set; nothing when the list does not know it.
-fn score(set: &str, images: &[Measured], seen: &[Seen]) -> Option<Score> {
-    let of_set = |s: &&Seen| s.image.split('/').next() == Some(set);
+fn score(set: &str, images: &[Measured], seen: &[LabelledCrossing]) -> Option<Score> {
+    let of_set = |s: &&LabelledCrossing| s.image.split('/').next() == Some(set);
     seen.iter().find(of_set)?;
     let mut score = Score::default();
     for image in images {
@@ -161,7 +161,13 @@ fn score(set: &str, images: &[Measured], seen: &[Seen]) -> Option<Score> {
 
 impl Score {
     /// Adds one image.
-    fn add(&mut self, name: &str, curves: &[Curve], found: &[Crossing], seen: &[&Seen]) {
+    fn add(
+        &mut self,
+        name: &str,
+        curves: &[Curve],
+        found: &[Crossing],
+        seen: &[&LabelledCrossing],
+    ) {
         let mut pairs = Vec::new();
         for (i, crossing) in found.iter().enumerate() {
             let near_px = NEAR * curves[crossing.over].width_px;
@@ -191,7 +197,7 @@ impl Score {
         }
     }
 
-    fn compare(&mut self, name: &str, curves: &[Curve], found: &Crossing, seen: &Seen) {
+    fn compare(&mut self, name: &str, curves: &[Curve], found: &Crossing, seen: &LabelledCrossing) {
         if !seen.sure {
             self.unsure += 1;
             return;

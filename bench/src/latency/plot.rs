@@ -3,7 +3,7 @@
 //! The axis of percentiles is 1/(1 − q): a step along it is another nine, so that what happens once in a thousand times
 //! has as much room as what happens every other time (as in HdrHistogram's own plots).
 
-use lariat_plot::{Axis, Chart, Look, Marker, PlotError, Stroke, draw};
+use lariat_plot::{Axis, Chart, LineStyle, Marker, PlotError, Stroke, draw};
 use lariat_sink::Times;
 
 /// Points of a line on each decade of its axis.
@@ -38,7 +38,7 @@ pub(super) fn percentiles(lines: &[Line]) -> Result<String, PlotError> {
     );
     chart.height_px = 380;
     for (index, (line, points)) in measured().zip(drawn).enumerate() {
-        let look = Look::nth(index)
+        let look = LineStyle::nth(index)
             .marker(Marker::None)
             .stroke(match line.bold {
                 true => Stroke::Solid,

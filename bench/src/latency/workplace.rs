@@ -37,7 +37,7 @@ impl Workplace {
                 .context("no temporary folder could be made")?,
             itself: std::env::current_exe()
                 .context("lariat-bench cannot find its own executable")?,
-            lariat: crate::beside::lariat()?,
+            lariat: crate::program::lariat()?,
             cores: (0..CpuSet::MAX_CPU)
                 .filter(|&core| cores.is_set(core))
                 .collect(),

@@ -89,7 +89,7 @@ fn run(place: &Place, args: &Args, beside: Beside, round: usize) -> Result<Shown
         .folder
         .path()
         .join(format!("{round}-{}", beside as u8));
-    let binary = crate::beside::lariat()?;
+    let binary = crate::program::lariat()?;
     let mut chain = Command::new(&binary)
         .args([
             "run",

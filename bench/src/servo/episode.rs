@@ -16,8 +16,8 @@ use lariat_wire::{
 use super::camera::{Camera, Truth};
 use super::job::{Job, Wanted};
 use super::judge::{Judge, Moment, Outcome, REACHED_PX};
-use crate::beside;
 use crate::latency::guard::Guarded;
+use crate::program;
 use lariat_chain::stop::Stop;
 
 /// How long the rope must stay at its target for the case to be closed.
@@ -146,7 +146,7 @@ impl Episode<'_> {
             self.folder,
         )?;
         let mut chain = Process::start(
-            beside::lariat()?,
+            program::lariat()?,
             "run",
             &self.chain_arguments(),
             None,

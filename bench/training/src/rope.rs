@@ -57,7 +57,7 @@ enum Pattern {
 
 /// How a rope looks; lengths in widths of the rope.
 #[derive(Clone)]
-pub(crate) struct Look {
+pub(crate) struct RopeStyle {
     rgb: Rgb,
     second: Rgb,
     pattern: Pattern,
@@ -84,7 +84,7 @@ struct Tip {
     pin: Option<[f32; 2]>,
 }
 
-impl Look {
+impl RopeStyle {
     pub(crate) fn draw(random: &mut SplitMix64) -> Self {
         let paints = [
             Paint::Bright,
@@ -304,7 +304,7 @@ impl Laid {
         &mut self,
         path: &Path,
         width_px: f32,
-        look: &Look,
+        look: &RopeStyle,
         lamp: &Lamp,
         random: &mut SplitMix64,
     ) {
@@ -369,7 +369,7 @@ impl Laid {
         &mut self,
         path: &Path,
         width_px: f32,
-        look: &Look,
+        look: &RopeStyle,
         mut paint: impl FnMut(&mut Self, usize, Place, f32),
     ) {
         let side = self.canvas.side as isize;
@@ -441,7 +441,7 @@ impl Laid {
         layer: &mut Field<Place>,
         touched: &mut Vec<u32>,
         width_px: f32,
-        look: &Look,
+        look: &RopeStyle,
         length: f32,
         paint: &mut impl FnMut(&mut Self, usize, Place, f32),
     ) {

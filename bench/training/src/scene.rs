@@ -3,7 +3,7 @@
 use crate::canvas::{Canvas, Field, blur, happens, normal, scaled, spread};
 use crate::path::Path;
 use crate::photographs::Photographs;
-use crate::rope::{Laid, Lamp, Look};
+use crate::rope::{Laid, Lamp, RopeStyle};
 use crate::{camera, ground, thing};
 use lariat_portable::SplitMix64;
 
@@ -80,14 +80,14 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     };
     let most = if usual_px > 12.0 { 3 } else { 8 };
     let count = [0, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 5, 6, 8][random.below(14)].min(most);
-    let shared = Look::draw(random);
+    let shared = RopeStyle::draw(random);
     let is_uniform = happens(random, 0.2);
     for _ in 0..count {
         let width_px = (usual_px * (1.0 + 0.18 * normal(random))).clamp(2.2, 48.0);
         let look = if is_uniform {
             shared.clone()
         } else {
-            Look::draw(random)
+            RopeStyle::draw(random)
         };
         let path = Path::draw(side, width_px, random);
         let look = match happens(random, 0.1) {
@@ -110,7 +110,7 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
                 let look = if is_uniform {
                     shared.clone()
                 } else {
-                    Look::draw(random)
+                    RopeStyle::draw(random)
                 };
                 laid.lay(&path.beside(away_px), width_px, &look, &lamp, random);
             }
@@ -125,7 +125,7 @@ fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     let mut laid = Laid::on(canvas);
     let lamp = Lamp::draw(random);
     let width_px = spread(random, 2.2, 9.0);
-    let shared = Look::draw(random);
+    let shared = RopeStyle::draw(random);
     let is_uniform = happens(random, 0.25);
     for _ in 0..1 + random.below(2) {
         let path = Path::gentle(side, random);
@@ -145,7 +145,7 @@ fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
             };
             let look = match is_uniform {
                 true => shared.clone(),
-                false => Look::draw(random),
+                false => RopeStyle::draw(random),
             };
             laid.lay(&path.beside(away_px), width_px, &look, &lamp, random);
         }
@@ -154,7 +154,7 @@ fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
 }
 
 /// White on white, gray on gray: hardly another color than some place of the picture.
-fn like_the_ground(look: Look, canvas: &Canvas, random: &mut SplitMix64) -> Look {
+fn like_the_ground(look: RopeStyle, canvas: &Canvas, random: &mut SplitMix64) -> RopeStyle {
     let ground = canvas.values[random.below(canvas.values.len())];
     let by = match happens(random, 0.5) {
         true => random.uniform_f32(0.7, 0.92),

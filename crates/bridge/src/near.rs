@@ -293,7 +293,7 @@ mod tests {
     use super::missed;
 
     #[test]
-    fn what_was_overwritten_is_missed_and_a_chain_that_begins_anew_is_not() {
+    fn what_was_overwritten_is_missed_and_a_chain_that_begins_again_is_not() {
         assert_eq!(
             [(None, 9), (Some(9), 10), (Some(9), 13), (Some(9), 1)]
                 .map(|(last, next)| missed(last, next)),

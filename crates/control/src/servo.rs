@@ -178,7 +178,7 @@ impl<const A: usize> Servo<A> {
     }
 
     /// Starts with another rope, or one that was released and gripped again: explores again, and keeps the grippers' positions.
-    pub fn begin_anew(&mut self) {
+    pub fn reset(&mut self) {
         self.jacobian = Jacobian::ZERO;
         self.learner = Learner::new(self.options.estimator);
         self.pairs.forget();

@@ -12,11 +12,11 @@ mod jpeg;
 mod layout;
 mod leaving;
 mod line;
-mod look;
 mod paint;
 mod rules;
 mod score;
 mod shape;
+mod style;
 mod thing;
 mod wound;
 
@@ -148,7 +148,7 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
         height,
     })?;
     let ropes = layout.lines.len();
-    let look = look::Look::of(class, seed, ropes, layout.width_px, &mut stream(1));
+    let look = style::Style::of(class, seed, ropes, layout.width_px, &mut stream(1));
     let mut painted = paint::paint(&layout, &look, width, height);
     let size = [width, height];
     let mut seen = painted.cover.clone();
@@ -173,7 +173,7 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
 /// The surface of a composed picture without its ropes, three bytes a pixel, and the color of a rope that is not the table's.
 pub(crate) fn surface(class: Class, seed: u64, [width, height]: [usize; 2]) -> (Vec<u8>, [u8; 3]) {
     let stream = |part: u64| SplitMix64::of_stream(seed, 0x5CE0 + 16 * class as u64 + part);
-    let mut look = look::Look::of(class, seed, 1, 1.0, &mut stream(1));
+    let mut look = style::Style::of(class, seed, 1, 1.0, &mut stream(1));
     // The camera that films it has its own, and no rope lies on it yet.
     (look.noise, look.grain, look.shadow) = (0.0, 0.0, 0.0);
     let size_px = [width, height].map(|side| side as f64);

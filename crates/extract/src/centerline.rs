@@ -2,13 +2,13 @@
 //! rope's width there.
 
 mod centerliner;
+pub(crate) mod connector;
 mod contrast;
 mod edge;
 pub(crate) mod extender;
 pub(crate) mod extrapolate;
 pub(crate) mod line;
 pub(crate) mod path;
-pub(crate) mod plug;
 pub(crate) mod section;
 pub(crate) mod shading;
 pub(crate) mod smooth;

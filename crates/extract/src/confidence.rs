@@ -158,7 +158,7 @@ impl Evidence {
 
 /// What is known beside the image and the curve.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Known<'a> {
+pub(crate) struct Prior<'a> {
     /// Whether the curve may be something else than a rope.
     pub(crate) is_doubted: bool,
     pub(crate) maker: Maker,
@@ -176,7 +176,7 @@ pub(crate) struct Known<'a> {
 pub(crate) fn evidence(
     image: &Image,
     (curves, number): (&[Curve], usize),
-    known: Known,
+    known: Prior,
 ) -> Evidence {
     let curve = &curves[number];
     let share = |is: bool| f32::from(u8::from(is));

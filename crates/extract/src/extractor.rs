@@ -4,16 +4,16 @@ mod doubts;
 mod lines;
 mod meant;
 mod readings;
-mod rehearse;
 mod seams;
 mod seek;
 mod still;
+mod warm_up;
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
 use crate::centerline::Centerliner;
+use crate::centerline::connector::ConnectorCutter;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
-use crate::centerline::plug::PlugCutter;
 use crate::clustering::Clusterer;
 use crate::clustering::ordering::Orderer;
 use crate::confidence::Evidence;
@@ -36,12 +36,12 @@ use crate::scene::{Crossing, Curve, Scene, Status};
 use crate::skeleton::thin::Thinner;
 use crate::skeleton::wide::Wide;
 use crate::skeleton::{Pixel, Skeleton};
+use crate::tracking::noise::NoiseFilter;
 use crate::tracking::refit::{self, Refitter};
-use crate::tracking::strays::Strays;
-use crate::tracking::track::{Look, Tracker};
+use crate::tracking::track::{Appearance, Tracker};
 use lariat_network::Network;
 use meant::Meant;
-use readings::Reading;
+use readings::Hypothesis;
 use seek::Answer;
 pub(crate) use seek::SURER;
 use std::sync::Arc;
@@ -103,10 +103,10 @@ pub struct Extractor {
     colors: Vec<[f32; 3]>,
     bridger: Bridger,
     refitter: Refitter,
-    plug_cutter: PlugCutter,
-    strays: Strays,
+    connector_cutter: ConnectorCutter,
+    noise_filter: NoiseFilter,
     remainder: Remainder,
-    looks: Vec<Look>,
+    appearances: Vec<Appearance>,
     spaced: Vec<Sample>,
     now_ns: u64,
     next_ns: Option<u64>,
@@ -128,7 +128,7 @@ pub struct Extractor {
     followed: bool,
     answer: Answer,
     /// The best reading of this image so far, while another one is tried; memory else.
-    kept: Reading,
+    kept: Hypothesis,
     meant: Meant,
     /// The last image, to recognize it.
     still: Still,
@@ -163,10 +163,10 @@ impl Extractor {
             colors: Vec::new(),
             bridger: Bridger::default(),
             refitter: Refitter::default(),
-            plug_cutter: PlugCutter::default(),
-            strays: Strays::default(),
+            connector_cutter: ConnectorCutter::default(),
+            noise_filter: NoiseFilter::default(),
             remainder: Remainder::default(),
-            looks: Vec::new(),
+            appearances: Vec::new(),
             spaced: Vec::new(),
             now_ns: 0,
             next_ns: None,
@@ -182,7 +182,7 @@ impl Extractor {
             is_crowded: false,
             followed: false,
             answer: Answer::default(),
-            kept: Reading::default(),
+            kept: Hypothesis::default(),
             meant: Meant::default(),
             still: Still::default(),
         })
@@ -367,8 +367,8 @@ impl Extractor {
         self.crossings.clear();
         self.follower.drop();
         self.tracker.pass(self.now_ns);
-        let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
-        [_, self.count] = self.tracker.update(curves, 0, looks, &self.options);
+        let (curves, appearances) = (&mut self.curves, &mut self.appearances[..]);
+        [_, self.count] = self.tracker.update(curves, 0, appearances, &self.options);
         self.followed = false;
         self.choose_meant();
         Scene {
@@ -453,7 +453,7 @@ impl Extractor {
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
         let joined = if self.masker.cut.is_none() {
-            self.drop_strays(joined)
+            self.drop_noise(joined)
         } else {
             joined
         };
@@ -465,7 +465,7 @@ impl Extractor {
         };
         self.lengthen(joined);
         if self.masker.is_sought {
-            self.cut_plugs(image, joined);
+            self.cut_connectors(image, joined);
         }
         self.points(image, joined);
         // Where no strands meet, a line is all that there is; and what is far wider is no rope.
@@ -480,8 +480,8 @@ impl Extractor {
     /// What becomes of the curves that are known, and of those of this image.
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely(image);
-        let (curves, looks) = (&mut self.curves, &mut self.looks[..]);
-        let [seen, count] = (self.tracker).update(curves, self.count, looks, &self.options);
+        let (curves, appearances) = (&mut self.curves, &mut self.appearances[..]);
+        let [seen, count] = (self.tracker).update(curves, self.count, appearances, &self.options);
         self.count = count;
         self.crosser
             .find(image, &self.curves[..seen], &mut self.crossings);
@@ -530,16 +530,16 @@ impl Extractor {
     /// Makes the buffers for images of this size, by extracting from a picture full of ropes, and
     /// forgets the past. Not needed, but without it buffers grow when a scene first gets richer.
     pub fn prepare(&mut self, width: usize, height: usize) {
-        let pixels = rehearse::picture(width, height);
-        if let Some(image) = rehearse::image(&pixels, width, height) {
+        let pixels = warm_up::picture(width, height);
+        if let Some(image) = warm_up::image(&pixels, width, height) {
             let wanted = std::mem::replace(&mut self.options.mask, Mask::Auto);
             // Twice: what is kept of the first frame is compared with the second.
             self.extract(&image);
             self.still.forget();
             self.extract(&image);
             // And a bare table, which is looked at more closely.
-            let bare = rehearse::bare(width, height);
-            if let Some(image) = rehearse::image(&bare, width, height) {
+            let bare = warm_up::bare(width, height);
+            if let Some(image) = warm_up::image(&bare, width, height) {
                 self.extract(&image);
             }
             self.options.mask = wanted;
@@ -576,11 +576,11 @@ impl Extractor {
         self.colors.reserve(MOST_PIECES);
         self.doubts.reserve(MOST_PIECES);
         self.evidence.reserve(MOST_PIECES);
-        self.looks.reserve(MOST_PIECES);
+        self.appearances.reserve(MOST_PIECES);
         self.bridger.reserve(samples);
-        self.plug_cutter.reserve(samples);
+        self.connector_cutter.reserve(samples);
         self.remainder.reserve(width, height);
-        self.strays.reserve(MOST_PIECES);
+        self.noise_filter.reserve(MOST_PIECES);
         self.occluder.reserve(width, height);
         self.masker.reserve(width, height);
         self.tracker.reserve(self.options.points);
@@ -598,7 +598,7 @@ impl Extractor {
             occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
-        self.refitter.rehearse(lines, samples, &scene);
+        self.refitter.warm_up(lines, samples, &scene);
         self.kept
             .reserve([width, height], &self.curves, MOST_PIECES);
     }

@@ -15,7 +15,7 @@ use crate::scene::{Crossing, Curve, Status};
 use crate::vec2::Vec2;
 use chords::ChordFollower;
 use contours::{ContourFollower, Trust};
-use known::Known;
+use known::KnownRopes;
 
 /// How long ropes are followed before they are extracted again, at first and at most, in nanoseconds: twice as long each time
 /// that a whole look shows nothing that was not known.
@@ -33,7 +33,7 @@ const TOLD: u32 = 1;
 pub(crate) struct Follower {
     chords: ChordFollower,
     contours: ContourFollower,
-    known: Known,
+    known: KnownRopes,
     /// The numbers of the ropes that were last seen, how many crossings they made, and in how many images in a row these were seen
     /// whole.
     tracks: Vec<u32>,

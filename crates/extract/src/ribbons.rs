@@ -22,7 +22,7 @@ use crate::vec2::{self, Vec2};
 use chains::Chainer;
 use groups::Grouper;
 use picture::Picture;
-use pieces::{Ground, Piece};
+use pieces::{Fragment, Ground};
 
 /// Brightness, and chroma counted double, so that distances are those of `image::color`.
 type Color = [f32; 3];
@@ -58,7 +58,7 @@ pub(crate) struct Ribbons {
     picture: Picture,
     chainer: Chainer,
     ground: Ground,
-    pieces: Vec<Piece>,
+    pieces: Vec<Fragment>,
     /// The ribs of all pieces, one after the other.
     ribs: Vec<Rib>,
     /// The same with those that were traced.

@@ -3,10 +3,10 @@
 
 mod complete;
 mod matching;
+pub(crate) mod noise;
 pub(crate) mod part;
 pub(crate) mod plausible;
 pub(crate) mod refit;
-pub(crate) mod strays;
 pub(crate) mod tips;
 pub(crate) mod track;
 mod turn;

@@ -70,7 +70,7 @@ fn differences(found: &str, expected: &str) -> Vec<String> {
 #[test]
 fn the_same_pictures_give_the_same_bits_on_every_machine() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/same_bits/hashes.txt");
-    let mut is_written_anew = std::env::var_os("LARIAT_WRITE_HASHES").is_some();
+    let mut rewrites = std::env::var_os("LARIAT_WRITE_HASHES").is_some();
     let (pictures, lines) = (seen::Pictures::draw(), fitted::lines());
     for arch in Arch::all() {
         arch.keep_to();
@@ -78,9 +78,9 @@ fn the_same_pictures_give_the_same_bits_on_every_machine() {
         pictures.tell(&mut told);
         fitted::fits(&mut told, &lines);
         let found = told.text();
-        if is_written_anew {
+        if rewrites {
             std::fs::write(path, &found).expect("the file of hashes can be written");
-            is_written_anew = false;
+            rewrites = false;
         }
         let expected = std::fs::read_to_string(path).expect("the file of hashes can be read");
         let differences = differences(&found, &expected);

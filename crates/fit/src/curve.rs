@@ -21,7 +21,7 @@ pub use nearest::Nearest;
 
 use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
 use crate::functions::{self, MAX_KNOTS};
-use pieces::{Piece, Pieces};
+use pieces::{KnotSpan, Pieces};
 
 /// A curve of any [`Basis`] in `D` dimensions: `f(ρ)`, ρ from 0 to 1.
 ///
@@ -168,7 +168,7 @@ impl<'a, const D: usize> Curve<'a, D> {
     }
 
     /// Its Bezier pieces; of a Fourier series none.
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece<'_, D>> {
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = KnotSpan<'_, D>> {
         (0..self.pieces.count()).map(|index| self.pieces.piece(index))
     }
 

@@ -74,7 +74,7 @@ pub struct Prediction<const D: usize> {
 }
 
 /// The last shape taken in.
-struct Seen {
+struct LastShape {
     t_ns: u64,
     space: CurveSpace,
     /// The largest normalized innovation squared that is no jump.
@@ -103,7 +103,7 @@ pub struct Filter<const D: usize> {
     options: FilterOptions,
     most: usize,
     arch: lariat_portable::Arch,
-    seen: Option<Seen>,
+    seen: Option<LastShape>,
     state: State<D>,
     /// The state at another moment, while it is being worked on.
     ahead: State<D>,
@@ -235,7 +235,7 @@ impl<const D: usize> Filter<D> {
         match &mut self.seen {
             Some(seen) if seen.space.is(space) => seen.t_ns = t_ns,
             seen => {
-                *seen = Some(Seen {
+                *seen = Some(LastShape {
                     t_ns,
                     space: space.clone(),
                     gate: self.options.gate(control_points.len() * D),

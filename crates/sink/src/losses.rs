@@ -123,8 +123,8 @@ impl Ledger {
             // A fit begun again also counts from 1, but its clock does not go back.
             Some((last, fitted_ns)) if now[3] <= last[3] && trace.fitted_ns <= fitted_ns => {
                 // A reader that comes late is given the newest of before: the last sink has counted it.
-                let is_given_anew = self.resumed && now == last;
-                self.stale += u64::from(!is_given_anew);
+                let is_repeated = self.resumed && now == last;
+                self.stale += u64::from(!is_repeated);
                 return Arrival::Stale;
             }
             Some((last, _)) => (last, Arrival::Next),

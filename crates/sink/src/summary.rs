@@ -12,7 +12,7 @@ pub struct Summary {
     pub finished: bool,
     /// How many frames, and where they went.
     pub frames: Frames,
-    /// What depth images were missing, where there are any. Known at the chain's end.
+    /// What depth images were missing, where there are any. FrameTruth at the chain's end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<Depth>,
     /// Where the time went, in microseconds.
@@ -85,7 +85,7 @@ pub struct Lost {
     pub source: u64,
     /// Sent by capture, never by extract, for another reason than the next.
     pub capture: u64,
-    /// Skipped by extract, as the frame's mask, made by another process, came too late. Known at the chain's end; until
+    /// Skipped by extract, as the frame's mask, made by another process, came too late. FrameTruth at the chain's end; until
     /// then these are in `capture`.
     pub mask: u64,
     /// Sent by extract, never by fit.

@@ -88,7 +88,7 @@ impl<T: Default> Ring<T> {
 
 /// A frame's truth, and what it has been compared with.
 #[derive(Debug, Default)]
-struct Known {
+struct FrameTruth {
     ropes: Polylines,
     centerlines_done: bool,
     descriptors_done: bool,
@@ -112,7 +112,7 @@ impl Default for Drawn {
 /// Everything that waits to be compared with the truth.
 #[derive(Debug)]
 pub(crate) struct Truth {
-    known: Ring<Known>,
+    known: Ring<FrameTruth>,
     centerlines: Ring<Polylines>,
     drawn: Ring<Drawn>,
 }

@@ -52,12 +52,12 @@ impl Film {
     ///
     /// # Errors
     /// It cannot be read any more.
-    pub(crate) fn reel(&self) -> Result<Reel> {
+    pub(crate) fn playback(&self) -> Result<Playback> {
         let recording = Recording::open_topic(&self.path, self.topic.as_deref())?;
         let at = Gather::new(&recording, Span::default())?;
         // Without its settings it is shown all the same, but for curves in millimetres.
         let settings = RecordedSettings::of(&recording).ok().flatten();
-        Ok(Reel {
+        Ok(Playback {
             recording,
             settings,
             places: Places::default(),
@@ -84,7 +84,7 @@ fn traces(recording: &Recording) -> Result<Vec<Trace>> {
 }
 
 /// Goes from frame to frame.
-pub(crate) struct Reel {
+pub(crate) struct Playback {
     recording: Recording,
     settings: Option<RecordedSettings>,
     /// By the settings' version.
@@ -95,7 +95,7 @@ pub(crate) struct Reel {
     decoder: Decoder,
 }
 
-impl Reel {
+impl Playback {
     /// The frame of a place, from 0; `None` behind the last.
     ///
     /// # Errors

@@ -266,7 +266,7 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
             }
             // Clients can publish nothing here.
             Event::Binary(_) | Event::End => return,
-            Event::Look => watcher.hear(),
+            Event::RigState => watcher.hear(),
         }
         if session.is_clear() && !client.tell(&mut session, watcher) {
             return;

@@ -39,12 +39,12 @@ pub struct Gatherer<'d> {
     roster_due_ns: u64,
     /// Which of [`WINDOWS_S`].
     window: usize,
-    look: Look,
+    look: RigState,
 }
 
 /// The state of the rig that is shown. It starts again for another rig.
 #[derive(Debug, Default)]
-struct Look {
+struct RigState {
     reader: Option<Receiver<Descriptors>>,
     is_lossless: bool,
     link_due_ns: u64,
@@ -74,7 +74,7 @@ impl<'d> Gatherer<'d> {
             members: Vec::new(),
             roster_due_ns: 0,
             window: 1,
-            look: Look::default(),
+            look: RigState::default(),
         }
     }
 
@@ -89,7 +89,7 @@ impl<'d> Gatherer<'d> {
             && Some(rig) != self.rig.as_ref()
         {
             self.rig = Some(rig.clone());
-            self.look = Look::default();
+            self.look = RigState::default();
             // Its processes are to be there with the first picture.
             self.roster_due_ns = 0;
         }
@@ -283,7 +283,7 @@ impl Gatherer<'_> {
     }
 }
 
-impl Look {
+impl RigState {
     /// Becomes a reader when there is a writer, and goes with it: a reader that stayed would be in the way of a chain that
     /// is restarted with another delivery.
     fn link(&mut self, domain: &Domain, rig: &Rig) {
@@ -376,11 +376,11 @@ impl Look {
         };
         let counts = |trace: &Trace| [trace.captured, trace.extracted, trace.fitted];
         let (before, now) = (counts(from), counts(trace));
-        let is_anew = before.iter().zip(now).any(|(before, now)| now < *before);
+        let is_restart = before.iter().zip(now).any(|(before, now)| now < *before);
         let elapsed_ns = trace.fitted_ns.saturating_sub(from.fitted_ns);
-        if is_anew || elapsed_ns >= RATE_NS {
+        if is_restart || elapsed_ns >= RATE_NS {
             let per_s = |i: usize| (now[i] - before[i]) as f64 * 1e9 / elapsed_ns as f64;
-            self.rate = (!is_anew).then(|| std::array::from_fn(per_s));
+            self.rate = (!is_restart).then(|| std::array::from_fn(per_s));
             self.rate_from = Some(*trace);
         }
     }

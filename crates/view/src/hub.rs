@@ -153,7 +153,7 @@ impl Hub {
         // A page has room for the tail of a distribution, which 3 s of frames do not have.
         gatherer.longer();
         let mut reporter = Reporter::default();
-        let mut reading = Reading::default();
+        let mut reading = Sources::default();
         let (mut notices, mut places) = (Notices::default(), Places::default());
         let (mut pace, mut status_due) = (Pace::default(), Instant::now());
         while self.is_looked_at() {
@@ -305,7 +305,7 @@ impl Drop for Watcher {
 
 /// The readers of what the descriptors were made of.
 #[derive(Default)]
-struct Reading {
+struct Sources {
     frames: Option<Ordered<[u8]>>,
     centerlines: Option<Ordered<Centerlines>>,
     /// When it is looked again whether they are written.
@@ -315,7 +315,7 @@ struct Reading {
     shown: Option<(u64, u64)>,
 }
 
-impl Reading {
+impl Sources {
     /// Without readers, and counting on.
     fn closed(self) -> Self {
         Self {

@@ -91,7 +91,7 @@ enum Task {
 enum Heard {
     Nothing,
     /// There is news from elsewhere.
-    Look,
+    RigState,
     /// The page is ready for the next moment of a rig, this wide.
     Next(u32),
     /// It wants a frame of a recording.
@@ -108,7 +108,7 @@ fn heard(event: Event, rig: impl FnOnce() -> Option<Rig>) -> Heard {
     let text = match event {
         Event::Text(text) => text,
         Event::Binary(file) => return Heard::Task(Task::Trace { file, rig: rig() }),
-        Event::Look => return Heard::Look,
+        Event::RigState => return Heard::RigState,
         Event::End => return Heard::Over,
     };
     match serde_json::from_str(&text) {
@@ -144,7 +144,7 @@ pub(crate) fn show_rig<S: Read + Write + AsFd>(
                 watcher.want();
             }
             Heard::Task(asked) => task = Some(asked),
-            Heard::Look => watcher.hear(),
+            Heard::RigState => watcher.hear(),
             Heard::Frame { .. } | Heard::Nothing => {}
             Heard::Over => return,
         }
@@ -185,7 +185,7 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
     // A chain may run on this machine.
     give_way();
     let mut desk = Desk::new(may_write);
-    let Ok(mut reel) = film.reel() else {
+    let Ok(mut playback) = film.playback() else {
         return;
     };
     if !session.say(Message::text(&*film.status)) {
@@ -201,13 +201,13 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
                     return;
                 }
             }
-            Heard::Next(_) | Heard::Look | Heard::Nothing => {}
+            Heard::Next(_) | Heard::RigState | Heard::Nothing => {}
             Heard::Over => return,
         }
         if session.is_clear()
             && let Some((place, width)) = wanted.take()
         {
-            let messages = match reel.moment(place) {
+            let messages = match playback.moment(place) {
                 Ok(Some(moment)) => desk.work(Task::Show(Arc::new(moment), width)),
                 Ok(None) | Err(_) => {
                     let missing = json!({ "type": "missing", "place": place });

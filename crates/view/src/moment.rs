@@ -161,7 +161,7 @@ impl<'a> Said<'a> {
         let seen = moment.centerlines.as_deref();
         let is_of_image = shapes.unit() == Some(Unit::Pixel);
         let places = moment.places.as_ref();
-        let seen_at = |point| Seen::new(moment.pixel(point)?, places);
+        let seen_at = |point| Projection::new(moment.pixel(point)?, places);
         let curve_of = |track| {
             let mut curves = seen.into_iter().flat_map(Centerlines::curves);
             curves.find(|curve| curve.track == track)
@@ -220,14 +220,15 @@ fn way_us(trace: &Trace) -> [u64; 6] {
 }
 
 impl RopeSaid {
-    fn of(shape: &Descriptor, seen_at: &impl Fn([f64; 2]) -> Option<Seen>) -> Self {
+    fn of(shape: &Descriptor, seen_at: &impl Fn([f64; 2]) -> Option<Projection>) -> Self {
         let all = |points: &[[f64; 2]]| points.iter().map(|point| seen_at(*point)).collect();
         let mut curve = vec![[0.0; 2]; DRAWN];
         let is_curve = points_along(shape, &mut curve);
-        let curve: Option<Vec<Seen>> = is_curve.then(|| all(&curve)).flatten();
+        let curve: Option<Vec<Projection>> = is_curve.then(|| all(&curve)).flatten();
         // A Fourier series has coefficients, not points.
         let has_points = !matches!(shape.basis(), Some(Basis::Fourier) | None);
-        let control: Option<Vec<Seen>> = has_points.then(|| all(shape.control_points())).flatten();
+        let control: Option<Vec<Projection>> =
+            has_points.then(|| all(shape.control_points())).flatten();
         let (curve, control) = (curve.unwrap_or_default(), control.unwrap_or_default());
         Self {
             track: shape.track,
@@ -277,13 +278,13 @@ impl RopeSaid {
 }
 
 /// Where a point is seen.
-struct Seen {
+struct Projection {
     at: [f64; 2],
     /// How it moves in the picture where the point moves; as it does, if there is none.
     way: Option<Jacobian>,
 }
 
-impl Seen {
+impl Projection {
     /// At a pixel; `None`: it has no place.
     fn new(at: [f64; 2], places: Option<&Mapping>) -> Option<Self> {
         let Some(places) = places else {

@@ -28,7 +28,7 @@ pub(crate) enum Event {
     /// Or this.
     Binary(Bytes),
     /// The bell rang, or it is time.
-    Look,
+    RigState,
     /// It is over: the client has gone, or was given up.
     End,
 }
@@ -123,10 +123,10 @@ impl<S: Read + Write + AsFd> Session<S> {
             }
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Event::Look;
+                return Event::RigState;
             }
             match self.sleep(bell, left) {
-                Some(true) => return Event::Look,
+                Some(true) => return Event::RigState,
                 Some(false) => {}
                 None => return Event::End,
             }

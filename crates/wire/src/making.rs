@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_that_was_left_half_made_is_made_anew() {
+    fn a_channel_that_was_left_half_made_is_made_again() {
         let name = format!("h{}", std::process::id());
         let domain = Domain::named(&name).expect("a domain");
         let rig = "left".parse().expect("a name");

@@ -75,7 +75,7 @@ fn what_was_lost_on_the_way_is_not_handed_on_now_either() {
 }
 
 #[test]
-fn stages_that_were_started_anew_are_so_again() {
+fn stages_that_were_restarted_are_so_again() {
     let made = Making {
         settings: FILTERED,
         again: Some(5),

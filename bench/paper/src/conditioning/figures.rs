@@ -1,6 +1,6 @@
 //! Condition numbers, gains and total errors as figures.
 
-use lariat_plot::{Axis, Chart, Look, Mark, Marker, Stroke};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, Stroke};
 
 use super::{Conditioning, DRAWS, MAIN, NoiseOf, ORDERS, Row, SIGMAS_PX};
 use crate::PaperError;
@@ -50,16 +50,24 @@ impl Conditioning {
         let of_spline = |k: usize| move |row: &Row| row.bspline.map_or(f64::NAN, |b| b[k]);
         chart.line(
             "Bezier: condition of B",
-            Look::nth(0),
+            LineStyle::nth(0),
             line(&|row| row.condition),
         );
-        chart.line("Bezier: noise gain", Look::nth(1), line(&|row| row.gain));
+        chart.line(
+            "Bezier: noise gain",
+            LineStyle::nth(1),
+            line(&|row| row.gain),
+        );
         chart.line(
             "B-spline: condition of B",
-            Look::nth(2),
+            LineStyle::nth(2),
             line(&of_spline(0)),
         );
-        chart.line("B-spline: noise gain", Look::nth(3), line(&of_spline(1)));
+        chart.line(
+            "B-spline: noise gain",
+            LineStyle::nth(3),
+            line(&of_spline(1)),
+        );
         Ok(Figure {
             number: 10,
             title: "Condition number and noise gain against order".to_owned(),
@@ -161,7 +169,7 @@ impl Conditioning {
                 .map(|row| [row.order as f64, of(row)])
                 .collect()
         };
-        let bare = |n: usize| Look::nth(n).marker(Marker::None);
+        let bare = |n: usize| LineStyle::nth(n).marker(Marker::None);
         chart.line(
             "no noise",
             bare(6).stroke(Stroke::Solid),
@@ -179,7 +187,7 @@ impl Conditioning {
                 .best(|row| noise(row, sigma_px))
                 .and_then(|n| self.row(n));
             if let Some(row) = best {
-                let look = Look::nth(i).marker(Marker::Circle);
+                let look = LineStyle::nth(i).marker(Marker::Circle);
                 chart.line("", look, vec![[row.order as f64, total(row)]]);
             }
         }

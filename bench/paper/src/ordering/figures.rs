@@ -1,7 +1,7 @@
 //! Uneven steps and wrong orders as figures.
 
 use lariat_plot::words::px;
-use lariat_plot::{Axis, Chart, Look, Mark, Marker, Stroke};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, Stroke};
 
 use super::{Disorder, Ordering, RATIOS, RHOS};
 use crate::PaperError;
@@ -40,7 +40,7 @@ impl Ordering {
             let line = RATIOS.iter().zip(spreads);
             chart.line(
                 &name,
-                Look::nth(i),
+                LineStyle::nth(i),
                 line.map(|(r, s)| [*r, s.median]).collect(),
             );
             for (ratio, s) in RATIOS.iter().zip(spreads) {
@@ -82,7 +82,7 @@ impl Ordering {
         chart.height_px = 260;
         let looks = [0, 1].map(|k| {
             let marker = [Marker::Circle, Marker::Square][k];
-            Look::nth(k).stroke(Stroke::Solid).marker(marker)
+            LineStyle::nth(k).stroke(Stroke::Solid).marker(marker)
         });
         for ((_, name), look) in RHOS.into_iter().zip(looks) {
             let name = name.to_owned();

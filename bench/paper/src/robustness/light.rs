@@ -3,7 +3,7 @@
 use lariat_drawn::scenes::Class;
 use lariat_fit::Basis;
 use lariat_plot::words::{digits, px};
-use lariat_plot::{Axis, Chart, Look, Mark, Marker, Spread, Stroke, spread::median};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, Spread, Stroke, spread::median};
 
 use crate::csv::Csv;
 use crate::curves::{fitter, sampled};
@@ -143,7 +143,7 @@ impl Lights {
         );
         chart.left_px = 112;
         chart.height_px = 320;
-        let looks = [Look::nth(0), Look::nth(1)].map(|look| look.stroke(Stroke::Solid));
+        let looks = [LineStyle::nth(0), LineStyle::nth(1)].map(|look| look.stroke(Stroke::Solid));
         let keys = [
             "points, from the true centerline",
             "curve of order 8, from that of the true points",

@@ -3,7 +3,7 @@
 use lariat_fit::{Basis, Fitter, Options, Rho, Weights};
 use lariat_plot::Spread;
 use lariat_plot::words::px;
-use lariat_plot::{Axis, Chart, Look};
+use lariat_plot::{Axis, Chart, LineStyle};
 
 use crate::PaperError;
 use crate::csv::Csv;
@@ -187,7 +187,7 @@ impl Missing {
                     .zip(spreads)
                     .filter(|(share, _)| **share > 0.0);
                 let line = line.map(|(share, s)| [100.0 * share, s.median]);
-                chart.line(way.name(), Look::nth(i), line.collect());
+                chart.line(way.name(), LineStyle::nth(i), line.collect());
                 for (share, s) in SHARES.iter().zip(spreads) {
                     csv.row(&[
                         loss.name().into(),

@@ -2,7 +2,7 @@
 
 use lariat_plot::Spread;
 use lariat_plot::words::px;
-use lariat_plot::{Axis, Chart, Look};
+use lariat_plot::{Axis, Chart, LineStyle};
 
 use crate::PaperError;
 use crate::csv::Csv;
@@ -136,7 +136,7 @@ impl Noise {
                 let line = SIGMAS_PX.iter().zip(of(row));
                 let line = line.filter(|(sigma, _)| **sigma > 0.0);
                 let line = line.map(|(sigma, s)| [*sigma, s.median]).collect();
-                chart.line(row.family.name(), Look::nth(i), line);
+                chart.line(row.family.name(), LineStyle::nth(i), line);
             }
             charts.push(chart);
         }

@@ -3,7 +3,7 @@
 use lariat_fit::{Basis, Fitter, Options, Weights};
 use lariat_plot::Spread;
 use lariat_plot::words::px;
-use lariat_plot::{Axis, Chart, Look};
+use lariat_plot::{Axis, Chart, LineStyle};
 
 use crate::PaperError;
 use crate::csv::Csv;
@@ -114,7 +114,7 @@ impl Outliers {
         for (i, ((_, _, name), spreads)) in WAYS.iter().zip(&self.rows).enumerate() {
             let line = SHARES.iter().zip(spreads);
             let line = line.map(|(share, s)| [100.0 * share, s.median]);
-            chart.line(name, Look::nth(i), line.collect());
+            chart.line(name, LineStyle::nth(i), line.collect());
             for (share, s) in SHARES.iter().zip(spreads) {
                 csv.row(&[
                     (*name).into(),

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::marks::{Look, Mark, Marker, Stroke, marker, stroke};
+use super::marks::{LineStyle, Mark, Marker, Stroke, marker, stroke};
 use super::{Area, Chart, Drawn, FINE, INK, LETTER_PX, letters};
 
 const ROW_PX: i32 = 19;
@@ -15,7 +15,7 @@ const APART_PX: i32 = 18;
 
 struct Entry<'a> {
     name: &'a str,
-    look: Look,
+    look: LineStyle,
     /// Of a band.
     opacity: Option<f64>,
 }
@@ -34,7 +34,7 @@ fn entries(chart: &Chart) -> Vec<Entry<'_>> {
             ..
         } => Some(Entry {
             name,
-            look: Look {
+            look: LineStyle {
                 color,
                 stroke: Stroke::Solid,
                 marker: Marker::None,

@@ -53,7 +53,7 @@ pub enum Marker {
 
 /// How a line looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Look {
+pub struct LineStyle {
     /// Which of the palette's colors.
     pub color: usize,
     /// Its dashes.
@@ -62,7 +62,7 @@ pub struct Look {
     pub marker: Marker,
 }
 
-impl Look {
+impl LineStyle {
     /// The look of a chart's `n`-th line: every one another color, dash and marker.
     pub fn nth(n: usize) -> Self {
         const STROKES: [Stroke; 4] = [
@@ -108,7 +108,7 @@ pub enum Mark {
         /// In the legend; empty: not there.
         name: String,
         /// How it looks.
-        look: Look,
+        look: LineStyle,
         /// x and y, in the numbers of the axes.
         points: Vec<[f64; 2]>,
     },
@@ -137,7 +137,7 @@ pub enum Mark {
         /// Downwards, in rows.
         shift: f64,
         /// Its color and its marker.
-        look: Look,
+        look: LineStyle,
         /// Median, quartiles, and where nine tenths lie.
         spread: Spread,
     },
@@ -160,7 +160,7 @@ pub enum Mark {
         /// In the legend.
         name: String,
         /// How they look.
-        look: Look,
+        look: LineStyle,
     },
 }
 
@@ -255,7 +255,7 @@ fn level(root: &Area, y: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
 }
 
 /// A line through pixels.
-pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: Look) -> Drawn {
+pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: LineStyle) -> Drawn {
     if pixels.len() < 2 {
         return Ok(());
     }
@@ -275,7 +275,7 @@ pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: Look) -> Drawn {
 }
 
 /// A marker around a pixel, light inside so that it is told from a joint of the line.
-pub(super) fn marker(root: &Area, (x, y): (i32, i32), look: Look, radius_px: i32) -> Drawn {
+pub(super) fn marker(root: &Area, (x, y): (i32, i32), look: LineStyle, radius_px: i32) -> Drawn {
     let r = radius_px * FINE;
     let line = look.rgb().stroke_width(FINE as u32 * 2);
     let corners: Vec<(i32, i32)> = match look.marker {

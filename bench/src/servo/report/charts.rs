@@ -1,6 +1,6 @@
 //! The plots: errors against time, and what a value does to success and time.
 
-use lariat_plot::{Axis, Chart, Look, Mark, Marker, PlotError, Spread, Stroke, draw};
+use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, PlotError, Spread, Stroke, draw};
 
 use super::summary::{Quantiles, Summary};
 use super::{Group, Harder, Row, Study, by_value};
@@ -38,7 +38,7 @@ pub(super) fn errors(study: &Study, row: &Row) -> Result<String, PlotError> {
     let medians: Vec<f64> = (0..times.len())
         .map(|i| Quantiles::of(lines.iter().map(|line| line[i])).median)
         .collect();
-    let look = Look::nth(1).stroke(Stroke::Solid).marker(Marker::None);
+    let look = LineStyle::nth(1).stroke(Stroke::Solid).marker(Marker::None);
     let name = format!("median of {} ropes", row.outcomes.len());
     chart.line(&name, look, over(&medians));
     let text = study.in_unit(&format!("{REACHED_PX} px"));
@@ -118,7 +118,7 @@ fn sweep(study: &Study, group: Group, values: &[(f64, &Row)]) -> Result<String, 
                 chart.marks.push(Mark::Rule { x, text });
             }
             let points = summaries.iter().map(|(x, summary)| [*x, of(summary)]);
-            chart.line("", Look::nth(BLUE), points.collect());
+            chart.line("", LineStyle::nth(BLUE), points.collect());
             chart
         })
         .collect();
@@ -156,7 +156,7 @@ fn names(rows: &[&Row]) -> Result<String, PlotError> {
         chart.marks.push(Mark::Spread {
             row,
             shift: 0.0,
-            look: Look::nth(BLUE),
+            look: LineStyle::nth(BLUE),
             spread,
         });
     }

@@ -3,7 +3,7 @@
 mod anchors;
 mod floats;
 mod glance;
-mod look;
+mod inside;
 mod places;
 mod reading;
 mod relief;
@@ -13,9 +13,9 @@ mod unsure;
 use super::image::DepthImage;
 use super::pair::DepthCamera;
 use crate::space::{SeenRope, Sight, SpacePoint, cut_ends, length, sight};
+use inside::Pixels;
 use lariat_portable::Arch;
-use look::Pixels;
-use reading::{Reading, SECTION_STEP};
+use reading::{SECTION_STEP, Sampling};
 use sections::Course;
 use thiserror::Error;
 
@@ -144,10 +144,10 @@ impl RopeDepth {
             return Err(self.unmeasured());
         }
         self.join();
-        self.read(image, rope, Reading::Glance);
+        self.read(image, rope, Sampling::Glance);
         self.settle();
         self.steady_radius();
-        self.read(image, rope, Reading::Whole);
+        self.read(image, rope, Sampling::Whole);
         self.read_again(image, rope);
         self.drop_strays(rope.closed);
         self.fill(rope);

@@ -45,7 +45,7 @@ pub(super) struct Epipolar {
 
 /// A place in the second view, and its derivative by the inverse depth.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen {
+pub(super) struct Projection {
     pub at: [f64; 2],
     pub by_inverse: [f64; 2],
     /// How far ahead of the second camera it is for each millimetre ahead of the first.
@@ -111,11 +111,11 @@ impl ViewPair {
 
 impl Epipolar {
     /// Where what is at this inverse depth is seen, in tangents; `None` behind the second camera.
-    pub(super) fn at(&self, inverse: f64) -> Option<Seen> {
+    pub(super) fn at(&self, inverse: f64) -> Option<Projection> {
         let [x, y, ahead] = [0, 1, 2].map(|k| self.way[k] + inverse * self.shift[k]);
         (ahead > 1e-3).then(|| {
             let at = [x / ahead, y / ahead];
-            Seen {
+            Projection {
                 at,
                 by_inverse: [0, 1].map(|k| (self.shift[k] - at[k] * self.shift[2]) / ahead),
                 ahead,

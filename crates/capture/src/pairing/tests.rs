@@ -131,7 +131,7 @@ fn an_image_is_kept_only_where_the_next_frame_may_want_it() {
 }
 
 #[test]
-fn images_of_a_clock_that_went_back_count_anew() {
+fn images_of_a_clock_that_went_back_count_again() {
     let mut pairing = pairing(None);
     image(&mut pairing, 1000);
     image(&mut pairing, 50);

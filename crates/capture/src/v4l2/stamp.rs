@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_driver_that_does_not_count_or_begins_anew_has_the_next_number() {
+    fn a_driver_that_does_not_count_or_begins_again_has_the_next_number() {
         assert_eq!(numbers(&[0, 0, 0]), [1, 2, 3]);
         assert_eq!(numbers(&[100, 101, 0, 1]), [1, 2, 3, 4]);
     }

@@ -24,7 +24,7 @@ use crate::messages::Intake;
 use crate::settings::{SETTINGS_FD, Settings};
 use crate::stages::Supervision;
 use crate::stages::arrangement::Lacks;
-use crate::stages::heirloom::{HEIRLOOM_FD, Heirloom};
+use crate::stages::handover::{HANDOVER_FD, Handover};
 use crate::stages::orders::{self, ORDERS_FD, Orders};
 use crate::stages::status::{CHAIN_PID, STATUS_FD, Sent, Status, Taken, Word};
 use crate::stop::{Stop, Stopper};
@@ -112,12 +112,12 @@ impl Child {
     /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with. One alone may read
     /// the chain's standard input.
     ///
-    /// `heirloom`: what its predecessor left, or none yet. `changed`: its settings, if they are others than the arguments say.
+    /// `handover`: what its predecessor left, or none yet. `changed`: its settings, if they are others than the arguments say.
     pub(super) fn start(
         part: Part,
         arguments: &[OsString],
         reads: bool,
-        heirloom: &Heirloom,
+        handover: &Handover,
         changed: Option<&str>,
     ) -> anyhow::Result<Self> {
         let starting = || format!("{} could not be started", part.name());
@@ -137,7 +137,7 @@ impl Child {
         let inherited = [
             (STATUS_FD, Some(its_end.as_fd())),
             (ORDERS_FD, Some(its_orders.as_fd())),
-            (HEIRLOOM_FD, heirloom.file().map(AsFd::as_fd)),
+            (HANDOVER_FD, handover.file().map(AsFd::as_fd)),
             (SETTINGS_FD, settings.as_ref().map(AsFd::as_fd)),
         ];
         let inherited = || {
@@ -174,7 +174,7 @@ impl Child {
         part: Part,
         run: Run,
         settings: &Arc<Settings>,
-        heirloom: &Heirloom,
+        handover: &Handover,
     ) -> anyhow::Result<Self> {
         let starting = || format!("{} could not be started", part.name());
         let (line, its_end) = pipe_with(PipeFlags::CLOEXEC).with_context(starting)?;
@@ -189,7 +189,7 @@ impl Child {
             status: Status::on(its_end),
             orders: Orders::on(its_orders),
             // It has no successor, but the chain sees how far it is.
-            heirloom: heirloom.share(),
+            handover: handover.share(),
         };
         let outcome = std::thread::Builder::new()
             .name(part.name().to_owned())

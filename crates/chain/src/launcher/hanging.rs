@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{Chain, Part};
-use crate::stages::heirloom::Progress;
+use crate::stages::handover::Progress;
 
 /// What is known of a stage that is watched.
 #[derive(Clone, Copy)]
@@ -17,11 +17,11 @@ impl Chain {
     /// Kills the stages that stand still while work waits for them, if they are restarted then.
     pub(super) fn strike_the_hanging(&mut self) {
         let run = &self.settings.run;
-        if !run.starts_anew() || run.lossless {
+        if !run.restarts_stages() || run.lossless {
             return;
         }
         let now = Instant::now();
-        let progress = Part::ALL.map(|part| self.heirlooms[part as usize].read());
+        let progress = Part::ALL.map(|part| self.handovers[part as usize].read());
         for part in [Part::Capture, Part::Extract, Part::Fit, Part::Sink] {
             let at = part as usize;
             let Some(child) = &self.children[at] else {

@@ -12,7 +12,7 @@
 //! A stage is *fallen* if it ends unexpectedly: by itself, by a signal from elsewhere, or by a crash. The setting `restart` decides
 //! (`restarts`): the stage restarts while the other stages and all readers keep running, or the chain stops in order, prints its
 //! report, and exits with 1 and a sentence that names stage and cause. The chain keeps a handover state for each stage
-//! (`stages/heirloom/`), so that counts, track numbers and figures survive a restart. From this state the chain also detects a stage that
+//! (`stages/handover/`), so that counts, track numbers and figures survive a restart. From this state the chain also detects a stage that
 //! makes no progress while work waits for it, and kills it.
 //!
 //! **Changes of settings** arrive through the socket of `lariat set` (`changes`, `control.rs`) or from the settings file (`--watch`). They are
@@ -28,10 +28,10 @@
 mod changes;
 mod child;
 mod hanging;
-mod herald;
 mod occupied;
 mod part;
 mod restarts;
+mod status_notifier;
 mod stopping;
 mod watch;
 
@@ -51,16 +51,16 @@ use crate::messages::Relay;
 use crate::run_files::RunFiles;
 use crate::settings::{Flags, Settings};
 use crate::stages::arrangement::{self, Lacks};
-use crate::stages::estate;
-use crate::stages::heirloom::{Heirloom, Progress};
+use crate::stages::extract_handover;
+use crate::stages::handover::{Handover, Progress};
 use crate::stages::status::LastWord;
 use crate::stop::Stop;
 use changes::Trial;
 use child::{Child, Ending};
 use hanging::Watched;
-use herald::{Herald, Signs};
 pub use part::Part;
 use restarts::{Restarts, Verdict};
+use status_notifier::{Signs, StatusNotifier};
 use watch::Watch;
 
 /// How often the chain looks whether a stage stands still.
@@ -131,7 +131,7 @@ struct Chain {
     arguments: Vec<OsString>,
     settings: Arc<Settings>,
     children: [Option<Child>; Part::ALL.len()],
-    heirlooms: [Heirloom; Part::ALL.len()],
+    handovers: [Handover; Part::ALL.len()],
     restarts: Restarts,
     /// When a part that fell is restarted.
     due: [Option<Instant>; Part::ALL.len()],
@@ -146,7 +146,7 @@ struct Chain {
     trial: Option<Trial>,
     /// Set once the user was warned that the executable was replaced.
     is_outdated: bool,
-    herald: Herald,
+    status_notifier: StatusNotifier,
     /// The first that ended when it should not have, for good.
     fallen: Option<Part>,
     /// Nothing is restarted any more.
@@ -161,16 +161,16 @@ impl Chain {
             progress: Progress::default(),
             since: Instant::now(),
         };
-        let mut heirlooms: [Heirloom; Part::ALL.len()] = Default::default();
+        let mut handovers: [Handover; Part::ALL.len()] = Default::default();
         for part in Part::ALL {
-            heirlooms[part as usize] = Heirloom::make(part.name())?;
+            handovers[part as usize] = Handover::make(part.name())?;
         }
         Ok(Self {
             flags: flags.clone(),
             arguments: [&flags.words(), words].concat(),
             settings: Arc::new(settings),
             children: Default::default(),
-            heirlooms,
+            handovers,
             restarts: Restarts::default(),
             due: Default::default(),
             renewed: Default::default(),
@@ -180,7 +180,7 @@ impl Chain {
             file: None,
             trial: None,
             is_outdated: false,
-            herald: Herald::new(),
+            status_notifier: StatusNotifier::new(),
             fallen: None,
             is_stopping: false,
             recording_lost: false,
@@ -190,20 +190,20 @@ impl Chain {
     /// Starts a part, for the first time or again.
     fn start(&mut self, part: Part) -> anyhow::Result<()> {
         let settings = &self.settings;
-        let heirloom = &self.heirlooms[part as usize];
-        let restarts = heirloom.progress().restarts;
+        let handover = &self.handovers[part as usize];
+        let restarts = handover.progress().restarts;
         let child = match part.fused() {
-            Some(run) if settings.run.fuse => Child::start_here(part, run, settings, heirloom)?,
+            Some(run) if settings.run.fuse => Child::start_here(part, run, settings, handover)?,
             _ => {
                 let reads = part == Part::Capture && settings.capture.is_piped();
                 let is_changed = restarts > 0 || settings.version > 0;
                 let changed = is_changed.then(|| self.settings_of(part, restarts).text());
-                Child::start(part, &self.arguments, reads, heirloom, changed.as_deref())?
+                Child::start(part, &self.arguments, reads, handover, changed.as_deref())?
             }
         };
         self.children[part as usize] = Some(child);
         self.watched[part as usize] = Watched {
-            progress: heirloom.read(),
+            progress: handover.read(),
             since: Instant::now(),
         };
         Ok(())
@@ -234,7 +234,7 @@ impl Chain {
     fn begin(&mut self) {
         self.began = Some(Instant::now());
         self.listen_to_others();
-        self.herald.ready();
+        self.status_notifier.ready();
         if self.settings.run.watch {
             match Watch::of(self.settings.file.as_deref()) {
                 Ok(watch) => self.file = Some(watch),
@@ -303,8 +303,8 @@ impl Chain {
         // As after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
         while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
-            let look = self.settings.run.starts_anew().then_some(LOOK_EVERY);
-            let look = look.into_iter().chain(self.herald.wait()).min();
+            let look = self.settings.run.restarts_stages().then_some(LOOK_EVERY);
+            let look = look.into_iter().chain(self.status_notifier.wait()).min();
             let look = look.map(|look| Instant::now() + look);
             let trial = self.trial.as_ref().map(|trial| trial.until);
             let due = self
@@ -385,7 +385,7 @@ impl Chain {
             }
             return;
         }
-        if ending.is_none() && self.settings.run.starts_anew() {
+        if ending.is_none() && self.settings.run.restarts_stages() {
             // Told to end by another: it waits for the word that it would be given at the end.
             if let Some(child) = &mut self.children[at] {
                 child.tell(&LastWord::Never.to_string());
@@ -403,7 +403,7 @@ impl Chain {
         let how = ending.map_or_else(String::new, |ending| ending.to_string());
         let reason = self.child(part).map(Child::reason).unwrap_or_default();
         match self.judge(part, ending, is_done, &how, &reason) {
-            Verdict::Anew(_) => {}
+            Verdict::Restart(_) => {}
             Verdict::End if is_wished => {}
             Verdict::End | Verdict::TooMany(_) => self.give_up(part, ending),
         }
@@ -422,14 +422,15 @@ impl Chain {
         let verdict = self.restarts.judge(run, ending, is_done, now);
         let name = part.name();
         match verdict {
-            Verdict::Anew(due) => {
+            Verdict::Restart(due) => {
                 self.due[part as usize] = Some(due);
                 let when = match due.saturating_duration_since(now).as_secs_f64() {
                     0.0 => String::new(),
                     pause_s => format!(" in {pause_s} s"),
                 };
                 eprintln!("lariat: {name} {how}; it is restarted{when}");
-                self.herald.trouble(&format!("{name} fell: {reason}"));
+                self.status_notifier
+                    .trouble(&format!("{name} fell: {reason}"));
             }
             Verdict::TooMany(count) => {
                 let window_s = run.restart_window.as_secs_f64();
@@ -473,7 +474,7 @@ impl Chain {
                          you restart the chain"
                     );
                 }
-                match self.start_anew(part) {
+                match self.restart(part) {
                     Ok(()) => self.listen_to_others(),
                     Err(cause) => self.judge_failed_start(part, &cause),
                 }
@@ -487,16 +488,16 @@ impl Chain {
         let how = format!("could not be started: {}", cause.root_cause());
         if !matches!(
             self.judge(part, ending, false, &how, &how),
-            Verdict::Anew(_)
+            Verdict::Restart(_)
         ) {
             eprintln!("lariat: {cause:#}");
             self.give_up(part, ending);
         }
     }
 
-    fn start_anew(&mut self, part: Part) -> anyhow::Result<()> {
+    fn restart(&mut self, part: Part) -> anyhow::Result<()> {
         self.due[part as usize] = None;
-        self.heirlooms[part as usize].begin_anew();
+        self.handovers[part as usize].count_restart();
         self.start(part)
     }
 
@@ -505,16 +506,17 @@ impl Chain {
         let [capture, extract, fit] =
             [Part::Capture, Part::Extract, Part::Fit].map(|part| part as usize);
         let mut signs = Signs {
-            fitted: self.heirlooms[fit].read().sent.count,
-            beats: self.heirlooms[capture].read().beats,
+            fitted: self.handovers[fit].read().sent.count,
+            beats: self.handovers[capture].read().beats,
         };
         if self.children[capture].is_none() {
             // Frames of another program come when they come.
             signs.beats = self.began.map_or(0, |began| began.elapsed().as_secs());
         }
-        let extract = &self.heirlooms[extract];
-        self.herald
-            .tell(signs, Instant::now(), || estate::ropes_seen(extract));
+        let extract = &self.handovers[extract];
+        self.status_notifier.tell(signs, Instant::now(), || {
+            extract_handover::ropes_seen(extract)
+        });
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Restarts {
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// It is restarted at this moment.
-    Anew(Instant),
+    Restart(Instant),
     /// The chain ends with it.
     End,
     /// The chain ends, as this many were restarted within the window.
@@ -41,7 +41,7 @@ impl Restarts {
             Restart::OnFailure => !(is_done && ending == Some(Ending::Well)),
             Restart::Always => true,
         };
-        if !is_wanted || !run.starts_anew() {
+        if !is_wanted || !run.restarts_stages() {
             return Verdict::End;
         }
         self.recent
@@ -59,7 +59,7 @@ impl Restarts {
         };
         let at = now + pause;
         self.recent.push(at);
-        Verdict::Anew(at)
+        Verdict::Restart(at)
     }
 }
 
@@ -86,7 +86,7 @@ mod tests {
             let at = begin + Duration::from_millis(pause_ms);
             assert_eq!(
                 restarts.judge(&run, killed, false, begin),
-                Verdict::Anew(at)
+                Verdict::Restart(at)
             );
         }
         let verdict = restarts.judge(&run, killed, false, begin);
@@ -94,7 +94,7 @@ mod tests {
         // What was long ago does not count.
         let later = begin + Duration::from_secs(11);
         let verdict = restarts.judge(&run, killed, false, later);
-        assert_eq!(verdict, Verdict::Anew(later));
+        assert_eq!(verdict, Verdict::Restart(later));
     }
 
     #[test]
@@ -108,15 +108,15 @@ mod tests {
         let mut judge = || restarts.judge(&run, Some(Ending::Failed(1)), false, now);
         assert_eq!(
             (0..20).map(|_| judge()).last(),
-            Some(Verdict::Anew(now + LONGEST_PAUSE))
+            Some(Verdict::Restart(now + LONGEST_PAUSE))
         );
     }
 
     #[test]
-    fn it_is_started_anew_if_that_was_asked_for() {
+    fn it_is_restarted_if_that_was_asked_for() {
         let now = Instant::now();
         let judge = |run: &Run, ending, is_done| {
-            Restarts::default().judge(run, Some(ending), is_done, now) == Verdict::Anew(now)
+            Restarts::default().judge(run, Some(ending), is_done, now) == Verdict::Restart(now)
         };
         let never = run(Restart::Never);
         assert!(!judge(&never, Ending::Killed(9), false));

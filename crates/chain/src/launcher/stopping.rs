@@ -28,7 +28,7 @@ impl Chain {
     /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
     /// worked off. `never`: the chain never came up, and there is nothing to report.
     pub(super) fn stop_in_order(&mut self, never: bool) {
-        self.herald.stopping();
+        self.status_notifier.stopping();
         self.control = None;
         if !never {
             self.start_those_that_report();
@@ -59,7 +59,7 @@ impl Chain {
                 let child = chain.child(part);
                 child.is_some_and(|child| !child.is_ready() && child.ending().is_none())
             };
-            let mut started = self.start_anew(part);
+            let mut started = self.restart(part);
             while started.is_ok() && is_on_its_way(self) && Instant::now() < end {
                 started = self.listen(Some(end), None);
             }
@@ -132,7 +132,7 @@ impl Chain {
         let sent = |part| -> Option<Sent> {
             let child = self.child(part)?;
             // One that was killed had noted what it was about to send.
-            let noted = || self.heirlooms[part as usize].read().sent;
+            let noted = || self.handovers[part as usize].read().sent;
             Some(child.sent().unwrap_or_else(noted))
         };
         let extract = self.child(Part::Extract);

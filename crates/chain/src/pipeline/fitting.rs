@@ -106,7 +106,7 @@ impl CurveFitter {
     }
 
     /// Extract was started with another number of points: its word counts, and the algebra is done again, once.
-    fn count_anew(&mut self, count: usize) -> Result<()> {
+    fn recount(&mut self, count: usize) -> Result<()> {
         self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()
     }
@@ -152,7 +152,7 @@ impl CurveFitter {
     ) -> Result<Judged> {
         let count = curve.points().len();
         if count != self.fitter.points() {
-            self.count_anew(count)?;
+            self.recount(count)?;
         }
         match &mut self.placer {
             Some(placer) => self.points[..count].copy_from_slice(placer.place(curve)?),

@@ -38,7 +38,7 @@ enum Way {
     /// One stage takes it between two frames.
     Live(Stage),
     /// Stages are restarted.
-    Anew(&'static [Stage]),
+    Restart(&'static [Stage]),
     /// The chain itself goes by it.
     Chain,
     /// It cannot change.
@@ -50,26 +50,26 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
     match (section, name) {
         // A channel more, or less.
         ("extract", "mask") if all.iter().any(|s| s.extract.mask == Mask::External) => {
-            Way::Anew(&[Stage::Extract])
+            Way::Restart(&[Stage::Extract])
         }
         ("extract", "points") if all.iter().any(|s| knows_truth(s)) => {
-            Way::Anew(&[Stage::Capture, Stage::Extract])
+            Way::Restart(&[Stage::Capture, Stage::Extract])
         }
         ("extract", _) => Way::Live(Stage::Extract),
         // Channels more, or less; and capture may know the depth camera's files by itself.
-        ("camera", "second" | "second_rig" | "second_within_us") => Way::Anew(&[Stage::Fit]),
-        ("camera", "depth" | "depth_deadline_us") => Way::Anew(&[Stage::Capture, Stage::Fit]),
+        ("camera", "second" | "second_rig" | "second_within_us") => Way::Restart(&[Stage::Fit]),
+        ("camera", "depth" | "depth_deadline_us") => Way::Restart(&[Stage::Capture, Stage::Fit]),
         ("fit" | "camera", _) => Way::Live(Stage::Fit),
         ("capture", "source") if all.iter().any(|s| s.capture.is_external()) => Way::Fixed,
         ("capture", _) if all.iter().all(|s| s.capture.is_external()) => Way::Chain,
-        ("capture" | "simulation", _) => Way::Anew(&[Stage::Capture]),
+        ("capture" | "simulation", _) => Way::Restart(&[Stage::Capture]),
         ("run", "restart" | "max_restarts" | "restart_window_s" | "hang_s" | "start_limit_s") => {
             Way::Chain
         }
         (
             "run",
             "realtime" | "cpus" | "scheduling" | "priority" | "lock_memory" | "wake" | "spin_us",
-        ) => Way::Anew(&[Stage::Capture, Stage::Extract, Stage::Fit, Stage::Sink]),
+        ) => Way::Restart(&[Stage::Capture, Stage::Extract, Stage::Fit, Stage::Sink]),
         _ => Way::Fixed,
     }
 }
@@ -96,7 +96,7 @@ impl Settings {
             }
             match way(key.section, key.name, [before, self]) {
                 Way::Live(stage) => concerned.live[stage as usize] = true,
-                Way::Anew(stages) => {
+                Way::Restart(stages) => {
                     for &stage in stages {
                         concerned.again[stage as usize] = true;
                     }
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_unattended_is_started_anew_unless_something_else_is_said() {
+    fn who_is_unattended_is_restarted_unless_something_else_is_said() {
         let run = |changes: &[&str]| {
             let settings = changed(changes);
             (settings.run.restart, settings.sink.live)

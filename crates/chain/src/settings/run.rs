@@ -62,7 +62,7 @@ pub struct Run {
 
 impl Run {
     /// True if stages are restarted. Threads of one process are not.
-    pub fn starts_anew(&self) -> bool {
+    pub fn restarts_stages(&self) -> bool {
         self.restart != Restart::Never && !self.fuse
     }
 

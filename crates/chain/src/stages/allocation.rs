@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Writer};
 use rustix::process::{Signal, getpid, kill_process};
 
-use super::heirloom::Heirloom;
+use super::handover::Handover;
 use super::{Supervision, capture, extract, fit, sink};
 use crate::settings::{Fps, Settings};
 
@@ -85,7 +85,7 @@ fn no_stage_allocates_per_frame_once_warm() {
             scope.spawn(move || {
                 STAGE.set(Some(index));
                 let supervision = Supervision {
-                    heirloom: Heirloom::make("stage").expect("memory"),
+                    handover: Handover::make("stage").expect("memory"),
                     ..Supervision::of_this_process().expect("a supervision")
                 };
                 run(settings, supervision).expect("the stage runs");

@@ -30,7 +30,7 @@ const LOOK_AGAIN_NS: u64 = 200_000_000;
 /// Sends frames until the source or its time ends, or a signal comes.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Capture, supervision)?;
-    let before = station.heirloom.progress();
+    let before = station.handover.progress();
     let Some((mut source, depth_camera)) = open_again(settings, &mut station, before.restarts)?
     else {
         if !station.stop.asked() {
@@ -145,7 +145,7 @@ fn open_again(
         if !std::mem::replace(&mut is_told, true) {
             tracing::warn!("{cause}; it is waited for until it comes back");
         }
-        station.heirloom.beat();
+        station.handover.beat();
         station.stop.sleep_until(now_ns() + LOOK_AGAIN_NS);
     }
     Ok(None)
@@ -213,7 +213,7 @@ impl Sender<'_> {
             let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
             let deadline_ns = self.end_ns.or(latest_ns);
             // Whoever watches over it sees that it lives.
-            let beat_ns = station.heirloom.is_held().then(|| now_ns() + BEAT_NS);
+            let beat_ns = station.handover.is_held().then(|| now_ns() + BEAT_NS);
             let until_ns = deadline_ns.into_iter().chain(beat_ns).min();
             let until = Until::new(until_ns, station.stop.as_fd());
             let next = self.lender.source.advance(&until);
@@ -229,7 +229,7 @@ impl Sender<'_> {
                     }
                 }
                 Next::Nothing if deadline_ns.is_some_and(|end_ns| now_ns() >= end_ns) => break,
-                Next::Nothing => station.heirloom.beat(),
+                Next::Nothing => station.handover.beat(),
                 Next::End => break,
             }
         }
@@ -297,7 +297,7 @@ impl Sender<'_> {
             ..Trace::EMPTY
         };
         trace.set_restarts(0, self.restarts);
-        station.heirloom.note(self.sent, frame.sequence);
+        station.handover.note(self.sent, frame.sequence);
         let header = frame_header(frame, self.lender.source.kind(), trace);
         *slot.header_mut() = header;
         // Whoever has the frame finds its depth.
@@ -327,11 +327,11 @@ impl Sender<'_> {
 
 /// Sleeps until a frame is due; `false` if a signal came.
 fn wait_until(station: &mut Station, due_ns: u64) -> bool {
-    while station.heirloom.is_held() && due_ns > now_ns() + BEAT_NS {
+    while station.handover.is_held() && due_ns > now_ns() + BEAT_NS {
         if !station.stop.sleep_until(now_ns() + BEAT_NS) {
             return false;
         }
-        station.heirloom.beat();
+        station.handover.beat();
     }
     station.stop.sleep_until(due_ns)
 }
@@ -345,10 +345,10 @@ fn wait_for_first(
     let lasts_ns = settings.run.duration_ns();
     let deadline_ns = lasts_ns.map(|lasts_ns| now_ns().saturating_add(lasts_ns));
     loop {
-        let beat_ns = station.heirloom.is_held().then(|| now_ns() + BEAT_NS);
+        let beat_ns = station.handover.is_held().then(|| now_ns() + BEAT_NS);
         let until_ns = deadline_ns.into_iter().chain(beat_ns).min();
         let next = source.advance(&Until::new(until_ns, station.stop.as_fd()));
-        station.heirloom.beat();
+        station.handover.beat();
         tell(source);
         match next.context("the source ended with a fault")? {
             Next::Frame(frame) => return Ok(Some(frame)),

@@ -4,11 +4,11 @@ use lariat_extract::Mask;
 use lariat_wire::{CENTERLINES, Centerlines, FRAMES, MASKS, Writer, now_ns};
 
 use super::companions::{Companions, Words};
-use super::estate::{self, Estate};
 use super::external::External;
-use super::heirloom::Progress;
+use super::extract_handover::{self, HandoverWriter};
+use super::handover::Progress;
 use super::status::Word;
-use super::{Came, Inbox, Station, Supervision};
+use super::{Inbox, Received, Station, Supervision};
 use crate::pipeline::{FrameExtractor, FrameView};
 use crate::settings::{Settings, Stage};
 
@@ -20,7 +20,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         is_ours.then(|| FrameExtractor::prepared(now)).transpose()
     })?;
     let mut extractor = FrameExtractor::prepared(settings)?;
-    if let Some(past) = estate::read(&station.heirloom) {
+    if let Some(past) = extract_handover::read(&station.handover) {
         extractor.go_on_after(past.past, &past.last);
     }
     let mut masks = masks(settings, &station)?;
@@ -34,15 +34,15 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let mut external = External::of(settings);
     let Progress {
         restarts, mut sent, ..
-    } = station.heirloom.progress();
-    let mut estate = Estate::default();
+    } = station.handover.progress();
+    let mut writer = HandoverWriter::default();
     station.ready()?;
     loop {
         let deadline = external.as_ref().and_then(External::deadline);
         let (frame, mut started_ns) = match frames.receive_by(&station.stop, deadline)? {
-            Came::Message(frame, now_ns) => (frame, now_ns),
-            Came::Nothing if external.as_mut().is_some_and(External::wait_on) => continue,
-            Came::Nothing | Came::End => break,
+            Received::Message(frame, now_ns) => (frame, now_ns),
+            Received::Nothing if external.as_mut().is_some_and(External::wait_on) => continue,
+            Received::Nothing | Received::End => break,
         };
         if let Some(mut changed) = station.change(&changes) {
             changed.go_on_from(&extractor);
@@ -83,14 +83,14 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         sent.last_sequence = trace.sequence;
         slot.trace.extracted = sent.count;
         slot.trace.extracted_ns = now_ns();
-        let left = station.heirloom.left();
+        let left = station.handover.state();
         if left.is_some() {
-            estate.keep(&slot);
+            writer.keep(&slot);
         }
-        station.heirloom.note(sent, trace.captured);
+        station.handover.note(sent, trace.captured);
         station.note(slot.send()?);
         if let Some(left) = left {
-            estate.leave(extractor.past(), &left);
+            writer.leave(extractor.past(), &left);
         }
         if external.as_ref().is_some_and(External::has_all) {
             break;

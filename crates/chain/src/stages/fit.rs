@@ -8,7 +8,7 @@ use lariat_wire::{
 };
 
 use super::companions::{Companions, Words};
-use super::heirloom::Progress;
+use super::handover::Progress;
 use super::second::SecondView;
 use super::status::Word;
 use super::{Inbox, Station, Supervision};
@@ -47,7 +47,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     )?;
     let Progress {
         restarts, mut sent, ..
-    } = station.heirloom.progress();
+    } = station.handover.progress();
     let mut curves = curves.join().unwrap_or_else(|cause| resume_unwind(cause))?;
     station.ready()?;
     while let Some((message, started_ns)) = centerlines.receive(&station.stop)? {
@@ -73,7 +73,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         sent.last_sequence = slot.trace.sequence;
         slot.trace.fitted = sent.count;
         slot.trace.fitted_ns = now_ns();
-        station.heirloom.note(sent, slot.trace.extracted);
+        station.handover.note(sent, slot.trace.extracted);
         station.note(slot.send()?);
     }
     if let Some(space) = space {

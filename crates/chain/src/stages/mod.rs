@@ -5,11 +5,11 @@ mod allocation;
 pub mod arrangement;
 pub mod capture;
 mod companions;
-pub(crate) mod estate;
 mod external;
 pub mod extract;
+pub(crate) mod extract_handover;
 pub mod fit;
-pub mod heirloom;
+pub mod handover;
 pub mod orders;
 mod second;
 pub mod sink;
@@ -27,7 +27,7 @@ use lariat_wire::{
 use crate::settings::{Arrangement, Settings, Stage};
 use crate::stop::Stop;
 use arrangement::Rest;
-use heirloom::Heirloom;
+use handover::Handover;
 use orders::{Changes, Orders};
 use status::{Status, Word};
 
@@ -44,7 +44,7 @@ pub struct Station {
     /// Whom it tells how it is.
     pub status: Status,
     /// What it leaves to its successor.
-    pub heirloom: Heirloom,
+    pub handover: Handover,
     /// By which settings it goes.
     pub version: u32,
     orders: Orders,
@@ -71,7 +71,7 @@ pub struct Supervision {
     /// What it is told.
     pub orders: Orders,
     /// What it leaves to its successor.
-    pub heirloom: Heirloom,
+    pub handover: Handover,
 }
 
 impl Supervision {
@@ -81,7 +81,7 @@ impl Supervision {
             stop: Stop::on_signals()?,
             status: Status::of_the_chain()?,
             orders: Orders::of_the_chain()?,
-            heirloom: Heirloom::of_the_chain()?,
+            handover: Handover::of_the_chain()?,
         })
     }
 }
@@ -131,7 +131,7 @@ impl Station {
             stop,
             status,
             orders,
-            heirloom,
+            handover,
         } = supervision;
         for (key, value) in settings.changed() {
             tracing::debug!("{name}: {key} = {value}");
@@ -147,7 +147,7 @@ impl Station {
             delivery,
             stop,
             status,
-            heirloom,
+            handover,
             version: settings.version,
             orders,
             arrangement: settings.run.arrangement.clone(),
@@ -257,7 +257,7 @@ impl Backlog {
 }
 
 /// What a wait for a message ended with.
-pub enum Came<P: Payload + ?Sized> {
+pub enum Received<P: Payload + ?Sized> {
     /// A message, and the moment it was in hand.
     Message(Message<P>, u64),
     /// The deadline.
@@ -300,8 +300,8 @@ impl<P: Payload + ?Sized> Inbox<P> {
     /// Returns the message with the moment it was in hand.
     pub fn receive(&mut self, stop: &Stop) -> Result<Option<(Message<P>, u64)>, WireError> {
         Ok(match self.receive_by(stop, None)? {
-            Came::Message(message, now_ns) => Some((message, now_ns)),
-            Came::Nothing | Came::End => None,
+            Received::Message(message, now_ns) => Some((message, now_ns)),
+            Received::Nothing | Received::End => None,
         })
     }
 
@@ -310,7 +310,7 @@ impl<P: Payload + ?Sized> Inbox<P> {
         &mut self,
         stop: &Stop,
         deadline: Option<Instant>,
-    ) -> Result<Came<P>, WireError> {
+    ) -> Result<Received<P>, WireError> {
         loop {
             // Asked before looking: what was sent before the signal is still received.
             let last_look = stop.asked();
@@ -322,13 +322,13 @@ impl<P: Payload + ?Sized> Inbox<P> {
                 let now_ns = now_ns();
                 tracing::trace!("{} {} in hand", self.channel, (self.count)(&message));
                 self.rest.if_due(now_ns);
-                return Ok(Came::Message(message, now_ns));
+                return Ok(Received::Message(message, now_ns));
             }
             if last_look {
-                return Ok(Came::End);
+                return Ok(Received::End);
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                return Ok(Came::Nothing);
+                return Ok(Received::Nothing);
             }
             let reader = &self.reader;
             self.rest

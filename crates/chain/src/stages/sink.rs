@@ -1,9 +1,9 @@
 //! Sink as a process: reads what the chain made, counts it, and says how it went.
 //!
 //! It may be killed: of what it knows its files have what was 10 s before, whole (`keeper`), and a chain that keeps a file
-//! for it (`heirloom`) can start another, which goes on where it stopped.
+//! for it (`handover`) can start another, which goes on where it stopped.
 
-pub(crate) mod heirloom;
+pub(crate) mod handover;
 mod keeper;
 
 use std::fmt;
@@ -15,14 +15,14 @@ use anyhow::Context;
 use lariat_sink::{FinalCounts, Machine, Receipt, Report, Sink};
 use lariat_wire::{CENTERLINES, Centerlines, DESCRIPTORS, Receiver, TRUTH, now_ns, sleep_for_any};
 
-use super::heirloom::Heirloom;
+use super::handover::Handover;
 use super::status::{LastWord, Sent, Word};
 use super::{Station, Supervision};
 use crate::layout;
 use crate::messages;
 use crate::run_files::RunFiles;
 use crate::settings::{Settings, Stage};
-use heirloom::Left;
+use handover::HandoverWriter;
 use keeper::Keeper;
 
 /// How often the live line is renewed in place on a terminal.
@@ -34,7 +34,7 @@ const ELSEWHERE: Duration = Duration::from_secs(1);
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     // Before this process is kept to some of the cores.
     let machine = Machine::this();
-    let is_successor = heirloom::is_inherited(&supervision.heirloom);
+    let is_successor = handover::is_inherited(&supervision.handover);
     let files = match is_successor {
         false => RunFiles::open(settings)?,
         true => RunFiles::reopen(settings)?,
@@ -46,9 +46,9 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     // Frames from elsewhere may have begun long before the chain.
     let from_start = supervised && !settings.capture.is_external();
     let options = settings.sink_options(from_start);
-    let mut sink = Sink::of(heirloom::tally(&station.heirloom, options));
+    let mut sink = Sink::of(handover::tally(&station.handover, options));
     let mut line = LiveLine::new(settings.sink.live, files.take_stdout());
-    let mut checkpoints = Checkpoints::new(&sink, files, &station.heirloom, machine.clone())?;
+    let mut checkpoints = Checkpoints::new(&sink, files, &station.handover, machine.clone())?;
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
@@ -69,7 +69,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         })?;
         if came > 0 {
             line.has_news();
-            station.heirloom.note(Sent::default(), taken);
+            station.handover.note(Sent::default(), taken);
             checkpoints.save_counts(&sink);
         }
         checkpoints.hand_over_if_due(&sink);
@@ -116,7 +116,7 @@ struct Checkpoints {
     files: Option<RunFiles>,
     keeper: Option<Keeper>,
     /// Where a successor finds what was counted.
-    counts: Option<Left>,
+    counts: Option<HandoverWriter>,
 }
 
 impl Checkpoints {
@@ -125,15 +125,15 @@ impl Checkpoints {
     fn new(
         sink: &Sink,
         files: RunFiles,
-        heirloom: &Heirloom,
+        handover: &Handover,
         machine: Machine,
     ) -> anyhow::Result<Self> {
-        let counts = heirloom.left();
-        let tally = heirloom.tally().map(|turns| Left::new(turns, 0));
+        let counts = handover.state();
+        let tally = handover.tally().map(|turns| HandoverWriter::new(turns, 0));
         let mut checkpoints = Self {
             files: None,
             keeper: None,
-            counts: counts.map(|turns| Left::new(turns, MOST_COUNTS)),
+            counts: counts.map(|turns| HandoverWriter::new(turns, MOST_COUNTS)),
         };
         if tally.is_some() || files.can_be_renewed() {
             checkpoints.keeper = Some(Keeper::start(sink, files, tally, machine)?);

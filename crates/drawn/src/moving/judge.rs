@@ -68,14 +68,14 @@ impl Verdict {
 /// Follows one film.
 #[derive(Debug, Default)]
 pub struct Judge {
-    known: Vec<Known>,
+    known: Vec<Identity>,
     frame: u64,
     verdict: Verdict,
 }
 
 /// What was said of a rope when it was last seen.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct Identity {
     identity: u32,
     track: u32,
     /// Whether the curve ran against the truth.
@@ -159,7 +159,7 @@ impl Judge {
                 rope.identity, fit.order
             ));
         }
-        let mut now = Known {
+        let mut now = Identity {
             identity: rope.identity,
             track: curve.track,
             reversed: fit.reversed,

@@ -1,8 +1,8 @@
 //! From the light on the table and the ropes to the bytes of a picture: shadow, light, blur, motion, noise.
 
 use super::ground::Ground;
-use super::look::Look;
 use super::paint::Painted;
+use super::style::Style;
 use crate::rendered::mottling::Mottling;
 use lariat_portable::SplitMix64;
 
@@ -12,7 +12,7 @@ const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];
 /// The picture, three bytes a pixel.
 pub(super) fn expose(
     painted: &Painted,
-    look: &Look,
+    look: &Style,
     ground: &Ground,
     [width, height]: [usize; 2],
     random: &mut SplitMix64,
@@ -59,7 +59,7 @@ pub(super) fn expose(
 }
 
 /// Noise that the lens blurs, of so many levels when it has.
-fn add_grain(picture: &mut [[f32; 3]], look: &Look, random: &mut SplitMix64) {
+fn add_grain(picture: &mut [[f32; 3]], look: &Style, random: &mut SplitMix64) {
     // A Gaussian blur leaves 1 / (2 √π σ) of white noise.
     let sigma = look.grain * 2.0 * std::f32::consts::PI.sqrt() * look.blur_px;
     for value in picture.iter_mut().flatten() {

@@ -2,8 +2,8 @@
 
 use super::layout::Layout;
 use super::line::{Line, Vec2, cross, dot, minus, mix, norm};
-use super::look::{Look, Rgb};
 use super::paint::Painted;
+use super::style::{Rgb, Style};
 use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
 use lariat_portable::SplitMix64;
 
@@ -100,7 +100,13 @@ impl Covering {
     }
 
     /// Draws it over the ropes, of which so much of each pixel is still `seen` then.
-    pub(super) fn paint(&self, painted: &mut Painted, seen: &mut [f32], width: usize, look: &Look) {
+    pub(super) fn paint(
+        &self,
+        painted: &mut Painted,
+        seen: &mut [f32],
+        width: usize,
+        look: &Style,
+    ) {
         // A gripper is as gray as the table is not.
         let gray = if look.table[0] > 115.0 { 50.0 } else { 165.0 };
         let color = if self.is_hand { SKIN } else { [gray; 3] };

@@ -2,7 +2,7 @@
 
 use super::Class;
 use super::line::{Vec2, dot};
-use super::look::{Look, Rgb, from_hsv};
+use super::style::{Rgb, Style, from_hsv};
 use super::thing::Thing;
 use crate::rendered::mottling::Mottling;
 use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
@@ -29,7 +29,7 @@ impl Ground {
         class: Class,
         seed: u64,
         size_px: Vec2,
-        look: &Look,
+        look: &Style,
         random: &mut SplitMix64,
     ) -> Self {
         match class {

@@ -6,7 +6,7 @@
 
 use super::layout::{Layout, Top};
 use super::line::{Line, dot, minus};
-use super::look::{Coat, Look};
+use super::style::{Coat, Style};
 
 /// Points a pixel is looked at, at the first 16 of Hammersley's: one in each row and each column of 16, so that an
 /// edge along the pixels is as exact as any other, to 1/32 px.
@@ -18,7 +18,7 @@ const LAMP: [f32; 3] = [-0.40, -0.52, 0.755];
 
 /// Which place of which rope a point sees.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct Hit {
     /// `NONE`: the table.
     rope: u32,
     along_px: f32,
@@ -35,12 +35,12 @@ pub(super) struct Painted {
 }
 
 /// Draws all ropes.
-pub(super) fn paint(layout: &Layout, look: &Look, width: usize, height: usize) -> Painted {
+pub(super) fn paint(layout: &Layout, look: &Style, width: usize, height: usize) -> Painted {
     let mut painted = Painted {
         light: vec![[0.0; 3]; width * height],
         cover: vec![0.0; width * height],
     };
-    let nothing = Seen {
+    let nothing = Hit {
         rope: NONE,
         along_px: 0.0,
         across: 0.0,
@@ -73,7 +73,7 @@ pub(super) fn paint(layout: &Layout, look: &Look, width: usize, height: usize) -
 }
 
 /// Enters one rope into a strip of rows.
-fn look_at(layout: &Layout, rope: usize, [top, rows, width]: [usize; 3], seen: &mut [Seen]) {
+fn look_at(layout: &Layout, rope: usize, [top, rows, width]: [usize; 3], seen: &mut [Hit]) {
     let line = &layout.lines[rope];
     let half_px = 0.5 * layout.width_px;
     let reach_px = half_px + 1.0;
@@ -100,7 +100,7 @@ fn look_at(layout: &Layout, rope: usize, [top, rows, width]: [usize; 3], seen: &
                     let Some((along_px, across)) = slab.holds(sample(at, k)) else {
                         continue;
                     };
-                    let new = Seen {
+                    let new = Hit {
                         rope: rope as u32,
                         along_px: along_px as f32,
                         across: across as f32,
@@ -125,7 +125,7 @@ fn sample(at: [f64; 2], k: usize) -> [f64; 2] {
 }
 
 /// Whether the strand `a` covers the strand `b`: as at their nearest crossing, else the one that was laid later.
-fn is_over(tops: &[Top], a: Seen, b: Seen) -> bool {
+fn is_over(tops: &[Top], a: Hit, b: Hit) -> bool {
     let mut nearest_px = f64::INFINITY;
     let mut is_over = true;
     for top in tops {
@@ -205,7 +205,7 @@ impl Slab {
 }
 
 /// The light from a place of a rope.
-fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Seen) -> [f32; 3] {
+fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Hit) -> [f32; 3] {
     let tangent = line.tangent(f64::from(seen.along_px));
     let lamp_across = LAMP[0] * -tangent[1] as f32 + LAMP[1] * tangent[0] as f32;
     let away = seen.across;
@@ -247,7 +247,7 @@ mod tests {
             width_px,
         };
         let random = &mut SplitMix64::of_stream(1, 1);
-        let look = Look::of(Class::Medium, 1, 1, width_px, random);
+        let look = Style::of(Class::Medium, 1, 1, width_px, random);
         paint(&layout, &look, 120, 100)
     }
 

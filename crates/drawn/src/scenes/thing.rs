@@ -1,7 +1,7 @@
 //! Things beside a rope that are not ropes, but that a mask takes for ropes.
 
 use super::line::{Vec2, dot, minus, norm};
-use super::look::{Look, Rgb, from_hsv};
+use super::style::{Rgb, Style, from_hsv};
 use crate::rendered::portable::{cos_turns, sin_turns};
 use lariat_portable::SplitMix64;
 
@@ -50,7 +50,7 @@ pub(super) struct Thing {
 
 impl Thing {
     /// The thing of a seed to the right of the ropes, in colours that the table does not have.
-    pub(super) fn of(seed: u64, size_px: Vec2, look: &Look, random: &mut SplitMix64) -> Self {
+    pub(super) fn of(seed: u64, size_px: Vec2, look: &Style, random: &mut SplitMix64) -> Self {
         let side_px = size_px[0].min(size_px[1]);
         let low = [FROM * size_px[0] + 8.0, 8.0];
         let room = minus([size_px[0] - 8.0, size_px[1] - 8.0], low);
@@ -58,7 +58,7 @@ impl Thing {
     }
 
     /// Some of all kinds, anywhere.
-    pub(super) fn clutter(size_px: Vec2, look: &Look, random: &mut SplitMix64) -> Vec<Self> {
+    pub(super) fn clutter(size_px: Vec2, look: &Style, random: &mut SplitMix64) -> Vec<Self> {
         let side_px = size_px[0].min(size_px[1]);
         let count = 6 + random.next_u64() % 9;
         let thing = |_| {
@@ -76,7 +76,7 @@ impl Thing {
         kind: u64,
         [low, room]: [Vec2; 2],
         side_px: f64,
-        look: &Look,
+        look: &Style,
         random: &mut SplitMix64,
     ) -> Self {
         let at = |x: f64, y: f64| [low[0] + x * room[0], low[1] + y * room[1]];

@@ -136,9 +136,9 @@ impl Pieces {
         for cap in &caps {
             let at = [cap.x, cap.y].map(usize::from);
             large += match self.follow(plane, kind, at, most) {
-                Piece::Small => 0,
-                Piece::Large => 1,
-                Piece::Intricate => MOST_LARGE + 1,
+                Size::Small => 0,
+                Size::Large => 1,
+                Size::Intricate => MOST_LARGE + 1,
             };
             if large > MOST_LARGE {
                 break;
@@ -149,41 +149,41 @@ impl Pieces {
     }
 
     /// Changes the piece that pixel (x, y) belongs to if it is small and, if a hole, not at the edge of the image.
-    fn follow(&mut self, plane: &mut Strips, kind: Kind, [x, y]: [usize; 2], most: u32) -> Piece {
+    fn follow(&mut self, plane: &mut Strips, kind: Kind, [x, y]: [usize; 2], most: u32) -> Size {
         let (width, height) = (plane.shape.width(), plane.shape.height());
         let value = kind == Kind::Specks;
         if plane.get(x, y) != value {
             // Changed already, with a cap before this one.
-            return Piece::Small;
+            return Size::Small;
         }
         let reach = usize::from(kind == Kind::Specks);
         self.runs.clear();
         self.take_run(plane, value, [x, y]);
-        let (mut next, mut area, mut piece) = (0, 0, Piece::Small);
-        while next < self.runs.len() && piece == Piece::Small {
+        let (mut next, mut area, mut piece) = (0, 0, Size::Small);
+        while next < self.runs.len() && piece == Size::Small {
             let Run { y, from, to } = self.runs[next];
             let [y, from, to] = [y, from, to].map(usize::from);
             next += 1;
             area += to - from;
             let at_edge = y == 0 || y + 1 == height || from == 0 || to == width;
             if area > most as usize || at_edge && kind == Kind::Holes {
-                piece = Piece::Large;
+                piece = Size::Large;
             }
             let (left, right) = (from.saturating_sub(reach), (to + reach).min(width));
             for y in [y.wrapping_sub(1), y + 1] {
                 let mut x = left;
-                while piece == Piece::Small && y < height && x < right {
+                while piece == Size::Small && y < height && x < right {
                     let Some(found) = next_of(plane, value, [x, y], right) else {
                         break;
                     };
                     x = self.take_run(plane, value, [found, y]) + 1;
                     if self.runs.len() == MOST_RUNS {
-                        piece = Piece::Intricate;
+                        piece = Size::Intricate;
                     }
                 }
             }
         }
-        if piece != Piece::Small {
+        if piece != Size::Small {
             for &Run { y, from, to } in &self.runs {
                 paint(plane, [y, from, to].map(usize::from), value);
             }
@@ -205,7 +205,7 @@ impl Pieces {
 
 /// What a piece turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Piece {
+enum Size {
     Small,
     Large,
     /// It has more runs than are followed.

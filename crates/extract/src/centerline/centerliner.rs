@@ -24,7 +24,7 @@ const TIP_HALVES: f32 = 2.0;
 const CUT_HALVES: f32 = 0.35;
 
 /// Half-widths from a tip that are measured even if they could not be before.
-const ANEW_HALVES: f32 = 1.6;
+const RETRACE_HALF_WIDTHS: f32 = 1.6;
 
 /// Longer stretches before a tip, in half-widths, that cannot be measured are held where the skeleton had them, with
 /// this weight.
@@ -118,7 +118,7 @@ impl Centerliner {
     }
 
     /// Lays a line again along a rope of this half-width, from a line that follows its middle roughly.
-    pub(crate) fn lay_anew(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
+    pub(crate) fn retrace(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
         if line.samples.len() < 3 || line.length_px() < 3.0 * step_px {
             return;
@@ -156,7 +156,7 @@ impl Centerliner {
         let n = line.samples.len();
         let within = |halves: f32| (halves * half_px / step_px) as usize + 2;
         // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
-        let again = within(ANEW_HALVES).min(n / 4);
+        let again = within(RETRACE_HALF_WIDTHS).min(n / 4);
         weigh_ends(
             line,
             self.extender

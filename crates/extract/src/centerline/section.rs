@@ -39,14 +39,14 @@ pub(crate) struct Sections {
     widths: Vec<f32>,
     found: Vec<Section>,
     /// What is seen there.
-    looks: Vec<Look>,
+    looks: Vec<Edges>,
     /// Edges that are sought step by step.
     sought: Vec<Asked>,
 }
 
 /// A section's normal, and how far to either side of its sample its edges lie; not a number as long as they are not known.
 #[derive(Clone, Copy, Debug)]
-struct Look {
+struct Edges {
     normal: Vec2,
     edges: [f32; 2],
 }
@@ -277,7 +277,7 @@ impl Sections {
         for i in part.range.clone().step_by(part.every) {
             let sample = &line.samples[i];
             self.found.push((i, None));
-            self.looks.push(Look {
+            self.looks.push(Edges {
                 normal: [0.0; 2],
                 edges: [f32::NAN; 2],
             });
@@ -401,7 +401,7 @@ struct Group {
     count: usize,
 }
 
-impl Look {
+impl Edges {
     /// The middle and the width of the section at a sample, if both of its edges were found.
     #[inline(always)]
     fn found(&self, sample: &Sample, half_px: f32) -> Option<Found> {

@@ -75,7 +75,7 @@ impl Shading {
     /// narrow to tell.
     pub(crate) fn measure(line: &Line, difference: &GrayPlane, how: Measure) -> Self {
         let mut mean = Profile::new(how);
-        Arch::new().dispatch(Reading {
+        Arch::new().dispatch(FillProfile {
             mean: &mut mean,
             line,
             difference,
@@ -145,14 +145,14 @@ struct Group {
 }
 
 /// What fills a profile, for the widest registers.
-struct Reading<'a> {
+struct FillProfile<'a> {
     mean: &'a mut Profile,
     line: &'a Line,
     difference: &'a GrayPlane,
     how: Measure,
 }
 
-impl WithSimd for Reading<'_> {
+impl WithSimd for FillProfile<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -57,13 +57,13 @@ impl Place {
 }
 
 /// The reading of all places, for the widest registers.
-struct Reading<'a> {
+struct ReadColors<'a> {
     image: &'a Image<'a>,
     places: &'a [Place],
     colors: &'a mut [[Lanes; 3]],
 }
 
-impl NullaryFnOnce for Reading<'_> {
+impl NullaryFnOnce for ReadColors<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -93,7 +93,7 @@ impl Across {
     /// What stands at some places of an image.
     pub(super) fn read(image: &Image, places: &[Place], out: &mut [Self]) {
         let mut colors = [[[0.0; LANES]; 3]; PLACES];
-        Arch::new().dispatch(Reading {
+        Arch::new().dispatch(ReadColors {
             image,
             places,
             colors: &mut colors,

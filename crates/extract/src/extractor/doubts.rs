@@ -1,7 +1,7 @@
 //! Which of the curves may be no ropes.
 
 use super::Extractor;
-use crate::confidence::{self, Known, Maker};
+use crate::confidence::{self, Maker, Prior};
 use crate::image::Image;
 use crate::mask::Masker;
 use crate::notice::Notice;
@@ -25,9 +25,9 @@ const UNLIKELY_BESIDE: f32 = 0.2;
 const HIDDEN: f32 = 64.0;
 
 /// What is known of all curves of a mask.
-pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
+pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Prior<'a> {
     let by_network = masker.is_of_network();
-    Known {
+    Prior {
         is_doubted: false,
         maker: match options.mask {
             Mask::External => Maker::Elsewhere,
@@ -37,7 +37,7 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Known<'a> {
         },
         sees_covers: options.mask == Mask::Auto && !by_network,
         likely: by_network.then_some(&masker.seeker.likely),
-        ..Known::default()
+        ..Prior::default()
     }
 }
 
@@ -68,13 +68,13 @@ impl Extractor {
             let is_asked = self.masker.is_sought || self.is_unlikely_thing(i);
             if !is_asked || curve.confidence >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
-                self.looks.swap(self.count, i);
+                self.appearances.swap(self.count, i);
                 self.count += 1;
             }
         }
     }
 
-    /// Whether curve `i`, as weighed, is hardly a rope for what it looks like. A piece of a rope looks like the rope.
+    /// Whether curve `i`, as weighed, is hardly a rope for what it appearances like. A piece of a rope appearances like the rope.
     pub(super) fn is_unlikely_thing(&self, i: usize) -> bool {
         self.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
     }
@@ -84,7 +84,7 @@ impl Extractor {
         self.find_doubts(image, self.count, |_, _| false);
         let known = known(&self.masker, &self.options);
         for (i, doubt) in self.doubts.iter().enumerate().take(self.count) {
-            let known = Known {
+            let known = Prior {
                 is_doubted: doubt.is_some(),
                 ..known
             };
@@ -131,7 +131,7 @@ impl Extractor {
             let curve = &self.curves[i];
             let of_it = (self.crossings.iter())
                 .filter(|crossing| crossing.over == i || crossing.under == i);
-            let known = Known {
+            let known = Prior {
                 is_doubted: curve.status == Status::Doubtful,
                 left_out: self.remainder.beside(curve),
                 crossings: of_it.count(),
@@ -185,7 +185,7 @@ impl Extractor {
             mask: &self.masker.mask,
             shadows: &self.masker.shadows,
         };
-        let of = (&self.curves[..seen], &self.looks[..]);
+        let of = (&self.curves[..seen], &self.appearances[..]);
         let is_known = |curve: &Curve| is_known(&self.tracker, curve);
         surroundings.doubt(of, is_known, &mut self.doubts);
     }

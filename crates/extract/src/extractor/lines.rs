@@ -15,7 +15,7 @@ use crate::statistics::median;
 use crate::tracking::part::part;
 use crate::tracking::refit::{self, Refitter};
 use crate::tracking::tips;
-use crate::tracking::track::Look;
+use crate::tracking::track::Appearance;
 
 /// A rope is at least this many times as long as wide.
 const SHORTEST: f32 = 4.0;
@@ -86,12 +86,12 @@ impl Extractor {
     }
 
     /// Drops those of the first `count` lines that are no ropes; returns how many stay, in their order.
-    pub(super) fn drop_strays(&mut self, count: usize) -> usize {
+    pub(super) fn drop_noise(&mut self, count: usize) -> usize {
         let levels = &self.masker.difference;
-        self.strays.find(&self.lines[..count], levels);
+        self.noise_filter.find(&self.lines[..count], levels);
         let mut kept = 0;
         for l in 0..count {
-            if self.strays.is_stray(l) {
+            if self.noise_filter.is_noise(l) {
                 self.bridger.gaps.retain(|gap| gap.line != l);
                 continue;
             }
@@ -137,9 +137,9 @@ impl Extractor {
     }
 
     /// Cuts the plugs off the first `count` lines.
-    pub(super) fn cut_plugs(&mut self, image: &Image, count: usize) {
+    pub(super) fn cut_connectors(&mut self, image: &Image, count: usize) {
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
-            let [before_px, _] = self.plug_cutter.cut(line, image);
+            let [before_px, _] = self.connector_cutter.cut(line, image);
             for gap in self.bridger.gaps.iter_mut().filter(|gap| gap.line == l) {
                 gap.from_px -= before_px;
                 gap.to_px -= before_px;
@@ -161,7 +161,7 @@ impl Extractor {
         // Where no strands meet and nothing lies over them, one image leaves nothing open.
         let ring = self.strands.strands.iter().any(|strand| strand.closed);
         let open = self.zones.has_meeting() || self.occluder.any() || ring;
-        if !open || self.bridger.is_untangled || !self.refitter.refit(&self.lines[..count], &scene)
+        if !open || self.bridger.is_reassigned || !self.refitter.refit(&self.lines[..count], &scene)
         {
             return count;
         }
@@ -184,7 +184,7 @@ impl Extractor {
     /// A curve for each of the first `count` lines that is long enough to be a rope.
     pub(super) fn points(&mut self, image: &Image, count: usize) {
         self.count = 0;
-        self.looks.clear();
+        self.appearances.clear();
         for l in 0..count {
             self.fill_curve(l);
             let curve = &self.curves[self.count];
@@ -200,11 +200,11 @@ impl Extractor {
                 is_covered(0, curve.points.first()),
                 is_covered(1, curve.points.last()),
             ];
-            self.looks.push(Look {
+            self.appearances.push(Appearance {
                 color: self.colors[l],
                 covered,
                 is_plain: !self.occluder.any(),
-                is_torn: self.bridger.is_torn,
+                is_split: self.bridger.is_split,
                 free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
             // Lines and curves go by the same number from here on.
@@ -238,7 +238,7 @@ impl Extractor {
             // The order stays: lines and curves go by the same number.
             self.curves[c..self.count].rotate_left(1);
             self.lines[c..self.count].rotate_left(1);
-            self.looks.remove(c);
+            self.appearances.remove(c);
             self.count -= 1;
         }
     }

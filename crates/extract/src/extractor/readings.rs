@@ -7,7 +7,7 @@ use crate::confidence::remainder::Remainder;
 use crate::image::Image;
 use crate::options::Method;
 use crate::scene::Curve;
-use crate::tracking::track::Look;
+use crate::tracking::track::Appearance;
 use crate::vec2;
 
 /// What a reading lacks: squares of the ropes' width that no line runs through, or that a line has beside the mask, and so many for each end
@@ -40,10 +40,10 @@ const BENT: [f32; 3] = [0.17, 0.12, 0.25];
 
 /// What a reading tells: one is kept while another is tried.
 #[derive(Debug, Default)]
-pub(super) struct Reading {
+pub(super) struct Hypothesis {
     curves: Vec<Curve>,
     count: usize,
-    looks: Vec<Look>,
+    appearances: Vec<Appearance>,
     remainder: Remainder,
     has_wide: bool,
     is_crowded: bool,
@@ -63,12 +63,17 @@ impl Doubt {
     }
 }
 
-impl Reading {
+impl Hypothesis {
     /// Makes room for a reading of a picture of this size that tells as many curves as these.
-    pub(super) fn reserve(&mut self, [width, height]: [usize; 2], curves: &[Curve], looks: usize) {
+    pub(super) fn reserve(
+        &mut self,
+        [width, height]: [usize; 2],
+        curves: &[Curve],
+        appearances: usize,
+    ) {
         self.curves.clear();
         self.curves.extend_from_slice(curves);
-        self.looks.reserve(looks);
+        self.appearances.reserve(appearances);
         self.remainder.reserve(width, height);
     }
 }
@@ -118,7 +123,7 @@ impl Extractor {
         let kept = &mut self.kept;
         swap(&mut self.curves, &mut kept.curves);
         swap(&mut self.count, &mut kept.count);
-        swap(&mut self.looks, &mut kept.looks);
+        swap(&mut self.appearances, &mut kept.appearances);
         swap(&mut self.remainder, &mut kept.remainder);
         swap(&mut self.has_wide, &mut kept.has_wide);
         swap(&mut self.is_crowded, &mut kept.is_crowded);

@@ -21,7 +21,7 @@ impl Extractor {
         self.masker.uncut();
         for line in &mut self.lines[..joined] {
             let difference = &self.masker.difference;
-            self.centerliner.lay_anew(line, difference, 0.5 * width_px);
+            self.centerliner.retrace(line, difference, 0.5 * width_px);
         }
         joined
     }

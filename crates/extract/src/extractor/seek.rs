@@ -157,7 +157,10 @@ impl Extractor {
         let sure = self.curves[..count].iter().filter(is_sure).count();
         let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
         let is_split = sure > 0 && unlikely > 0 && sure + unlikely == count;
-        let is_covered = self.looks.iter().any(|look| look.covered.contains(&true));
+        let is_covered = self
+            .appearances
+            .iter()
+            .any(|look| look.covered.contains(&true));
         if self.masker.seek_on_table(image) {
             self.trace(image, after);
             self.drop_unlikely(image);

@@ -26,7 +26,7 @@ struct Rope {
 
 /// All of them; the first `count` are known, the rest is memory.
 #[derive(Debug, Default)]
-pub(super) struct Known {
+pub(super) struct KnownRopes {
     ropes: Vec<Rope>,
     count: usize,
     /// Since when they have been known, and when they were last seen.
@@ -34,7 +34,7 @@ pub(super) struct Known {
     seen_ns: u64,
 }
 
-impl Known {
+impl KnownRopes {
     pub(super) fn reserve(&mut self, ropes: usize, points: usize) {
         let most = ropes.max(self.ropes.len());
         self.ropes.resize_with(most, Rope::default);

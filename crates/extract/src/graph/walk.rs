@@ -17,7 +17,7 @@ use super::strands::{Leg, Strand};
 use super::zones::Zones;
 use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
-use piece::{Ground, Piece, Seen, is_tip};
+use piece::{Component, Ground, Visited, is_tip};
 
 /// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
 const BEAM: usize = 128;
@@ -39,13 +39,13 @@ struct Step {
     /// The end of an edge at which the walk comes out of it. A rope begins with an edge whose other end is a tip.
     slot: u32,
     cost: f32,
-    seen: Seen,
+    seen: Visited,
 }
 
 /// Memory and result of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Walker {
-    piece: Piece,
+    piece: Component,
     steps: Vec<Step>,
     next: Layer,
     /// The last steps of walks that have arrived, and what they cost in all, the cheapest first.
@@ -103,7 +103,7 @@ impl Walker {
 
     /// What the strands of the piece cost as they are, how many they are, and whether they have legs that no walk joins.
     fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
-        let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, Seen::default(), 0, false);
+        let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, Visited::default(), 0, false);
         for strand in strands {
             let legs = &legs[strand.from as usize..strand.to as usize];
             let bits = legs.iter().map(|leg| self.piece.bit(leg.edge));
@@ -143,7 +143,7 @@ impl Walker {
             before: NONE,
             slot: NONE,
             cost: 0.0,
-            seen: Seen::default(),
+            seen: Visited::default(),
         };
         self.steps.extend(begin(&self.piece, nowhere, of));
         let (mut layer, mut least) = (0..self.steps.len(), f32::INFINITY);
@@ -268,7 +268,7 @@ fn out(leg: &Leg) -> u32 {
 }
 
 /// A walk on from `step`, where a rope has ended, to the next one: the first edge with a tip that is left, if there is any.
-fn begin(piece: &Piece, step: Step, of: Ground) -> Option<Step> {
+fn begin(piece: &Component, step: Step, of: Ground) -> Option<Step> {
     let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
     let &tip = (piece.tips.iter()).find(|&&tip| step.seen.used & bit(tip) == 0)?;
     let mut seen = step.seen;

@@ -87,17 +87,17 @@ pub(crate) fn at_places(
 
 /// As [`at_places`], of the first pixels of a row.
 pub(crate) fn along(image: &Image, y: usize, out: &mut [u32]) {
-    Arch::new().dispatch(Reading { image, y, out });
+    Arch::new().dispatch(ReadRow { image, y, out });
 }
 
 /// The reading of a row, for the widest registers.
-struct Reading<'a> {
+struct ReadRow<'a> {
     image: &'a Image<'a>,
     y: usize,
     out: &'a mut [u32],
 }
 
-impl NullaryFnOnce for Reading<'_> {
+impl NullaryFnOnce for ReadRow<'_> {
     type Output = ();
 
     #[inline(always)]

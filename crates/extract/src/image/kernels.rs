@@ -1,7 +1,7 @@
 //! The loops over all pixels that a compiler does not make fast by itself: written for AVX-512 and AVX2, chosen when the
 //! program runs, and as the plain loops that define what they do.
 
-mod look;
+mod scan;
 mod spread;
 #[cfg(target_arch = "x86_64")]
 mod wide;
@@ -51,7 +51,7 @@ impl Band<'_> {
 }
 
 /// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
-pub(crate) struct Look<'a> {
+pub(crate) struct Rows<'a> {
     /// From the first row's first byte to the last one's last: a block of rows, or fewer.
     pub(crate) rows: &'a [u8],
     /// Bytes from one row's start to the next, and those of a row.
@@ -67,7 +67,7 @@ pub(crate) struct Look<'a> {
     pub(crate) hits: &'a mut [u8],
 }
 
-impl Look<'_> {
+impl Rows<'_> {
     /// Anywhere in the strip, among its first eight pixels, among its last ones.
     pub(crate) const ANY: u8 = 1;
     pub(crate) const LEFT: u8 = 2;
@@ -104,7 +104,7 @@ pub(crate) struct Kernels {
     /// The same of U Y₀ V Y₁.
     pub(crate) uyvy_band: Option<fn(Band)>,
     /// Where some rows are not just the table.
-    pub(crate) look: fn(Look),
+    pub(crate) look: fn(Rows),
     /// Pixels of blue, green, red and nothing as ones of red, green and blue.
     pub(crate) pack: fn(&[[u8; 4]], &mut [u8]),
     /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
@@ -132,7 +132,7 @@ impl Kernels {
             },
             yuyv_band: None,
             uyvy_band: None,
-            look: look::look,
+            look: scan::look,
             pack: |pixels, out| lariat_portable::Arch::new().dispatch(|| pack(pixels, out)),
             collect,
             patch_at_least: |patch, cut, words| {
@@ -326,14 +326,14 @@ mod tests {
             for (x, y) in (0..rows).flat_map(|y| (0..row).map(move |x| (x, y))) {
                 if bytes[y * stride + x].abs_diff(table[x]) >= least[x % 2] {
                     let at = x % (64 * of);
-                    let (left, right) = (at < Look::SIDE * of, at >= (64 - Look::SIDE) * of);
-                    let sides = u8::from(left) * Look::LEFT + u8::from(right) * Look::RIGHT;
-                    expected[x / (64 * of)] |= Look::ANY + sides;
+                    let (left, right) = (at < Rows::SIDE * of, at >= (64 - Rows::SIDE) * of);
+                    let sides = u8::from(left) * Rows::LEFT + u8::from(right) * Rows::RIGHT;
+                    expected[x / (64 * of)] |= Rows::ANY + sides;
                 }
             }
             for kernels in all() {
                 let mut hits = vec![9; expected.len()];
-                (kernels.look)(Look {
+                (kernels.look)(Rows {
                     rows: &bytes[..(rows - 1) * stride + row],
                     stride,
                     row,

@@ -67,7 +67,7 @@ impl Diagnosis {
     pub(crate) fn notice(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
         let cut = of.cut.rope;
         if covers_much(of.cut) {
-            let seen = Seen::of(of.difference, cut);
+            let seen = GridStatistics::of(of.difference, cut);
             return Some(match seen.changes > CHANGES {
                 true => Notice::CheckeredTable,
                 false => Notice::Covered,
@@ -94,7 +94,7 @@ impl Diagnosis {
             Deviation::Noise => {}
         }
         if !is_empty {
-            let seen = Seen::of(of.difference, cut);
+            let seen = GridStatistics::of(of.difference, cut);
             return (seen.fringe > FRINGE).then_some(Notice::LikeTheTable);
         }
         if self.faint.is_there(of.difference, components) {
@@ -105,14 +105,14 @@ impl Diagnosis {
 }
 
 /// What a grid of the differences shows.
-struct Seen {
+struct GridStatistics {
     /// How often a row passes the cut, in the mean.
     changes: f32,
     /// How many lie just below the cut, in shares of those above.
     fringe: f32,
 }
 
-impl Seen {
+impl GridStatistics {
     fn of(difference: &GrayPlane, cut: u8) -> Self {
         let (width, height) = (difference.width(), difference.height());
         let (columns, rows) = (GRID.min(width), GRID.min(height));

@@ -11,7 +11,7 @@ use super::background::Background;
 use super::threshold::Levels;
 use crate::bitmap::bits::BitPlane;
 use crate::image::gray::GrayPlane;
-use crate::image::kernels::{self, Band, Kernels, Look};
+use crate::image::kernels::{self, Band, Kernels, Rows};
 use crate::image::{Image, PixelFormat, color};
 use std::ops::Range;
 use table::Table;
@@ -221,7 +221,7 @@ impl Differencer {
         let at = (band + 1) * (strips + 2) + 1;
         let hits = &mut self.hits[at..at + strips];
         let (stride, bytes) = (image.stride(), format.row_bytes(2) / 2);
-        (self.kernels.look)(Look {
+        (self.kernels.look)(Rows {
             rows: image.rows(rows.clone()),
             stride,
             row: if bytes == 1 {
@@ -236,7 +236,7 @@ impl Differencer {
         });
         if format == PixelFormat::Nv12 {
             let lines = image.chroma_line(rows.start)..image.chroma_line(rows.end - 1) + 1;
-            (self.kernels.look)(Look {
+            (self.kernels.look)(Rows {
                 rows: image.rows(lines),
                 stride,
                 row: format.row_bytes(width),
@@ -276,7 +276,7 @@ impl Differencer {
             [band, band + 1, band + 2].map(|k| &self.hits[k * (strips + 2)..][..strips + 2]);
         let seen = |strip: usize| above[strip] | here[strip] | below[strip];
         for (strip, kept) in kept.iter_mut().enumerate() {
-            let beside = seen(strip) & Look::RIGHT | seen(strip + 2) & Look::LEFT;
+            let beside = seen(strip) & Rows::RIGHT | seen(strip + 2) & Rows::LEFT;
             *kept = seen(strip + 1) | beside != 0;
         }
         let out = out.keep_blocks(rows.start, kept);

@@ -5,13 +5,13 @@
 //! explanation. The hidden way is that of the last image, moved along with the two ends; without one
 //! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
 
+mod reassign;
 #[cfg(test)]
 mod tests;
 mod under;
-mod untangle;
 
 use super::ends::{End, Scenery, is_stretched, known_way, plain_cost, shown};
-use super::pieces::{self, Piece};
+use super::pieces::{self, Fragment};
 use super::way;
 use crate::centerline::line::{Line, MOST_PIECES, Sample};
 use crate::graph::pairing::bending;
@@ -46,7 +46,7 @@ const INTO: (f32, usize) = (1.5, 6);
 
 /// How many widths apart two ends are at least between which a known rope is found to be two; and the most of its way there that shows
 /// anything but the bare table.
-const TORN: (f32, f32) = (3.0, 0.5);
+const SPLIT: (f32, f32) = (3.0, 0.5);
 /// How many times as long as it was for long such a rope would be at least, straight from the one end to the other.
 const TOO_LONG: f32 = 1.02;
 
@@ -68,14 +68,14 @@ struct Candidate {
 pub(crate) struct Bridger {
     ends: Vec<End>,
     candidates: Vec<Candidate>,
-    pieces: Vec<Piece>,
+    pieces: Vec<Fragment>,
     /// How the ropes of the past have moved, as far as pieces of them are seen: rope by rope, in their order along each.
     pub(crate) moves: Vec<Move>,
     pub(crate) gaps: Vec<Gap>,
     /// Whether what was known of hidden ways was found wrong.
-    pub(crate) is_untangled: bool,
+    pub(crate) is_reassigned: bool,
     /// Whether what was known as one rope was found to be several.
-    pub(crate) is_torn: bool,
+    pub(crate) is_split: bool,
     spaced: Vec<Sample>,
 }
 
@@ -99,15 +99,15 @@ impl Bridger {
         scenery: &Scenery,
     ) -> usize {
         self.gaps.clear();
-        (self.is_untangled, self.is_torn) = (false, false);
+        (self.is_reassigned, self.is_split) = (false, false);
         self.list_ends(lines, colors, scenery);
         if scenery.elsewhere.is_some() && self.part(lines, scenery) {
             self.list_ends(lines, colors, scenery);
         }
         self.list_candidates(lines, scenery);
         self.keep_cheapest();
-        self.untangle(scenery);
-        self.tear(lines, scenery);
+        self.reassign(scenery);
+        self.split(lines, scenery);
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
             self.bridge(&candidate, lines, scenery);
@@ -223,7 +223,7 @@ impl Bridger {
 
     /// Leaves ways out along which a rope was known, where the bare table is seen there and the rope would be longer than it was for long:
     /// what is seen of it leaves too little for the way.
-    fn tear(&mut self, lines: &[Line], scenery: &Scenery) {
+    fn split(&mut self, lines: &[Line], scenery: &Scenery) {
         // A mask that is of ropes alone says nothing of what lies on them.
         if scenery.elsewhere.is_some() || scenery.picked.is_some() {
             return;
@@ -235,27 +235,27 @@ impl Bridger {
         };
         self.candidates.retain(|candidate| {
             let [a, b] = candidate.ends.map(|end| &ends[end]);
-            let is_torn = candidate.way.is_some_and(|way| {
+            let is_split = candidate.way.is_some_and(|way| {
                 let number = way[0].rope;
                 let rope = &scenery.past.ropes()[number as usize];
                 let way = Some((way, scenery.past));
                 let chord_px = vec2::distance(a.at, b.at);
                 !a.leaves
                     && seen_px(number) + chord_px > TOO_LONG * rope.usual_px
-                    && chord_px > TORN.0 * a.width_px
-                    && shown(a.at, b.at, scenery) < TORN.1
-                    && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < TORN.1
+                    && chord_px > SPLIT.0 * a.width_px
+                    && shown(a.at, b.at, scenery) < SPLIT.1
+                    && way::share(way::between(a, b, way), |at| scenery.is_shown(at)) < SPLIT.1
             });
-            if is_torn {
+            if is_split {
                 candidate
                     .ends
                     .iter()
                     .for_each(|&end| ends[end].used = false);
             }
-            !is_torn
+            !is_split
         });
-        self.is_torn = self.candidates.len() < count;
-        self.is_untangled |= self.is_torn;
+        self.is_split = self.candidates.len() < count;
+        self.is_reassigned |= self.is_split;
     }
 
     /// Joins ends that run into the same thing, of one rope as far as they show: it goes in at the one and comes out at the other.
@@ -282,7 +282,7 @@ impl Bridger {
             let [a, b] = candidate.ends.map(|end| &self.ends[end]);
             if a.line != b.line {
                 // What is known of pieces is no reason to take them apart again.
-                self.is_untangled |= scenery.past.are_pieces([&a.past, &b.past]);
+                self.is_reassigned |= scenery.past.are_pieces([&a.past, &b.past]);
                 self.bridge(&candidate, lines, scenery);
             }
         }
@@ -319,7 +319,7 @@ impl Bridger {
         for piece in &self.pieces {
             piece.list_moves(&lines[piece.line], past, &mut self.moves);
         }
-        let end = |piece: &Piece, is_last: bool| {
+        let end = |piece: &Fragment, is_last: bool| {
             let ends = self.ends.iter();
             let mut own = ends.map(|end| end.line == piece.line && end.last == is_last);
             own.position(|is_own| is_own)
@@ -338,7 +338,7 @@ impl Bridger {
             if self.ends[i].leaves != self.ends[j].leaves {
                 continue;
             }
-            let place = |piece: &Piece, along_px, ahead| FormerPlace {
+            let place = |piece: &Fragment, along_px, ahead| FormerPlace {
                 rope: piece.rope,
                 along_px,
                 ahead,

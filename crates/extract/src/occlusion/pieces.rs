@@ -27,7 +27,7 @@ const COMPARED: usize = 32;
 
 /// A piece of a rope.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct Fragment {
     pub(super) line: usize,
     /// The number of the rope of the past.
     pub(super) rope: u32,
@@ -42,7 +42,7 @@ pub(super) struct Piece {
 
 /// Lists the pieces among `lines`, rope by rope and in their order along each. Of two that seem to lie in one place the shorter is no
 /// piece.
-pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Piece>) {
+pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Fragment>) {
     pieces.clear();
     let placed = lines.iter().enumerate();
     pieces.extend(placed.filter_map(|(l, line)| place(l, line, past)));
@@ -61,7 +61,7 @@ pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Piece>) {
     });
 }
 
-impl Piece {
+impl Fragment {
     fn length_px(&self) -> f32 {
         self.to_px - self.from_px
     }
@@ -85,7 +85,7 @@ impl Piece {
 }
 
 /// Where a line lies along which open rope.
-fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
+fn place(l: usize, line: &Line, past: &Past) -> Option<Fragment> {
     let n = line.samples.len();
     if line.closed || n < 8 {
         return None;
@@ -94,7 +94,7 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
     let (middle, beside) = (n / 2, (n / 8).max(1));
     let at = |i: usize| line.samples[i].at;
     let toward = vec2::sub(at(middle + beside), at(middle - beside));
-    let mut best: Option<Piece> = None;
+    let mut best: Option<Fragment> = None;
     for trace in past.recall(at(middle), toward).iter() {
         let rope = &past.ropes()[trace.rope as usize];
         if rope.closed || length_px < LEAST_WIDTHS * rope.width_px {
@@ -106,7 +106,7 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Piece> {
                 trace.along_px - 0.5 * length_px + STEP_WIDTHS * rope.width_px * step as f32;
             let off = apart_widths(line, length_px, rope, from_px, !trace.ahead);
             if best.is_none_or(|best| off < best.off) {
-                best = Some(Piece {
+                best = Some(Fragment {
                     line: l,
                     rope: trace.rope,
                     from_px,

@@ -7,7 +7,7 @@
 
 use super::evidence::{self, Evidence, Label};
 use super::palette::Palette;
-use super::seen::{Seen, see};
+use super::seen::{MaskCurves, see};
 use super::{class_near, grow, range};
 use crate::image::Image;
 use crate::options::{HsvRange, Mask};
@@ -40,7 +40,7 @@ pub(super) struct Choice {
     pub(super) ranges: Vec<HsvRange>,
     pub(super) agreement: f32,
     pub(super) score: f32,
-    pub(super) seen: Seen,
+    pub(super) seen: MaskCurves,
 }
 
 /// The best ranges for the rope at the points; `None` if no mask has a rope there.
@@ -109,7 +109,7 @@ impl Chooser<'_> {
     }
 
     /// The mask along the curves that are like the own one is rope.
-    fn along(&self, ranges: &[HsvRange], seen: &Seen) -> Evidence {
+    fn along(&self, ranges: &[HsvRange], seen: &MaskCurves) -> Evidence {
         let held = self.palette.held(ranges);
         Evidence::of_owners(self.image.width(), &seen.owners, |i, curve| {
             seen.is_to_go_by(usize::from(curve)) && held[self.palette.of[i] as usize]

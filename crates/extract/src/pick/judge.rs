@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::choose::ON;
-use super::seen::{Seen, see, see_in};
+use super::seen::{MaskCurves, see, see_in};
 use super::snapped;
 use crate::extractor::SURER;
 use crate::image::Image;
@@ -111,7 +111,12 @@ pub fn judge_pick(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> PickJu
 }
 
 /// The reason to doubt a mask by itself, without a look at the automatic one.
-fn doubt(image: &Image, ranges: &[HsvRange], points: &[Vec2], seen: &Seen) -> Option<PickDoubt> {
+fn doubt(
+    image: &Image,
+    ranges: &[HsvRange],
+    points: &[Vec2],
+    seen: &MaskCurves,
+) -> Option<PickDoubt> {
     let mask = mask_of(image, &Mask::Hsv(ranges.to_vec()));
     let all = mask.iter().filter(|&&level| level > 0).count() as f32;
     if all < LEAST_COVERED * mask.len() as f32 {

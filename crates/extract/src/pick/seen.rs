@@ -14,7 +14,7 @@ const ALIKE: f32 = 1.67;
 
 /// The curves in a mask, and the one that was meant.
 #[derive(Debug)]
-pub(super) struct Seen {
+pub(super) struct MaskCurves {
     pub(super) curves: Vec<Curve>,
     /// The curve that was meant: the nearest to the first point, or the longest.
     pub(super) own: usize,
@@ -29,7 +29,7 @@ pub(super) struct Seen {
     pub(super) confidence: f32,
 }
 
-impl Seen {
+impl MaskCurves {
     pub(super) fn own(&self) -> &Curve {
         &self.curves[self.own]
     }
@@ -47,12 +47,12 @@ impl Seen {
 }
 
 /// Traces the ropes in a mask of these ranges; `None` if there is none.
-pub(super) fn see(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<Seen> {
+pub(super) fn see(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<MaskCurves> {
     see_in(image, Mask::Hsv(ranges.to_vec()), points)
 }
 
 /// Traces the ropes in a mask; `None` if there is none.
-pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<Seen> {
+pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<MaskCurves> {
     let options = Options {
         mask,
         ropes: MOST_CURVES,
@@ -70,7 +70,7 @@ pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<Seen>
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or_default()
     };
-    let mut seen = Seen {
+    let mut seen = MaskCurves {
         own: points.first().map_or(0, |&at| nearest(at).0),
         beside: points.iter().map(|&at| nearest(at).1).fold(0.0, f32::max),
         owners: evidence::owners(&curves, extractor.mask()),

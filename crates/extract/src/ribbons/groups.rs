@@ -3,7 +3,7 @@
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::picture::Picture;
-use super::pieces::{Ground, Piece, are_alike};
+use super::pieces::{Fragment, Ground, are_alike};
 use super::{Color, Rib, unlikeness};
 use crate::statistics::{self, grade};
 use crate::vec2::{self, Vec2};
@@ -85,7 +85,7 @@ impl Grouper {
         &mut self,
         picture: &Picture,
         ground: &Ground,
-        pieces: &[Piece],
+        pieces: &[Fragment],
         ribs: &[Rib],
     ) {
         self.find_ends(pieces, ribs);
@@ -102,7 +102,7 @@ impl Grouper {
         self.is_rope[piece]
     }
 
-    fn find_ends(&mut self, pieces: &[Piece], ribs: &[Rib]) {
+    fn find_ends(&mut self, pieces: &[Fragment], ribs: &[Rib]) {
         self.ends.clear();
         for (number, piece) in pieces.iter().enumerate() {
             let own = &ribs[piece.from..piece.to];
@@ -121,7 +121,7 @@ impl Grouper {
     }
 
     /// Links ends that face each other, the cheapest pairs first.
-    fn link(&mut self, pieces: &[Piece]) {
+    fn link(&mut self, pieces: &[Fragment]) {
         self.links.clear();
         for (i, a) in self.ends.iter().enumerate() {
             for (j, b) in self.ends.iter().enumerate().skip(i + 1) {
@@ -141,7 +141,7 @@ impl Grouper {
     }
 
     /// Groups a piece with what its ends lie on.
-    fn lay_on(&mut self, picture: &Picture, ground: &Ground, pieces: &[Piece]) {
+    fn lay_on(&mut self, picture: &Picture, ground: &Ground, pieces: &[Fragment]) {
         for i in 0..self.ends.len() {
             let End {
                 piece, at, along, ..
@@ -172,7 +172,7 @@ impl Grouper {
     }
 
     /// Weighs every group.
-    fn weigh(&mut self, picture: &Picture, pieces: &[Piece], ribs: &[Rib]) {
+    fn weigh(&mut self, picture: &Picture, pieces: &[Fragment], ribs: &[Rib]) {
         let count = pieces.len();
         for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
             values.clear();
@@ -217,7 +217,7 @@ impl Grouper {
         &mut self,
         picture: &Picture,
         group: usize,
-        (pieces, ribs): (&[Piece], &[Rib]),
+        (pieces, ribs): (&[Fragment], &[Rib]),
     ) -> f32 {
         self.ribs.clear();
         for (piece, own) in pieces.iter().enumerate() {
@@ -258,7 +258,7 @@ impl Grouper {
 }
 
 /// What it costs to link two ends; nothing if they do not go on from each other.
-fn cost(pieces: &[Piece], a: &End, b: &End) -> Option<f32> {
+fn cost(pieces: &[Fragment], a: &End, b: &End) -> Option<f32> {
     let (one, other) = (&pieces[a.piece], &pieces[b.piece]);
     let facing = -vec2::dot(a.along, b.along);
     if facing < FACING || a.piece == b.piece {

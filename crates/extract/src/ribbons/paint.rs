@@ -4,7 +4,7 @@ use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::groups::Grouper;
 use super::picture::Picture;
-use super::pieces::Piece;
+use super::pieces::Fragment;
 use super::{Color, Rib, dot, minus, mix};
 use crate::image::gray::GrayPlane;
 use crate::vec2;
@@ -34,7 +34,7 @@ enum Kind {
 pub(super) fn run(
     picture: &Picture,
     grouper: &Grouper,
-    (pieces, ribs): (&[Piece], &[Rib]),
+    (pieces, ribs): (&[Fragment], &[Rib]),
     likely: &GrayPlane,
     out: &mut GrayPlane,
 ) {

@@ -23,7 +23,7 @@ const GROUND: f32 = 0.5;
 
 /// Ribs that follow each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct Fragment {
     /// From where to where among the ribs.
     pub(super) from: usize,
     pub(super) to: usize,
@@ -32,7 +32,7 @@ pub(super) struct Piece {
     pub(super) color: super::Color,
 }
 
-impl Piece {
+impl Fragment {
     /// A piece of these ribs, which begin at `from` among all.
     pub(super) fn of(ribs: &[Rib], from: usize, widths: &mut Vec<f32>) -> Self {
         widths.clear();
@@ -121,7 +121,7 @@ pub(super) fn take(
     picture: &Picture,
     chainer: &Chainer,
     ground: &mut Ground,
-    (pieces, ribs): (&mut Vec<Piece>, &mut Vec<Rib>),
+    (pieces, ribs): (&mut Vec<Fragment>, &mut Vec<Rib>),
 ) {
     ground.taken.clear();
     ground.taken.resize(picture.width * picture.height, 0);
@@ -155,7 +155,7 @@ pub(super) fn take(
             }
             let from = ribs.len();
             lay(chain, &spans[first..last], ribs);
-            let piece = Piece::of(&ribs[from..], from, &mut ground.widths);
+            let piece = Fragment::of(&ribs[from..], from, &mut ground.widths);
             let own = &ribs[from..];
             let is_short = own.len() < SHORTEST.2
                 || piece.length_px < SHORTEST.0.max(SHORTEST.1 * piece.width_px);
@@ -247,6 +247,6 @@ fn is_ground(picture: &Picture, ground: &Ground, ribs: &[Rib]) -> bool {
 }
 
 /// Whether two pieces may be of one rope by their looks.
-pub(super) fn are_alike(a: &Piece, b: &Piece, unlike: f32, wider: f32) -> bool {
+pub(super) fn are_alike(a: &Fragment, b: &Fragment, unlike: f32, wider: f32) -> bool {
     unlikeness(a.color, b.color) < unlike && a.wider(b.width_px) < wider
 }

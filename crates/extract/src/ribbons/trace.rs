@@ -2,7 +2,7 @@
 //! are found again.
 
 use super::picture::Picture;
-use super::pieces::{Ground, Piece};
+use super::pieces::{Fragment, Ground};
 use super::{Color, Rib, distance, mix, unlikeness};
 use crate::vec2::{self, Vec2};
 
@@ -42,7 +42,7 @@ struct Walk {
 pub(super) fn run(
     picture: &Picture,
     ground: &mut Ground,
-    (pieces, ribs): (&mut [Piece], &[Rib]),
+    (pieces, ribs): (&mut [Fragment], &[Rib]),
     traced: &mut Vec<Rib>,
 ) {
     traced.clear();
@@ -156,7 +156,7 @@ impl Walk {
 fn walk(
     picture: &Picture,
     ground: &Ground,
-    pieces: &[Piece],
+    pieces: &[Fragment],
     (number, mut walk): (usize, Walk),
     ribs: &mut Vec<Rib>,
 ) {

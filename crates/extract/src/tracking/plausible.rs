@@ -5,7 +5,7 @@
 //! or fills a strip at the picture's border, an edge; what is an ellipse and has other things inside than outside, or is unlike the other ropes, a rim. A curve alone on
 //! a plain table is a rope.
 
-use super::track::Look;
+use super::track::Appearance;
 use crate::bitmap::bits::BitPlane;
 use crate::image::{Image, color};
 use crate::mask::background::Background;
@@ -59,7 +59,7 @@ impl Surroundings<'_> {
     /// What each of the curves may be instead of a rope. `is_known` says of which it is known that they are ropes.
     pub(crate) fn doubt(
         &self,
-        (curves, looks): (&[Curve], &[Look]),
+        (curves, appearances): (&[Curve], &[Appearance]),
         is_known: impl Fn(&Curve) -> bool,
         doubts: &mut Vec<Option<Notice>>,
     ) {
@@ -67,7 +67,7 @@ impl Surroundings<'_> {
         doubts.extend(curves.iter().map(|curve| self.by_itself(curve)));
         let yuv = color::is_yuv(self.image.format());
         let are_alike = |a: usize, b: usize| {
-            let levels = color::distance(looks[a].color, looks[b].color, yuv);
+            let levels = color::distance(appearances[a].color, appearances[b].color, yuv);
             let width = curves[a].width_px / curves[b].width_px;
             levels <= ALIKE.0 && width.max(1.0 / width) <= ALIKE.1
         };
@@ -229,7 +229,7 @@ impl Surroundings<'_> {
     }
 }
 
-/// What a curve looks like that is unlike a rope beside it which is so many times as long, if it is one of so many marks.
+/// What a curve appearances like that is unlike a rope beside it which is so many times as long, if it is one of so many marks.
 fn looks_like(curve: &Curve, times: f32, marks: usize) -> Option<Notice> {
     let widths = curve.length_px / curve.width_px;
     if curve.closed {

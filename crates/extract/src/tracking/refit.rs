@@ -2,7 +2,7 @@
 //!
 //! Strands that touch, ends that lie on strands: a single image may show them as something else than
 //! two images do. A rope does not tear or exchange its strands; so its last centerline is laid over the
-//! image, each sample looks across for the middle of the rope, and the moves, not the places, are
+//! image, each sample observations across for the middle of the rope, and the moves, not the places, are
 //! smoothed along it: where nothing is measured (crossings, overlaps, occluders) the shape is kept and
 //! carried along. What comes out counts only if the image bears it out: every sample on rope or under
 //! an occluder, and hardly any rope left that is not accounted for.
@@ -81,7 +81,7 @@ pub(crate) struct Scene<'a> {
 impl Refitter {
     /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
     /// the image.
-    pub(crate) fn rehearse(&mut self, ropes: usize, samples: usize, scene: &Scene) {
+    pub(crate) fn warm_up(&mut self, ropes: usize, samples: usize, scene: &Scene) {
         self.sections.reserve(samples);
         self.lines
             .resize_with(ropes.max(self.lines.len()), Line::default);

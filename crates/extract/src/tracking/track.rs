@@ -92,17 +92,17 @@ struct Match {
 
 /// What the tracker is told of a curve beside its shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct Appearance {
     /// The mean native color along it.
     pub(crate) color: [f32; 3],
     /// Whether each end runs into something that is no rope.
     pub(crate) covered: [bool; 2],
-    /// Whether the table shows beyond both ends: the rope is as long as it looks.
+    /// Whether the table shows beyond both ends: the rope is as long as it appearances.
     pub(crate) free: bool,
     /// Whether nothing lies in the image that is no rope.
     pub(crate) is_plain: bool,
     /// Whether what was known as one rope is several.
-    pub(crate) is_torn: bool,
+    pub(crate) is_split: bool,
 }
 
 impl Tracker {
@@ -215,14 +215,14 @@ impl Tracker {
         &mut self,
         curves: &mut Vec<Curve>,
         count: usize,
-        looks: &mut [Look],
+        appearances: &mut [Appearance],
         options: &Options,
     ) -> [usize; 2] {
         for track in &mut self.tracks {
             track.current = None;
             track.age = track.age.saturating_add(1);
         }
-        self.match_with(&curves[..count], looks, |track, rope, curve| {
+        self.match_with(&curves[..count], appearances, |track, rope, curve| {
             let agreement = matching::near(rope, curve)?;
             // Of ropes that lie equally near, the one in sight is meant, and that for longest.
             let (frames, age) = (track.frames.min(LONG) as f32, track.age.min(2) as f32);
@@ -230,15 +230,15 @@ impl Tracker {
             let cost = agreement.cost + doubt * rope.width_px;
             Some(Agreement { cost, ..agreement })
         });
-        self.match_with(&curves[..count], looks, |track, rope, curve| {
+        self.match_with(&curves[..count], appearances, |track, rope, curve| {
             let was_lost = track.age > 1;
             was_lost.then(|| matching::returned(rope, track.usual.px, curve))?
         });
-        let seen = self.drop_pieces(&mut curves[..count], looks);
+        let seen = self.drop_pieces(&mut curves[..count], appearances);
         for (c, curve) in curves.iter_mut().enumerate().take(seen) {
             if !self.tracks.iter().any(|t| is_current(t, c)) {
                 if self.orient_new(curve, options.start) {
-                    looks[c].covered.swap(0, 1);
+                    appearances[c].covered.swap(0, 1);
                 }
                 self.add(c);
             }
@@ -250,7 +250,7 @@ impl Tracker {
                 see(
                     track,
                     &mut curves[c],
-                    &mut looks[c],
+                    &mut appearances[c],
                     reversed,
                     &mut self.completer,
                 );
@@ -263,13 +263,13 @@ impl Tracker {
 
     /// Drops the curves that lie along a rope that is known as a whole, of which a longer piece is seen: where something
     /// covers it, it may fall into several. Returns how many are left.
-    fn drop_pieces(&mut self, curves: &mut [Curve], looks: &mut [Look]) -> usize {
+    fn drop_pieces(&mut self, curves: &mut [Curve], appearances: &mut [Appearance]) -> usize {
         let (mut seen, mut c) = (curves.len(), 0);
         while c < seen {
             let is_new = !self.tracks.iter().any(|track| is_current(track, c));
-            if is_new && !looks[c].is_torn && self.is_piece(&curves[..seen], c) {
+            if is_new && !appearances[c].is_split && self.is_piece(&curves[..seen], c) {
                 curves[c..seen].rotate_left(1);
-                looks[c..seen].rotate_left(1);
+                appearances[c..seen].rotate_left(1);
                 for (current, _) in self.tracks.iter_mut().flat_map(|track| &mut track.current) {
                     *current -= usize::from(*current > c);
                 }
@@ -317,7 +317,7 @@ impl Tracker {
         })
     }
 
-    /// Weighs what a curve looks like with what its track was taken for: returns whether it may be no rope.
+    /// Weighs what a curve appearances like with what its track was taken for: returns whether it may be no rope.
     pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
         let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
             return is_doubted;
@@ -376,14 +376,14 @@ impl Tracker {
     fn match_with(
         &mut self,
         curves: &[Curve],
-        looks: &[Look],
+        appearances: &[Appearance],
         agree: impl Fn(&Track, &Shape, &Shape) -> Option<Agreement>,
     ) {
         self.matches.clear();
         for (t, track) in self.tracks.iter().enumerate() {
             for (c, curve) in curves.iter().enumerate() {
                 let color_levels = track.color.map_or(0.0, |color| {
-                    color::distance(color, looks[c].color, self.yuv)
+                    color::distance(color, appearances[c].color, self.yuv)
                 });
                 let rope = Shape {
                     color_levels,
@@ -529,7 +529,7 @@ fn shape_of_curve(curve: &Curve) -> Shape<'_> {
 fn see(
     track: &mut Track,
     curve: &mut Curve,
-    look: &mut Look,
+    look: &mut Appearance,
     reversed: bool,
     completer: &mut Completer,
 ) {
@@ -572,8 +572,8 @@ fn see(
         None => look.color,
     });
     let is_open = !track.closed && !curve.closed;
-    let is_part = is_short && (jumped || tip_covered) && is_open && !look.is_torn;
-    let is_plain = look.is_plain && !(cut || is_part || covered || look.is_torn);
+    let is_part = is_short && (jumped || tip_covered) && is_open && !look.is_split;
+    let is_plain = look.is_plain && !(cut || is_part || covered || look.is_split);
     let is_leap = is_plain && track.disbelieved < KEPT && track.has_leapt(curve);
     track.disbelieved = if is_leap { track.disbelieved + 1 } else { 0 };
     let seen_px;
@@ -651,13 +651,13 @@ mod tests {
         let look = |free| {
             let mut tracker = Tracker::default();
             for length_px in [300.0, 298.0, 298.0] {
-                let mut looks = [Look {
+                let mut appearances = [Appearance {
                     free,
-                    ..Look::default()
+                    ..Appearance::default()
                 }];
                 tracker.begin(tracker.now_ns + 33_000_000, false);
                 let mut curves = vec![seen(10.0, 10.0 + length_px)];
-                tracker.update(&mut curves, 1, &mut looks, &Options::default());
+                tracker.update(&mut curves, 1, &mut appearances, &Options::default());
                 // Then it is followed.
                 tracker.go_on(&curves);
             }
@@ -672,10 +672,14 @@ mod tests {
         let mut tracker = Tracker::default();
         let look = |tracker: &mut Tracker, curves: &[Curve]| {
             let mut seen = curves.to_vec();
-            let mut looks = vec![Look::default(); curves.len()];
+            let mut appearances = vec![Appearance::default(); curves.len()];
             tracker.begin(tracker.now_ns + 33_000_000, false);
-            let [count, _] =
-                tracker.update(&mut seen, curves.len(), &mut looks, &Options::default());
+            let [count, _] = tracker.update(
+                &mut seen,
+                curves.len(),
+                &mut appearances,
+                &Options::default(),
+            );
             seen.truncate(count);
             seen
         };
@@ -697,14 +701,14 @@ mod tests {
     #[test]
     fn a_rope_that_seems_to_lose_a_stretch_at_once_is_remembered_as_it_was() {
         let mut tracker = Tracker::default();
-        let mut look = |curve: Curve, is_plain, is_torn| {
-            let mut looks = [Look {
+        let mut look = |curve: Curve, is_plain, is_split| {
+            let mut appearances = [Appearance {
                 is_plain,
-                is_torn,
-                ..Look::default()
+                is_split,
+                ..Appearance::default()
             }];
             tracker.begin(tracker.now_ns + 33_000_000, false);
-            tracker.update(&mut vec![curve], 1, &mut looks, &Options::default());
+            tracker.update(&mut vec![curve], 1, &mut appearances, &Options::default());
             tracker.tracks[0].length_px
         };
         for _ in 0..=KNOWN {
@@ -740,8 +744,8 @@ mod tests {
             for frame in 0..SETTLED {
                 assert!(!tracker.knows_some(0.5), "in frame {frame}");
                 tracker.begin(33_000_000 * u64::from(frame + 1), false);
-                let mut looks = [Look::default()];
-                tracker.update(&mut curves, 1, &mut looks, &Options::default());
+                let mut appearances = [Appearance::default()];
+                tracker.update(&mut curves, 1, &mut appearances, &Options::default());
                 tracker.note_confidence(curves[0].track, confidence);
             }
             assert_eq!(tracker.knows_some(0.5), is_known);

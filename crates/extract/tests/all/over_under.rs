@@ -88,7 +88,7 @@ fn runs_along(curve: &Curve, rho: f32, strand: &Strand) -> bool {
 
 /// What is seen of `cross`: the one crossing with its two curves, unless the ropes themselves were
 /// not told apart.
-fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Seen> {
+fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Found> {
     let bytes = cross.draw(random);
     let image = Image::new(&bytes, SIDE, SIDE, 3 * SIDE, PixelFormat::Rgb8).ok()?;
     let mut extractor = extractor();
@@ -102,7 +102,7 @@ fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Seen> {
         runs_along(over, crossing.over_rho, &cross.above),
         runs_along(over, crossing.over_rho, &cross.below),
     ];
-    (along[0] != along[1]).then(|| Seen {
+    (along[0] != along[1]).then(|| Found {
         right: along[0],
         crossing: *crossing,
         over_at: at(over, crossing.over_rho),
@@ -111,7 +111,7 @@ fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Seen> {
 }
 
 #[derive(Debug)]
-struct Seen {
+struct Found {
     right: bool,
     crossing: Crossing,
     over_at: Vec2,

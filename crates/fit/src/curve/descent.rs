@@ -11,7 +11,7 @@
 //! that the work is bounded.
 
 use super::Curve;
-use super::pieces::Piece;
+use super::pieces::KnotSpan;
 use super::segments::{BezierSegment, Segment, SeriesSegment};
 
 /// How much more than the least may be found, as a share of the curve's size.
@@ -103,7 +103,7 @@ struct Search<'a, 'c, const D: usize, O> {
     curve: &'a Curve<'c, D>,
     objective: &'a O,
     /// The part within which the curve is smooth, and Newton's method may go; none: everywhere.
-    piece: Option<Piece<'a, D>>,
+    piece: Option<KnotSpan<'a, D>>,
     best: Least,
     tolerance: f64,
     /// By how much values may differ that are the same.

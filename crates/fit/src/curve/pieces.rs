@@ -12,7 +12,7 @@ const MAX_PIECE_POINTS: usize = 272;
 pub(crate) struct Pieces<const D: usize> {
     degree: usize,
     count: usize,
-    /// Piece `i` is from `breaks[i]` to `breaks[i + 1]`.
+    /// KnotSpan `i` is from `breaks[i]` to `breaks[i + 1]`.
     breaks: [f64; MAX_CONTROL_POINTS + 1],
     /// `degree + 1` of each piece; of a rational one times their weights.
     points: [[f64; D]; MAX_PIECE_POINTS],
@@ -22,7 +22,7 @@ pub(crate) struct Pieces<const D: usize> {
 
 /// One of them.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece<'a, const D: usize> {
+pub(crate) struct KnotSpan<'a, const D: usize> {
     pub(crate) from: f64,
     pub(crate) to: f64,
     /// Times their weights if it has any.
@@ -71,9 +71,9 @@ impl<const D: usize> Pieces<D> {
         self.count
     }
 
-    pub(crate) fn piece(&self, index: usize) -> Piece<'_, D> {
+    pub(crate) fn piece(&self, index: usize) -> KnotSpan<'_, D> {
         let size = self.degree + 1;
-        Piece {
+        KnotSpan {
             from: self.breaks[index],
             to: self.breaks[index + 1],
             points: &self.points[index * size..(index + 1) * size],
@@ -98,7 +98,7 @@ impl<const D: usize> Pieces<D> {
     }
 }
 
-impl<const D: usize> Piece<'_, D> {
+impl<const D: usize> KnotSpan<'_, D> {
     /// The `K` derivatives by ρ from the 0th.
     #[inline]
     pub(crate) fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {

@@ -1,7 +1,7 @@
 //! Parts of a curve that can be halved, and say how far they stray from their chord.
 
 use super::derivatives::{minus, norm};
-use super::pieces::Piece;
+use super::pieces::KnotSpan;
 use super::series;
 use crate::basis::MAX_CONTROL_POINTS;
 
@@ -30,7 +30,7 @@ pub(crate) struct BezierSegment<const D: usize> {
 }
 
 impl<const D: usize> BezierSegment<D> {
-    pub(crate) fn new(piece: &Piece<'_, D>) -> Self {
+    pub(crate) fn new(piece: &KnotSpan<'_, D>) -> Self {
         let count = piece.points.len();
         let mut points = [[0.0; D]; MAX_CONTROL_POINTS];
         points[..count].copy_from_slice(piece.points);

@@ -254,7 +254,7 @@ fn a_rope_unwound_keeps_the_size_that_it_needed() {
 }
 
 #[test]
-fn a_clock_that_goes_back_begins_the_second_anew() {
+fn a_clock_that_goes_back_begins_the_second_again() {
     let (straight, wound) = (rope(&[]), rope(&[(1.4, 0.4), (1.4, 1.9), (1.5, 0.7)]));
     let (mut fitter, mut size) = (auto(), SteadySize::default());
     let mut at = |points: &[[f64; 2]], s: u64| {

@@ -12,7 +12,7 @@ use ros2_client::gid::Gid;
 use super::pixels::{Pixels, decode};
 use super::received::{Picture, TakePicture};
 use super::stamps::{Originals, Stamps};
-use super::trouble::{Sayer, Tally, Trouble};
+use super::trouble::{Tally, Trouble, TroubleReporter};
 
 /// An image that is older than this is of a recording or another clock, and nothing to steer by.
 const OLDEST_NS: u64 = 10_000_000_000;
@@ -52,7 +52,7 @@ pub(super) struct Frames {
     originals: Originals,
     sent: Rc<RefCell<Sent>>,
     tally: Arc<Tally>,
-    sayer: Sayer,
+    reporter: TroubleReporter,
 }
 
 impl Frames {
@@ -74,7 +74,7 @@ impl Frames {
             originals,
             sent: Rc::default(),
             tally,
-            sayer: Sayer::default(),
+            reporter: TroubleReporter::default(),
         }
     }
 
@@ -114,7 +114,7 @@ impl Frames {
     /// Counts what is no image. Its number is skipped, so that the chain counts a frame lost at the source.
     fn refuse(&mut self, trouble: &Trouble) {
         self.tally.refuse();
-        self.sayer.say(&self.topic, trouble);
+        self.reporter.report(&self.topic, trouble);
     }
 
     fn send_as(&mut self, stamp_ns: u64, sequence: u64, arrived_ns: u64) -> Result<(), Trouble> {
@@ -129,7 +129,7 @@ impl Frames {
         let (exposed_ns, trouble) = self.stamps.moment(stamp_ns, arrived_ns, OLDEST_NS)?;
         if let Some(trouble) = trouble {
             self.tally.restamp();
-            self.sayer.say(&self.topic, &trouble);
+            self.reporter.report(&self.topic, &trouble);
         }
         let stamp = Stamp {
             exposed_ns: Some(exposed_ns),

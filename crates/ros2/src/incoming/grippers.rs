@@ -9,7 +9,7 @@ use lariat_wire::{
 
 use super::received::TwistStamped;
 use super::stamps::Stamps;
-use super::trouble::{Sayer, Tally, Trouble};
+use super::trouble::{Tally, Trouble, TroubleReporter};
 
 /// What is older is not gone by: the simulated robot stops by itself as long after its last command.
 const HOLDS_NS: u64 = 250_000_000;
@@ -22,7 +22,7 @@ pub(super) struct Grippers {
     newest: [(u64, [f64; 6]); MAX_GRIPPERS],
     count: u64,
     stamps: Stamps,
-    sayer: Sayer,
+    reporter: TroubleReporter,
 }
 
 impl Grippers {
@@ -42,7 +42,7 @@ impl Grippers {
             newest: [(0, [0.0; 6]); MAX_GRIPPERS],
             count: 0,
             stamps,
-            sayer: Sayer::default(),
+            reporter: TroubleReporter::default(),
         })
     }
 
@@ -58,7 +58,7 @@ impl Grippers {
     pub(super) fn refuse(&mut self, gripper: usize, trouble: &Trouble) {
         let (topic, tally) = &self.topics[gripper];
         tally.refuse();
-        self.sayer.say(topic, trouble);
+        self.reporter.report(topic, trouble);
     }
 
     fn try_send(&mut self, gripper: usize, twist: &TwistStamped) -> Result<(), Trouble> {
@@ -73,7 +73,7 @@ impl Grippers {
         if let Some(trouble) = trouble {
             let (topic, tally) = &self.topics[gripper];
             tally.restamp();
-            self.sayer.say(topic, &trouble);
+            self.reporter.report(topic, &trouble);
         }
         self.newest[gripper] = (told_ns, velocity);
         self.count += 1;

@@ -10,7 +10,7 @@ use lariat_wire::{MaskWriter, PixelFormat, WriteError};
 use super::frames::Sent;
 use super::pixels::{Pixels, decode, shown};
 use super::received::{Picture, TakePicture};
-use super::trouble::{Sayer, Tally, Trouble};
+use super::trouble::{Tally, Trouble, TroubleReporter};
 
 /// Masks that wait for their image: it is larger, and may come later.
 const MOST_WAITING: usize = 4;
@@ -22,7 +22,7 @@ pub(super) struct Masks {
     sent: Rc<RefCell<Sent>>,
     waiting: VecDeque<Mask>,
     tally: Arc<Tally>,
-    sayer: Sayer,
+    reporter: TroubleReporter,
 }
 
 /// A mask whose image has not come.
@@ -59,7 +59,7 @@ impl Masks {
             sent,
             waiting: VecDeque::new(),
             tally,
-            sayer: Sayer::default(),
+            reporter: TroubleReporter::default(),
         }
     }
 
@@ -86,7 +86,7 @@ impl Masks {
     /// Counts what is no mask.
     pub(super) fn refuse(&mut self, trouble: &Trouble) {
         self.tally.refuse();
-        self.sayer.say(&self.topic, trouble);
+        self.reporter.report(&self.topic, trouble);
     }
 
     fn send_taken(&mut self, taken: Taken) -> Result<(), Trouble> {

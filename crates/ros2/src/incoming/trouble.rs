@@ -104,10 +104,10 @@ impl Tally {
 
 /// Says of each topic each kind of trouble once.
 #[derive(Default)]
-pub(super) struct Sayer(Vec<Discriminant<Trouble>>);
+pub(super) struct TroubleReporter(Vec<Discriminant<Trouble>>);
 
-impl Sayer {
-    pub(super) fn say(&mut self, topic: &str, trouble: &Trouble) {
+impl TroubleReporter {
+    pub(super) fn report(&mut self, topic: &str, trouble: &Trouble) {
         let kind = discriminant(trouble);
         if !self.0.contains(&kind) {
             self.0.push(kind);

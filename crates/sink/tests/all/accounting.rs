@@ -152,8 +152,8 @@ proptest! {
         let mut chain = Chain::default();
         let mut sink = sink(true);
         let mut set_out = 0;
-        for (fate, begun_anew) in fates {
-            match begun_anew {
+        for (fate, restarted) in fates {
+            match restarted {
                 Some(Stage::Capture) => chain.sent[0] = 0,
                 Some(Stage::Extract) => chain.sent[1] = 0,
                 Some(Stage::Fit) => chain.sent[2] = 0,
@@ -207,11 +207,11 @@ proptest! {
         let mut chain = Chain { sequence: 500, sent: [490, 480, 470, 0] };
         let mut sink = sink(false);
         let (mut bridged, mut pending, mut found) = (0, [0_u64; 2], Lost::default());
-        let (mut has_come, mut was_anew) = (false, false);
-        for (fate, is_anew) in fates {
-            if is_anew {
+        let (mut has_come, mut has_restarted) = (false, false);
+        for (fate, is_restart) in fates {
+            if is_restart {
                 bridged = 0;
-                was_anew = true;
+                has_restarted = true;
             }
             let mut trace = chain.frame(None).unwrap();
             if fate == 0 {
@@ -233,7 +233,7 @@ proptest! {
             prop_assert!(is_whole(&sink.frames()));
             prop_assert_eq!(sink.frames().lost.total(), found.total());
             // The last message of a bridge before its restart is unknown.
-            prop_assert!(was_anew || sink.frames().lost == found);
+            prop_assert!(has_restarted || sink.frames().lost == found);
         }
     }
 }
@@ -271,7 +271,7 @@ fn losses_over_a_bridge_are_exact_and_shown() {
 }
 
 #[test]
-fn an_extract_that_began_anew_is_said_and_its_frames_are_counted() {
+fn an_extract_that_began_again_is_said_and_its_frames_are_counted() {
     let mut chain = Chain::default();
     let mut sink = sink(true);
     for _ in 0..100 {
@@ -330,7 +330,7 @@ fn frames_without_an_image_count_and_are_not_timed() {
 }
 
 #[test]
-fn a_whole_chain_that_began_anew_is_counted_on() {
+fn a_whole_chain_that_began_again_is_counted_on() {
     let mut sink = sink(true);
     let mut chain = Chain::default();
     for _ in 0..10 {
@@ -515,7 +515,7 @@ fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
 
 /// Extract is restarted in its place: it counts on, and says so. Messages under way are lost at the restart, on their links.
 #[test]
-fn what_was_lost_while_a_stage_was_started_anew_is_told_apart() {
+fn what_was_lost_while_a_stage_was_restarted_is_told_apart() {
     let mut chain = Chain::default();
     let mut sink = sink(true);
     let mut restarts = 0;

@@ -318,7 +318,7 @@ fn every_basis_is_drawn_as_what_it_is() {
 }
 
 #[test]
-fn a_source_that_began_anew_is_not_held_against_its_old_truth() {
+fn a_source_that_began_again_is_not_held_against_its_old_truth() {
     let mut sink = sink();
     // The truth of a frame that was lost on its way.
     let old = Chain::default().frame(None).unwrap();

@@ -48,7 +48,7 @@ fn commands_come_in_the_order_in_which_they_were_sent_and_eight_wait() {
 }
 
 #[test]
-fn a_controller_that_was_started_anew_is_heard_and_two_are_refused() {
+fn a_controller_that_was_restarted_is_heard_and_two_are_refused() {
     let rig: Rig = "again".parse().expect("a name");
     let reader = CommandReader::open(domain(), &rig).expect("a reader");
     let domain = domain();

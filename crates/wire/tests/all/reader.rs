@@ -408,7 +408,7 @@ fn of_several_ropes_none_is_the_only_one_and_each_has_its_track() {
 }
 
 #[test]
-fn a_chain_started_anew_numbers_ropes_anew_and_no_old_track_finds_one() {
+fn a_chain_restarted_numbers_ropes_again_and_no_old_track_finds_one() {
     let place = Place::new("again");
     let mut reader = place.reader();
     let mut chain = place.chain();

@@ -2,7 +2,7 @@
 
 use super::STEEPEST;
 use super::floats::{Floats, LANES};
-use super::look::Found;
+use super::inside::Found;
 use super::places::Places;
 use super::sections::Sections;
 use crate::depth::image::DepthImage;

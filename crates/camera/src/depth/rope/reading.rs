@@ -4,7 +4,7 @@
 
 use super::floats::LANES;
 use super::glance::Glance;
-use super::look::{Found, Look};
+use super::inside::{Found, InsideSampler};
 use super::sections::{Outline, Sections};
 use super::{DepthImage, RopeDepth, SeenRope};
 use std::ops::Range;
@@ -14,7 +14,7 @@ pub(super) const SECTION_STEP: usize = 2;
 
 /// How closely a depth image is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Reading {
+pub(super) enum Sampling {
     /// A few pixels at each section, wherever they are within reach.
     Glance,
     /// All of the rope's inside.
@@ -40,7 +40,7 @@ impl RopeDepth {
     }
 
     /// Reads the depth image at each section, where it is known roughly.
-    pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Reading) {
+    pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Sampling) {
         let count = self.sections.len();
         for k in 0..count {
             self.set_out(rope, k);
@@ -81,7 +81,7 @@ impl RopeDepth {
             self.axes[fourth].depth = depth + 2.0 * step;
             self.set_out(rope, four[3]);
         }
-        self.read_sections(image, rope, four[2]..four[2] + 1, Reading::Whole);
+        self.read_sections(image, rope, four[2]..four[2] + 1, Sampling::Whole);
     }
 
     /// Sets the `k`-th section out as its depth is.
@@ -105,12 +105,12 @@ impl RopeDepth {
         image: &DepthImage,
         rope: &SeenRope,
         which: Range<usize>,
-        reading: Reading,
+        reading: Sampling,
     ) {
         let sections = &self.lay_out(image, rope, which.clone());
         let found = match reading {
-            Reading::Glance => self.arch.dispatch(Glance { image, sections }),
-            Reading::Whole => self.arch.dispatch(Look {
+            Sampling::Glance => self.arch.dispatch(Glance { image, sections }),
+            Sampling::Whole => self.arch.dispatch(InsideSampler {
                 image,
                 sections,
                 pixels: &mut self.pixels,

@@ -122,7 +122,7 @@ fn calls_that_fail_once_are_tried_again_and_said() {
 }
 
 #[test]
-fn a_broken_stream_is_started_anew_and_numbers_go_on() {
+fn a_broken_stream_is_restarted_and_numbers_go_on() {
     let mut bench = Bench::new(Io::Auto, true);
     bench.expose(1, GOOD);
     assert_eq!(bench.shown(), (1, 1));

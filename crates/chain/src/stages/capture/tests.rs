@@ -7,7 +7,7 @@ use lariat_wire::{Delivery, Domain, FRAMES, PixelFormat, Receiver, WireError};
 
 use super::*;
 use crate::settings::{Arrangement, Capture};
-use crate::stages::heirloom::Heirloom;
+use crate::stages::handover::Handover;
 use crate::stages::orders::Orders;
 use crate::stages::status::Status;
 use crate::stop::{Stop, Stopper};
@@ -160,7 +160,7 @@ pub(super) fn station(rig: &str, stop: Stop) -> Station {
         delivery: Delivery::NewestWins,
         stop,
         status: Status::of_the_chain().expect("none"),
-        heirloom: Heirloom::default(),
+        handover: Handover::default(),
         version: 0,
         orders: Orders::default(),
         arrangement: Arrangement::default(),
@@ -217,7 +217,7 @@ fn schedule(fps: Fps, lossless: bool) -> Schedule {
 }
 
 #[test]
-fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_anew() {
+fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_again() {
     for wanted in [1, 3] {
         let rig = format!("filled{wanted}");
         with_sender(&rig, Box::new(Filled::new(wanted)), None, |mut bench| {

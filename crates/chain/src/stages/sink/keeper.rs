@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use lariat_sink::{Machine, Receipt, Sink, Tally};
 
-use super::heirloom::Left;
+use super::handover::HandoverWriter;
 use crate::run_files::RunFiles;
 
 /// How often the thread is told what came.
@@ -63,7 +63,7 @@ impl Keeper {
     pub(super) fn start(
         sink: &Sink,
         files: RunFiles,
-        heirloom: Option<Left>,
+        handover: Option<HandoverWriter>,
         machine: Machine,
     ) -> anyhow::Result<Self> {
         let shared = Arc::new(Shared {
@@ -79,7 +79,7 @@ impl Keeper {
             shared: shared.clone(),
             files_due: files.can_be_renewed().then(|| Instant::now() + FILES),
             files,
-            heirloom,
+            handover,
             machine,
             failed: false,
         };
@@ -155,7 +155,7 @@ struct Work {
     files: RunFiles,
     /// When they are to be written, if they may be before the end.
     files_due: Option<Instant>,
-    heirloom: Option<Left>,
+    handover: Option<HandoverWriter>,
     machine: Machine,
     /// A failure was said.
     failed: bool,
@@ -211,10 +211,10 @@ impl Work {
 
     /// Writes what a successor would go on with. Into memory: it is done in no time.
     fn leave(&mut self, tally: &Tally) {
-        if let Some(left) = &mut self.heirloom
+        if let Some(left) = &mut self.handover
             && let Err(cause) = left.write(|into| tally.save(into))
         {
-            self.heirloom = None;
+            self.handover = None;
             tracing::warn!(
                 "what sink has timed would not survive it, as it cannot be kept: {cause}"
             );

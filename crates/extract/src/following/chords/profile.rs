@@ -165,13 +165,13 @@ mod tests {
     /// What a stretch reads, and the sum of a part of it.
     type Found = (Vec<u8>, u64, u32);
 
-    struct Reading<'a> {
+    struct SumStretch<'a> {
         stretch: Stretch<'a>,
         part: [u32; 2],
         found: &'a mut Found,
     }
 
-    impl Work for Reading<'_> {
+    impl Work for SumStretch<'_> {
         fn run<L: Lanes>(self, lanes: L) {
             let mut out = [0; WORD];
             let set = lanes.read(&self.stretch, &mut out);
@@ -213,8 +213,8 @@ mod tests {
             let stretch = Stretch { image: &image, from, axis, count, tables, cut };
             let (mut expected, mut found) = (Found::default(), Found::default());
             let part = [part.0.min(part.1), part.0.max(part.1)];
-            Reading { stretch, part, found: &mut expected }.run(Plain);
-            dispatch(Reading { stretch, part, found: &mut found });
+            SumStretch { stretch, part, found: &mut expected }.run(Plain);
+            dispatch(SumStretch { stretch, part, found: &mut found });
             prop_assert_eq!(&found, &expected);
             for (k, &difference) in found.0.iter().enumerate() {
                 let mut at = from;

@@ -2,7 +2,9 @@
 
 use super::chord::{MOST, Reader};
 use super::profile::{self, BLOCK};
-use super::station::{ASIDE_WIDTHS, ReadAll, Reading, Station, TIP_WIDTHS, beyond, set_normals};
+use super::station::{
+    ASIDE_WIDTHS, Measurement, ReadAll, Station, TIP_WIDTHS, beyond, set_normals,
+};
 use crate::centerline::line::{Line, Sample};
 use crate::centerline::smooth::Smoother;
 use crate::following::crossings::{Crossed, Over};
@@ -40,7 +42,7 @@ pub(super) struct Rope {
     pub(super) stations: Vec<Station>,
     /// The same in the frame at hand, until that is taken, and what was read there.
     pub(super) next: Vec<Station>,
-    pub(super) readings: Vec<Option<Reading>>,
+    pub(super) readings: Vec<Option<Measurement>>,
     pub(super) tips: [Tip; 2],
     pub(super) width_px: f32,
     pub(super) length_px: f32,

@@ -47,7 +47,7 @@ pub(super) struct Station {
 
 /// One chord, read at a station.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reading {
+pub(super) struct Measurement {
     pub(super) aside_px: f32,
     pub(super) width_px: f32,
     pub(super) contrast: f32,
@@ -57,7 +57,7 @@ pub(super) struct Reading {
 pub(super) struct ReadAll<'a, 'b> {
     pub(super) reader: &'a Reader<'b>,
     pub(super) stations: &'a [Station],
-    pub(super) readings: &'a mut [Option<Reading>],
+    pub(super) readings: &'a mut [Option<Measurement>],
     /// From one to the next.
     pub(super) spacing_px: f32,
     pub(super) width_px: f32,
@@ -85,7 +85,7 @@ impl Work for ReadAll<'_, '_> {
             let readings = &mut self.readings[group];
             for (i, (station, reading)) in stations.iter().zip(readings).enumerate() {
                 *reading = if found.found[i] {
-                    Some(Reading {
+                    Some(Measurement {
                         aside_px: found.aside_px[i],
                         width_px: found.width_px[i],
                         contrast: found.contrast[i],
@@ -124,7 +124,12 @@ impl ReadAll<'_, '_> {
 
 /// The chord at a station, looked for in as many pixels as a rope may have moved.
 #[inline(always)]
-fn farther(reader: &Reader, lanes: impl Lanes, station: &Station, span: usize) -> Option<Reading> {
+fn farther(
+    reader: &Reader,
+    lanes: impl Lanes,
+    station: &Station,
+    span: usize,
+) -> Option<Measurement> {
     let axis = axis(station.normal);
     let chord = reader.chord(
         lanes,
@@ -135,7 +140,7 @@ fn farther(reader: &Reader, lanes: impl Lanes, station: &Station, span: usize) -
             level: 0.5 * station.contrast,
         },
     )?;
-    Some(Reading {
+    Some(Measurement {
         aside_px: vec2::dot(vec2::sub(chord.at, station.at), station.normal),
         width_px: chord.length_px * station.normal[axis].abs(),
         contrast: chord.contrast,
@@ -144,7 +149,7 @@ fn farther(reader: &Reader, lanes: impl Lanes, station: &Station, span: usize) -
 
 /// The rope at a station near a tip, straight across.
 #[inline(always)]
-fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> {
+fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Measurement> {
     let (level, ways_px) = (
         0.5 * station.contrast,
         [0.5 * station.width_px, 0.5 * span as f32],
@@ -152,7 +157,7 @@ fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> 
     let right = fall(reader, station.at, station.normal, level, ways_px)?;
     let left = vec2::scale(station.normal, -1.0);
     let left = fall(reader, station.at, left, level, ways_px)?;
-    Some(Reading {
+    Some(Measurement {
         aside_px: 0.5 * (right - left),
         width_px: right + left,
         contrast: station.contrast,
@@ -161,7 +166,7 @@ fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Reading> 
 
 /// Whether what was read at a station can be the rope.
 #[inline(always)]
-fn fits(station: &Station, reading: &Reading) -> bool {
+fn fits(station: &Station, reading: &Measurement) -> bool {
     let thin = (THIN_PX / station.width_px.max(0.1)).max(1.0);
     let wider = (reading.width_px - station.bias_px[1]) / station.width_px.max(0.1) - 1.0;
     let contrast = reading.contrast / station.contrast;

@@ -64,7 +64,7 @@ impl Sweep {
     /// Whether something stands out of the table by `level` in the rows of this frame, away from the ropes.
     pub(super) fn finds(&mut self, reader: &Reader, level: u8) -> bool {
         let mut found = false;
-        profile::dispatch(Look {
+        profile::dispatch(Scan {
             reader,
             sweep: self,
             level,
@@ -75,14 +75,14 @@ impl Sweep {
 }
 
 /// The look at all of the rows.
-struct Look<'a, 'b> {
+struct Scan<'a, 'b> {
     reader: &'a Reader<'b>,
     sweep: &'a Sweep,
     level: u8,
     found: &'a mut bool,
 }
 
-impl Work for Look<'_, '_> {
+impl Work for Scan<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let Self {

@@ -3,7 +3,7 @@
 use super::ends::End;
 use super::learn::across;
 use super::motion::Move;
-use super::read::Reading;
+use super::read::Measurement;
 use super::rope::{LENGTH, Rope};
 use crate::image::{Image, color};
 use crate::occlusion::way;
@@ -31,9 +31,9 @@ impl Rope {
                 .find(|&i| !self.stations[i].is_hidden)
                 .unwrap_or(n);
             for i in self.reach_of_cover(image, first..from) {
-                self.readings[i] = Reading {
+                self.readings[i] = Measurement {
                     is_covered: true,
-                    ..Reading::default()
+                    ..Measurement::default()
                 };
             }
         }

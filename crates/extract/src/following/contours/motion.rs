@@ -1,6 +1,6 @@
 //! How a rope's points move: what the edges of each say, where it is like what is said around, and between.
 
-use super::read::Reading;
+use super::read::Measurement;
 use super::station::Station;
 use crate::vec2::{self, Vec2};
 
@@ -45,7 +45,7 @@ impl Motion {
     pub(super) fn agree(
         &mut self,
         stations: &[Station],
-        readings: &[Reading],
+        readings: &[Measurement],
         (closed, spacing_px, width_px): (bool, f32, f32),
     ) {
         let reach = ((AROUND_WIDTHS * width_px / spacing_px) as usize).clamp(AROUND.0, AROUND.1);
@@ -157,7 +157,7 @@ impl Motion {
 
 /// What a point says by itself.
 #[inline(always)]
-fn first(station: &Station, reading: &Reading) -> Move {
+fn first(station: &Station, reading: &Measurement) -> Move {
     match reading.off_px {
         [Some(a), Some(b)] if fits(station, b - a) => Move {
             px: 0.5 * (a + b),
@@ -173,7 +173,7 @@ fn first(station: &Station, reading: &Reading) -> Move {
 
 /// What it says beside the mean of what is said around it.
 #[inline(always)]
-fn likely(station: &Station, reading: &Reading, mean: f32, most_px: f32) -> Move {
+fn likely(station: &Station, reading: &Measurement, mean: f32, most_px: f32) -> Move {
     let whole = first(station, reading);
     if whole.weight == 1.0 && (whole.px - mean).abs() <= most_px {
         return whole;

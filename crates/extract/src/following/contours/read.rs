@@ -12,7 +12,7 @@ const COVERED: f32 = 0.6;
 
 /// What was read at a point.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Reading {
+pub(super) struct Measurement {
     /// How far each edge lies from where it was expected, along the normal.
     pub(super) off_px: [Option<f32>; 2],
     /// The difference half-way between rope and ground, at each.
@@ -30,7 +30,7 @@ pub(super) struct ReadAll<'a, 'b> {
     pub(super) wanted: &'a [bool],
     /// Which of the edges show.
     pub(super) shown: &'a [[bool; 2]],
-    pub(super) readings: &'a mut [Reading],
+    pub(super) readings: &'a mut [Measurement],
 }
 
 impl WithSimd for ReadAll<'_, '_> {
@@ -41,7 +41,7 @@ impl WithSimd for ReadAll<'_, '_> {
         let places = self.stations.iter().zip(self.shown);
         let all = places.zip(self.wanted).zip(self.readings);
         for (((station, &shown), &wanted), reading) in all {
-            *reading = Reading::default();
+            *reading = Measurement::default();
             if wanted {
                 *reading = both(self.image, self.looks, station, shown);
             }
@@ -51,8 +51,8 @@ impl WithSimd for ReadAll<'_, '_> {
 
 /// Both edges at a point.
 #[inline(always)]
-fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Reading {
-    let mut reading = Reading::default();
+fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Measurement {
+    let mut reading = Measurement::default();
     let (mut body, mut other) = (0, 0);
     for side in (0..2).filter(|&side| shown[side]) {
         let Some(window) = Window::of(image, looks, station, side) else {

@@ -4,7 +4,7 @@ use super::edge::WINDOW;
 use super::ends::End;
 use super::looks::Looks;
 use super::motion::Motion;
-use super::read::{ReadAll, Reading};
+use super::read::{Measurement, ReadAll};
 use super::station::{Station, set_normals};
 use crate::centerline::line::{Line, Sample};
 use crate::centerline::smooth::Smoother;
@@ -54,7 +54,7 @@ pub(super) struct Rope {
     pub(super) stations: Vec<Station>,
     /// The same in the frame at hand, until that is taken, and what was read there.
     pub(super) next: Vec<Station>,
-    pub(super) readings: Vec<Reading>,
+    pub(super) readings: Vec<Measurement>,
     wanted: Vec<bool>,
     /// Which of the edges at each station show: no other strand lies there.
     pub(super) shown: Vec<[bool; 2]>,
@@ -169,7 +169,7 @@ impl Rope {
             let is_own = !station.is_crossed && !station.is_on;
             self.wanted.push(clear && is_own);
         }
-        self.readings.resize(n, Reading::default());
+        self.readings.resize(n, Measurement::default());
         Arch::new().dispatch(ReadAll {
             image,
             looks: &self.looks,

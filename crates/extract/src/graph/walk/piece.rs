@@ -65,7 +65,7 @@ pub(super) struct Onward {
 
 /// Edges that hang together. Ends of edges are named by 2·edge + end.
 #[derive(Debug, Default)]
-pub(super) struct Piece {
+pub(super) struct Component {
     /// The ends of edges at each node, one node after the other; `from` where they begin.
     slots: Vec<u32>,
     from: Vec<u32>,
@@ -90,7 +90,7 @@ pub(super) struct Piece {
     reached: Vec<u32>,
 }
 
-impl Piece {
+impl Component {
     pub(super) fn reserve(&mut self) {
         self.candidates.reserve(MOST_PIECES);
         self.edges.reserve(MOST_EDGES);
@@ -324,7 +324,7 @@ impl Piece {
     }
 
     /// What the edges cost that are left out, wholly or by one of the strands that they are.
-    pub(super) fn left_out(&self, seen: &Seen) -> f32 {
+    pub(super) fn left_out(&self, seen: &Visited) -> f32 {
         let edges = self.left_out.iter().enumerate();
         edges.map(|(k, costs)| costs[seen.times(k)]).sum()
     }
@@ -355,13 +355,13 @@ impl Piece {
 
 /// The edges over which walks run: as strands, over which they pass, and over which they pass again.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct Visited {
     pub(super) used: u128,
     passed: u128,
     again: u128,
 }
 
-impl Seen {
+impl Visited {
     pub(super) fn pass(&mut self, edges: u128) {
         self.again |= self.passed & edges;
         self.passed |= edges;

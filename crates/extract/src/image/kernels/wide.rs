@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::x86::orders;
-use super::{Band, Look, Patch};
+use super::{Band, Patch, Rows};
 use crate::image::PixelFormat;
 use std::arch::x86_64::*;
 
@@ -253,7 +253,7 @@ pub(super) fn pairs_band<const LIGHT: usize>(band: Band) {
 }
 
 #[target_feature(enable = "avx512f,avx512bw")]
-pub(super) fn look(look: Look) {
+pub(super) fn look(look: Rows) {
     match look.bytes {
         1 => look_at::<1>(look),
         2 => look_at::<2>(look),
@@ -265,7 +265,7 @@ pub(super) fn look(look: Look) {
 /// bytes tell whether any is far off it.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
-fn look_at<const N: usize>(look: Look) {
+fn look_at<const N: usize>(look: Rows) {
     let least = _mm512_set1_epi16(i16::from_le_bytes(look.least));
     for (strip, hit) in look.hits.iter_mut().enumerate() {
         let from = 64 * N * strip;
@@ -285,12 +285,12 @@ fn look_at<const N: usize>(look: Look) {
             let below = _mm512_subs_epu8(table[k], fewest[k]);
             off[k] = _mm512_cmpge_epu8_mask(_mm512_max_epu8(above, below), least);
         }
-        let side = Look::SIDE * N;
+        let side = Rows::SIDE * N;
         let any = off.iter().any(|&off| off != 0);
         let (left, right) = (off[0] << (64 - side), off[N - 1] >> (64 - side));
-        *hit = u8::from(any) * Look::ANY
-            + u8::from(left != 0) * Look::LEFT
-            + u8::from(right != 0) * Look::RIGHT;
+        *hit = u8::from(any) * Rows::ANY
+            + u8::from(left != 0) * Rows::LEFT
+            + u8::from(right != 0) * Rows::RIGHT;
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
         three_channel_band: |band| unsafe { three_channel_band_256(band) },
         yuyv_band: None,
         uyvy_band: None,
-        look: super::look::look,
+        look: super::scan::look,
         // SAFETY: as above.
         pack: |pixels, out| unsafe { pack_128(pixels, out) },
         collect: super::collect,

@@ -12,7 +12,7 @@ use crate::vec2;
 /// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
 const AHEAD: f32 = 0.56;
 /// A line bends where it runs under another strand: so much of its end is cut off, in widths, and at most this share of the line.
-const FRAYED: (f32, f32) = (0.4, 0.33);
+const TRIMMED: (f32, f32) = (0.4, 0.33);
 /// The widest gap, in widths, under strands that run along; and the most bending in it (a turn by 145°).
 const WIDEST: f32 = 7.9;
 const MOST_BENT: f32 = 1.6;
@@ -37,7 +37,7 @@ impl Bridger {
         self.gaps.clear();
         for line in lines.iter_mut().filter(|line| !line.closed) {
             for last in [false, true] {
-                fray(line, last, width_px, mask);
+                trim(line, last, width_px, mask);
             }
         }
         self.list_ends(lines, colors, scenery);
@@ -73,7 +73,7 @@ impl Bridger {
         for end in self.ends.iter().filter(|end| !end.used && !end.leaves) {
             let line = &mut lines[end.line];
             if mask.has(line.ahead(end.last, AHEAD * width_px)) {
-                lay_on(line, end, HIDDEN * width_px);
+                extend(line, end, HIDDEN * width_px);
             }
         }
         self.sort(lines, colors)
@@ -81,7 +81,7 @@ impl Bridger {
 }
 
 /// Lays a line on from one of its ends, as it points, by so much.
-fn lay_on(line: &mut Line, end: &End, by_px: f32) {
+fn extend(line: &mut Line, end: &End, by_px: f32) {
     let count = line.samples.len();
     let step_px = (line.length_px() / (count - 1) as f32).max(0.3);
     let more = (by_px / step_px) as usize;
@@ -97,13 +97,13 @@ fn lay_on(line: &mut Line, end: &End, by_px: f32) {
 }
 
 /// Cuts a line back at an end before which the mask goes on.
-fn fray(line: &mut Line, last: bool, width_px: f32, mask: &BitPlane) {
+fn trim(line: &mut Line, last: bool, width_px: f32, mask: &BitPlane) {
     let count = line.samples.len();
     if count < 2 || !mask.has(line.ahead(last, AHEAD * width_px)) {
         return;
     }
     let step_px = (line.length_px() / (count - 1) as f32).max(0.1);
-    let off = ((FRAYED.0 * width_px / step_px) as usize).min((FRAYED.1 * count as f32) as usize);
+    let off = ((TRIMMED.0 * width_px / step_px) as usize).min((TRIMMED.1 * count as f32) as usize);
     match last {
         true => line.samples.truncate(count - off),
         false => drop(line.samples.drain(..off)),

@@ -283,7 +283,7 @@ fn a_long_gap_is_not_bridged_and_a_short_one_is() {
 }
 
 #[test]
-fn another_order_begins_anew() {
+fn another_order_begins_again() {
     let (eight, ten) = (bezier(8), bezier(10));
     let mut filter = Filter::<2>::new(11, FilterOptions::default()).unwrap();
     let step = |filter: &mut Filter<2>, frame: u64, space: &CurveSpace| {

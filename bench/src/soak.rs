@@ -1,4 +1,4 @@
-//! `lariat-bench day`: a day of frames through extraction, fit and filter with the clock turned on by hand, to see whether
+//! `lariat-bench soak`: a day of frames through extraction, fit and filter with the clock turned on by hand, to see whether
 //! the last hour costs what the first did.
 
 use std::fs;

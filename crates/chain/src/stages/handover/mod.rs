@@ -5,13 +5,13 @@
 //! left        what its successor goes on with              after the message (extract: its centerlines; sink: its counts)
 //! tally       what sink has timed                          once a second
 //!
-//! each twice, in turn (`turns`): a kill in the middle of a write leaves the one before whole
+//! each twice, in turn (`buffers`): a kill in the middle of a write leaves the one before whole
 //! ```
 //!
 //! No count is given twice and none is forgotten: a message that was counted and not sent is lost, which is what the ledger then says.
 //! Memory that is mapped costs a stage some stores for it; a system call each, as it was first, cost a frame 19 µs on its whole way.
 
-mod turns;
+mod double_buffer;
 
 use std::fs::File;
 use std::sync::atomic::AtomicU64;
@@ -20,11 +20,11 @@ use anyhow::{Context, Result};
 use rustix::fs::{MemfdFlags, ftruncate, memfd_create};
 
 use super::status::Sent;
-pub use turns::Turns;
-use turns::{Place, map};
+pub use double_buffer::DoubleBuffer;
+use double_buffer::{Region, map};
 
 /// The variable that holds the memory's file number.
-pub const HEIRLOOM_FD: &str = "LARIAT_HEIRLOOM_FD";
+pub const HANDOVER_FD: &str = "LARIAT_HANDOVER_FD";
 
 /// How far a stage is, over all its processes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -39,11 +39,11 @@ pub struct Progress {
     pub beats: u64,
 }
 
-const PROGRESS: Place = Place::at_the_start(40);
+const PROGRESS: Region = Region::at_the_start(40);
 /// The largest that extract leaves has some 60 kB.
-const LEFT: Place = Place::after(PROGRESS, 1 << 20);
+const STATE: Region = Region::after(PROGRESS, 1 << 20);
 /// Every bucket of every histogram in use would take some 2 MB.
-const TALLY: Place = Place::after(LEFT, 16 << 20);
+const TALLY: Region = Region::after(STATE, 16 << 20);
 /// Of the file, of which nearly all is a hole.
 const BYTES: usize = TALLY.end();
 
@@ -69,9 +69,9 @@ impl Progress {
     }
 }
 
-/// A stage's heirloom. One that nobody holds is of no use, and is not written.
+/// A stage's handover. One that nobody holds is of no use, and is not written.
 #[derive(Debug, Default)]
-pub struct Heirloom {
+pub struct Handover {
     memory: Option<Memory>,
     progress: Progress,
 }
@@ -89,7 +89,7 @@ impl Memory {
     }
 }
 
-impl Heirloom {
+impl Handover {
     /// A new one, for the first process of a stage.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Heirloom {
     /// # Errors
     /// It is none.
     pub fn of_the_chain() -> Result<Self> {
-        let Ok(number) = std::env::var(HEIRLOOM_FD) else {
+        let Ok(number) = std::env::var(HANDOVER_FD) else {
             return Ok(Self::default());
         };
         let file = File::options()
@@ -118,13 +118,13 @@ impl Heirloom {
             .open(format!("/proc/self/fd/{number}"));
         let is_one = |file: &File| file.metadata().is_ok_and(|it| it.len() == BYTES as u64);
         let file = file.ok().filter(is_one);
-        let file = file.with_context(|| format!("{HEIRLOOM_FD} names no heirloom: unset it"))?;
-        let mut heirloom = Self {
+        let file = file.with_context(|| format!("{HANDOVER_FD} names no handover: unset it"))?;
+        let mut handover = Self {
             memory: Some(Memory::of(file)?),
             progress: Progress::default(),
         };
-        heirloom.progress = heirloom.read();
-        Ok(heirloom)
+        handover.progress = handover.read();
+        Ok(handover)
     }
 
     /// The same, for a stage that is a thread of this process.
@@ -153,8 +153,8 @@ impl Heirloom {
 
     /// How far the stage is by what any process noted.
     pub fn read(&self) -> Progress {
-        let noted = self.turns(PROGRESS);
-        let noted = noted.and_then(|turns| turns.newest_words());
+        let noted = self.buffers(PROGRESS);
+        let noted = noted.and_then(|buffers| buffers.newest_words());
         noted.map_or_else(Progress::default, Progress::of_words)
     }
 
@@ -171,15 +171,15 @@ impl Heirloom {
     }
 
     /// The stage is restarted.
-    pub fn begin_anew(&mut self) {
+    pub fn count_restart(&mut self) {
         self.progress = self.read();
         self.progress.restarts += 1;
         self.write();
     }
 
     fn write(&self) {
-        if let Some(turns) = self.turns(PROGRESS) {
-            turns.write_words(&self.progress.to_words());
+        if let Some(buffers) = self.buffers(PROGRESS) {
+            buffers.write_words(&self.progress.to_words());
         }
     }
 
@@ -188,19 +188,19 @@ impl Heirloom {
         self.memory.is_some()
     }
 
-    fn turns(&self, place: Place) -> Option<Turns> {
+    fn buffers(&self, region: Region) -> Option<DoubleBuffer> {
         let memory = self.memory.as_ref()?;
-        Some(Turns::new(memory.words, place))
+        Some(DoubleBuffer::new(memory.words, region))
     }
 
     /// Where stands what a successor goes on with, if anybody holds it.
-    pub fn left(&self) -> Option<Turns> {
-        self.turns(LEFT)
+    pub fn state(&self) -> Option<DoubleBuffer> {
+        self.buffers(STATE)
     }
 
     /// Where stands what sink has timed.
-    pub fn tally(&self) -> Option<Turns> {
-        self.turns(TALLY)
+    pub fn tally(&self) -> Option<DoubleBuffer> {
+        self.buffers(TALLY)
     }
 }
 
@@ -209,19 +209,19 @@ mod tests {
     use super::*;
 
     /// What another process sees.
-    fn successor(of: &Heirloom) -> Heirloom {
+    fn successor(of: &Handover) -> Handover {
         let file = of.file().unwrap().try_clone().unwrap();
-        let mut next = Heirloom {
+        let mut next = Handover {
             memory: Some(Memory::of(file).unwrap()),
             progress: Progress::default(),
         };
-        next.begin_anew();
+        next.count_restart();
         next
     }
 
     #[test]
     fn a_successor_goes_on_where_the_last_message_was_noted() {
-        let mut first = Heirloom::make("test").unwrap();
+        let mut first = Handover::make("test").unwrap();
         assert_eq!(first.read(), Progress::default());
         for count in 1..=3 {
             let sent = Sent {
@@ -229,7 +229,7 @@ mod tests {
                 last_sequence: 10 * count,
             };
             first.note(sent, 2 * count);
-            let left = first.left().unwrap();
+            let left = first.state().unwrap();
             left.write(format!("message {count}").as_bytes()).unwrap();
         }
         first.beat();
@@ -246,23 +246,23 @@ mod tests {
         };
         assert_eq!(next.progress(), left);
         assert_eq!(first.read(), left);
-        let handed_on = next.left().unwrap().newest_first().next();
+        let handed_on = next.state().unwrap().newest_first().next();
         assert_eq!(handed_on.as_deref(), Some(&b"message 3"[..]));
         assert_eq!(successor(&next).progress().restarts, 2);
     }
 
     #[test]
     fn of_nothing_handed_on_nothing_comes() {
-        let mut held = Heirloom::make("test").unwrap();
+        let mut held = Handover::make("test").unwrap();
         held.note(Sent::default(), 0);
-        assert_eq!(held.left().unwrap().newest_first().next(), None);
+        assert_eq!(held.state().unwrap().newest_first().next(), None);
     }
 
     #[test]
     fn what_nobody_holds_is_not_written() {
-        let mut nobody = Heirloom::default();
+        let mut nobody = Handover::default();
         nobody.note(Sent::default(), 7);
-        assert!(nobody.left().is_none());
+        assert!(nobody.state().is_none());
         assert_eq!(nobody.read(), Progress::default());
         assert_eq!(nobody.progress().taken, 7);
     }

@@ -40,12 +40,12 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     let masks = !supervised || settings.extract.mask == Mask::External;
     // One that was restarted has not seen what was before.
     let from_start =
-        supervised && !settings.capture.is_external() && station.heirloom.progress().restarts == 0;
+        supervised && !settings.capture.is_external() && station.handover.progress().restarts == 0;
     let camera = &settings.camera;
     let space = !supervised || camera.depth.is_some() || camera.second.is_some();
     let channels = Channels::open(&station, masks, space)?;
     let recorder = begin(settings, file)?;
-    let mut reel = Reel {
+    let mut stage = Stage {
         channels,
         recorder,
         ledger: Ledger::new(from_start),
@@ -61,26 +61,27 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
     };
     let changes = station.listen(settings, |_, now| Ok(Some(now.clone())))?;
     if supervised {
-        if station.heirloom.progress().restarts == 0 {
-            reel.recorder.begins_with_the_rig();
+        if station.handover.progress().restarts == 0 {
+            stage.recorder.begins_with_the_rig();
         }
-        reel.attach(true)?;
+        stage.attach(true)?;
     }
     let flush = flush_on_signal(settings)?;
     station.ready()?;
     station.say_who_is_missing(FRAMES.name());
-    let outcome = reel.turn(settings, &mut station, &changes, supervised, file, &flush);
+    let outcome = stage.run_until_end(settings, &mut station, &changes, supervised, file, &flush);
     station.status.say(Word::Ending);
     if outcome.is_ok() {
-        reel.ledger
+        stage
+            .ledger
             .finish(match supervised.then(LastWord::of_the_chain) {
                 Some(LastWord::Counts(counts)) => counts,
                 Some(LastWord::Never) | None => FinalCounts::default(),
             });
         // Fails only where the recording has ended, which is said below.
-        let _ = reel.write_losses(true);
+        let _ = stage.write_losses(true);
     }
-    reel.end(settings, file, outcome)
+    stage.end(settings, file, outcome)
 }
 
 /// Where the rig's settings are to be had.
@@ -137,7 +138,7 @@ fn flush_on_signal(settings: &Settings) -> Result<Option<Arc<AtomicBool>>> {
     Ok(settings.record.ring.map(|_| asked))
 }
 
-struct Reel {
+struct Stage {
     channels: Channels,
     recorder: Recorder,
     ledger: Ledger,
@@ -156,8 +157,8 @@ struct Reel {
     version: u32,
 }
 
-impl Reel {
-    fn turn(
+impl Stage {
+    fn run_until_end(
         &mut self,
         settings: &Settings,
         station: &mut Station,

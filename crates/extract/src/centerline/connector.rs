@@ -1,4 +1,4 @@
-//! What a rope ends in and is no rope: a plug, a ferrule, bare wire. It has a color that the rope has nowhere else.
+//! What a rope ends in and is no rope: a connector_length, a ferrule, bare wire. It has a color that the rope has nowhere else.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -10,11 +10,11 @@ use crate::vec2;
 
 /// A line of fewer samples is left alone.
 const LEAST_SAMPLES: usize = 16;
-/// A plug is so many widths long at most, and such a share of the line.
+/// A connector_length is so many widths long at most, and such a share of the line.
 const MOST: (f32, f32) = (9.0, 0.4);
-/// A line of fewer widths is no rope, and has no body to tell a plug from.
+/// A line of fewer widths is no rope, and has no body to tell a connector_length from.
 const SHORTEST_WIDTHS: f32 = 4.0;
-/// A plug is so many widths long at least.
+/// A connector_length is so many widths long at least.
 const LEAST_WIDTHS: f32 = 0.5;
 /// Where across the rope its color is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
@@ -29,13 +29,13 @@ const DEVIATION: f32 = 1.5;
 
 /// Cuts plugs off; it allocates only for a line that is longer than all before.
 #[derive(Debug, Default)]
-pub(crate) struct PlugCutter {
+pub(crate) struct ConnectorCutter {
     /// Of each sample.
     colors: Vec<[f32; 3]>,
     sorted: Vec<f32>,
 }
 
-impl PlugCutter {
+impl ConnectorCutter {
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.colors.reserve(samples);
         self.sorted.reserve(samples);
@@ -47,7 +47,7 @@ impl PlugCutter {
         if line.closed || line.border == [true; 2] || count < LEAST_SAMPLES {
             return [0.0; 2];
         }
-        Arch::new().dispatch(Reading {
+        Arch::new().dispatch(ReadColors {
             line,
             image,
             colors: &mut self.colors,
@@ -71,7 +71,7 @@ impl PlugCutter {
             }
             let limit = 3.0 * DEVIATIONS * DEVIATIONS;
             let are_other = (0..most).map(|i| own.squares_off(color(i), own.usual) > limit);
-            let length = plug(are_other, least);
+            let length = connector_length(are_other, least);
             match own.is_step(color, length, samples_a_width) {
                 true => length,
                 false => 0,
@@ -134,8 +134,8 @@ impl Own {
     }
 }
 
-/// How many samples from a tip on are a plug's: up to there, those of another color outnumber the others by the most.
-fn plug(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
+/// How many samples from a tip on are a connector_length's: up to there, those of another color outnumber the others by the most.
+fn connector_length(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
     let (mut sum, mut best, mut length) = (0, 0, 0);
     for (i, is_other) in are_other.enumerate() {
         sum += if is_other { 1 } else { -1 };
@@ -147,13 +147,13 @@ fn plug(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
 }
 
 /// What reads colors, for the widest registers.
-struct Reading<'a> {
+struct ReadColors<'a> {
     line: &'a Line,
     image: &'a Image<'a>,
     colors: &'a mut Vec<[f32; 3]>,
 }
 
-impl NullaryFnOnce for Reading<'_> {
+impl NullaryFnOnce for ReadColors<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -230,7 +230,7 @@ mod tests {
     fn cut(line: &mut Line, color: impl Fn(usize) -> [u8; 3]) -> [f32; 2] {
         let pixels = picture(color);
         let image = Image::new(&pixels, 200, 40, 600, PixelFormat::Rgb8).expect("of its size");
-        PlugCutter::default().cut(line, &image)
+        ConnectorCutter::default().cut(line, &image)
     }
 
     #[test]
@@ -266,7 +266,10 @@ mod tests {
     #[test]
     fn a_fleck_near_a_tip_is_no_plug() {
         let flecks = [false, false, false, true, true, false, false, false];
-        assert_eq!(plug(flecks.into_iter(), 2.0), 0);
-        assert_eq!(plug([true, true, false, true, false].into_iter(), 2.0), 2);
+        assert_eq!(connector_length(flecks.into_iter(), 2.0), 0);
+        assert_eq!(
+            connector_length([true, true, false, true, false].into_iter(), 2.0),
+            2
+        );
     }
 }

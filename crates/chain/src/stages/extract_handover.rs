@@ -3,21 +3,21 @@
 use lariat_record::Record;
 use lariat_wire::{Centerlines, Status};
 
-use super::heirloom::{Heirloom, Turns};
+use super::handover::{DoubleBuffer, Handover};
 use crate::pipeline::Past;
 
 /// Bytes before the message.
 const HEAD: usize = 20;
 
 /// What was left.
-pub(super) struct Left {
+pub(super) struct Restored {
     pub(super) past: Past,
     pub(super) last: Box<Centerlines>,
 }
 
 /// What the extract before left, if there was one and it is whole.
-pub(super) fn read(heirloom: &Heirloom) -> Option<Left> {
-    let bytes = heirloom.left()?.newest_first().next()?;
+pub(super) fn read(handover: &Handover) -> Option<Restored> {
+    let bytes = handover.state()?.newest_first().next()?;
     let (&moment, rest) = bytes.split_first_chunk()?;
     let (&numbers, message) = rest.split_first_chunk::<12>()?;
     let [width, height, tracks] = [0, 4, 8].map(|at| {
@@ -31,12 +31,12 @@ pub(super) fn read(heirloom: &Heirloom) -> Option<Left> {
         size: [width, height],
         tracks,
     };
-    Some(Left { past, last })
+    Some(Restored { past, last })
 }
 
 /// How many ropes the last message has that are seen.
-pub(crate) fn ropes_seen(heirloom: &Heirloom) -> usize {
-    let left = read(heirloom);
+pub(crate) fn ropes_seen(handover: &Handover) -> usize {
+    let left = read(handover);
     let last = left.as_ref().map(|left| left.last.curves());
     let seen = last.unwrap_or_default().iter();
     seen.filter(|curve| curve.status() != Some(Status::Lost))
@@ -44,13 +44,13 @@ pub(crate) fn ropes_seen(heirloom: &Heirloom) -> usize {
 }
 
 /// How it is written: the message is copied while it is here, and the rest is done when it was sent, out of its way.
-pub(super) struct Estate {
+pub(super) struct HandoverWriter {
     last: Box<Centerlines>,
     message: Vec<u8>,
     bytes: Vec<u8>,
 }
 
-impl Default for Estate {
+impl Default for HandoverWriter {
     fn default() -> Self {
         // As large as a message can be: nothing is allocated later.
         let room = HEAD + 2 * size_of::<Centerlines>();
@@ -62,13 +62,13 @@ impl Default for Estate {
     }
 }
 
-impl Estate {
+impl HandoverWriter {
     pub(super) fn keep(&mut self, last: &Centerlines) {
         self.last.copy_meant(last);
     }
 
     /// Leaves what was kept.
-    pub(super) fn leave(&mut self, past: Past, left: &Turns) {
+    pub(super) fn leave(&mut self, past: Past, left: &DoubleBuffer) {
         self.last.encode(&mut self.message);
         self.bytes.clear();
         self.bytes.extend(past.exposed_ns.to_le_bytes());
@@ -98,20 +98,20 @@ mod tests {
             size: [640, 480],
             tracks: 8,
         };
-        let mut heirloom = Heirloom::make("test").unwrap();
-        assert!(read(&heirloom).is_none());
-        let turns = heirloom.left().unwrap();
-        let mut estate = Estate::default();
-        estate.keep(&last);
-        estate.leave(past, &turns);
+        let mut handover = Handover::make("test").unwrap();
+        assert!(read(&handover).is_none());
+        let buffers = handover.state().unwrap();
+        let mut writer = HandoverWriter::default();
+        writer.keep(&last);
+        writer.leave(past, &buffers);
         let sent = Sent {
             count: 5,
             last_sequence: 5,
         };
-        heirloom.note(sent, 5);
-        let left = read(&heirloom).unwrap();
+        handover.note(sent, 5);
+        let left = read(&handover).unwrap();
         assert_eq!((left.past, left.last), (past, last));
-        turns.write(b"what another release may leave").unwrap();
-        assert!(read(&heirloom).is_none());
+        buffers.write(b"what another release may leave").unwrap();
+        assert!(read(&handover).is_none());
     }
 }

@@ -39,13 +39,13 @@ pub(super) fn map(file: &File, bytes: usize) -> io::Result<&'static [AtomicU64]>
 
 /// Where the two stand, in words.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Region {
     start: usize,
     /// How many words of bytes there may be in each.
     most: usize,
 }
 
-impl Place {
+impl Region {
     pub(super) const fn at_the_start(most_bytes: usize) -> Self {
         let most = most_bytes.div_ceil(WORD);
         Self { start: 0, most }
@@ -66,12 +66,12 @@ impl Place {
 
 /// The two of one kind.
 #[derive(Debug, Clone, Copy)]
-pub struct Turns([&'static [AtomicU64]; 2]);
+pub struct DoubleBuffer([&'static [AtomicU64]; 2]);
 
-impl Turns {
-    pub(super) fn new(words: &'static [AtomicU64], place: Place) -> Self {
-        let (first, second) = words[place.start..].split_at(HEAD + place.most);
-        Self([first, &second[..HEAD + place.most]])
+impl DoubleBuffer {
+    pub(super) fn new(words: &'static [AtomicU64], region: Region) -> Self {
+        let (first, second) = words[region.start..].split_at(HEAD + region.most);
+        Self([first, &second[..HEAD + region.most]])
     }
 
     fn numbers(&self) -> [u64; 2] {
@@ -161,63 +161,63 @@ fn is_still(one: &[AtomicU64], number: u64) -> bool {
 mod tests {
     use super::*;
 
-    const PLACE: Place = Place::after(Place::at_the_start(8), 100);
+    const PLACE: Region = Region::after(Region::at_the_start(8), 100);
 
-    fn turns() -> Turns {
+    fn buffers() -> DoubleBuffer {
         let file = tempfile::tempfile().expect("a file");
         file.set_len(PLACE.end() as u64).expect("room");
-        Turns::new(map(&file, PLACE.end()).expect("mapped"), PLACE)
+        DoubleBuffer::new(map(&file, PLACE.end()).expect("mapped"), PLACE)
     }
 
-    fn all(turns: &Turns) -> Vec<Vec<u8>> {
-        turns.newest_first().collect()
+    fn all(buffers: &DoubleBuffer) -> Vec<Vec<u8>> {
+        buffers.newest_first().collect()
     }
 
     #[test]
     fn the_last_two_are_there() {
-        let turns = turns();
-        assert!(all(&turns).is_empty());
+        let buffers = buffers();
+        assert!(all(&buffers).is_empty());
         for text in ["", "one", "two and two", "three"] {
-            turns.write(text.as_bytes()).expect("room");
+            buffers.write(text.as_bytes()).expect("room");
         }
-        assert_eq!(all(&turns), [&b"three"[..], b"two and two"]);
+        assert_eq!(all(&buffers), [&b"three"[..], b"two and two"]);
     }
 
     #[test]
     fn what_is_too_large_leaves_all_as_it_was() {
-        let turns = turns();
-        turns.write(&[7; 104]).expect("room");
-        assert!(turns.write(&[8; 105]).is_err());
-        assert_eq!(all(&turns), [[7; 104]]);
+        let buffers = buffers();
+        buffers.write(&[7; 104]).expect("room");
+        assert!(buffers.write(&[8; 105]).is_err());
+        assert_eq!(all(&buffers), [[7; 104]]);
     }
 
     #[test]
     fn a_write_that_was_cut_off_leaves_the_one_before() {
-        let turns = turns();
+        let buffers = buffers();
         for text in ["one", "two"] {
-            turns.write(text.as_bytes()).expect("room");
+            buffers.write(text.as_bytes()).expect("room");
         }
         // As far as it came before it was killed.
-        let older = turns.in_order()[1].0;
+        let older = buffers.in_order()[1].0;
         older[0].store(0, Ordering::Relaxed);
         older[HEAD].store(0x6572_6874, Ordering::Relaxed);
-        assert_eq!(all(&turns), [b"two"]);
-        turns.write(b"four").expect("room");
-        assert_eq!(all(&turns), [&b"four"[..], b"two"]);
+        assert_eq!(all(&buffers), [b"two"]);
+        buffers.write(b"four").expect("room");
+        assert_eq!(all(&buffers), [&b"four"[..], b"two"]);
     }
 
     #[test]
     fn what_is_written_meanwhile_is_never_half_read() {
-        let turns = turns();
+        let buffers = buffers();
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 for number in 1..200_000_u64 {
-                    turns.write_words(&[number; 5]);
+                    buffers.write_words(&[number; 5]);
                 }
             });
             let mut last = 0;
             while last < 199_999 {
-                if let Some([first, rest @ ..]) = turns.newest_words::<5>() {
+                if let Some([first, rest @ ..]) = buffers.newest_words::<5>() {
                     assert!(rest == [first; 4] && first >= last);
                     last = first;
                 }

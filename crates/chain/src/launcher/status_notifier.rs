@@ -17,14 +17,14 @@ pub(super) struct Signs {
 }
 
 /// Who tells it.
-pub(super) struct Herald {
+pub(super) struct StatusNotifier {
     notify: Notify,
     last: Option<(Signs, Instant)>,
     /// At the last sign of life.
     fed: Option<(Signs, Instant)>,
 }
 
-impl Herald {
+impl StatusNotifier {
     pub(super) fn new() -> Self {
         Self::of(Notify::from_env())
     }

@@ -1,4 +1,4 @@
-//! Which lines are crumbs of the mask and no ropes: strays and slivers.
+//! Which lines are crumbs of the mask and no ropes: noise and slivers.
 //!
 //! A stray is a short piece, the less of a rope the thinner and the fainter it is. A sliver lies beside a longer line all
 //! along and is much thinner or much shorter: a rim, a highlight, a shadow that the mask took for a rope of its own.
@@ -26,19 +26,19 @@ struct Figures {
     width_px: f32,
     /// The mask's mean along it.
     level: f32,
-    is_stray: bool,
+    is_noise: bool,
 }
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
-pub(crate) struct Strays {
+pub(crate) struct NoiseFilter {
     figures: Vec<Figures>,
     /// Memory for medians, and for what is to be summed by width.
     values: Vec<f32>,
     order: Vec<usize>,
 }
 
-impl Strays {
+impl NoiseFilter {
     /// Makes room for so many lines.
     pub(crate) fn reserve(&mut self, lines: usize) {
         self.figures.reserve(lines);
@@ -62,7 +62,7 @@ impl Strays {
                 length_px: line.length_px(),
                 width_px,
                 level: level / count.max(1) as f32,
-                is_stray: false,
+                is_noise: false,
             });
         }
         let width_px = self.usual_width_px();
@@ -75,13 +75,13 @@ impl Strays {
             let own = self.figures[l];
             let squares = own.length_px / width_px * (own.width_px / width_px).min(1.0);
             let is_crumb = squares * own.level / sure < LEAST_SQUARES;
-            self.figures[l].is_stray = Some(l) != longest && (is_crumb || self.is_sliver(l, lines));
+            self.figures[l].is_noise = Some(l) != longest && (is_crumb || self.is_sliver(l, lines));
         }
     }
 
     /// Whether line `l` of those last judged is no rope.
-    pub(crate) fn is_stray(&self, l: usize) -> bool {
-        self.figures.get(l).is_some_and(|f| f.is_stray)
+    pub(crate) fn is_noise(&self, l: usize) -> bool {
+        self.figures.get(l).is_some_and(|f| f.is_noise)
     }
 
     /// The width at which half of all length is reached, from the thinnest line on.
@@ -107,7 +107,7 @@ impl Strays {
             let longer = self.figures[other];
             let is_less = own.width_px < THINNER * longer.width_px
                 || own.length_px < SHORTER * longer.length_px;
-            let is_longer = longer.length_px > own.length_px && !longer.is_stray;
+            let is_longer = longer.length_px > own.length_px && !longer.is_noise;
             is_longer && is_less && lies_beside(&lines[l], &lines[other], longer.width_px)
         })
     }
@@ -158,16 +158,16 @@ mod tests {
         }
     }
 
-    fn strays(lines: &[Line], level: u8) -> Vec<bool> {
+    fn noise(lines: &[Line], level: u8) -> Vec<bool> {
         let mut levels = GrayPlane::default();
         levels.resize(400, 200);
         // The upper half is sure.
         for y in 0..200 {
             levels.row_mut(y).fill(if y < 100 { 255 } else { level });
         }
-        let mut strays = Strays::default();
-        strays.find(lines, &levels);
-        (0..lines.len()).map(|l| strays.is_stray(l)).collect()
+        let mut noise = NoiseFilter::default();
+        noise.find(lines, &levels);
+        (0..lines.len()).map(|l| noise.is_noise(l)).collect()
     }
 
     #[test]
@@ -175,15 +175,15 @@ mod tests {
         let rope = || line([20.0, 20.0], 300, 8.0);
         let crumb = || line([50.0, 80.0], 30, 8.0);
         let short = line([50.0, 50.0], 64, 8.0);
-        assert_eq!(strays(&[rope(), short, crumb()], 255), [false, false, true]);
-        assert_eq!(strays(&[crumb()], 255), [false]);
+        assert_eq!(noise(&[rope(), short, crumb()], 255), [false, false, true]);
+        assert_eq!(noise(&[crumb()], 255), [false]);
     }
 
     #[test]
     fn a_faint_piece_must_be_longer() {
         let lines = [line([20.0, 20.0], 300, 8.0), line([50.0, 150.0], 64, 8.0)];
-        assert_eq!(strays(&lines, 255), [false, false]);
-        assert_eq!(strays(&lines, 90), [false, true]);
+        assert_eq!(noise(&lines, 255), [false, false]);
+        assert_eq!(noise(&lines, 90), [false, true]);
     }
 
     #[test]
@@ -191,10 +191,10 @@ mod tests {
         let rope = || line([20.0, 20.0], 300, 8.0);
         let thin = line([40.0, 30.0], 250, 3.0);
         let beside = line([40.0, 30.0], 250, 7.0);
-        assert_eq!(strays(&[rope(), thin], 255), [false, true]);
-        assert_eq!(strays(&[rope(), beside], 255), [false, false]);
+        assert_eq!(noise(&[rope(), thin], 255), [false, true]);
+        assert_eq!(noise(&[rope(), beside], 255), [false, false]);
         // As thin, but elsewhere.
         let thin = line([40.0, 60.0], 250, 3.0);
-        assert_eq!(strays(&[rope(), thin], 255), [false, false]);
+        assert_eq!(noise(&[rope(), thin], 255), [false, false]);
     }
 }

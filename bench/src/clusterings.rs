@@ -1,4 +1,4 @@
-//! `lariat-bench methods`: 120 centers in the mask of a rope by the paper's four clusterings, lariat's and the libraries'
+//! `lariat-bench clusterings`: 120 centers in the mask of a rope by the paper's four clusterings, lariat's and the libraries'
 //! (scikit-learn, MiniSom, scikit-fuzzy), on one thread, in turns, from the same start, in one table.
 
 use std::path::PathBuf;

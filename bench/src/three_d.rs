@@ -1,4 +1,4 @@
-//! `lariat-bench space`: drawn ropes before a colour camera and a depth camera, or a second colour camera, through extraction and fit,
+//! `lariat-bench 3d`: drawn ropes before a colour camera and a depth camera, or a second colour camera, through extraction and fit,
 //! held against the true axis.
 
 mod deform;

@@ -1,4 +1,4 @@
-//! `lariat-bench families`: the whole chain on the rendered rope with each basis and option, and how far its curves are
+//! `lariat-bench bases`: the whole chain on the rendered rope with each basis and option, and how far its curves are
 //! from the true rope.
 
 use std::path::Path;
@@ -91,7 +91,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 fn summary(args: &Args, flags: &[&str], folder: &Path) -> Result<Value> {
     // The run is in a folder of its own, where no settings file is found.
-    let binary = crate::beside::lariat()?;
+    let binary = crate::program::lariat()?;
     let output = Command::new(&binary)
         .args(["run", "--fps", "max", "--lossless", "--frames"])
         .arg(args.frames.to_string())

@@ -51,14 +51,14 @@ pub(super) struct Found {
 }
 
 /// All of some sections' insides.
-pub(super) struct Look<'a> {
+pub(super) struct InsideSampler<'a> {
     pub(super) image: &'a DepthImage<'a>,
     pub(super) sections: &'a Sections,
     /// Room.
     pub(super) pixels: &'a mut Pixels,
 }
 
-impl WithSimd for Look<'_> {
+impl WithSimd for InsideSampler<'_> {
     type Output = [Option<Found>; LANES];
 
     #[inline(always)]
@@ -68,7 +68,7 @@ impl WithSimd for Look<'_> {
     }
 }
 
-impl Look<'_> {
+impl InsideSampler<'_> {
     /// Reads the pixels. First all of them, as what is read one by one can be taken up together only a while later.
     #[inline(always)]
     fn read<S: Simd>(&mut self, simd: S) {

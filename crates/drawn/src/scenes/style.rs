@@ -26,7 +26,7 @@ pub(super) struct Coat {
 
 /// The looks of a picture.
 #[derive(Debug, Clone)]
-pub(super) struct Look {
+pub(super) struct Style {
     pub(super) coats: Vec<Coat>,
     pub(super) table: Rgb,
     /// What it passes to, if it has a gradient.
@@ -50,7 +50,7 @@ pub(super) struct Look {
     pub(super) grain: f32,
 }
 
-impl Look {
+impl Style {
     pub(super) fn of(
         class: Class,
         seed: u64,

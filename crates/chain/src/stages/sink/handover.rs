@@ -5,43 +5,43 @@ use std::io;
 
 use lariat_sink::{Options, RestoreError, Tally};
 
-use crate::stages::heirloom::{Heirloom, Turns};
+use crate::stages::handover::{DoubleBuffer, Handover};
 
 /// What is written again and again, by way of a buffer.
-pub(super) struct Left {
-    turns: Turns,
+pub(super) struct HandoverWriter {
+    buffers: DoubleBuffer,
     buffer: Vec<u8>,
 }
 
-impl Left {
+impl HandoverWriter {
     /// `room`: how many bytes there will be, if they are to be written without allocating.
-    pub(super) fn new(turns: Turns, room: usize) -> Self {
+    pub(super) fn new(buffers: DoubleBuffer, room: usize) -> Self {
         let buffer = Vec::with_capacity(room);
-        Self { turns, buffer }
+        Self { buffers, buffer }
     }
 
     /// Writes what `save` makes. Allocates nothing where that is no longer than before.
     pub(super) fn write(&mut self, save: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         self.buffer.clear();
         save(&mut self.buffer);
-        self.turns.write(&self.buffer)
+        self.buffers.write(&self.buffer)
     }
 }
 
 /// Whether there was a sink before that counted.
-pub(super) fn is_inherited(heirloom: &Heirloom) -> bool {
-    heirloom
-        .left()
+pub(super) fn is_inherited(handover: &Handover) -> bool {
+    handover
+        .state()
         .is_some_and(|left| left.newest_first().next().is_some())
 }
 
 /// What a sink is to go on with: what the last one left, or nothing if there was none. If nothing can be read of that, it is said, and
 /// the counting begins with what comes.
-pub(super) fn tally(heirloom: &Heirloom, options: Options) -> Tally {
-    if !is_inherited(heirloom) {
+pub(super) fn tally(handover: &Handover, options: Options) -> Tally {
+    if !is_inherited(handover) {
         return Tally::new(options);
     }
-    inherited(heirloom, options).unwrap_or_else(|cause| {
+    inherited(handover, options).unwrap_or_else(|cause| {
         tracing::warn!(
             "sink counts from now on, as it cannot continue where the last one stopped: {cause}"
         );
@@ -52,21 +52,21 @@ pub(super) fn tally(heirloom: &Heirloom, options: Options) -> Tally {
     })
 }
 
-fn inherited(heirloom: &Heirloom, options: Options) -> Result<Tally, RestoreError> {
+fn inherited(handover: &Handover, options: Options) -> Result<Tally, RestoreError> {
     // What is timed is of the last second; without it, what is counted holds all the same.
-    let tally = newest(heirloom.tally(), |bytes| Tally::restore(options, bytes));
+    let tally = newest(handover.tally(), |bytes| Tally::restore(options, bytes));
     let mut tally = tally.unwrap_or_else(|_| Tally::new(options));
-    newest(heirloom.left(), |bytes| tally.restore_counts(bytes))?;
+    newest(handover.state(), |bytes| tally.restore_counts(bytes))?;
     Ok(tally.resumed())
 }
 
 /// The newest that `restore` takes, or why it takes none.
 fn newest<T>(
-    turns: Option<Turns>,
+    buffers: Option<DoubleBuffer>,
     mut restore: impl FnMut(&[u8]) -> Result<T, RestoreError>,
 ) -> Result<T, RestoreError> {
     let mut found = Err(RestoreError::Damaged);
-    for bytes in turns.iter().flat_map(Turns::newest_first) {
+    for bytes in buffers.iter().flat_map(DoubleBuffer::newest_first) {
         found = restore(&bytes);
         if found.is_ok() {
             break;
@@ -103,10 +103,10 @@ mod tests {
     }
 
     /// A sink that has counted so many messages and saved all after each.
-    fn leave(heirloom: &Heirloom, count: u64) {
-        let mut counts = Left::new(heirloom.left().expect("held"), 0);
-        let mut timed = Left::new(heirloom.tally().expect("held"), 0);
-        let mut sink = Sink::of(tally(heirloom, OPTIONS));
+    fn leave(handover: &Handover, count: u64) {
+        let mut counts = HandoverWriter::new(handover.state().expect("held"), 0);
+        let mut timed = HandoverWriter::new(handover.tally().expect("held"), 0);
+        let mut sink = Sink::of(tally(handover, OPTIONS));
         let before = sink.frames().received;
         for number in before + 1..=before + count {
             receive(&mut sink, number);
@@ -118,8 +118,8 @@ mod tests {
         }
     }
 
-    fn inherit(heirloom: &Heirloom) -> (u64, u64, u64) {
-        let tally = tally(heirloom, OPTIONS);
+    fn inherit(handover: &Handover) -> (u64, u64, u64) {
+        let tally = tally(handover, OPTIONS);
         let report = tally.report_on(lariat_sink::Machine::this());
         let files = report.files().expect("memory takes it");
         let total = files.iter().find(|(name, _)| name == "total.hgrm");
@@ -134,39 +134,40 @@ mod tests {
 
     #[test]
     fn one_sink_goes_on_where_the_other_stopped() {
-        let heirloom = Heirloom::make("sink").expect("memory");
-        assert!(!is_inherited(&heirloom));
-        leave(&heirloom, 5);
-        assert!(is_inherited(&heirloom));
-        assert_eq!(inherit(&heirloom), (5, 5, 1));
-        leave(&heirloom, 1);
+        let handover = Handover::make("sink").expect("memory");
+        assert!(!is_inherited(&handover));
+        leave(&handover, 5);
+        assert!(is_inherited(&handover));
+        assert_eq!(inherit(&handover), (5, 5, 1));
+        leave(&handover, 1);
         // What comes first has waited for the sink, and is not timed.
-        assert_eq!(inherit(&heirloom), (6, 5, 2));
+        assert_eq!(inherit(&handover), (6, 5, 2));
     }
 
     #[test]
     fn what_is_damaged_leaves_the_older_one() {
-        let heirloom = Heirloom::make("sink").expect("memory");
-        leave(&heirloom, 6);
-        let damage = |turns: Option<Turns>| turns.expect("held").write(b"damaged").expect("room");
-        damage(heirloom.tally());
-        assert_eq!(inherit(&heirloom), (6, 6, 1));
-        damage(heirloom.left());
-        assert_eq!(inherit(&heirloom), (6, 6, 1));
+        let handover = Handover::make("sink").expect("memory");
+        leave(&handover, 6);
+        let damage =
+            |buffers: Option<DoubleBuffer>| buffers.expect("held").write(b"damaged").expect("room");
+        damage(handover.tally());
+        assert_eq!(inherit(&handover), (6, 6, 1));
+        damage(handover.state());
+        assert_eq!(inherit(&handover), (6, 6, 1));
         // The next one goes over the older one.
-        leave(&heirloom, 1);
-        assert_eq!(inherit(&heirloom), (7, 6, 2));
+        leave(&handover, 1);
+        assert_eq!(inherit(&handover), (7, 6, 2));
     }
 
     #[test]
-    fn without_a_whole_one_the_counting_begins_anew() {
-        let heirloom = Heirloom::make("sink").expect("memory");
-        leave(&heirloom, 6);
+    fn without_a_whole_one_the_counting_begins_again() {
+        let handover = Handover::make("sink").expect("memory");
+        leave(&handover, 6);
         for _ in 0..2 {
-            let left = heirloom.left().expect("held");
+            let left = handover.state().expect("held");
             left.write(b"damaged").expect("room");
         }
-        let mut sink = Sink::of(tally(&heirloom, OPTIONS));
+        let mut sink = Sink::of(tally(&handover, OPTIONS));
         receive(&mut sink, 20);
         let frames = sink.frames();
         assert_eq!((frames.published, frames.received), (1, 1));

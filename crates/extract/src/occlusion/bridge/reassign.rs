@@ -16,7 +16,7 @@ const STRAIGHTER: f32 = 0.25;
 impl Bridger {
     /// Takes other ways under a thing for those that were chosen, where the former bend back sharply or lead over the bare table and the
     /// others run on: they were taken for each other where both ran in or out at one place.
-    pub(super) fn untangle(&mut self, scenery: &Scenery) {
+    pub(super) fn reassign(&mut self, scenery: &Scenery) {
         for k in 0..self.candidates.len() {
             for l in 0..k {
                 let ([a, b], [c, d]) = (self.candidates[l].ends, self.candidates[k].ends);
@@ -93,7 +93,7 @@ impl Bridger {
                 self.candidates[at] = former;
             }
         }
-        self.is_untangled |= !is_ring;
+        self.is_reassigned |= !is_ring;
         !is_ring
     }
 

@@ -1,4 +1,4 @@
-//! `lariat-bench space --deform DIR`: ropes that a motion capture saw move, drawn frame by frame before a colour and a depth camera, and
+//! `lariat-bench 3d --deform DIR`: ropes that a motion capture saw move, drawn frame by frame before a colour and a depth camera, and
 //! followed through extraction, depth and fit.
 //!
 //! The data are those of DEFORM (Chen et al., 2024): for each of five ropes of a metre, sequences of 500 frames at 100 Hz in which two robots

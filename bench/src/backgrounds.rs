@@ -1,4 +1,4 @@
-//! `lariat-bench hard`: drawn pictures in which a rope is not just what differs from the table, or in which ropes are hard to tell
+//! `lariat-bench backgrounds`: drawn pictures in which a rope is not just what differs from the table, or in which ropes are hard to tell
 //! apart.
 //!
 //! A picture is right if every rope has a curve that covers 93 % of it, lies on it for as much of its length and runs along it in

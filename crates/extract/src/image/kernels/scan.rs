@@ -1,14 +1,14 @@
 //! Where some rows are not just the table: a plain loop, of which the compiler makes vectors for any registers.
 
-use super::{BLOCK, Look};
+use super::{BLOCK, Rows};
 use lariat_portable::{Arch, Simd, WithSimd};
 
-/// See [`Look`].
-pub(super) fn look(look: Look) {
+/// See [`Rows`].
+pub(super) fn look(look: Rows) {
     Arch::new().dispatch(look);
 }
 
-impl WithSimd for Look<'_> {
+impl WithSimd for Rows<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -23,7 +23,7 @@ impl WithSimd for Look<'_> {
 
 /// Looks at strips of which a row has so many bytes.
 #[inline(always)]
-fn run<const N: usize>(look: Look) {
+fn run<const N: usize>(look: Rows) {
     let mut least = [0; N];
     least.as_chunks_mut().0.fill(look.least);
     // The last one again where there are fewer.
@@ -53,10 +53,10 @@ fn run<const N: usize>(look: Look) {
         };
         *hit = 0;
         if is_any(&off) {
-            let side = Look::SIDE * N / 64;
+            let side = Rows::SIDE * N / 64;
             let flag = |off: &[u8], flag: u8| if is_any(off) { flag } else { 0 };
-            let sides = flag(&off[..side], Look::LEFT) + flag(&off[N - side..], Look::RIGHT);
-            *hit = Look::ANY + sides;
+            let sides = flag(&off[..side], Rows::LEFT) + flag(&off[N - side..], Rows::RIGHT);
+            *hit = Rows::ANY + sides;
         }
     }
 }
