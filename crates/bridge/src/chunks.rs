@@ -44,7 +44,8 @@ impl Assembly {
             (self.picture, self.come) = (picture, 0);
             self.bytes.clear();
         }
-        if picture != self.picture || at != self.come || usize::from(count) > MOST {
+        let is_within = at < count && usize::from(count) <= MOST;
+        if picture != self.picture || at != self.come || !is_within {
             // The rest of it is of no use, and matches nothing.
             self.come = u16::MAX;
             return None;
@@ -93,5 +94,9 @@ mod tests {
         }
         // None of its parts is the last.
         assert_eq!(assembly.take(&[0; 8]), None);
+        // Nor does one grow beyond its last part, or beyond what a counter holds.
+        assert_eq!(assembly.take(&[0, 0, 0, 0, 0, 0, 1, 0]), Some(&[][..]));
+        assert_eq!(assembly.take(&[0, 0, 0, 0, 1, 0, 1, 0]), None);
+        assert_eq!(assembly.take(&[0, 0, 0, 0, 255, 255, 1, 0]), None);
     }
 }
