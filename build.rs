@@ -1,4 +1,5 @@
-//! The commit that `lariat --version` names: git's, else what `cargo package` noted, else none.
+//! Finds the commit that `lariat --version` shows: from git, otherwise from `cargo package`,
+//! otherwise none.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,7 +13,7 @@ fn main() {
     );
 }
 
-/// The commit of this checkout. A folder without `.git` may lie in the checkout of something else.
+/// Commit of this checkout. A folder without `.git` may be inside the checkout of another project.
 fn of_git() -> Option<String> {
     if !Path::new(".git").exists() {
         return None;
@@ -33,7 +34,7 @@ fn git(words: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
-/// The commit in the file that `cargo package` adds: `"sha1": "…"`.
+/// Commit in the file that `cargo package` adds: `"sha1": "…"`.
 fn of_package() -> Option<String> {
     let text = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
     let (_, after) = text.split_once("\"sha1\"")?;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Measures the figures of README.md and docs/figures.md, and writes one table into both.
 
-    bench/figures.py                      some ten minutes, on a machine with nothing else to do
+    bench/figures.py                      some ten minutes, on an idle machine
     bench/figures.py --mbest FOLDER       also on mBEST's photographs: sets S1 and S2 with images and labels
 
-The table stands between two comments in each file. Rows that were not measured keep their figures.
+The table is between two comments in each file. Rows that were not measured keep their figures.
 """
 
 import argparse
@@ -35,14 +35,14 @@ def cells(line):
 
 
 def row(text, first):
-    """The cells of the first line that begins so."""
+    """Returns the cells of the first line that starts with `first`."""
     return next(cells(line) for line in text.splitlines() if line.startswith(first + " "))
 
 
 def drawn():
     table = bench("accuracy", "--rendered").split("\n\n")[0].splitlines()[2:]
     rows = [[float(cell.rstrip("!")) for cell in cells(line)[1:4]] for line in table]
-    # A curve too many or too few counts as one that is as far off as can be.
+    # A wrong number of curves counts as the largest possible distance.
     distances = [distance for _, wrong, distance in rows if not wrong]
     pictures, wrong = (int(sum(row[column] for row in rows)) for column in (0, 1))
     yield (
@@ -54,7 +54,8 @@ def drawn():
     for first in range(1000, 1100, 20):
         words = ["--story", "two", "--frames", 6000, "--seeds", 20, "--first-seed", first]
         for line in bench("tracking", *words).split("\n\n")[0].splitlines()[1:]:
-            # The last 14 columns are numbers: frames, followed, right, shown, … exchanged, and five more.
+            # The last 14 columns are numbers: frames, followed, right, shown, … exchanged, and five
+            # more.
             count, _, right, shown, *_, told = line.split()[-14:-5]
             frames, wrong = frames + int(count), wrong + int(count) * (1 - float(right.rstrip("%")) / 100)
             places, exchanged = places + int(shown), exchanged + int(told)
@@ -81,7 +82,8 @@ def live():
 
 def extraction():
     command = ["cargo", "bench", "--manifest-path", "bench/Cargo.toml", "--locked", "--bench", "extract", "--", "--quick"]
-    # The first table: times, and below each how many passes over the frame's bytes it is.
+    # The first table holds times. The row below each gives them as a number of passes over the
+    # frame's bytes.
     lines = output(*command).splitlines()
     at = {name: next(i for i, line in enumerate(lines) if line.startswith(name)) for name in ["cold, µs", "tracked, µs"]}
     (cold, cold_passes), (tracked, tracked_passes) = (
@@ -104,7 +106,7 @@ def photographs(mbest):
 
 
 def renew(path, rows):
-    """Writes the rows into a file's table; returns the figures that were there before."""
+    """Writes the rows into a file's table and returns its previous figures."""
     text = (ROOT / path).read_text()
     head, rest = text.split(BEGIN)
     table, tail = rest.split(END)
@@ -112,7 +114,7 @@ def renew(path, rows):
     for line in table.strip().splitlines()[2:]:
         label, *others = [cell.strip() for cell in line.strip("|").split("|")]
         merged[label] = others
-    # A row whose label has a number in it takes the place of its like.
+    # A new row replaces the row whose label is equal up to numbers.
     like = lambda label: re.sub(r"\d+", "", label)
     for label, *others in rows:
         merged = {name: cells for name, cells in merged.items() if name == label or like(name) != like(label)}

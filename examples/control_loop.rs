@@ -5,14 +5,15 @@
 //! cargo run --release --example control_loop
 //! ```
 //!
-//! What stands for the robot here prints. Flags: `--rig NAME`, and `--frames N` to end after so many.
+//! Instead of a robot, this example prints. Flags: `--rig NAME`, and `--frames N` to end after N
+//! frames.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use lariat_wire::{Reader, Rope, Seen, now_ns};
 
-/// The robot holds still when the newest image is older.
+/// Maximum age of the newest image; the robot stops if it is older.
 const MAX_AGE: Duration = Duration::from_millis(100);
 
 #[allow(dead_code, reason = "a test runs `follow` alone")]
@@ -24,7 +25,7 @@ fn main() -> anyhow::Result<()> {
     follow(Reader::open(rig)?, frames, &mut std::io::stdout())
 }
 
-/// The loop, for so many frames. It sends what it would have the robot do to `robot`.
+/// Runs the control loop for this many frames, and writes the robot's commands to `robot`.
 pub(crate) fn follow(
     mut reader: Reader,
     mut frames: u64,
@@ -35,19 +36,22 @@ pub(crate) fn follow(
         frames -= u64::from(frame.is_new());
         match frame.only_rope(MAX_AGE) {
             Seen::Fresh(rope) => steer(&rope, 1.0, robot)?,
-            // What is bridged may be wrong: slowly, and only where the rope is seen for the most part.
+            // The bridged part may be wrong, so move slowly, and only if most of the rope is
+            // visible.
             Seen::Partial(rope) if rope.hidden() < 0.3 => steer(&rope, 0.2, robot)?,
-            // A curve that misses the rope, a rope that may be none, and all that is not seen now: it says which.
+            // A curve that misses the rope, a rope that may be false, or no rope at all: `seen`
+            // says which.
             seen => writeln!(robot, "hold: {seen}")?,
         }
     }
     Ok(())
 }
 
-/// A proportional law: the velocity (px/s) that takes the rope's middle to the goal, as fast as `gain` says.
+/// Proportional control: the velocity (px/s) that moves the rope's middle to the goal, with the
+/// given `gain`.
 fn steer(rope: &Rope, gain: f64, robot: &mut impl Write) -> anyhow::Result<()> {
     const GOAL: [f64; 2] = [320.0, 240.0];
-    // Where the rope is when the robot moves, not where it was when the image was taken.
+    // Uses the position of the rope when the robot moves, not when the image was taken.
     let ahead = rope.predict(now_ns()).ok();
     let shape = match &ahead {
         Some(ahead) => ahead.shape(),

@@ -1,4 +1,5 @@
-//! A process that makes masks for lariat, as a neural network would: frames in, masks out.
+//! A process that makes masks for lariat, as a neural network would: it reads frames and writes
+//! masks.
 //!
 //! With `mask = "external"` under `[extract]` in lariat.toml:
 //!
@@ -7,9 +8,9 @@
 //! lariat run
 //! ```
 //!
-//! What stands for the network here is `rope_probability`: put yours in its place. It sees the newest frame, and while
-//! it works others pass it by; extract counts a frame whose mask does not come in time as skipped.
-//! Flags: `--rig NAME`, and `--lossless` if the chain is.
+//! Replace `rope_probability` with your network. It gets the newest frame, and skips the frames
+//! that come while it works. Extract counts a frame without a mask in time as skipped. Flags:
+//! `--rig NAME`, and `--lossless` if the chain is lossless.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,10 +34,10 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Answers frames with masks until it is told to stop.
+/// Answers frames with masks until it is stopped.
 ///
 /// # Errors
-/// What the transport has to say.
+/// Returns errors of the transport.
 pub(crate) fn serve(
     [for_frames, for_masks]: [Domain; 2],
     rig: &Rig,
@@ -56,7 +57,7 @@ pub(crate) fn serve(
             continue;
         };
         if frame.header().is_blank() {
-            // The camera gives no image just now.
+            // The camera has no image at the moment.
             continue;
         }
         let mask = masks.loan(frame.header())?;
@@ -66,7 +67,8 @@ pub(crate) fn serve(
     Ok(())
 }
 
-/// How likely each pixel is rope, 0 to 255. Here: how much bluer than red it is. Frames that are not RGB have no rope.
+/// Probability that each pixel is rope, 0 to 255. Here: the excess of blue over red. Frames that
+/// are not RGB have no rope.
 fn rope_probability(header: &FrameHeader, frame: &[u8], mask: &mut [u8]) {
     if header.format() != Some(PixelFormat::Rgb8) {
         mask.fill(0);

@@ -1,13 +1,15 @@
-//! Writes a message of descriptors in which every number says where it lies: for whoever writes a reader in another language.
+//! Writes a message of descriptors in which every number is its own offset, for authors of readers
+//! in other languages.
 //!
 //! ```sh
 //! cargo run --release --example message_of_offsets -- --rig layout &
 //! ```
 //!
-//! An integer is its own offset in the message, in bytes; a floating-point number is its offset and a half. So `unit`, at
-//! offset 100, is 100, and the first rope's `rms`, at offset 136, is 136.5. The table is in docs/messages.md.
-//! It is no rope, and a reader that checks what it reads says so: read the message itself. It is sent ten times a second until
-//! standard input ends, and "sent" is printed after the first.
+//! An integer is its own offset in the message, in bytes; a floating-point number is its offset
+//! plus a half. For example, `unit` at offset 100 is 100, and the `rms` of the first rope at offset
+//! 136 is 136.5. The table is in docs/messages.md. The message does not describe a rope, and a
+//! reader that validates its input says so; read the message itself. The program sends it ten times
+//! a second until standard input ends, and prints "sent" after the first one.
 
 use std::io::Read;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -45,18 +47,18 @@ fn main() -> anyhow::Result<()> {
     }
 }
 
-/// The message.
+/// Makes the message.
 pub(crate) fn message() -> Box<Descriptors> {
     let mut message = Box::new(Descriptors::EMPTY);
     fill(&mut *message, 0);
     message
 }
 
-/// A message that begins at this offset.
+/// Fills in a message that begins at this offset.
 fn fill(message: &mut dyn Message, at: usize) {
     message.visit_mut(&mut |field, place| {
         let at = at + field.offset;
-        // Exact, as no offset has more than 18 bits.
+        // This is exact, because no offset has more than 18 bits.
         match place {
             Place::U32(word) => *word = at as u32,
             Place::U64(word) => *word = at as u64,

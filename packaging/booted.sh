@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A machine that boots systemd, with the Debian package in it: its chain as a service, watched and restarted. As root, with
-# systemd-nspawn (Debian's systemd-container) and debootstrap.
+# Boots a machine with systemd and the Debian package, and tests that systemd starts, supervises and
+# restarts the chain. Needs root, systemd-nspawn (Debian's systemd-container) and debootstrap.
 #   packaging/booted.sh [FOLDER OF A DEBIAN WITH systemd, if there is one]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -17,7 +17,8 @@ chroot "$machine" sh -c 'dpkg --install /srv/lariat_*.deb' >/dev/null
 
 cat >"$machine/srv/check" <<'CHECK'
 #!/bin/bash
-# What the machine does when it is up. It ends with the machine, and with the word `well` if all is.
+# Script that the machine runs after booting. It ends with the machine, and prints `well` if
+# everything passed.
 exec >/srv/said 2>&1
 trap 'systemctl poweroff' EXIT
 set -ex
@@ -26,16 +27,16 @@ as_lariat() { runuser --user lariat -- env --chdir=/ "$@"; }
 is_again() {
     [ "$(systemctl show --property NRestarts --value lariat@cell)" = 1 ] && systemctl is-active --quiet lariat@cell
 }
-# It comes back when the chain is up.
+# The command returns when the chain is up.
 systemctl start lariat@cell
 as_lariat lariat topic hz --rig cell --duration 2s
 systemctl status --no-pager lariat@cell
-# Killed, it is restarted, and can be read again.
+# After being killed, the chain is restarted and can be read again.
 systemctl kill --kill-whom=main --signal=KILL lariat@cell
 export -f is_again
 timeout 30 bash -c 'until is_again; do sleep 0.2; done'
 as_lariat lariat topic hz --rig cell --duration 2s
-# Settings that make no sense are said, and not tried again.
+# Invalid settings are reported, and the start is not repeated.
 systemctl stop lariat@cell
 ls -A /dev/shm
 [ -z "$(ls -A /dev/shm)" ]

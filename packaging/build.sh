@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes what is given to others, in target/packaging: two Debian packages and a wheel. Needs a Rust toolchain, python3 with venv,
-# dpkg and strip; cargo-deb, cargo-cyclonedx and maturin are fetched if they are not there. How they are installed: docs/install.md.
+# Builds the distributed artifacts in target/packaging: two Debian packages and a wheel. Needs a
+# Rust toolchain, python3 with venv, dpkg and strip; fetches cargo-deb, cargo-cyclonedx and maturin
+# if they are missing. How to install the artifacts: docs/install.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$PWD/target/packaging
@@ -21,12 +22,12 @@ fi
 sbom() {
     cargo cyclonedx --format json --all-features --manifest-path "$1/Cargo.toml" --override-filename sbom
     sed "s#file://$PWD#file://#g" "$1/sbom.json" >"$2"
-    # It writes one for each crate of the workspace.
+    # It writes one file for each crate of the workspace.
     find . -name sbom.json -not -path './target/*' -delete
 }
 
-# The product with every kind of picture and its terminal screen, and the program that measures it: they share what is compiled
-# for both.
+# The product with every picture format and its terminal screen, and the program that measures it;
+# they share compiled dependencies.
 cargo build --release --locked --package lariat --package lariat-top --features lariat/tiff,lariat/webp
 cargo build --release --locked --manifest-path bench/Cargo.toml
 root=$out/root
@@ -53,7 +54,7 @@ cp CHANGELOG.md "$share/doc/lariat/NEWS"
 gzip -9n "$share"/doc/lariat/*
 cargo deb --locked --no-build --no-strip --output "$out"
 
-# `lariat ros2`, for who has a robot's graph: what it is built of nobody else installs.
+# `lariat ros2`, for users with a ROS graph; nobody else installs its dependencies.
 ros2=crates/ros2/Cargo.toml
 cargo build --release --locked --manifest-path "$ros2" --target-dir target/ros2
 root=$out/ros2
@@ -64,13 +65,13 @@ sbom crates/ros2 "$root/usr/share/doc/lariat-ros2/sbom.json"
 gzip -9n "$root"/usr/share/doc/lariat-ros2/*
 cargo deb --locked --no-build --no-strip --manifest-path "$ros2" --output "$out"
 
-# The module, and the commands: maturin puts the files of this folder where pip has its scripts. Only here, as who
-# builds the module from its sources need not build the command.
+# The module and the commands: maturin puts the files of this folder into pip's folder of scripts.
+# They are copied only here, so that a build of the module from source does not need the command.
 scripts=python/lariat._native.data/scripts
 trap 'rm -rf python/lariat._native.data' EXIT
 mkdir -p "$scripts"
 cp "$lariat" "$top" "$bench" "$scripts/"
-# It runs where glibc is as new as the command needs; maturin sees to it that the module asks for no more.
+# It runs with the glibc that the command needs; maturin checks that the module needs no newer one.
 glibc=$(objdump -T "$lariat" | grep -o 'GLIBC_2\.[0-9]*' | sort --version-sort | tail -n 1)
 maturin build --release --locked --strip --compatibility "manylinux_2_${glibc#*.}" --manifest-path python/Cargo.toml --out "$out"
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What licences the crates have that lariat is made of.
+"""Checks the licenses of the crates that lariat consists of.
 
     packaging/licences.py                     complains of those that are not on the list below (part of .ci/run)
     packaging/licences.py --notices PACKAGE   prints the texts that go with its binary, whose licences ask for that
 
-Words behind that are cargo's, such as --manifest-path.
+Further words are passed to cargo, such as --manifest-path.
 """
 
 import json
@@ -21,7 +21,7 @@ TEXTS = re.compile(r"^(licen[cs]e|copying|notice|unlicense)", re.IGNORECASE)
 
 
 def crates(words):
-    """What `cargo metadata` says of all packages, for the machines that lariat runs on."""
+    """Output of `cargo metadata` for all packages, for the platforms that lariat runs on."""
     command = ["cargo", "metadata", "--locked", "--format-version=1"]
     for target in ["x86_64-unknown-linux-gnu", "aarch64-unknown-linux-gnu"]:
         command += ["--filter-platform", target]
@@ -29,7 +29,7 @@ def crates(words):
 
 
 def is_allowed(expression):
-    """Whether an SPDX expression can be met by licences of the list: AND binds more tightly than OR."""
+    """True if the list's licenses satisfy an SPDX expression. AND binds more tightly than OR."""
     words = re.findall(r"\(|\)|[^\s()/]+|/", expression)
     position = 0
 
@@ -43,7 +43,7 @@ def is_allowed(expression):
 
     def either():
         value = both()
-        while peek() in ("OR", "/"):  # `/` is how old manifests write it
+        while peek() in ("OR", "/"):  # old manifests write `/` for OR
             take()
             value = both() or value
         return value
@@ -87,7 +87,7 @@ def check():
 
 
 def notices(product, words):
-    """The texts in the packages of what is linked into the binary, equal ones once."""
+    """Texts in the packages that are linked into the binary, each different text once."""
     metadata = crates(words)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}

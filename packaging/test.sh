@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Installs what packaging/build.sh made, and uses it: the Debian packages in a bare Debian, by the steps of the Containerfile; the
-# wheel in a new environment of Python; and one beside the other, as a container and a program outside it. As root, with
-# debootstrap, unshare, and python3 with venv.
+# Installs and uses the artifacts of packaging/build.sh: the Debian packages in a bare Debian, by
+# the steps of the Containerfile; the wheel in a new Python environment; and both together, as a
+# container and a program outside it. Needs root, debootstrap, unshare, and python3 with venv.
 #   packaging/test.sh [FOLDER OF A BARE DEBIAN, if there is one]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=$PWD/target/packaging
 if [ -z "${LARIAT_APART:-}" ]; then
-    # Mounts of its own, which end with it.
+    # A separate mount namespace, which ends with the script.
     LARIAT_APART=1 exec unshare --mount "$0" "$@"
 fi
 work=$(mktemp -d)
@@ -49,7 +49,7 @@ inside "$entry" --version
 inside "$entry" run --frames 100 --fps max --lossless 2>&1 | grep '^100 frames received'
 cp docs/rope.png "$image/srv/"
 inside "$entry" trace /srv/rope.png | grep 'rope.png *0 *ok'
-# It is found, and says what is wrong itself.
+# The program is found and reports the error itself.
 { inside "$entry" compare /nowhere /nowhere 2>&1 || true; } | grep '/nowhere cannot be read'
 for file in man1/lariat.1.gz man1/lariat-run.1.gz; do gzip -t "$image/usr/share/man/$file"; done
 bash -n "$image/usr/share/bash-completion/completions/lariat"
@@ -62,7 +62,7 @@ chroot "$image" lariat config check /etc/lariat/cell.toml
 say "the package of lariat ros2, beside it"
 cp "$out"/lariat-ros2_*.deb "$image/srv/"
 chroot "$image" sh -ec 'dpkg --install /srv/lariat-ros2_*.deb'
-# It is found, and says what is wrong itself.
+# The program is found and reports the error itself.
 { inside "$entry" ros2 --domain-id 999 2>&1 || true; } | grep 'the domain 999 is too large'
 
 say "the wheel, in a new environment"
@@ -79,7 +79,7 @@ PYTHON
 
 say "a chain in the container, read outside it"
 export LARIAT_DOMAIN=pack-both
-# A domain is one user's: here that of who tests.
+# A domain belongs to one user: here, the user who runs the test.
 user=$(id -u)
 inside "$entry" run --fps 30 --duration 10s --quiet >"$work/chain" 2>&1 &
 chain=$!

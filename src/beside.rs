@@ -1,5 +1,5 @@
-//! Commands that hand over to a program of their own: `lariat top` (`crates/top`), `lariat ros2` (`crates/ros2`), `lariat bridge`
-//! (`crates/bridge`), and the measurements (`bench/`).
+//! Commands that run a separate program: `lariat top` (`crates/top`), `lariat ros2`
+//! (`crates/ros2`), `lariat bridge` (`crates/bridge`), and the measurements (`bench/`).
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -9,10 +9,10 @@ use std::process::{Command, ExitCode};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-/// What another program is told
+/// Arguments for another program
 #[derive(Debug, Args)]
 pub(crate) struct Words {
-    /// What the program is told: its own --help lists it
+    /// Arguments for the program; its own --help lists them
     #[arg(
         value_name = "WORD",
         trailing_var_arg = true,
@@ -21,21 +21,21 @@ pub(crate) struct Words {
     words: Vec<OsString>,
 }
 
-/// Runs `lariat <name>` by `lariat-<name>`.
+/// Runs `lariat <name>` as `lariat-<name>`.
 ///
 /// # Errors
-/// There is no such program, or it cannot be started.
+/// Returns an error if the program does not exist or cannot be started.
 pub(crate) fn run(name: &str, args: &Words) -> Result<ExitCode> {
     let how = format!("`cargo install --locked --path crates/{name}` builds it");
     hand_over(&format!("lariat-{name}"), None, args, &how)
 }
 
-/// Runs a measurement by `lariat-bench <command>`.
+/// Runs a measurement as `lariat-bench <command>`.
 ///
 /// # Errors
-/// There is no such program, or it cannot be started.
+/// Returns an error if the program does not exist or cannot be started.
 pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
-    // It is searched for next to this program, which cargo puts into the folder of its profile.
+    // The program is expected next to this one, in cargo's folder for the profile.
     let profile = if cfg!(debug_assertions) {
         ""
     } else {
@@ -47,7 +47,8 @@ pub(crate) fn measure(command: &str, args: &Words) -> Result<ExitCode> {
     hand_over("lariat-bench", Some(command), args, &how)
 }
 
-/// Becomes the program that is in this one's folder or on the path. `how` tells how to get it.
+/// Replaces this process by a program from this one's folder or from the path. `how` tells how to
+/// install it.
 fn hand_over(file_name: &str, command: Option<&str>, args: &Words, how: &str) -> Result<ExitCode> {
     let beside = std::env::current_exe().ok();
     let beside = beside.map(|program| program.with_file_name(file_name));

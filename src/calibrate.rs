@@ -1,4 +1,5 @@
-//! `lariat calibrate plane`: from points that were clicked in a picture and measured on the table to the plane's file.
+//! `lariat calibrate plane`: computes the plane's file from points that were clicked in a picture
+//! and measured on the table.
 
 mod points;
 
@@ -15,7 +16,7 @@ use lariat_chain::settings;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Where what the camera sees lies
+/// Calibrate positions in the camera's view
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
     #[command(subcommand)]
@@ -24,38 +25,40 @@ pub(crate) struct CalibrateArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// The table, from four points or more whose place on it is known
+    /// Calibrate the table's plane from at least four points with known positions
     Plane(PlaneArgs),
 }
 
-/// The table, from four points or more whose place on it is known
+/// Calibrate the table's plane from at least four points with known positions
 #[derive(Debug, Args)]
 struct PlaneArgs {
-    /// Picture that the points were read in: it tells the size of the camera's images
+    /// Picture that the points were read in; it also gives the size of the camera's images
     #[arg(value_name = "IMAGE")]
     image: Option<PathBuf>,
-    /// Points as pixels=millimetres, for instance "100,80=0,0 540,85=297,0 560,400=297,210 90,395=0,210"
+    /// Points as pixels=millimeters, for instance "100,80=0,0 540,85=297,0 560,400=297,210
+    /// 90,395=0,210"
     #[arg(long, value_name = "X,Y=X,Y …", allow_hyphen_values = true)]
     points: Option<String>,
-    /// File of points, a line each: x y in pixels, then X Y in millimetres
+    /// File of points, one per line: x y in pixels, then X Y in millimeters
     #[arg(long, value_name = "FILE", conflicts_with = "points")]
     points_file: Option<PathBuf>,
-    /// Lens calibration, if the lens distorts: a YAML file of OpenCV or ROS
+    /// Lens calibration, if the lens distorts: a YAML file from OpenCV or ROS
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Size of the images, for instance 640x480 (default: the picture's, else the calibration's)
+    /// Size of the images, for instance 640x480 (default: the picture's size, otherwise the
+    /// calibration's)
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Where to write the plane, - for standard output; without it, it is only judged
+    /// File to write the plane to, - for standard output; without it, the plane is only judged
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
-    /// Overwrite a file that is there already
+    /// Overwrite an existing file
     #[arg(long)]
     force: bool,
 }
 
 impl PlaneArgs {
-    /// Where a file goes, beside those that are read.
+    /// Prepares an output file, which must not replace an input.
     fn output(&self, file: &Path) -> Result<Output> {
         let inputs = [&self.image, &self.points_file, &self.calibration];
         let inputs = inputs.into_iter().flatten().map(PathBuf::as_path);
@@ -66,7 +69,8 @@ impl PlaneArgs {
 /// Runs `lariat calibrate`.
 ///
 /// # Errors
-/// Points that determine no plane, an invalid calibration, files that cannot be read or written.
+/// Returns an error if the points determine no plane, the calibration is invalid, or a file cannot
+/// be read or written.
 pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     let What::Plane(args) = args.what;
     let camera = args.calibration.as_deref().map(read_camera).transpose()?;
@@ -87,7 +91,7 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     };
     let measured = MeasuredPlane::of(&pairs, camera.as_ref(), size)?;
     let judged = judged(&pairs, &measured);
-    // The file is written also where nobody reads this.
+    // The file is written even if nobody reads this output.
     let said = match &output {
         Some(output) => output.print(&judged),
         None => print(&judged),
@@ -101,7 +105,7 @@ pub(crate) fn run(args: CalibrateArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The images' size: as it is said, else the picture's, else the calibration's.
+/// Size of the images: as given, otherwise the picture's, otherwise the calibration's.
 fn size(args: &PlaneArgs, camera: Option<&Camera>) -> Result<[u32; 2]> {
     let of_picture = match &args.image {
         Some(image) => {
@@ -129,7 +133,7 @@ fn size(args: &PlaneArgs, camera: Option<&Camera>) -> Result<[u32; 2]> {
     Ok(known)
 }
 
-/// How well the points agree, and how large a pixel is.
+/// Describes how well the points agree, and how large a pixel is.
 fn judged(pairs: &[Pair], measured: &MeasuredPlane) -> String {
     let headings = ["point", "x px", "y px", "X mm", "Y mm", "off mm", "off px"];
     let mut rows = Vec::new();

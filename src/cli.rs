@@ -1,4 +1,4 @@
-//! The command line: what can be asked of lariat, and who answers.
+//! The command line: its commands and flags, and their dispatch.
 
 mod help;
 
@@ -49,7 +49,7 @@ struct Cli {
     verbosity: Verbosity,
 }
 
-/// How much is said on standard error beside errors, by the command and all that it starts.
+/// Verbosity on standard error, for the command and all processes that it starts.
 #[derive(clap::Args)]
 struct Verbosity {
     /// Print more messages; -vv prints all
@@ -60,7 +60,7 @@ struct Verbosity {
     quiet: bool,
 }
 
-/// What is asked of `lariat run`: all that a chain can be, and a page beside it.
+/// Arguments of `lariat run`: the flags of a chain, and whether to show its page.
 #[derive(clap::Args)]
 struct RunArgs {
     /// Also show the chain in the browser, as `lariat view` does; prints the page's address
@@ -115,7 +115,7 @@ enum Command {
     Info(InfoArgs),
     /// Find the ropes in pictures and fit curves to them
     Trace(TraceArgs),
-    /// Pick the colours of a picture's ropes, as a mask for lariat.toml
+    /// Pick the colors of a picture's ropes, as a mask for lariat.toml
     Pick(PickArgs),
     /// Calibrate the table's plane from points with known positions
     Calibrate(CalibrateArgs),
@@ -163,13 +163,13 @@ enum Command {
     Compare(Words),
 }
 
-/// What is asked of the chain when nothing was asked.
+/// Flags of the chain that runs when no command is given.
 const SHOW: [&str; 1] = ["--duration=10s"];
 
-/// Does what the command line asks.
+/// Runs the command on the command line.
 pub(crate) fn run() -> Result<ExitCode> {
     let words = with_a_command(std::env::args_os().collect());
-    // Before the rest of the work, so that Ctrl-C ends a chain in order however early it comes.
+    // Installed before the rest of the work, so that an early Ctrl-C also ends a chain in order.
     let stop = starts_a_chain(&words).then(Stop::on_signals).transpose()?;
     let chain_stop = || stop.map_or_else(Stop::on_signals, Ok);
     let command = help::fitted(Cli::command(), layout::width());
@@ -185,7 +185,7 @@ pub(crate) fn run() -> Result<ExitCode> {
             launcher::run(&Flags::default(), &words, settings, &chain_stop()?)
         }
         Some(Command::Run(RunArgs { view, flags })) => {
-            // Resolved here too, so that a mistake is told once and not by four processes.
+            // Resolved here too, so that a mistake is reported once and not by four processes.
             let settings = Settings::of_chain(&flags)?;
             settings.check_frames()?;
             let _page = match view {
@@ -242,7 +242,8 @@ fn stage(flags: &Flags, run: fn(&Settings, Supervision) -> Result<()>) -> Result
     run(&Settings::of_stage(flags)?, Supervision::of_this_process()?).map(|()| ExitCode::SUCCESS)
 }
 
-/// The words of the command line, with `run` before a source that stands where a command would.
+/// Returns the words of the command line, with `run` inserted if a source is in the place of a
+/// command.
 fn with_a_command(mut words: Vec<OsString>) -> Vec<OsString> {
     if let Some(place) = place_of_command(&words)
         && is_a_source(&words[place])
@@ -262,10 +263,11 @@ fn place_of_command(words: &[OsString]) -> Option<usize> {
     (1..words.len()).find(|&place| !is_flag(&words[place]))
 }
 
-/// Whether this is no command, but what frames come from.
+/// Returns true if the word names a source of frames and not a command.
 fn is_a_source(word: &OsStr) -> bool {
     let path = Path::new(word);
-    // The most frequent one first, as the table of commands takes milliseconds to build.
+    // The most frequent command comes first, because the table of commands takes milliseconds to
+    // build.
     let is_command = ["run", "help"].iter().any(|name| word == *name)
         || Cli::command().find_subcommand(word).is_some();
     let is_named = ["rendered", "simulated", "external", "-"]
@@ -274,7 +276,7 @@ fn is_a_source(word: &OsStr) -> bool {
     !is_command && (is_named || names_a_camera(path) || path.exists())
 }
 
-/// Says what is wrong with the command line, and ends the process. Help is asked for, and no error.
+/// Reports a mistake on the command line and ends the process. A request for help is not an error.
 fn refuse(error: &clap::Error, words: &[OsString]) -> ! {
     let place = place_of_command(words).filter(|_| error.kind() == ErrorKind::InvalidSubcommand);
     let word = place.map(|place| words[place].to_string_lossy());
@@ -296,7 +298,7 @@ fn refuse(error: &clap::Error, words: &[OsString]) -> ! {
     std::process::exit(2)
 }
 
-/// The file in the same folder whose name is most like it.
+/// Finds the file in the same folder with the most similar name.
 fn file_like(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|folder| *folder != Path::new(""));
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
@@ -311,14 +313,15 @@ fn file_like(path: &Path) -> Option<String> {
 }
 
 impl Verbosity {
-    /// As words of a command line, for the processes of a chain.
+    /// Converts to command-line flags for the processes of a chain.
     fn words(&self) -> Vec<OsString> {
         let verbose = (0..self.verbose).map(|_| "--verbose");
         let quiet = self.quiet.then_some("--quiet");
         verbose.chain(quiet).map(OsString::from).collect()
     }
 
-    /// What is logged: as the flags say, else `RUST_LOG` (a level, or `lariat=LEVEL` among others), else from "info" on.
+    /// Log level: from the flags, otherwise from `RUST_LOG` (a level, or `lariat=LEVEL` among
+    /// others), otherwise "info".
     fn level(&self) -> Option<Level> {
         match (self.quiet, self.verbose) {
             (true, _) => return Some(Level::WARN),
@@ -346,7 +349,7 @@ fn log_to_stderr(level: Option<Level>) {
         .with_writer(|| messages::Log)
         .without_time()
         .with_target(false)
-        // It would be said where nothing can be said.
+        // Internal errors would go to the output that has just failed.
         .log_internal_errors(false)
         .with_ansi(layout::has_colours(lariat_chain::messages::is_terminal()))
         .with_max_level(level.map_or(tracing::level_filters::LevelFilter::OFF, Into::into))
@@ -365,12 +368,12 @@ mod tests {
         let examples = documents::commands_in(&format!("```{RUN_EXAMPLES}```"));
         let all = documents::commands().into_iter().chain(examples);
         for Command { text, mut words } in all.filter(|command| command.words[0] == "lariat") {
-            // A source may stand in the place of a command.
+            // A source may be in the place of a command.
             if words.get(1).is_some_and(|word| word.contains('.')) {
                 words.insert(1, "run".to_owned());
             }
             let parsed = Cli::command().try_get_matches_from(words);
-            // A command may be spoken of without what it takes.
+            // A document may mention a command without its arguments.
             let is_understood = |error: &clap::Error| {
                 use ErrorKind::{
                     DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion,

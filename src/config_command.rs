@@ -1,4 +1,4 @@
-//! `lariat config`: write a settings file, read one critically, show what holds.
+//! `lariat config`: writes a settings file, checks one, and shows the current settings.
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
@@ -38,7 +38,8 @@ enum ConfigCommand {
 /// Runs `lariat config`.
 ///
 /// # Errors
-/// A file that cannot be read or written, one that would be overwritten, and all that is wrong with settings.
+/// Returns an error if a file cannot be read or written, if it would be overwritten, or if settings
+/// are invalid.
 pub(crate) fn run(args: ConfigArgs) -> Result<ExitCode> {
     match args.command {
         ConfigCommand::Init { force } => {

@@ -4,37 +4,37 @@ use lariat_fit::{Basis, Curve, Fit};
 use lariat_wire::FitQuality;
 use serde::Serialize;
 
-/// The keys are part of what users build on.
+/// Users rely on these keys.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Descriptor {
     pub(crate) basis: &'static str,
     pub(crate) degree: usize,
     pub(crate) control_points: Vec<[f64; 2]>,
-    /// Of the control points: of rational curves only.
+    /// Weights of the control points; only for rational curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) weights: Vec<f64>,
-    /// All of them, from 0 to 1: of B-splines only.
+    /// Full knot vector, from 0 to 1; only for B-splines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) knots: Vec<f64>,
-    /// In the points' unit, as everything here.
+    /// In the points' unit, as are all lengths here.
     pub(crate) rms: f64,
     pub(crate) max: f64,
-    /// σ²: one coordinate's.
+    /// σ²: variance of one coordinate.
     pub(crate) residual_variance: f64,
-    /// The least certain control point's standard deviation, by σ.
+    /// Standard deviation of the least certain control point, in units of σ.
     pub(crate) noise_gain: f64,
     pub(crate) condition: f64,
-    /// How well it lies on its points.
+    /// Distance between the curve and its points.
     #[serde(flatten)]
     pub(crate) quality: Option<Quality>,
-    /// What it is measured in, and how long the centerline is there: of points that lariat found itself.
+    /// Unit, and length of the centerline in it; only for points that lariat found itself.
     #[serde(flatten)]
     pub(crate) measure: Option<Measure>,
     #[serde(skip)]
     family: Basis,
 }
 
-/// How well a curve lies on its points, in widths of its rope.
+/// Fit quality, in widths of the rope.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Quality {
     /// `good` or `coarse`.
@@ -44,7 +44,7 @@ pub(crate) struct Quality {
 }
 
 impl Quality {
-    /// `width` is in the points' unit.
+    /// Judges a fit. `width` is in the points' unit.
     pub(crate) fn of(fit: &Fit, is_good: bool, width: f64) -> Self {
         Self {
             fit: if is_good {
@@ -58,7 +58,7 @@ impl Quality {
     }
 }
 
-/// A unit, and a length in it.
+/// A length and its unit.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Measure {
     pub(crate) unit: &'static str,
@@ -66,7 +66,7 @@ pub(crate) struct Measure {
 }
 
 impl Descriptor {
-    /// The fitter's descriptor, with every digit.
+    /// Converts the fitter's descriptor with full precision.
     pub(crate) fn of(fit: &Fit) -> Self {
         Self {
             basis: fit.basis.name(),
@@ -85,7 +85,7 @@ impl Descriptor {
         }
     }
 
-    /// The curve it describes, if it is one.
+    /// Returns the curve, if the descriptor is a valid one.
     pub(crate) fn curve(&self) -> Option<Curve<'_>> {
         Curve::new(
             self.family,
@@ -96,7 +96,7 @@ impl Descriptor {
         .ok()
     }
 
-    /// As a person wants to read it: to a thousandth of the unit.
+    /// Rounds to a thousandth of the unit, for people to read.
     pub(crate) fn rounded(mut self) -> Self {
         self.control_points = self
             .control_points
@@ -123,8 +123,8 @@ impl Descriptor {
     }
 }
 
-/// `x` with three decimals, so that it is printed with no more.
+/// Rounds `x` to three decimals, so that no more are printed.
 pub(crate) fn thousandths(x: f64) -> f64 {
-    // Adding 0 makes a 0 of −0.
+    // Adding 0 turns −0 into 0.
     (x * 1e3).round() / 1e3 + 0.0
 }

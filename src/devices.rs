@@ -1,7 +1,8 @@
-//! `lariat devices`: the cameras of this machine, and what each of them can.
+//! `lariat devices`: the cameras of this machine and their capabilities.
 //!
-//! A machine without a camera is answered with a sentence on standard error and the exit status 1, as by
-//! `v4l2-ctl --list-devices`, so that scripts can tell; with `--json` the list is empty, and the status the same.
+//! Without a camera, the command prints a sentence to standard error and exits with status 1, as
+//! `v4l2-ctl --list-devices` does, so that scripts can tell. With `--json` the list is empty, and
+//! the status is the same.
 
 mod text;
 
@@ -25,15 +26,15 @@ pub(crate) struct DevicesArgs {
     json: bool,
 }
 
-/// What to do where there is none.
-const NONE: &str = "lariat: no camera is to be seen on this machine. Plug one in and look again; if that does not help, \
-                    `dmesg | tail` says what the kernel makes of it, and in a virtual machine or a container /dev/video0 has \
-                    to be passed through. Until then `lariat run` shows a rendered rope.";
+/// Advice for a machine without a camera.
+const NONE: &str = "lariat: no camera found on this machine. Plug one in and try again. If that does not help, see \
+                    `dmesg | tail`. A virtual machine or container needs /dev/video0 passed through. Until then, \
+                    `lariat run` shows a drawn rope.";
 
 /// Runs `lariat devices`.
 ///
 /// # Errors
-/// The list cannot be written.
+/// Returns an error if the list cannot be written.
 pub(crate) fn run(args: DevicesArgs) -> Result<ExitCode> {
     let cameras = list_cameras();
     let text = if args.json {
@@ -65,9 +66,9 @@ struct List {
 #[derive(Serialize)]
 struct Camera {
     path: String,
-    /// Names that stay when the path's number changes.
+    /// Names that remain valid when the path's number changes.
     lasting_names: Vec<String>,
-    /// Why it cannot be asked; then nothing follows.
+    /// Reason why the camera cannot be queried. If set, the following fields are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<String>,
     #[serde(flatten)]
@@ -89,23 +90,24 @@ struct Format {
     code: String,
     description: String,
     compressed: bool,
-    /// Whether lariat reads it.
+    /// True if lariat can read this format.
     readable: bool,
     sizes: Vec<Size>,
 }
 
 #[derive(Serialize)]
 struct Size {
-    /// Width and height; of many sizes the largest.
+    /// Width and height; for a range of sizes, the largest.
     size: [u32; 2],
-    /// Of many sizes: the smallest, and from one to the next.
+    /// Smallest size, and the step between sizes; only for a range of sizes.
     #[serde(skip_serializing_if = "Option::is_none")]
     from: Option<[u32; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<[u32; 2]>,
-    /// Frames a second, the fastest first; empty if the driver does not say. Of many sizes: at the one nearest to 640x480.
+    /// Frame rates, the fastest first; empty if the driver does not report any. For a range of
+    /// sizes: at the size nearest to 640x480.
     fps: Vec<f64>,
-    /// Whether all rates between the first and the last are there too.
+    /// True if all rates between the first and the last are available, too.
     fps_is_a_range: bool,
 }
 
@@ -175,7 +177,7 @@ impl Format {
     }
 }
 
-/// Frames a second, the fastest first.
+/// Frame rates, the fastest first.
 fn rates(rates: &Rates) -> Vec<f64> {
     let mut fps: Vec<_> = match rates {
         Rates::Untold => Vec::new(),

@@ -1,7 +1,7 @@
-//! `lariat doctor`: what of this machine keeps lariat from being as fast as it could be, and what to type.
+//! `lariat doctor`: finds what slows lariat down on this machine, and says what to type.
 //!
-//! What is found is judged by pure functions over the text of the kernel's files ([`checks`]); reading them is all that
-//! is done here.
+//! Pure functions judge the text of the kernel's files ([`checks`]); the code here only reads those
+//! files.
 
 mod checks;
 
@@ -42,10 +42,11 @@ struct Diagnosis {
     checks: Vec<Finding>,
 }
 
-/// Runs `lariat doctor`: fails only for what keeps lariat from working.
+/// Runs `lariat doctor`. The exit code reports a failure only if something keeps lariat from
+/// working.
 ///
 /// # Errors
-/// The findings cannot be written.
+/// Returns an error if the findings cannot be written.
 pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     let checks = examine(args.clean);
     let works = checks.iter().all(|found| found.verdict != Verdict::Bad);
@@ -63,12 +64,13 @@ pub(crate) fn run(args: DoctorArgs) -> Result<ExitCode> {
     })
 }
 
-/// All that can be looked at here: first how busy the machine is, which everything that is measured depends on; then in the
-/// order of its weight.
+/// Runs all checks. The load comes first, because every measurement depends on it; the others
+/// follow in order of importance.
 fn examine(clean: bool) -> Vec<Finding> {
-    // Before this command itself adds to it.
+    // Measured before this command itself adds to it.
     let load = Load::now();
-    // Both before the domain is joined, which sweeps it, and adds files of this process.
+    // Both run before this process joins the domain, which sweeps it and adds files of this
+    // process.
     let leftover = leftover(clean);
     let rights = rights();
     let domain = Domain::open();
@@ -117,7 +119,7 @@ fn examine(clean: bool) -> Vec<Finding> {
     ]
 }
 
-/// What the dead left, removed if that is wanted.
+/// Judges what dead processes left, and removes it on request.
 fn leftover(clean: bool) -> Finding {
     let others: Vec<_> = shared_by_others()
         .into_iter()
@@ -133,7 +135,7 @@ fn leftover(clean: bool) -> Finding {
     checks::leftover(&left, Some(&told.collect::<Vec<_>>()), &others)
 }
 
-/// Whose the domain's files are.
+/// Judges the ownership of the domain's files.
 fn rights() -> Finding {
     let me = geteuid().as_raw();
     let mut others = BTreeMap::new();
@@ -142,19 +144,19 @@ fn rights() -> Finding {
         match fs::symlink_metadata(path).map(|data| data.uid()) {
             Ok(uid) if uid == me => own += 1,
             Ok(uid) => *others.entry(user_name(uid)).or_insert(0) += 1,
-            // Gone meanwhile.
+            // The file has been removed in the meantime.
             Err(_) => {}
         }
     }
     checks::rights(&user_name(me), own, &others)
 }
 
-/// A file's text; nothing, if it is not there.
+/// Returns a file's text, or an empty string if the file does not exist.
 fn read(path: &str) -> String {
     fs::read_to_string(path).unwrap_or_default()
 }
 
-/// The text of a file of each core.
+/// Returns the text of a file of each core.
 fn of_each_core(file: &str) -> Vec<String> {
     (0..CpuSet::MAX_CPU)
         .map(|core| read(&format!("/sys/devices/system/cpu/cpu{core}/{file}")))
@@ -162,7 +164,7 @@ fn of_each_core(file: &str) -> Vec<String> {
         .collect()
 }
 
-/// Name, latency (µs) and whether it is switched off, of each way in which the first core rests.
+/// Name, latency (µs) and disabled flag of each idle state of the first core.
 fn idle_states() -> Vec<[String; 3]> {
     let file = |state: usize, name: &str| {
         read(&format!(

@@ -1,4 +1,4 @@
-//! `lariat export`: what was recorded, as files of other programs.
+//! `lariat export`: converts a recording to files for other programs.
 
 mod csv;
 mod jsonl;
@@ -22,8 +22,9 @@ use std::process::ExitCode;
 
 /// Export a recording to files for other programs
 ///
-/// csv: a row for each rope in each frame, with its control points. jsonl: an object for each frame, with everything of its
-/// descriptors. y4m: a video, which `lariat run --source` shows again. png: a folder of numbered pictures, exact.
+/// csv: a row for each rope in each frame, with its control points. jsonl: an object for each
+/// frame, with all fields of its descriptors. y4m: a video, which `lariat run --source` can play.
+/// png: a folder of numbered, lossless pictures.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
     #[command(flatten)]
@@ -37,7 +38,7 @@ pub(crate) struct ExportArgs {
     /// Overwrite existing files
     #[arg(long)]
     force: bool,
-    /// First frame: its place in the recording, from 1, or a time from the beginning, such as 2.5s
+    /// First frame: its position in the recording, from 1, or a time from the start, such as 2.5s
     #[arg(long, value_name = "PLACE", value_parser = position_of_flag)]
     from: Option<Position>,
     /// Last frame, or the time before which to end
@@ -56,53 +57,54 @@ enum Format {
     Png,
 }
 
-/// What of a recording is exported.
+/// Part of a recording to export.
 struct Part<'a> {
     recording: &'a Recording,
     args: &'a ExportArgs,
 }
 
 impl Part<'_> {
-    /// The frames' messages, gathered.
+    /// Gathers the messages of each frame.
     fn gathered(&self) -> Result<Gather> {
         Gather::new(self.recording, span(self.args.from, self.args.to))
     }
 
-    /// The frames themselves.
+    /// Messages of the frames.
     fn frames(&self) -> Result<Messages> {
         Ok(self
             .recording
             .messages(span(self.args.from, self.args.to))?)
     }
 
-    /// How many there are, and when the first and the last were captured.
+    /// Number of frames, and the capture times of the first and the last.
     fn frame_times_ns(&self) -> Result<(u64, Option<[u64; 2]>)> {
         let span = span(self.args.from, self.args.to);
         Ok(self.recording.frame_times_ns(span)?)
     }
 
-    /// What is said where the file cannot be written.
+    /// Error message for a file that cannot be written.
     fn failure(&self) -> String {
         format!("cannot write {}", self.args.out.display())
     }
 
-    /// Whether the frame of this place in the part, from 0, is wanted.
+    /// Returns whether to export the frame at this place in the part, counted from 0.
     fn is_wanted(&self, place: u64) -> bool {
         place.is_multiple_of(self.args.every.get())
     }
 }
 
-/// What was written, for the last line.
+/// Summary of what was written, for the last line.
 struct Written {
     what: String,
-    /// What the reader should know of it.
+    /// Remarks for the user.
     notes: Vec<String>,
 }
 
 /// Runs `lariat export`.
 ///
 /// # Errors
-/// The recording cannot be read, holds nothing of the kind, or the files cannot be written. What is not whole is not there.
+/// Returns an error if the recording cannot be read, has nothing of the requested kind, or the
+/// files cannot be written. No incomplete file is left behind.
 pub(crate) fn run(args: ExportArgs) -> Result<ExitCode> {
     let recording = args.recording.open()?;
     let about = || shown(&args.recording.file);
@@ -134,7 +136,7 @@ pub(crate) fn run(args: ExportArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes what is one file.
+/// Writes an export that is a single file.
 fn write(part: &Part, output: &Output) -> Result<Written> {
     let mut file = BufWriter::new(output.begin()?);
     let written = match part.args.format {

@@ -1,4 +1,5 @@
-//! `lariat fit FILE`: centerlines in, a JSON object a line; descriptors out, a JSON object a line, in order.
+//! `lariat fit FILE`: reads centerlines and writes descriptors in the same order, both with one
+//! JSON object per line.
 
 use crate::descriptor_json::{Descriptor, Quality};
 use crate::versioned::Versioned;
@@ -18,10 +19,10 @@ use std::process::ExitCode;
 
 /// Fit curves to centerlines: as the chain's third stage, or as a filter of JSON lines
 ///
-/// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines `{"points":[[x,y],…]}` and
-/// writes one descriptor object a line. A line may say `"closed":true`, give its points `"weights":[…]`, and say how
-/// wide the rope is (`"width":12`), which a curve is held against.
-/// Otherwise it is the chain's third stage.
+/// With FILE (or `-`), or with a pipe or a file as standard input, it reads lines
+/// `{"points":[[x,y],…]}` and writes one descriptor object per line. A line may also have
+/// `"closed":true`, `"weights":[…]` for its points, and the width of the rope (`"width":12`),
+/// against which the curve is judged. Otherwise it is the chain's third stage.
 #[derive(Debug, Args)]
 pub(crate) struct FitArgs {
     /// File of JSON lines, each `{"points":[[x,y],…]}`; `-` is standard input
@@ -30,19 +31,19 @@ pub(crate) struct FitArgs {
     pub(crate) flags: Flags,
 }
 
-/// Whether `lariat fit` is the filter of JSON lines: a file is named, or standard input is a pipe or a file.
-/// A terminal or `/dev/null` there means the chain's stage.
+/// Returns true if `lariat fit` is the filter of JSON lines: a file is named, or standard input is
+/// a pipe or a file. With a terminal or `/dev/null`, it is the chain's stage.
 pub(crate) fn is_line_filter(args: &FitArgs) -> bool {
     args.file.is_some()
         || std::fs::metadata("/dev/stdin").is_ok_and(|input| brings_lines(input.file_type()))
 }
 
 fn brings_lines(input: FileType) -> bool {
-    // Some programs make their children's pipes of sockets.
+    // Some programs use sockets as their children's pipes.
     input.is_fifo() || input.is_file() || input.is_socket()
 }
 
-/// One line of the input. Further keys are of no concern here.
+/// One line of the input. Other keys are ignored.
 #[derive(Deserialize)]
 struct Centerline {
     points: Vec<[f64; 2]>,
@@ -54,8 +55,8 @@ struct Centerline {
 /// Runs the filter of JSON lines.
 ///
 /// # Errors
-/// Input that cannot be read, output that cannot be written, settings that make no sense. A line that makes no
-/// sense is reported and the next one read; the exit code tells of it.
+/// Returns an error if the input cannot be read, the output cannot be written, or settings are
+/// invalid. An invalid line is reported and skipped; the exit code reflects it.
 pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
     let of_the_chain = ["--calibration", "--plane", "--unit"];
     if of_the_chain.iter().any(|flag| args.flags.has(flag)) {
@@ -95,13 +96,14 @@ pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
             Ok(descriptor) => write_line(&mut output, &descriptor),
             Err(why) => {
                 exit = ExitCode::FAILURE;
-                // What comes before the bad line is out before it is spoken of.
+                // Results of earlier lines are written before the bad line is reported.
                 let flushed = output.flush();
                 eprintln!("lariat: {name}, line {number}: {why}");
                 flushed
             }
         };
-        // Whoever waits for this answer before sending the next line gets it now.
+        // A client may wait for this answer before it sends the next line, so the answer is
+        // flushed.
         let flushed = written.and_then(|()| match input.buffer() {
             [] => output.flush(),
             _ => Ok(()),
@@ -116,7 +118,7 @@ pub(crate) fn run(args: FitArgs) -> Result<ExitCode> {
     }
 }
 
-/// Where lines come from, and what to call it.
+/// Opens the input and returns its name for messages.
 fn open(file: Option<&Path>) -> Result<(String, Box<dyn Read>)> {
     match file {
         Some(path) if path != Path::new("-") => {
@@ -133,7 +135,8 @@ fn write_line(output: &mut impl Write, descriptor: &Descriptor) -> io::Result<()
     output.write_all(b"\n")
 }
 
-/// Whether the reader of our output has gone, which ends the work: a failure that needs no words.
+/// Returns true if the reader of the output is gone. This ends the work as a failure without a
+/// message.
 pub(crate) fn is_closed(written: io::Result<()>) -> Result<bool> {
     match written {
         Ok(()) => Ok(false),
@@ -142,7 +145,7 @@ pub(crate) fn is_closed(written: io::Result<()>) -> Result<bool> {
     }
 }
 
-/// A fitter for every number of points that has come so far: of open and of closed curves, with weights and without.
+/// Fitters made so far, keyed by number of points, open or closed, with or without weights.
 struct Fitters {
     settings: Settings,
     made: HashMap<(usize, bool, bool), Fitter>,
@@ -156,7 +159,7 @@ impl Fitters {
         }
     }
 
-    /// The descriptor of one line, or what is wrong with it.
+    /// Returns the descriptor of one line, or what is wrong with the line.
     fn answer(&mut self, line: &[u8]) -> Result<Descriptor, String> {
         let line: Centerline = serde_json::from_slice(line).map_err(|error| {
             format!(
@@ -192,7 +195,7 @@ impl Fitters {
                 entry.insert(Fitter::new(options).map_err(|error| error.to_string())?)
             }
         };
-        // Without a width only the limit in pixels holds.
+        // Without a width, only the limit in pixels applies.
         let width = line.width.unwrap_or(f64::NAN);
         let tolerance = self.settings.fit.tolerance(width, 1.0);
         let points = Line {
@@ -211,12 +214,13 @@ impl Fitters {
     }
 }
 
-/// The first point that is the same as the next.
+/// Returns the index of the first point that equals the next one.
 fn repeated(points: &[[f64; 2]]) -> Option<usize> {
     points.windows(2).position(|pair| pair[0] == pair[1])
 }
 
-/// What serde_json says, with the column; its line number is of a text of one line.
+/// Message of serde_json with the column but without the line number, since each line is parsed by
+/// itself.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
     match text.rfind(" at line ") {

@@ -1,4 +1,4 @@
-//! `lariat info`: what a recording holds, told from its index.
+//! `lariat info`: the contents of a recording, from its index.
 
 use crate::recording::{RecordingArgs, shown};
 use crate::versioned::Versioned;
@@ -23,26 +23,27 @@ pub(crate) struct InfoArgs {
     json: bool,
 }
 
-/// Everything that is told.
+/// Everything that is printed.
 #[derive(Debug, Serialize)]
 struct Info {
     file: String,
     bytes: u64,
-    /// Whether it was closed.
+    /// True if the recording was closed.
     closed: bool,
-    /// What it says of itself: rig, release, machine, how it was made.
+    /// Metadata: rig, release, machine, and how the recording was made.
     about: BTreeMap<String, String>,
-    /// When the first message was logged, in nanoseconds of Unix time.
+    /// Log time of the first message, in nanoseconds of Unix time.
     start_ns: u64,
     duration_s: f64,
     frames: u64,
-    /// From the first frame to the last.
+    /// Mean rate between the first and the last frame.
     frames_per_s: Option<f64>,
     topics: Vec<Topic>,
-    /// As they were said last.
+    /// Last recorded losses.
     losses: Option<Lost>,
     attachments: Vec<String>,
-    /// Settings that differ from the defaults; `null` where there are none in it that this release understands.
+    /// Settings that differ from the defaults; `null` if the recording has none that this release
+    /// understands.
     settings: Option<BTreeMap<String, String>>,
 }
 
@@ -52,11 +53,11 @@ struct Topic {
     schema: String,
     messages: u64,
     per_s: f64,
-    /// Bytes of its messages, unpacked.
+    /// Uncompressed size of its messages, in bytes.
     bytes: u64,
 }
 
-/// What was lost, on each link and by the recorder.
+/// Losses on each link and by the recorder.
 #[derive(Debug, Serialize)]
 struct Lost {
     source: u64,
@@ -108,7 +109,7 @@ impl Lost {
 /// Runs `lariat info`.
 ///
 /// # Errors
-/// The recording cannot be read.
+/// Returns an error if the recording cannot be read.
 pub(crate) fn run(args: InfoArgs) -> Result<ExitCode> {
     let recording = args.recording.open()?;
     let file = shown(&args.recording.file);
@@ -239,7 +240,7 @@ impl Info {
     }
 }
 
-/// The settings that are not the defaults. The files they name are in the recording.
+/// Settings that differ from the defaults. The recording contains the files that they name.
 fn changed(recorded: &RecordedSettings) -> BTreeMap<String, String> {
     let mut changed: BTreeMap<_, _> = recorded.settings.changed().collect();
     for (key, name) in [("camera.calibration", CALIBRATION), ("camera.plane", PLANE)] {
@@ -250,7 +251,7 @@ fn changed(recorded: &RecordedSettings) -> BTreeMap<String, String> {
     changed
 }
 
-/// The losses that were said last. They are said each second at most: only the end is looked through.
+/// Last recorded losses. They are recorded at most once a second, so only the end is searched.
 fn last_losses(recording: &Recording) -> Result<Option<Lost>> {
     let mut last = None;
     let mut messages = recording.losses()?;
@@ -259,7 +260,7 @@ fn last_losses(recording: &Recording) -> Result<Option<Lost>> {
             Ok(Some(Entry::Losses(losses))) => last = Some(Lost::from(losses)),
             Ok(Some(_)) => {}
             Ok(None) => return Ok(last),
-            // Each says all that was lost so far: one more or less is no matter.
+            // Each message has the total so far, so one unreadable message does not matter.
             Err(_) => {}
         }
     }
@@ -279,7 +280,8 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// A moment as date and time of UTC, by the civil calendar (Hinnant, *chrono-compatible low-level date algorithms*).
+/// Formats a time as date and time in UTC, by the civil calendar (Hinnant, *chrono-compatible
+/// low-level date algorithms*).
 fn date(unix_ns: u64) -> String {
     let s = unix_ns / 1_000_000_000;
     let (days, s) = (s / 86_400, s % 86_400);
@@ -299,7 +301,7 @@ fn date(unix_ns: u64) -> String {
     )
 }
 
-/// A setting's value in a line: a long list of files is not shown whole (`--json` has it).
+/// Shortens a setting's value to one line. A long list of files is cut (`--json` prints it whole).
 fn shortened(value: &str) -> String {
     const LONGEST: usize = 100;
     match value.char_indices().nth(LONGEST) {

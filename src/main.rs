@@ -1,4 +1,4 @@
-//! lariat: from a camera's images to the shape of the rope in them, through shared memory.
+//! lariat: from a camera's images to the shape of the ropes in them, through shared memory.
 
 #[macro_use]
 extern crate lariat_chain;
@@ -33,7 +33,7 @@ use lariat_chain::{exit, output};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // A stage is started by another name of the file (`itself`), which tools would show.
+    // Stages are started under another file name (`itself`), which tools would show otherwise.
     let _ = rustix::thread::set_name(c"lariat");
     cli::run().unwrap_or_else(|error| {
         if output::Unread::is_cause_of(&error) {

@@ -1,4 +1,5 @@
-//! `lariat man`: a manual page for each command, made of the command line itself, for packages.
+//! `lariat man`: a manual page for each command, generated from the command line's definition, for
+//! packages.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,12 +20,12 @@ pub(crate) struct ManArgs {
     force: bool,
 }
 
-/// Runs `lariat man`, of this command line.
+/// Runs `lariat man` for this command line.
 ///
 /// # Errors
-/// The folder cannot be written to, or has such pages already.
+/// Returns an error if the folder is not writable or already has such pages.
 pub(crate) fn run(args: &ManArgs, command: Command) -> Result<ExitCode> {
-    // What it says more of its version is of this machine.
+    // The long version is specific to this machine, so the pages leave it out.
     let mut command = command
         .disable_help_subcommand(true)
         .long_version(None::<&str>);
@@ -40,7 +41,7 @@ pub(crate) fn run(args: &ManArgs, command: Command) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The pages of a command and of all under it that its help shows.
+/// Adds the pages of a command and of all its visible subcommands.
 fn add(command: Command, pages: &mut Vec<(String, Vec<u8>)>) -> Result<()> {
     let below = command
         .get_subcommands()

@@ -1,11 +1,11 @@
-//! A message as a JSON object: the fields of the message by their names, enumerations as words, arrays as far as they are
-//! meant. Numbers are written so that they read back to the last bit.
+//! A message as a JSON object: fields by name, enumerations as words, arrays only as far as they
+//! are used. Numbers read back to the last bit.
 
 use lariat_wire::fields::{Field, Meaning, Message, Value, is_hidden};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-/// A message, but for some of its fields.
+/// A message without the named fields.
 pub(crate) struct Object<'a>(pub(crate) &'a dyn Message, pub(crate) &'a [&'a str]);
 
 impl Serialize for Object<'_> {
@@ -16,14 +16,14 @@ impl Serialize for Object<'_> {
     }
 }
 
-/// Writes the fields of a message but these.
+/// Writes the fields of a message, except those named in `but`.
 pub(crate) fn write_fields<M: SerializeMap>(
     message: &dyn Message,
     but: &[&str],
     map: &mut M,
 ) -> Result<(), M::Error> {
     for (field, value) in message.fields() {
-        // A list says its length itself.
+        // A list shows its own length.
         if !matches!(field.meaning, Meaning::Count(_)) && !but.contains(&field.name) {
             map.serialize_entry(field.name, &Json(field, value))?;
         }
@@ -31,7 +31,7 @@ pub(crate) fn write_fields<M: SerializeMap>(
     Ok(())
 }
 
-/// The value of a field.
+/// Value of a field.
 struct Json<'a>(&'a Field, Value<'a>);
 
 impl Serialize for Json<'_> {
@@ -49,7 +49,7 @@ impl Serialize for Json<'_> {
             (_, Value::F64s(numbers, 1)) => numbers.serialize(to),
             (_, Value::F32s(numbers, columns)) => to.collect_seq(numbers.chunks_exact(columns)),
             (_, Value::F64s(numbers, columns)) => to.collect_seq(numbers.chunks_exact(columns)),
-            // By their numbers from 0.
+            // Indices of the hidden points, from 0.
             (_, Value::Hidden(hidden, count)) => {
                 to.collect_seq((0..count).filter(|&i| is_hidden(hidden, i)))
             }

@@ -1,4 +1,5 @@
-//! `lariat pick`: the colours of the ropes in a picture, as the setting to paste and as a picture of the mask they make.
+//! `lariat pick`: the colors of the ropes in a picture, as a setting to paste and as a picture of
+//! the resulting mask.
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -11,21 +12,23 @@ use lariat_extract::{Mask, PickJudgement, judge_pick, mask_of, pick};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Below this agreement the ranges do not tell the rope from the rest, and the user is told.
+/// Minimum agreement at which the ranges separate the rope from the rest. Below it, the user is
+/// warned.
 const GOOD: f32 = 0.7;
 
-/// Pick the colours of a picture's ropes, as a mask for lariat.toml
+/// Pick the colors of a picture's ropes, as a mask for lariat.toml
 #[derive(Debug, Args)]
 pub(crate) struct PickArgs {
     /// Picture: PNG, JPEG, WebP, TIFF, BMP or PGM
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
-    /// Positions on the rope, in pixels from the top left, as in `lariat run --at`: one for each colour that it has, or for its
-    /// colour in light and in shade (default: the ropes that stand out by themselves)
+    /// Positions on the rope, in pixels from the top left, as in `lariat run --at`: one for each of
+    /// its colors, or for its color in light and in shade (default: the ropes that stand out by
+    /// themselves)
     #[arg(long, value_name = "X,Y,…", value_parser = positions, allow_hyphen_values = true)]
     at: Vec<Positions>,
-    /// Where to write the picture of the mask, white for rope; - for standard output (default: the picture's name with
-    /// -mask.png in this folder)
+    /// File to write the picture of the mask to, white for rope; - for standard output (default:
+    /// the picture's name with -mask.png in the current folder)
     #[arg(long, value_name = "FILE.png")]
     out: Option<PathBuf>,
     /// Overwrite an existing file
@@ -33,7 +36,7 @@ pub(crate) struct PickArgs {
     force: bool,
 }
 
-/// The positions of one `--at`.
+/// Positions of one `--at`.
 #[derive(Debug, Clone)]
 struct Positions(Vec<[f32; 2]>);
 
@@ -44,7 +47,8 @@ fn positions(text: &str) -> Result<Positions, String> {
 /// Runs `lariat pick`.
 ///
 /// # Errors
-/// The picture cannot be read, no rope is found, the point is on none, or the mask's picture cannot be written.
+/// Returns an error if the picture cannot be read, no rope is found, a position is not on a rope,
+/// or the mask's picture cannot be written.
 pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let shown = args.image.display();
     let output = match (&args.out, output(&args)) {
@@ -64,12 +68,12 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     let share = 100.0 * covered / pixels.len() as f64;
     let text = format!(
         "# {}: {share:.1} % of it is in this mask.\n[extract]\nmask = {}\n",
-        // A comment ends where its line does.
+        // A comment ends with its line, so control characters are replaced.
         shown.to_string().replace(char::is_control, " "),
         mask_text(&mask)
     );
-    // The mask is drawn also where nobody reads this; and the colours are worth saying also where it cannot be drawn under the name
-    // that it has by itself.
+    // The mask is written even if nobody reads this output. The colors are printed even if the mask
+    // cannot be written under its default name.
     let said = match &output {
         Ok(output) => output.print(&text),
         Err(_) => print(&text),
@@ -100,7 +104,7 @@ pub(crate) fn run(args: PickArgs) -> Result<ExitCode> {
     Ok(exit)
 }
 
-/// Where the mask's picture goes.
+/// Destination of the mask's picture.
 fn output(args: &PickArgs) -> Result<Output> {
     let file = args.out.clone().unwrap_or_else(|| {
         let stem = args.image.file_stem().unwrap_or_default().to_string_lossy();

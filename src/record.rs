@@ -1,4 +1,5 @@
-//! `lariat record`: a rig's messages into an MCAP file, or the last seconds of them kept in memory until they are asked for.
+//! `lariat record`: writes a rig's messages to an MCAP file, or keeps the last seconds in memory
+//! until they are requested.
 
 mod about;
 mod channels;
@@ -18,10 +19,10 @@ use lariat_chain::exit::wrong_use;
 use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stages::Supervision;
 
-/// What it is called among those that run on a rig.
+/// Stage name of a recorder on a rig.
 const STAGE: &str = "record";
 
-/// What is asked of `lariat record`.
+/// Arguments of `lariat record`.
 #[derive(Debug, Args)]
 pub(crate) struct RecordArgs {
     /// The recording
@@ -39,7 +40,7 @@ pub(crate) struct RecordArgs {
     flags: Flags,
 }
 
-/// Records a rig that runs already, or will.
+/// Records a rig that is running or will start later.
 pub(crate) fn run(args: RecordArgs) -> Result<ExitCode> {
     let flush = args.flush;
     let settings = Settings::resolve(&args.flags)?;
@@ -58,7 +59,7 @@ pub(crate) fn run_for_chain(flags: &Flags) -> Result<ExitCode> {
     stage::run(&settings, &file, Supervision::of_this_process()?)
 }
 
-/// Tells the recorders of a rig that keep the last seconds to write them.
+/// Asks the recorders of a rig that keep the last seconds to write them.
 fn ask_to_flush(rig: &str) -> Result<ExitCode> {
     let of_rig = members()?;
     let recorders = of_rig

@@ -1,5 +1,5 @@
-//! Recordings, as the commands about them need them: opened. Frame by frame, and with their settings:
-//! [`lariat_chain::recorded`].
+//! Opens recordings for the commands that read them. [`lariat_chain::recorded`] reads their frames
+//! and settings.
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -7,10 +7,10 @@ use lariat_capture::Position;
 use lariat_record::{Place, Recording, Span};
 use std::path::{Path, PathBuf};
 
-/// Which recording, for every command that reads one.
+/// Choice of a recording, for every command that reads one.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct RecordingArgs {
-    /// Recording of `lariat record`, or another MCAP file of ROS 2 with images
+    /// Recording from `lariat record`, or another MCAP file of ROS 2 with images
     #[arg(value_name = "FILE.mcap")]
     pub(crate) file: PathBuf,
     /// Image topic, if there are several cameras
@@ -19,7 +19,7 @@ pub(crate) struct RecordingArgs {
 }
 
 impl RecordingArgs {
-    /// Opens it, and says what is missing at its end.
+    /// Opens the recording, and reports what is missing at its end.
     pub(crate) fn open(&self) -> Result<Recording> {
         let shown = self.file.display();
         let recording = Recording::open_topic(&self.file, self.topic.as_deref())
@@ -45,7 +45,7 @@ impl RecordingArgs {
     }
 }
 
-/// A part of a recording: both ends included where they are frames, the last one not where it is a time.
+/// Part of a recording. Both ends are included if they are frames; a time as the end is excluded.
 pub(crate) fn span(from: Option<Position>, to: Option<Position>) -> Span {
     Span {
         from: from.map(|from| match from {
@@ -59,7 +59,7 @@ pub(crate) fn span(from: Option<Position>, to: Option<Position>) -> Span {
     }
 }
 
-/// A file's name, as it is spoken of.
+/// Name of a file for messages.
 pub(crate) fn shown(path: &Path) -> String {
     path.display().to_string()
 }

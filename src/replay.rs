@@ -1,4 +1,5 @@
-//! `lariat replay`: a recording's frames computed again, to see that the same comes out, or what other settings change.
+//! `lariat replay`: recomputes a recording's frames, to check that the results are the same or to
+//! see what other settings change.
 
 mod check;
 mod compare;
@@ -16,9 +17,9 @@ use std::process::ExitCode;
 
 /// Recompute a recording, to check it or to try other settings
 ///
-/// With --check: everything again from the recorded frames, with the recorded settings; each centerline and each descriptor
-/// must come out as it was recorded, to the bit on a machine of the same kind. With --compare: the same frames with other
-/// settings, beside what was recorded.
+/// With --check: recompute everything from the recorded frames with the recorded settings. Each
+/// centerline and each descriptor must be the recorded one, to the bit on a machine of the same
+/// kind. With --compare: compute the same frames with other settings, next to what was recorded.
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
     #[command(flatten)]
@@ -26,8 +27,8 @@ pub(crate) struct ReplayArgs {
     /// Compare each result with the recorded one, and show the first difference
     #[arg(long, conflicts_with = "compare")]
     check: bool,
-    /// Allow this distance between recomputed and recorded curves, in pixels: for recordings that cannot be recomputed
-    /// exactly
+    /// Allow this distance between recomputed and recorded curves, in pixels, for recordings that
+    /// cannot be recomputed exactly
     #[arg(long, value_name = "PX", requires = "check", value_parser = pixels)]
     within: Option<f64>,
     /// Run with other settings (--config, or any of the flags below) and show what changes
@@ -52,7 +53,7 @@ fn pixels(text: &str) -> Result<f64, String> {
 /// Runs `lariat replay`.
 ///
 /// # Errors
-/// The recording cannot be read, or what is asked cannot be done with it.
+/// Returns an error if the recording cannot be read or does not allow the request.
 pub(crate) fn run(args: ReplayArgs) -> Result<ExitCode> {
     match (args.check, args.compare) {
         (true, _) => check::run(&args),

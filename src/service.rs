@@ -1,5 +1,6 @@
-//! `lariat service`: a chain that systemd starts, watches, and starts again. What is written is a template unit
-//! (`lariat@RIG.service`), one for all rigs, and a rig's settings; starting it is the user's word, as a camera is to be named first.
+//! `lariat service`: a chain that systemd starts, supervises and restarts. It writes a template
+//! unit (`lariat@RIG.service`) for all rigs, and the settings of one rig. The user starts the
+//! chain, because the settings must name a camera first.
 
 mod place;
 mod unit;
@@ -58,7 +59,8 @@ struct PlaceArgs {
 /// Runs `lariat service`.
 ///
 /// # Errors
-/// Rights that are missing, a user who is none, files that cannot be written or are not lariat's.
+/// Returns an error if rights are missing, the user does not exist, or files cannot be written or
+/// are not lariat's.
 pub(crate) fn run(args: ServiceArgs) -> Result<ExitCode> {
     match args.command {
         ServiceCommand::Install(args) => install(&args)?,
@@ -174,7 +176,7 @@ impl PlaceArgs {
         Ok(())
     }
 
-    /// What is typed before `systemctl`, and behind it.
+    /// Words before and after `systemctl`.
     fn words(&self) -> (&'static str, &'static str) {
         match self.user {
             true => ("", "--user "),
@@ -182,9 +184,9 @@ impl PlaceArgs {
         }
     }
 
-    /// Tells systemd, if it is what runs this machine.
+    /// Runs `systemctl`, if systemd runs this machine.
     fn systemctl(&self, words: &[&str]) -> Result<()> {
-        // As sd_booted(3) asks.
+        // The same test as sd_booted(3).
         if !std::path::Path::new("/run/systemd/system").exists() {
             return Ok(());
         }
@@ -204,7 +206,7 @@ fn holds(path: &std::path::Path, text: &str) -> bool {
     fs::read_to_string(path).is_ok_and(|found| found == text)
 }
 
-/// A unit that somebody else wrote is not replaced nor removed.
+/// Returns an error if somebody else wrote the unit, which is then neither replaced nor removed.
 fn require_ours(path: &std::path::Path) -> Result<()> {
     match fs::read_to_string(path) {
         Ok(text) if !text.starts_with(unit::HEAD) => bail!(

@@ -1,4 +1,4 @@
-//! `lariat set` and `lariat restart`: a running chain is told what to do.
+//! `lariat set` and `lariat restart`: requests to a running chain.
 
 use std::process::ExitCode;
 
@@ -8,7 +8,7 @@ use lariat_chain::control::{Asked, ask};
 use lariat_chain::output::print;
 use lariat_chain::settings::Flags;
 
-/// The rig whose chain is told.
+/// Rig whose chain gets the request.
 #[derive(Debug, Args)]
 struct Rig {
     /// Name of the chain
@@ -16,7 +16,7 @@ struct Rig {
     rig: lariat_wire::Rig,
 }
 
-/// What is asked of `lariat set`.
+/// Arguments of `lariat set`.
 #[derive(Debug, Args)]
 pub(crate) struct SetArgs {
     #[command(flatten)]
@@ -26,10 +26,10 @@ pub(crate) struct SetArgs {
     changes: Vec<String>,
 }
 
-/// The parts of a chain that can be started again.
+/// Parts of a chain that can be restarted.
 const PARTS: [&str; 5] = ["capture", "extract", "fit", "sink", "recorder"];
 
-/// What is asked of `lariat restart`.
+/// Arguments of `lariat restart`.
 #[derive(Debug, Args)]
 pub(crate) struct RestartArgs {
     #[command(flatten)]
@@ -39,12 +39,12 @@ pub(crate) struct RestartArgs {
     stage: String,
 }
 
-/// Has settings hold from now on, or says which do.
+/// Changes settings of a running chain, or prints the current ones.
 ///
 /// # Errors
-/// No chain runs, or it refuses.
+/// Returns an error if no chain runs, or if it refuses.
 pub(crate) fn run(args: &SetArgs) -> Result<ExitCode> {
-    // Told at once, whether a chain runs or not.
+    // Mistakes are reported at once, whether a chain runs or not.
     for change in &args.changes {
         Flags::default().with_change(change)?;
     }
@@ -56,10 +56,10 @@ pub(crate) fn run(args: &SetArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Has a stage restarted.
+/// Restarts a stage of a running chain.
 ///
 /// # Errors
-/// No chain runs, or it has no such stage.
+/// Returns an error if no chain runs, or if it has no such stage.
 pub(crate) fn restart(args: &RestartArgs) -> Result<ExitCode> {
     print(&ask(
         args.rig.rig.as_str(),

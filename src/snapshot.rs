@@ -1,6 +1,8 @@
-//! `lariat snapshot`: one frame of any source as a picture, by the way that the chain's frames come.
+//! `lariat snapshot`: saves one frame of any source as a picture, read in the same way as in a
+//! chain.
 //!
-//! Colours are those that the mask sees, so that what `lariat pick` finds in the picture holds in the chain.
+//! Colors are those that the mask uses, so that the result of `lariat pick` on the picture also
+//! holds in the chain.
 
 use std::os::fd::AsFd;
 use std::path::PathBuf;
@@ -20,10 +22,10 @@ use lariat_chain::pipeline::pixel_format;
 use lariat_chain::settings::{Flags, Settings, USUAL_FPS, duration};
 use lariat_chain::stop::Stop;
 
-/// How long a camera's exposure and white balance take to settle, most often: some 30 frames.
+/// Typical time for a camera's exposure and white balance to settle: about 30 frames.
 const SETTLING: Duration = Duration::from_secs(1);
 
-/// For so long no frame may come: many times the slowest camera's period.
+/// Longest wait for a frame: many times the period of the slowest camera.
 const PATIENCE_NS: u64 = 10_000_000_000;
 
 /// Save one frame of a camera or another source as PNG
@@ -45,7 +47,8 @@ pub(crate) struct SnapshotArgs {
 /// Runs `lariat snapshot`.
 ///
 /// # Errors
-/// The source cannot be opened or gives no frame, or the picture cannot be written. There is no half a picture then.
+/// Returns an error if the source cannot be opened or gives no frame, or if the picture cannot be
+/// written. No partial picture is left behind.
 pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     let (file, existing) = (args.file.clone(), Existing::forced(args.force));
     let after = args.after;
@@ -63,7 +66,7 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     };
     let mut bytes = vec![0; frame.bytes()];
     source.write(&mut bytes);
-    // A camera is free again before the file is written.
+    // Frees the camera before the file is written.
     drop(source);
     let picture = png(&frame, &bytes)?;
     output.write(&picture)?;
@@ -72,7 +75,8 @@ pub(crate) fn run(args: SnapshotArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The first frame that is at least so much later than the first of all; `None` if a signal came.
+/// Returns the first frame that comes at least `after` later than the first of all; `None` if a
+/// signal came.
 fn frame_after(
     after: Duration,
     source: &mut dyn FrameSource,
@@ -89,9 +93,10 @@ fn frame_after(
             tracing::warn!("{warning}");
         }
         match next {
-            // One without an image says that the camera is silent.
+            // A frame without an image means that the camera is silent.
             Next::Frame(frame) if frame.width > 0 => {
-                // What has no time of its own is made as fast as it can, but shown by the clock.
+                // Frames without an exposure time come as fast as possible, so their frame rate
+                // gives the time.
                 let live_ns = frame.exposed_ns.map(|_| now_ns());
                 let at_ns = live_ns.unwrap_or((count as f64 * period_ns) as u64);
                 if at_ns.saturating_sub(*first_ns.get_or_insert(at_ns)) >= after_ns {
@@ -115,7 +120,7 @@ fn frame_after(
     Ok(None)
 }
 
-/// A frame as the bytes of a PNG: grey if it is, else colours.
+/// Encodes a frame as PNG: grayscale for a gray frame, otherwise in color.
 fn png(frame: &Frame, bytes: &[u8]) -> Result<Vec<u8>> {
     let (width, height, stride) = (frame.width, frame.height, frame.stride);
     let format = pixel_format(frame.format);

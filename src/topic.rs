@@ -1,39 +1,45 @@
-//! `lariat topic`: what passes on the channels of a rig, looked at from a terminal.
+//! `lariat topic`: inspects the channels of a rig from a terminal.
 //!
-//! Whoever looks is one more reader, and a reader costs the chain what waking it costs: a notification of 5 to 20 µs for
-//! each message, in the writer. So only `echo`, whose lines are to be there when their messages are, and `delay
-//! --in-hand`, which measures just that, are woken. All else goes by the stamps and counters in the messages, which are the
-//! same whenever they are read, and looks by itself before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the
-//! exception: it waits for each of its readers to take up its end, and then for the slowest, so there all of them are
-//! woken, and it is said.
+//! An inspecting command is one more reader. A reader that is woken costs the writer a notification
+//! of 5 to 20 µs for each message. Therefore only two commands are woken: `echo`, which prints each
+//! message when it arrives, and `delay --in-hand`, which measures the time until then. All others
+//! use the stamps and counters in the messages, which are the same whenever they are read, and poll
+//! before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the exception: it waits until
+//! each reader has opened its end, and then for the slowest one. There, all readers are woken, and
+//! the commands say so.
 //!
 //! # How it works
 //!
-//! `lariat topic` and `lariat top` are readers like any other, and take one of a channel's places. What a reader costs the chain is
-//! to be woken (5 to 20 µs a message, in the writer); so they are not, but for `echo` and `delay --in-hand`. (By `strace -c`, fit
-//! makes one `sendto` a message with sink alone, beside `hz` and beside `top`, and two beside `echo`.) Stamps and counters
-//! are the same whenever a message is read: rates, intervals, losses and the steps' times come from these alone, with the ledger
-//! and the steps of `crates/sink`. `hz` and `bw` look again before a buffer is full, at a pace that follows the channel's
-//! (`topic/poll_interval`); `top` takes what waits ten times a second, a part of the messages at a high rate, and loses nothing by it but
-//! percentiles' samples. What was sent and not read by the one who looks is counted apart (`here`).
+//! `lariat topic` and `lariat top` are readers like any other and take one of a channel's places.
+//! The polling commands do not slow down the chain. (By `strace -c`, fit makes one `sendto` per
+//! message with sink alone, with `hz` and with `top`, but two with `echo`.) Rates, intervals,
+//! losses and the times of the steps come from stamps and counters alone, with the ledger and the
+//! steps of `crates/sink`. `hz` and `bw` poll before a buffer is full, at a rate that follows the
+//! channel's (`topic/poll_interval`). `top` takes the waiting messages ten times a second. At a high rate it
+//! gets only part of them, which costs nothing but samples for percentiles. Messages that were sent
+//! but not read by the command are counted separately (`here`).
 //!
-//! A reader holds its channel open as it is. So one that only looks goes when the writer goes, and comes back with the next one:
-//! else a chain that is restarted with `--lossless`, or of another release, would be refused for its sake. A lossless writer
-//! waits for each of its readers to take up its end, and then for the slowest: there they are woken, and say so.
+//! An open reader keeps its channel as it is. A reader that only inspects therefore leaves when the
+//! writer leaves, and returns with the next one. Otherwise a chain that is restarted with
+//! `--lossless`, or from another release, would be refused.
 //!
-//! Who is at the ends of a channel is read from the transport's own tables (`Domain::channels`, `crates/wire/src/survey.rs`): a
-//! channel is opened for the moment of the look, as a node without a port, and nothing is made that was not there. A channel of
-//! another release is told by its type names alone.
+//! The processes at the ends of a channel come from the transport's own tables (`Domain::channels`,
+//! `crates/wire/src/survey.rs`). A channel is opened for the moment of the survey, as a node
+//! without a port, and nothing new is created. A channel of another release is recognized by its
+//! type names alone.
 //!
-//! A process that is killed while it makes a channel leaves it half made, which the transport takes for one that is being made, for ever.
-//! So processes of lariat make and open channels one at a time, under a lock on the domain's folder that no death outlives
-//! (`crates/wire/src/making.rs`), and who has the lock removes what hangs.
+//! A process that is killed while it creates a channel leaves it half made. The transport would
+//! wait for its completion forever. Processes of lariat therefore create and open channels one at a
+//! time, under a lock on the domain's folder that ends with its owner
+//! (`crates/wire/src/making.rs`). The owner of the lock removes half-made channels.
 //!
-//! Left over (`lariat doctor`, `crates/wire/src/leftovers.rs`) is a domain's shared memory if its folder is here and none of the
-//! locks in it is held, no process has it mapped, and none of it was made in the last two seconds: a process makes its first
-//! file before its lock can be seen. All four, as each alone can be wrong: in a container that shares only `/dev/shm` there
-//! are no locks, another user's mappings cannot be read. `--clean` also removes the folders of domains in which nobody is, as another
-//! user could not use a domain of that name, and what older releases left in `/tmp/iceoryx2`.
+//! A domain's shared memory is left over (`lariat doctor`, `crates/wire/src/leftovers.rs`) under
+//! four conditions. Its folder is here, no lock in it is held, and no process has the memory
+//! mapped. None of it was created in the last two seconds, because a process creates its first file
+//! before its lock is visible. Each condition alone can be wrong: a container that shares only
+//! `/dev/shm` has no locks, and another user's mappings cannot be read. `--clean` also removes the
+//! folders of empty domains, because another user could not use a domain of that name. It also
+//! removes what older releases left in `/tmp/iceoryx2`.
 
 mod bandwidth;
 mod delay;
@@ -86,7 +92,7 @@ struct ListArgs {
     json: bool,
 }
 
-/// What all that follow a channel have in common.
+/// Arguments of the commands that measure a channel.
 #[derive(Debug, Args)]
 struct MeterArgs {
     /// The channel
@@ -136,7 +142,7 @@ struct EchoArgs {
     common: CommonArgs,
 }
 
-/// A channel as it is called on the command line.
+/// A channel, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ChannelName {
     Frames,
@@ -167,7 +173,7 @@ impl ChannelName {
 /// Runs `lariat topic`.
 ///
 /// # Errors
-/// What is asked for is not there, or cannot be read.
+/// Returns an error if the requested rig or channel does not exist, or cannot be read.
 pub(crate) fn run(args: TopicArgs) -> Result<ExitCode> {
     match args.command {
         TopicCommand::List(args) => list::run(&args),
@@ -203,7 +209,7 @@ pub(crate) fn run(args: TopicArgs) -> Result<ExitCode> {
     }
 }
 
-/// The channel that is looked at.
+/// The inspected channel.
 struct Place {
     domain: Domain,
     rig: Rig,
@@ -211,7 +217,7 @@ struct Place {
 }
 
 impl Place {
-    /// The channel on the rig that was asked for; an error if there is no such rig.
+    /// Finds the channel on the requested rig; fails if there is no such rig.
     fn find(args: &CommonArgs, channel: ChannelName) -> Result<Self> {
         let domain = Domain::open()?;
         if args.wait {
@@ -246,13 +252,13 @@ impl Place {
         })
     }
 
-    /// The channel as it is now; `None` if nobody has it open.
+    /// Current state of the channel; `None` if nobody has it open.
     fn state(&self) -> Option<ChannelState> {
         self.domain.channel(&self.rig, self.channel.as_str())
     }
 }
 
-/// The rig that is meant: the one asked for, the usual one, or the only one.
+/// Chooses the rig: the requested one, the default one, or the only one.
 fn choose_rig(wanted: Option<Rig>, states: &[ChannelState]) -> Result<Rig> {
     let mut rigs: Vec<&Rig> = states.iter().map(|state| &state.rig).collect();
     rigs.dedup();
@@ -272,7 +278,7 @@ fn choose_rig(wanted: Option<Rig>, states: &[ChannelState]) -> Result<Rig> {
     }
 }
 
-/// A table of figures that grows by a line a second.
+/// A table of figures that grows by one line a second.
 struct Titled {
     table: Table,
     is_titled: bool,
@@ -280,7 +286,7 @@ struct Titled {
 
 impl Titled {
     fn new<const N: usize>(headings: [&str; N]) -> Self {
-        // As wide as a figure is.
+        // Width of a figure.
         let columns = headings.map(|heading| Column::figures(heading).wide(5));
         Self {
             table: Table::new(columns.into(), layout::width()),
@@ -288,7 +294,7 @@ impl Titled {
         }
     }
 
-    /// A line, and before the first one the headings.
+    /// Formats a line, preceded by the headings the first time.
     fn lines(&mut self, cells: impl IntoIterator<Item = String>) -> String {
         let row = self.table.row(cells);
         match std::mem::replace(&mut self.is_titled, true) {
@@ -298,7 +304,7 @@ impl Titled {
     }
 }
 
-/// What is said where no rig is to be seen.
+/// Error for the case that no rig is visible.
 fn nothing_runs(hint: &str) -> anyhow::Error {
     let domain = match std::env::var("LARIAT_DOMAIN") {
         Ok(name) => format!(" in the domain {name}, which LARIAT_DOMAIN names"),
@@ -316,7 +322,7 @@ fn nothing_runs(hint: &str) -> anyhow::Error {
     )
 }
 
-/// An error of the wire, with where to look for who is in the way.
+/// Adds to an error of the wire where to find the readers that take up the channel.
 fn with_a_hint<T>(result: Result<T, lariat_wire::WireError>) -> Result<T> {
     match result {
         Err(full @ lariat_wire::WireError::TooManyReaders { .. }) => {

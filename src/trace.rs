@@ -1,4 +1,5 @@
-//! `lariat trace`: pictures in, the ropes' shapes out. The chain's own pipeline, without shared memory.
+//! `lariat trace`: finds the shapes of the ropes in pictures, with the chain's own pipeline but
+//! without shared memory.
 
 mod frames;
 mod masks;
@@ -43,14 +44,14 @@ pub(crate) struct TraceArgs {
     /// Treat the pictures as one moving scene: ropes keep their number and direction
     #[arg(long)]
     video: bool,
-    /// Folder of masks: for each picture one of the same name, white for rope
+    /// Folder of masks: one per picture, with the same name, white for rope
     #[arg(long, value_name = "DIR")]
     masks: Option<PathBuf>,
     #[command(flatten)]
     flags: Flags,
 }
 
-/// What is asked of sources of frames alone.
+/// Flags that apply only to sources of frames.
 const OF_FRAMES: [&str; 6] = [
     "--from",
     "--to",
@@ -63,8 +64,8 @@ const OF_FRAMES: [&str; 6] = [
 /// Runs `lariat trace`.
 ///
 /// # Errors
-/// Settings that make no sense, output that cannot be written. A picture that cannot be read is reported and the
-/// next one taken; the exit code tells of it.
+/// Returns an error if settings are invalid or the output cannot be written. A picture that cannot
+/// be read is reported and skipped; the exit code reflects it.
 pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     let settings = Settings::resolve(&args.flags.without(&OF_FRAMES))?;
     let tracer = Tracer::new(&settings, args.masks.as_deref())?;
@@ -97,7 +98,7 @@ pub(crate) fn run(args: TraceArgs) -> Result<ExitCode> {
     Ok(work.complaints.0)
 }
 
-/// Where overlays go, if they are asked for: over none of the pictures and masks.
+/// Prepares the overlays, if requested. They may not replace any of the pictures and masks.
 fn overlays(args: &TraceArgs, images: &[PathBuf], tracer: &Tracer) -> Result<Option<Overlays>> {
     let Some(folder) = &args.overlay else {
         return Ok(None);
@@ -107,7 +108,7 @@ fn overlays(args: &TraceArgs, images: &[PathBuf], tracer: &Tracer) -> Result<Opt
     Overlays::new(folder, images, inputs, Existing::forced(args.force)).map(Some)
 }
 
-/// The exit code, which tells of what went wrong; that is said as it does.
+/// Exit code that reflects all errors; each error is reported when it occurs.
 struct Complaints(ExitCode);
 
 impl Complaints {
@@ -117,7 +118,7 @@ impl Complaints {
     }
 }
 
-/// The tracer, and where its results go.
+/// The tracer and its outputs.
 struct Work {
     tracer: Tracer,
     printer: Printer,
@@ -126,10 +127,10 @@ struct Work {
 }
 
 impl Work {
-    /// Traces all pictures of an input. Breaks off when nobody reads on.
+    /// Traces all pictures of an input. Stops when nobody reads the output any more.
     ///
     /// # Errors
-    /// Output that cannot be written.
+    /// Returns an error if the output cannot be written.
     fn trace(&mut self, mut input: Input, is_video: bool) -> Result<ControlFlow<()>> {
         self.tracer.begin(&mut input, is_video);
         loop {
@@ -148,7 +149,7 @@ impl Work {
                     break;
                 }
             };
-            // Overlays are drawn also where nobody reads this.
+            // Overlays are drawn even if nobody reads the output.
             if self.printer.is_closed_after(&report)? {
                 self.complaints.0 = ExitCode::FAILURE;
                 if self.overlays.is_none() {
@@ -165,7 +166,7 @@ impl Work {
     }
 }
 
-/// What is printed, and where.
+/// Format and destination of the output.
 struct Printer {
     json: bool,
     table: Table,
@@ -174,7 +175,7 @@ struct Printer {
 
 impl Printer {
     fn new(json: bool, images: &[PathBuf], unit: Unit) -> Self {
-        // A frame's name ends in its number.
+        // A frame's name ends with its number.
         let names = images
             .iter()
             .map(|image| match frames::names_frames(image) {
@@ -193,10 +194,11 @@ impl Printer {
         }
     }
 
-    /// Prints a report, so that each picture's result is out before the next is begun. Whether nobody reads on.
+    /// Prints a report and flushes it before the next picture. Returns true if nobody reads the
+    /// output any more.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Returns an error if the output cannot be written.
     fn is_closed_after(&mut self, report: &Report) -> Result<bool> {
         let printed = match self.json {
             true => report.write_json(&mut self.output),

@@ -1,10 +1,10 @@
-//! What `lariat --version` says besides the version: the commit, and the vector instructions it uses here.
+//! Output of `lariat --version`: the version, the commit, and the vector instructions in use here.
 
 use std::sync::LazyLock;
 
 use lariat_portable::Arch;
 
-/// The version, and a line for each of the others.
+/// The version, followed by a line for each of the other facts.
 pub(crate) fn long() -> &'static str {
     static LONG: LazyLock<String> = LazyLock::new(|| {
         format!(

@@ -1,9 +1,9 @@
-//! The version of the keys in a command's JSON.
+//! Version of the keys in a command's JSON.
 
 use serde::Serialize;
 
-/// A JSON object with `schema`, the version of its keys, first. New keys may come without a new version; a key that goes or
-/// changes its meaning needs one.
+/// A JSON object that begins with `schema`, the version of its keys. A new key does not need a new
+/// version; a key that is removed or changes its meaning does.
 #[derive(Serialize)]
 pub(crate) struct Versioned<T> {
     schema: u32,
@@ -12,7 +12,7 @@ pub(crate) struct Versioned<T> {
 }
 
 impl<T> Versioned<T> {
-    /// The first version.
+    /// Wraps content with the first version of its keys.
     pub(crate) fn first(content: T) -> Self {
         Self { schema: 1, content }
     }

@@ -1,4 +1,4 @@
-//! `lariat view`: a rig in the browser, and in Foxglove: [`lariat_view`].
+//! `lariat view`: shows a rig in the browser and in Foxglove ([`lariat_view`]).
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::os::fd::AsFd;
@@ -15,10 +15,10 @@ use lariat_view::{Options, Server, Shown};
 use lariat_wire::Rig;
 use rustix::process::{Pid, Signal, getppid, kill_process, set_parent_process_death_signal};
 
-/// The port, if it is free and no other was asked for.
+/// Default port, if it is free.
 const PORT: u16 = 8765;
 
-/// What is asked of `lariat view`.
+/// Arguments of `lariat view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
     /// Recording to show instead of a chain
@@ -30,14 +30,14 @@ pub(crate) struct ViewArgs {
     /// Chain to show (default: `default`, or the first one)
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
-    /// Address to listen on, for other machines: one of this machine's, or 0.0.0.0 for all. The page's address then has a token, and
-    /// whoever knows it sees and changes everything
+    /// Address to listen on, for other machines: one of this machine's, or 0.0.0.0 for all. The
+    /// page's address then has a token; whoever knows it can see and change everything
     #[arg(long, value_name = "ADDR", default_value_t = Ipv4Addr::LOCALHOST.into(), hide_default_value = true)]
     listen: IpAddr,
     /// Port of the page (default: 8765, or any that is free)
     #[arg(long, value_name = "NUMBER")]
     port: Option<u16>,
-    /// The chain that started it, with which it ends
+    /// Process of the chain that started the page; the page ends with it
     #[arg(long, value_name = "PID", hide = true)]
     beside: Option<i32>,
 }
@@ -45,12 +45,12 @@ pub(crate) struct ViewArgs {
 /// Runs `lariat view` until Ctrl-C or SIGTERM.
 ///
 /// # Errors
-/// It cannot listen there.
+/// Returns an error if it cannot listen on this address.
 pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     if let Some(chain) = args.beside {
         set_parent_process_death_signal(Some(Signal::TERM))
-            .context("the chain's end cannot be asked for")?;
+            .context("the chain cannot be asked to stop")?;
         if getppid().map(Pid::as_raw_pid) != Some(chain) {
             return Ok(ExitCode::SUCCESS);
         }
@@ -79,23 +79,23 @@ pub(crate) fn run(args: &ViewArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A `lariat view` beside a chain. Dropped, it ends.
+/// A `lariat view` process that shows a chain. Dropping it ends the process.
 pub(crate) struct Beside {
     process: Child,
     messages: Option<Intake>,
 }
 
 impl Beside {
-    /// Starts one for the rig.
+    /// Starts the page of a rig.
     ///
     /// # Errors
-    /// It cannot be started.
+    /// Returns an error if the process cannot be started.
     pub(crate) fn start(rig: &str) -> Result<Self> {
         let mut command = itself::command();
         command
             .args(["view", "--rig", rig, "--beside"])
             .arg(std::process::id().to_string())
-            // Ctrl-C is the chain's, whose last frames it still shows.
+            // Only the chain gets Ctrl-C; the page still shows its last frames.
             .process_group(0);
         let mut process = Intake::prepare(&mut command)
             .spawn()

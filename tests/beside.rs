@@ -1,6 +1,7 @@
-//! Commands that hand over to a program of their own (`lariat ros2`, `bridge`, `bench`, `compare`, `paper`, `servo`): which program each
-//! becomes, with which words, and the sentence where there is none. The programs are tested by `tests/ros2/run`, `crates/bridge/tests`,
-//! `tests/bridge/run` and `bench/tests`.
+//! Commands that run a separate program (`lariat ros2`, `bridge`, `bench`, `compare`, `paper`,
+//! `servo`): the program of each, its arguments, and the message if it is missing. The programs
+//! themselves are tested by `tests/ros2/run`, `crates/bridge/tests`, `tests/bridge/run` and
+//! `bench/tests`.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -9,22 +10,22 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use assert_cmd::Command;
 
-/// A lariat in a folder of its own, so that what lies beside it is this test's.
+/// Copies lariat into a separate folder, so that only this test's programs are next to it.
 fn lariat_in(folder: &Path) -> PathBuf {
     let lariat = folder.join("lariat");
     fs::copy(assert_cmd::cargo::cargo_bin!("lariat"), &lariat).expect("a copy");
     lariat
 }
 
-/// A program that says its name and its words, and ends with 3.
+/// Writes a program that prints its name and its arguments, and exits with 3.
 fn program(folder: &Path, file: &str, name: &str) {
     let path = folder.join(file);
     fs::write(&path, format!("#!/bin/sh\necho {name} \"$@\"\nexit 3\n")).expect("a script");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
 }
 
-/// Held while programs are written and run. A child that another thread forks in between holds the file open for writing
-/// for a moment, and what is open for writing cannot be run.
+/// Held while programs are written and run. A child forked meanwhile by another thread briefly
+/// holds the file open for writing, and such a file cannot be run.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn alone() -> MutexGuard<'static, ()> {

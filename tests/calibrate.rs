@@ -1,4 +1,4 @@
-//! `lariat calibrate plane`, and what is done with its file.
+//! `lariat calibrate plane`, and the use of its file.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -14,7 +14,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("lariat writes UTF-8")
 }
 
-/// What it says on standard error, and that it fails.
+/// Runs a command that must fail, and returns its standard error.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = lariat(folder).args(arguments).output().unwrap();
     assert!(!output.status.success(), "{arguments:?}");
@@ -26,10 +26,10 @@ fn picture() -> PathBuf {
 }
 
 const YAML: &str = "image_width: 480\nimage_height: 360\nK: [500, 0, 240, 0, 500, 180, 0, 0, 1]\nD: [-0.2, 0.05, 0, 0]\n";
-/// Of a picture of 480×360 pixels, in which a pixel is half a millimetre.
+/// Points in a picture of 480×360 pixels, with half a millimeter per pixel.
 const POINTS: &str = "40,40=20,20 440,40=220,20 440,320=220,160 40,320=20,160";
 
-/// Makes `plane.toml` there, and returns what is said of it.
+/// Makes `plane.toml` in the folder, and returns the command's output.
 fn made_plane(folder: &Path, of: &[&str]) -> String {
     let made = lariat(folder)
         .args(["calibrate", "plane"])
@@ -66,7 +66,7 @@ fn four_points_make_a_plane_and_a_trace_in_millimetres() {
         traced(&["--plane", "plane.toml", "--overlay", "drawn"]),
     );
     let [px_curve, mm_curve] = [&px, &mm].map(|report| &report["curves"][0]);
-    // What is in the picture stays in its pixels.
+    // Results in the picture remain in pixels.
     assert_eq!(px_curve["points"], mm_curve["points"]);
     let [px, mm] = [px_curve, mm_curve].map(|curve| &curve["descriptor"]);
     assert_eq!(
@@ -78,7 +78,8 @@ fn four_points_make_a_plane_and_a_trace_in_millimetres() {
     for j in 0..9 {
         for axis in 0..2 {
             let [a, b] = [px, mm].map(|d| number(&d["control_points"][j][axis]));
-            // The centerline's points are at equal steps to some hundredths, a control point's gain is 25.
+            // The centerline's points have equal steps to a few hundredths, and a control point's
+            // gain is 25.
             assert!((b - 0.5 * a).abs() < 2.0, "{a} px, {b} mm");
         }
     }

@@ -1,4 +1,4 @@
-//! `lariat config`, and how settings are read.
+//! `lariat config`, and the parsing of settings.
 
 use assert_cmd::Command;
 use tempfile::TempDir;
@@ -9,7 +9,7 @@ fn lariat(folder: &TempDir, args: &[&str]) -> Command {
     command
 }
 
-/// What a command prints, and what it complains about; exactly one of the two says something.
+/// Returns a command's output or its error message; the other one is empty.
 fn outcome(folder: &TempDir, args: &[&str]) -> Result<String, String> {
     let output = lariat(folder, args).output().unwrap();
     let printed = String::from_utf8(output.stdout).unwrap();
@@ -27,14 +27,14 @@ fn write(folder: &TempDir, text: &str) {
     std::fs::write(folder.path().join("lariat.toml"), text).unwrap();
 }
 
-/// What `config check` says about this text.
+/// Returns the error message of `config check` for this text.
 fn complaint(text: &str) -> String {
     let folder = TempDir::new().unwrap();
     write(&folder, text);
     outcome(&folder, &["config", "check"]).expect_err(text)
 }
 
-/// Settings without the remark where each came from.
+/// Parses settings without the remarks about their origin.
 fn values(shown: &str) -> toml::Table {
     shown.parse().unwrap()
 }
@@ -68,7 +68,7 @@ fn the_examples_in_a_new_file_are_good() {
     let folder = TempDir::new().unwrap();
     outcome(&folder, &["config", "init"]).unwrap();
     let path = folder.path().join("lariat.toml");
-    // What needs files that are not there, and the control points that the basis "auto" has no room for.
+    // Settings that need missing files, and control points, which the basis "auto" does not allow.
     let others = [
         "topic",
         "calibration",

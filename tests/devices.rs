@@ -1,4 +1,4 @@
-//! `lariat devices`: on whatever machine the tests run, which most often has no camera.
+//! `lariat devices` on the machine that runs the tests, which usually has no camera.
 
 use assert_cmd::Command;
 use serde_json::Value;

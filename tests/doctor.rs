@@ -1,4 +1,4 @@
-//! `lariat doctor`: on whatever machine the tests run.
+//! `lariat doctor` on the machine that runs the tests.
 
 use std::collections::HashMap;
 use std::fs;
@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 use assert_cmd::Command;
 use serde_json::Value;
 
-/// A domain that no other test run shares.
+/// Uses a domain that no other test run shares.
 fn doctor(arguments: &[&str]) -> Command {
     let mut command = assert_cmd::cargo::cargo_bin_cmd!("lariat");
     command
@@ -47,11 +47,11 @@ fn as_json_every_check_has_a_verdict() {
             "{name:?}"
         );
     }
-    // Under a limit of its own making a finding would be another; the machine's shared memory is there in any case.
+    // A test with its own limit would change another finding; shared memory exists on any machine.
     assert_eq!(verdicts[&Some("transport")], Some("ok"));
 }
 
-/// A file as one that was made a minute ago.
+/// Writes a file that looks a minute old.
 fn old_file(path: &str) {
     fs::write(path, "left").expect("written");
     let file = fs::File::options().write(true).open(path).expect("there");
@@ -76,7 +76,7 @@ fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither(
     assert!(!of_the_living.is_empty());
     let beside_the_living = format!("/dev/shm/lariat_{name}_{word}_1.data");
     let of_the_dead = format!("/dev/shm/lariat_{dead}_{word}_1.data");
-    // A process that begins makes its files before it can be seen to live.
+    // A starting process creates its files before it is visible as alive.
     let of_the_newborn = format!("/dev/shm/lariat_{dead}new_{word}_1.data");
     for folder in [dead.clone(), format!("{dead}new")] {
         fs::create_dir_all(format!("/tmp/lariat-{folder}/services")).expect("made");
@@ -107,7 +107,7 @@ fn what_a_dead_process_left_is_found_and_cleaned_away_and_what_lives_is_neither(
             .find(|check| check["name"] == "leftovers")
             .expect("looked at")
     };
-    // Where all users met before each had a domain of their own; unless other programs on iceoryx2 are at work there.
+    // The domain shared by all users in older releases; skipped if other iceoryx2 programs use it.
     let shared = "/tmp/iceoryx2/lariat-roster";
     let is_ours = fs::create_dir("/tmp/iceoryx2").is_ok();
     if is_ours {

@@ -7,7 +7,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 use tempfile::TempDir;
 
-/// The binary, in a folder of its own, so that no settings file is found.
+/// Runs the binary in an empty folder, so that it finds no settings file.
 fn fit(folder: &TempDir, args: &[&str]) -> Command {
     let mut command = assert_cmd::cargo::cargo_bin_cmd!("lariat");
     command.current_dir(folder).arg("fit").args(args);
@@ -55,7 +55,7 @@ fn each_line_is_answered_in_order_whatever_its_number_of_points() {
         let options = Options::default().points(points);
         let mut fitter = Fitter::new(options).unwrap();
         let expected = fitter.fit(&rope(points)).unwrap();
-        // JSON carries every digit.
+        // JSON contains every digit.
         assert_eq!(control_points(answer), expected.control_points);
         assert_eq!(answer["rms"], expected.rms_px);
         assert_eq!(answer["max"], expected.max_px);
@@ -92,7 +92,7 @@ fn a_line_that_says_how_wide_its_rope_is_hears_whether_the_curve_lies_on_it() {
 fn a_named_file_is_read_with_the_control_points_and_solver_that_are_asked_for() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("ropes.jsonl");
-    // Other keys, blank lines and a last line without its end are all right.
+    // Other keys, blank lines and a missing line end after the last line are accepted.
     let text = format!(
         "\n{}\n{}",
         json!({ "frame": 1, "points": rope(50) }),
@@ -186,7 +186,7 @@ fn an_answer_comes_before_the_next_question() {
     let mut output = BufReader::new(child.stdout.take().unwrap());
     for count in [10, 20] {
         input.write_all(line(&rope(count)).as_bytes()).unwrap();
-        // Without an answer this waits for ever, as the input stays open.
+        // Without an answer this would wait forever, because the input stays open.
         let mut answer = String::new();
         output.read_line(&mut answer).unwrap();
         assert!(answer.contains("control_points"), "{answer}");

@@ -11,7 +11,7 @@ fn lariat(folder: &TempDir, args: &[&str]) -> Output {
     command.current_dir(folder).args(args).output().unwrap()
 }
 
-/// A table with a blue bar and a red one, 11 px high each, as round as ropes are.
+/// Saves a table with a blue bar and a red one, each 11 px high and shaded like a round rope.
 fn save_bars(folder: &TempDir) {
     let round = |color: [u8; 3], row: u32| {
         let off = (row as f32 - 5.0) / 5.5;
@@ -69,7 +69,7 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
     let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
     assert_eq!(report["curves"].as_array().unwrap().len(), 2);
 
-    // The mask itself can be given back, too.
+    // The mask itself can be used as an input, too.
     std::fs::create_dir(folder.path().join("masks")).unwrap();
     let at = |name: &str| folder.path().join(name);
     std::fs::rename(at("bars-mask.png"), at("masks/bars.png")).unwrap();
@@ -112,7 +112,7 @@ fn several_points_choose_several_colors() {
         let output = lariat(&folder, &[&args, at].concat());
         assert!(output.status.success(), "{output:?}");
         assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
-        // As the chain takes it.
+        // As the chain accepts it.
         let traced = lariat(&folder, &[&["trace", "bars.png", "--json"], at].concat());
         assert!(traced.status.success(), "{traced:?}");
         let report: Value = serde_json::from_slice(&traced.stdout).unwrap();
@@ -134,7 +134,7 @@ fn no_file_is_replaced_that_the_user_did_not_name() {
         "{said}"
     );
     assert_eq!(std::fs::read(at("bars-mask.png")).unwrap(), b"mine");
-    // The colours are found all the same.
+    // The colors are found nevertheless.
     assert!(
         String::from_utf8(output.stdout)
             .unwrap()
@@ -163,7 +163,7 @@ fn no_file_is_replaced_that_the_user_did_not_name() {
 #[test]
 fn colors_that_are_not_enough_are_said() {
     let folder = TempDir::new().unwrap();
-    // Nine short strokes of one colour.
+    // Nine short strokes of one color.
     RgbImage::from_fn(240, 160, |x, y| {
         let (along, across) = (x.wrapping_sub(20) % 70, y.wrapping_sub(30) % 45);
         match (20..220).contains(&x) && (30..150).contains(&y) && along < 40 && across < 5 {
@@ -177,7 +177,7 @@ fn colors_that_are_not_enough_are_said() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("the mask falls into 9 pieces"), "{said}");
-    // What was found is there all the same.
+    // The result is printed nevertheless.
     assert!(
         String::from_utf8(output.stdout)
             .unwrap()

@@ -1,4 +1,4 @@
-//! Control loops beside the real chain.
+//! Control loops next to the real chain.
 
 #[path = "chain/rig.rs"]
 #[allow(dead_code, reason = "these tests need less of it than the chain's")]
@@ -28,7 +28,7 @@ fn reader(bench: &Bench) -> Reader {
     Reader::open_in(Domain::named(&bench.domain).unwrap(), &Rig::default()).unwrap()
 }
 
-/// Waits until the drawn rope, which never leaves the image, is seen; says which it is.
+/// Waits until the drawn rope, which never leaves the image, is visible; returns its track.
 fn wait_for_rope(reader: &mut Reader) -> Track {
     let end = Instant::now() + PATIENCE;
     while Instant::now() < end {
@@ -57,7 +57,8 @@ fn a_loop_outlives_the_chain_and_does_not_take_the_next_ones_rope_for_its_own() 
     let track = wait_for_rope(&mut reader);
     chain.signal_chain(Signal::TERM);
     assert!(chain.end().status.success());
-    // What waited is taken; then the rope is where it was, and older with each look.
+    // Waiting messages are taken. From then on, the rope keeps its position and gets older with
+    // each read.
     reader.latest().unwrap();
     let frame = reader.latest().unwrap();
     assert!(!frame.is_new());
@@ -73,7 +74,7 @@ fn a_loop_outlives_the_chain_and_does_not_take_the_next_ones_rope_for_its_own() 
     ));
     assert!(matches!(frame.rope(again, PATIENCE), Seen::Fresh(_)));
 
-    // The same by a stage that is killed.
+    // The same for a stage that is killed.
     chain.signal_stage(2, Signal::KILL);
     assert!(!chain.end().status.success());
     let chain = bench.start(&arguments);
@@ -119,7 +120,8 @@ fn a_rope_is_predicted_from_its_image_to_now() {
         {
             let (then, now) = (rope.shape().unwrap(), ahead.shape());
             let moved = [0, 1].map(|axis| now.point_at(0.5)[axis] - then.point_at(0.5)[axis]);
-            // The drawn rope moves by some hundred pixels a second, and the image is some milliseconds old.
+            // The drawn rope moves at some hundred pixels a second, and the image is some
+            // milliseconds old.
             assert!(moved[0].hypot(moved[1]) < 100.0, "{moved:?}");
             assert!(now.covariance_at(0.5)[0] > then.covariance_at(0.5)[0]);
             assert!(then.covariance().is_exact());
@@ -131,7 +133,8 @@ fn a_rope_is_predicted_from_its_image_to_now() {
     assert!(chain.end().status.success());
 }
 
-/// A control loop in a process of its own: this test, run again by the one below. It prints a line for each frame.
+/// A control loop in a separate process: this test itself, run by the one below. It prints a line
+/// for each frame.
 #[test]
 fn a_loop_of_its_own() {
     if std::env::var_os("LARIAT_TEST_LOOP").is_none() {
@@ -163,7 +166,7 @@ impl Loop {
         Self { process, said }
     }
 
-    /// Waits until it has had so many more frames.
+    /// Waits for this many more frames.
     fn wait_for_frames(&mut self, count: usize) {
         let lines = self.said.by_ref().lines().map(|line| line.unwrap());
         let frames = lines.filter(|line| line.ends_with("frame"));
@@ -193,7 +196,8 @@ fn of_sixteen_loops_one_is_stopped_and_one_killed_and_nobody_else_notices() {
     stopped.signal(Signal::STOP);
     killed.kill();
     for each in &mut loops {
-        // More than wait for any reader: had the stopped one to be waited for, these would not come.
+        // More messages than the buffer of any reader holds: if the chain waited for the stopped
+        // one, these would not come.
         each.wait_for_frames(30);
     }
     stopped.signal(Signal::CONT);
@@ -208,7 +212,7 @@ fn of_sixteen_loops_one_is_stopped_and_one_killed_and_nobody_else_notices() {
     bench.assert_nothing_is_left();
 }
 
-/// The same that tests/c/layout.c does in C.
+/// The same test as tests/c/layout.c in C.
 #[test]
 fn every_field_of_a_message_is_read_in_its_place() {
     let bench = Bench::new();
@@ -288,7 +292,7 @@ fn every_field_of_a_message_is_read_in_its_place() {
             }
         }
     }
-    // These numbers are a message, and no rope.
+    // These numbers are a message, but not a rope.
     let mut ropes = frame.ropes(PATIENCE);
     assert!(ropes.all(|seen| matches!(seen, Seen::Absent(Absent::Unreadable))));
 }

@@ -1,4 +1,4 @@
-//! The package of the messages of `lariat ros2` (`ros/lariat_msgs`), which has no tests of its own.
+//! The message package of `lariat ros2` (`ros/lariat_msgs`), which has no tests of its own.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 use lariat_record::{Losses, Record};
 use lariat_wire::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
-/// The messages that a schema of lariat's asks for, itself among them.
+/// Collects the messages that a schema of lariat needs, including itself.
 fn with_parts(message: &str, into: &mut BTreeSet<String>) {
     if !into.insert(message.to_owned()) {
         return;

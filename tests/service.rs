@@ -1,5 +1,6 @@
-//! `lariat service`: what it writes and what it leaves alone, and that systemd understands the unit, where there is a systemd to ask.
-//! The manager's own protocol is tested beside `crates/chain/src/notify.rs`.
+//! `lariat service`: the files that it writes and those that it leaves alone, and that systemd
+//! accepts the unit, if there is a systemd. `crates/chain/src/notify.rs` has the tests of the
+//! manager's protocol.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -10,7 +11,7 @@ use tempfile::TempDir;
 
 const UNIT: &str = "usr/lib/systemd/system/lariat@.service";
 
-/// A package's root, with what is asked of it.
+/// Runs the command on a package's root.
 fn service(root: &Path, words: &[&str]) -> Result<String, String> {
     let root = ["--root", root.to_str().expect("a plain path")];
     outcome(lariat().arg("service").args(words).args(root))
@@ -118,7 +119,7 @@ fn a_user_has_a_unit_and_settings_of_their_own() {
     let of_user = |words: &[&str]| {
         let mut command = lariat();
         command.args(words).env("HOME", home.path());
-        // Nor is a systemd of whoever tests told anything.
+        // With this PATH, the systemd of the person who tests is not notified, either.
         outcome(
             command
                 .env_remove("XDG_CONFIG_HOME")
@@ -157,7 +158,7 @@ fn what_cannot_be_installed_is_refused_with_what_to_do() {
     assert!(said.contains("cannot be made"), "{said}");
 }
 
-/// The units of the machine and of a user, with this binary as what they start.
+/// Writes the units of the machine and of a user, which start this binary.
 fn units(folder: &Path) -> [std::path::PathBuf; 2] {
     [&[][..], &["--user"]].map(|words| {
         let text = outcome(lariat().args(["service", "show"]).args(words)).expect("shown");
@@ -179,7 +180,7 @@ fn systemd_finds_nothing_to_complain_of() {
         let mut command = Command::new("systemd-analyze");
         let output = command.args(["verify", "--man=no"]).arg(&unit).output();
         let output = output.expect("it runs");
-        // It also speaks of the machine's other units.
+        // It also reports about the machine's other units.
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         let of_ours: Vec<_> = said
             .lines()
@@ -197,7 +198,7 @@ fn the_unit_of_the_machine_is_fenced_in() {
     let folder = TempDir::new().expect("a folder");
     let [unit, _] = units(folder.path());
     let mut command = Command::new("systemd-analyze");
-    // Of 100, in its own measure: it calls 25 "OK", and a unit without fences is at 96.
+    // Out of 100, on its own scale: it calls 25 "OK", and a unit without restrictions has 96.
     command.args(["security", "--offline=true", "--threshold=25", "--no-pager"]);
     let output = command.arg(&unit).output().expect("it runs");
     assert!(

@@ -1,5 +1,5 @@
-//! What packages bring along: completions that their shells understand, a manual page for each command, and a version that says
-//! what was built.
+//! Files for packages: completions that their shells understand, a manual page for each command,
+//! and a version that identifies the build.
 
 #[allow(dead_code, reason = "written for the chain's own tests")]
 #[path = "chain/rig.rs"]
@@ -14,19 +14,19 @@ fn text(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("text")
 }
 
-/// What a program says, if there is one.
+/// Runs a program, if it is installed.
 fn ask(program: &str, words: &[&str], bench: &Bench) -> Option<Output> {
     let mut command = Command::new(program);
     command.args(words).current_dir(bench.folder.path());
     command.output().ok()
 }
 
-/// The commands in the help.
+/// Commands listed in the help.
 fn commands(bench: &Bench) -> Vec<String> {
     let help = text(&bench.run(&["-h"]));
     let list = help.lines().skip_while(|line| !line.starts_with("Run "));
     let list = list.take_while(|line| !line.is_empty());
-    // A group's title, names with commas between them, and a few words.
+    // A group's title, names separated by commas, and a few words.
     let names = list.flat_map(|line| line[9..37].trim_end().split(", "));
     names.map(str::to_owned).collect()
 }
@@ -64,7 +64,7 @@ fn every_shell_understands_its_completions_and_every_command_is_in_them() {
             );
         }
         fs::write(bench.path(shell), script).expect("written");
-        // `-n`: read, and nothing done.
+        // `-n`: parse only, without executing.
         if let Some(output) = ask(shell, &["-n", shell], &bench) {
             assert!(
                 output.status.success() && output.stderr.is_empty(),

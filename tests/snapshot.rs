@@ -1,4 +1,4 @@
-//! `lariat snapshot`, of the sources that every machine has.
+//! `lariat snapshot` on sources that every machine has.
 
 use assert_cmd::Command;
 use image::{GrayImage, Luma, Rgb, RgbImage};
@@ -10,7 +10,7 @@ fn snapshot(folder: &TempDir, arguments: &[&str]) -> Command {
     command
 }
 
-/// What is complained about, and that no file but these is left.
+/// Runs a command that must fail and leave only these files; returns its error message.
 fn complaint(folder: &TempDir, arguments: &[&str], left: &[&str]) -> String {
     let output = snapshot(folder, arguments).assert().failure();
     let entries = std::fs::read_dir(folder).unwrap();

@@ -1,4 +1,5 @@
-//! What people see on a terminal, and scripts in a pipe: widths, escape codes, exit codes, sources without a flag.
+//! Output on a terminal and in a pipe: widths, escape codes, exit codes, and sources without a
+//! flag.
 
 #[allow(dead_code, reason = "written for the chain's own tests")]
 #[path = "chain/rig.rs"]
@@ -10,7 +11,8 @@ use std::process::Output;
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
 const PICTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png");
 
-/// No line is wider than a usual terminal, and nothing is meant for a terminal alone.
+/// Checks that no line is wider than a standard terminal, and that there are no control codes for
+/// terminals.
 fn assert_fits(output: &Output, of: &[&str]) {
     for bytes in [&output.stdout, &output.stderr] {
         let text = std::str::from_utf8(bytes).expect("text");
@@ -28,7 +30,7 @@ fn commands(bench: &Bench) -> Vec<String> {
         .lines()
         .skip_while(|line| !line.starts_with("Run "))
         .take_while(|line| !line.is_empty());
-    // A group's title, names with commas between them, and a few words.
+    // A group's title, names separated by commas, and a few words.
     let names = list.flat_map(|line| line[9..37].trim_end().split(", "));
     names.map(str::to_owned).collect()
 }
@@ -41,7 +43,7 @@ fn all_help_fits_a_terminal() {
     let overview = bench.run(&["--help"]).stdout;
     assert_eq!(overview, bench.run(&["-h"]).stdout);
     assert_eq!(overview, bench.run(&["help"]).stdout);
-    // Programs that may not be built have the help of these.
+    // Separate programs, which may not be built, print the help of these.
     let others = ["help", "top", "bench", "compare", "paper", "servo"];
     for command in (commands.iter()).filter(|command| !others.contains(&command.as_str())) {
         for flag in ["-h", "--help"] {

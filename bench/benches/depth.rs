@@ -1,8 +1,10 @@
-//! Cost of finding a rope's 120 points in a depth image: `cargo bench --manifest-path bench/Cargo.toml --bench depth`.
+//! Cost of finding a rope's 120 points in a depth image.
 //!
-//! The rope is lifted and crosses itself once, half a metre before a depth camera of today; its centerline in the colour image is the true
-//! one. Each time another of eight noisy images is read.
-#![allow(missing_docs)] // criterion's macros make undocumented functions.
+//! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench depth`.
+//!
+//! The rope is lifted and crosses itself once, half a meter in front of a current depth camera. Its
+//! centerline in the color image is the ground truth. Iterations cycle through eight noisy images.
+#![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lariat_camera::{
@@ -13,7 +15,7 @@ use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth};
 const SIZE: [usize; 2] = [848, 480];
 const POINTS: usize = 120;
 const IMAGES: usize = 8;
-/// Where the depth camera stands beside the colour one, mm.
+/// Position of the depth camera relative to the color camera, mm.
 const ASIDE: [f64; 3] = [-15.0, 0.0, 0.0];
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const USUAL: LiftOptions = LiftOptions {

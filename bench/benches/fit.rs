@@ -1,22 +1,26 @@
-//! Cost of a fit, next to the bare multiply-adds of its product: `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
+//! Cost of a fit, next to the bare multiply-adds of its product.
 //!
-//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does as many in
-//! registers, in the same vectors, and reads no memory. "pinv, control points alone" is that product, with the points
-//! read and checked; a fit computes every point's residual as well, a second product of the same size.
-#![allow(missing_docs)] // criterion's macros make undocumented functions.
+//! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
+//!
+//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does as many
+//! in registers, with the same vector width, and reads no memory. "pinv, control points alone" is
+//! that product, including reading and checking the points. A fit also computes every point's
+//! residual, a second product of the same size.
+#![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lariat_fit::{Fitter, Options, Solver};
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 
-/// Ten running sums, as many as keep two multipliers of four cycles busy.
+/// Ten running sums, enough to keep two multipliers with a latency of four cycles busy.
 const SUMS: usize = 10;
 
 struct Bare {
     multiply_adds: usize,
     factor: f64,
-    /// What the sums begin with: were they alike, one would do for all.
+    /// Initial values of the sums. They are opaque to the compiler, which would otherwise merge
+    /// equal sums into one.
     sums: [f64; SUMS],
 }
 

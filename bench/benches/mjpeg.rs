@@ -1,9 +1,11 @@
-//! Cost of decoding a camera's JPEG frame, next to what the same decoder takes for other channels and what `image` takes
-//! for the picture: `cargo bench --manifest-path bench/Cargo.toml --bench mjpeg`.
+//! Cost of decoding a camera's JPEG frame.
 //!
-//! Frames of the rendered rope, colour at half the width, no Huffman tables, as most cameras send them; the others are given
-//! the same with tables.
-#![allow(missing_docs)] // criterion's macros make undocumented functions.
+//! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench mjpeg`.
+//!
+//! The decoder is compared with zune-jpeg, for several output channels, and with `image`. Frames
+//! show the rendered rope with chroma at half the width and no Huffman tables, as most cameras send
+//! them. The other decoders get the same frames with tables.
+#![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 #[path = "../crates/capture/tests/jpeg/mod.rs"]
 mod jpeg;
@@ -17,7 +19,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// A frame of the rendered rope, RGB.
+/// Renders a frame of the rope, RGB.
 fn rope(width: u32, height: u32) -> Vec<u8> {
     let options = RenderOptions {
         width,
@@ -37,7 +39,7 @@ fn frames(criterion: &mut Criterion) {
         let coded = |tables| {
             let coding = Coding {
                 tables,
-                // As many bytes as other encoders make of it at a quality of 85 to 90.
+                // Gives a frame size similar to that of other encoders at a quality of 85 to 90.
                 step: 1,
                 ..Coding::CAMERA
             };

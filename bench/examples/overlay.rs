@@ -1,7 +1,7 @@
-//! Draws what is seen over pictures: `overlay [--video] OUT_DIR IMAGE…`.
+//! Draws the extracted curves over pictures: `overlay [--video] OUT_DIR IMAGE…`.
 //!
-//! Prints one line an image: curves, their lengths and widths, crossings, and time by step. With
-//! `--video` the images are frames of one moving scene.
+//! Prints one line per image: curves, their lengths and widths, crossings, and the time of each
+//! step. With `--video` the images are frames of one moving scene.
 
 use std::path::Path;
 use std::time::Instant;
@@ -10,7 +10,7 @@ use image::RgbImage;
 use lariat_chain::canvas::Canvas;
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene};
 
-/// Every point is drawn this many times larger.
+/// Magnification of the picture.
 const ZOOM: u32 = 2;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -95,8 +95,8 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
     canvas.picture
 }
 
-/// A color that changes along the curve, so that the order through crossings can be seen: from blue
-/// over green to yellow on the first curve, from magenta over red to white on the next.
+/// Returns a color that changes along the curve, so that the order through crossings is visible.
+/// The first curve runs from blue over green to yellow, the next from magenta over red to white.
 fn ramp(curve: usize, rho: f32) -> [u8; 3] {
     let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
         [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]

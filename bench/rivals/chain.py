@@ -1,8 +1,10 @@
-"""A whole extraction as users of the image libraries script it: the rope of the largest component, as 120 points.
+"""A whole extraction as users of the image libraries script it: the rope of the largest component,
+as 120 points.
 
-Threshold, largest component, skeleton, the longest of the shortest paths along it, smoothed, resampled to equal steps
-of arc length, widths from the distance transform. After the threshold only the component's box is looked at. It knows
-one rope, and no crossing: where a rope lies over itself, the path takes the short way.
+Steps: threshold, largest component, skeleton, the longest of the shortest paths along it,
+smoothing, resampling at equal steps of arc length, and widths from the distance transform. After
+the threshold only the component's bounding box is processed. The script supports one rope and no
+crossing: where a rope lies over itself, the path takes the short way.
 """
 
 import time
@@ -17,12 +19,12 @@ from distance import distance
 from threshold import buffers, threshold
 
 POINTS = 120
-# Pixels of a skeleton that are averaged: its steps are of whole pixels.
+# Skeleton pixels that are averaged, because its steps are whole pixels.
 SMOOTHED = 9
 
 
 def thinnings():
-    """The ways to thin that are installed, by name."""
+    """Returns the installed thinning functions, by name."""
     found = {}
     if hasattr(cv2, "ximgproc"):
         zhang_suen = cv2.ximgproc.THINNING_ZHANGSUEN
@@ -37,7 +39,7 @@ def thinnings():
 
 
 def fastest(mask):
-    """The way to thin this mask in the least time, of three tries each, and its name."""
+    """Returns the fastest way to thin this mask, by the best of three tries, and its name."""
 
     def best_s(thin):
         thin(mask)
@@ -52,7 +54,9 @@ def fastest(mask):
 
 
 def rope(prepared):
-    """The largest component, alone in its box with a pixel of table around; the box's corner."""
+    """Returns the largest component, alone in its box with a one-pixel border of table, and the
+    box's corner.
+    """
     mask = threshold(prepared)
     count, labels, stats, _ = components(mask)
     if count < 2:
@@ -64,12 +68,14 @@ def rope(prepared):
 
 
 def path(skeleton):
-    """The skeleton's pixels, [x, y], from one of the two that lie farthest apart along it to the other."""
+    """Returns the skeleton's pixels, [x, y], along the path between the two that are farthest
+    apart.
+    """
     ys, xs = numpy.nonzero(skeleton)
     number = numpy.full(skeleton.shape, -1, numpy.int32)
     number[ys, xs] = numpy.arange(len(xs))
     pairs = []
-    # The box has a border of table, so that no neighbour is outside.
+    # The box has a border of table, so no neighbor is outside.
     for dy, dx in ((0, 1), (1, -1), (1, 0), (1, 1)):
         neighbour = number[ys + dy, xs + dx]
         from_ = numpy.nonzero(neighbour >= 0)[0]
@@ -77,7 +83,7 @@ def path(skeleton):
     rows = numpy.concatenate([a for a, _ in pairs])
     columns = numpy.concatenate([b for _, b in pairs])
     links = sparse.csr_matrix((numpy.ones(len(rows), numpy.int8), (rows, columns)), (len(xs),) * 2)
-    # Of the first search only the farthest pixel counts.
+    # Only the farthest pixel of the first search is used.
     end = csgraph.breadth_first_order(links, 0, directed=False)[0][-1]
     order, before = csgraph.breadth_first_order(links, end, directed=False)
     before = before.tolist()

@@ -1,4 +1,4 @@
-"""Each rope pixel's distance from the table."""
+"""Distance of each rope pixel from the table."""
 
 import timing
 

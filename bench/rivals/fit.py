@@ -1,4 +1,4 @@
-"""The curve of order 8 through 120 points, by the libraries that people fit curves with."""
+"""The curve of order 8 through 120 points, by common curve-fitting libraries."""
 
 import json
 import statistics
@@ -7,13 +7,13 @@ import time
 
 import timing
 
-# A rival is measured no longer than this, but often enough for a median.
+# Time limit for measuring a rival, ns: enough calls for a median.
 LONGEST_NS = 2e8
 ORDER, POINTS = 8, 120
 
 
 def measured(work):
-    """The median time of a call, in nanoseconds, over batches long enough for the clock."""
+    """Returns the median time of a call in nanoseconds, over batches long enough for the clock."""
     work()
     start = time.perf_counter_ns()
     work()
@@ -57,7 +57,7 @@ def main(points):
         with_scipy = {"SciPy": scipy.__version__}
         factor = cho_factor(b.T @ b)
         say("scipy.linalg.cho_solve", lambda: cho_solve(factor, b.T @ points), with_scipy)
-        # s = N: what SciPy's documentation proposes for noise of 1 px.
+        # s = N is what SciPy's documentation proposes for noise of 1 px.
         say("scipy.interpolate.splprep, s = N", lambda: splprep(points.T, s=POINTS), with_scipy)
     try:
         import geomdl

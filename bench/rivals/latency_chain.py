@@ -1,7 +1,8 @@
-"""The whole chain as users of OpenCV and NumPy script it: one process, one thread, no hop; a Bezier curve of order 8.
+"""The whole chain as users of OpenCV and NumPy script it: one process, one thread, no hop, a Bezier
+curve of order 8.
 
-Each frame is taken when it is due; its rope becomes 120 points (`chain.py`) and these nine control points by a
-precomputed pseudo-inverse.
+Each frame is taken when it is due. Its rope becomes 120 points (`chain.py`), and these become nine
+control points by a precomputed pseudo-inverse.
 """
 
 import math
@@ -17,7 +18,9 @@ ORDER = 8
 
 
 def fitter():
-    """The matrix from points to control points: the pseudo-inverse of the Bernstein polynomials on an even grid."""
+    """Returns the matrix from points to control points: the pseudo-inverse of the Bernstein
+    polynomials on an even grid.
+    """
     rho = numpy.linspace(0.0, 1.0, chain.POINTS)[:, None]
     j = numpy.arange(ORDER + 1)
     binomials = numpy.array([math.comb(ORDER, int(k)) for k in j])
@@ -28,7 +31,7 @@ def main():
     asked = pacing.request()
     ranges = [tuple(numpy.array(b, numpy.uint8) for b in bounds) for bounds in asked["ranges"]]
     shape = (asked["height"], asked["width"], 3)
-    # OpenCV's users have BGR.
+    # OpenCV users have BGR images.
     images = [
         numpy.ascontiguousarray(numpy.frombuffer(frame, numpy.uint8).reshape(shape)[:, :, ::-1])
         for frame in pacing.frames(asked)

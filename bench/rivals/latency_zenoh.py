@@ -1,6 +1,8 @@
-"""Four processes over zenoh's shared memory: a frame, then messages of the sizes of lariat's, no work.
+"""Four processes over zenoh's shared memory: a frame, then messages of the same sizes as lariat's,
+no work.
 
-Each link is a session of its own pair of peers, so that nothing is routed. The frame is copied once, into shared memory.
+Each link is a session of its own between two peers, so nothing is routed. The frame is copied once,
+into shared memory.
 """
 
 import importlib.metadata
@@ -13,12 +15,12 @@ import timing
 
 (zenoh,) = timing.need("zenoh")
 
-# Messages that are under way at most, with room to spare.
+# Maximum number of messages in flight, with a margin.
 SLOTS = 8
 
 
 def free_ports(count):
-    """Ports that nobody listens on just now."""
+    """Returns ports that are currently unused."""
     held = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
     ports = [one.getsockname()[1] for one in held]
     for one in held:
@@ -45,7 +47,7 @@ def ends(ports, sizes, place):
         subscriber = incoming.declare_subscriber(f"link/{place}")
 
         def receive(_session=incoming):
-            # Sleeps until a message is there; a link that broke is ended by the parent.
+            # Sleeps until a message arrives. The parent ends the process if the link breaks.
             return subscriber.recv().attachment.to_bytes()
 
     if place < 3:

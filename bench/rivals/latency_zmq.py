@@ -1,4 +1,6 @@
-"""Four processes over ZeroMQ (PUSH and PULL on Unix sockets): a frame, then messages of the sizes of lariat's, no work."""
+"""Four processes over ZeroMQ (PUSH and PULL on Unix sockets): a frame, then messages of the same
+sizes as lariat's, no work.
+"""
 
 import os
 import tempfile
@@ -19,7 +21,8 @@ def ends(folder, place):
 
         def receive():
             try:
-                # Received without another copy; the payload is in memory then, as a user would find it.
+                # Received without another copy. The payload is then in memory, as a user would find
+                # it.
                 header, payload = incoming.recv_multipart(copy=False)
             except zmq.Again:
                 return None

@@ -1,7 +1,7 @@
-"""120 centers in the mask of a rope, by the libraries that the paper's four clusterings are run with.
+"""120 centers in a rope's mask, by the libraries for the paper's four clusterings.
 
-Each begins at the centers that it is given and ends by the same rule as lariat's. What it needs to begin there (the
-memberships or Gaussians of those centers) is not in its time.
+Each run starts at the given centers and ends by the same rule as lariat's. The time excludes the
+conversion of those centers into the library's initial state (memberships or Gaussians).
 """
 
 import importlib
@@ -22,14 +22,14 @@ def squares(pixels, centers):
 
 
 def measured(work):
-    """What a call takes, in nanoseconds, and what it returns."""
+    """Returns the time of a call in nanoseconds and its result."""
     begin = time.perf_counter_ns()
     result = work()
     return time.perf_counter_ns() - begin, result
 
 
 def drawn(seed, rounds, count):
-    """Of `count`, those that lariat's map draws: by splitmix64."""
+    """Yields the indices below `count` that lariat's map draws, by splitmix64."""
     mask = (1 << 64) - 1
     for _ in range(rounds):
         seed = (seed + 0x9E3779B97F4A7C15) & mask
@@ -52,7 +52,7 @@ def som(pixels, centers, seed):
     rounds = 10_000
     map = MiniSom(1, len(centers), 2, sigma=3.0, learning_rate=0.5)
     map._weights = centers[None].copy()
-    # Its own random order is that of the first 10,000 pixels: the top of the picture.
+    # MiniSom's own random order covers only the first 10,000 pixels: the top of the picture.
     samples = pixels[list(drawn(seed, rounds, len(pixels)))]
     ns, _ = measured(lambda: map.train(samples, rounds))
     return ns, rounds, map.quantization_error(pixels)
@@ -61,7 +61,7 @@ def som(pixels, centers, seed):
 def gmm(pixels, centers, _):
     from sklearn.mixture import GaussianMixture
 
-    # The labels of the nearest center, as GaussianMixture begins with those of its own k-means.
+    # Labels of the nearest center, as GaussianMixture starts with those of its own k-means.
     d = squares(pixels, centers)
     belongs = d == d.min(axis=1, keepdims=True)
     belongs = belongs / belongs.sum(axis=1, keepdims=True)
@@ -94,7 +94,7 @@ def fcm(pixels, centers, _):
 
 def main(request):
     (numpy,) = timing.need("numpy")
-    warnings.filterwarnings("ignore")  # of not having converged
+    warnings.filterwarnings("ignore")  # warnings about missing convergence
     masks = [numpy.array(mask, float) for mask in request["masks"]]
     for index, run in enumerate(request["runs"]):
         library = LIBRARIES[run["method"]]

@@ -1,11 +1,12 @@
-"""The mask network by ONNX Runtime on one thread: the same weights as QLinearConv, and as floats.
+"""The mask network by ONNX Runtime on one thread: the same weights as QLinearConv and as floats.
 
-`lariat-bench network --python PYTHON` asks for it. The request names a file of weights (its layout: the head of
-crates/network/src/lib.rs), a picture of raw RGB and lariat's own two maps of it, raw; both sides of the picture are multiples
-of 16. With `keep`, the models are written beside that name.
+`lariat-bench network --python PYTHON` runs this script. The request names a file of weights, a raw
+RGB picture, and lariat's own two maps of it, raw. The head of crates/network/src/lib.rs documents
+the layout of the weights. Both sides of the picture are multiples of 16. With `keep`, the models
+are written next to the given name.
 
-The whole numbers are the same to the last logit. The maps differ where that is 0: 127.5 is 128 in lariat, and 127 there. A
-picture's bytes are halved and in planes before the clock starts.
+The integers agree to the last logit. The maps differ where a logit is 0: 127.5 becomes 128 in
+lariat and 127 here. The picture's bytes are halved and split into planes before the clock starts.
 """
 
 import json
@@ -16,7 +17,7 @@ import time
 
 import timing
 
-# Name, what it reads, what is added (with the factor by which that is smaller), padding before and behind.
+# Name, input, addend, and padding before and after, of each layer.
 LAYERS = [
     ("stem", "input", None, (0, 1)),
     ("d1", "stem", None, (0, 1)),
@@ -34,13 +35,13 @@ LAYERS = [
     ("f1", "u1", None, None),
     ("out", "f1", None, None),
 ]
-# What a layer of single pixels is added to once each of its pixels is four.
+# Addend of a layer after its 2× upsampling.
 UPSAMPLED = {"u2": "e2b", "u1": "d1"}
 GREY, ZERO, LOGIT_STEPS = 64, 128, 16
 
 
 def read(path):
-    """Of each layer its stride, dilation, weights (row, column, in, out), biases and scales."""
+    """Returns each layer's stride, dilation, weights (row, column, in, out), biases and scales."""
     import numpy
 
     with open(path, "rb") as file:
@@ -61,7 +62,7 @@ def read(path):
 
 
 class Graph:
-    """Nodes and constants on the way to a model."""
+    """Nodes and constants of a model under construction."""
 
     def __init__(self):
         self.nodes, self.constants = [], []
@@ -88,7 +89,7 @@ class Graph:
         return self.add("Resize", [name, "", sizes], name + "_twice", **how)
 
     def maps(self, name, width, height):
-        """Channels 16·map + 4·row + column at a quarter as two maps."""
+        """Rearranges channels 16·map + 4·row + column at quarter resolution into two maps."""
         import numpy
 
         apart = self.constant("apart", numpy.array([1, 2, 4, 4, height // 4, width // 4]))
@@ -118,7 +119,7 @@ def window(stride, dilation, weights, pads):
 
 
 def whole_numbers(layers, width, height):
-    """As QLinearConv, every scale 1: the numbers are lariat's own."""
+    """Builds the model with QLinearConv. Every scale is 1, so the numbers equal lariat's."""
     import numpy
     from onnx import TensorProto
 
@@ -131,7 +132,7 @@ def whole_numbers(layers, width, height):
         stride, dilation, weights, bias, scale = layer
         source_zero = zero
         if name == "stem":
-            # Around the picture there is its zero.
+            # The padding around the picture is its zero point.
             source_zero = graph.constant("grey", numpy.uint8(GREY))
             bias = bias + GREY * weights.astype(numpy.int32).sum((0, 1, 2))
         added = residual or UPSAMPLED.get(name)
@@ -160,7 +161,7 @@ def whole_numbers(layers, width, height):
 
 
 def floats(layers, width, height):
-    """The network before it was quantized, in the units of its activations."""
+    """Builds the unquantized network, in the units of its activations."""
     import numpy
     from onnx import TensorProto
 
@@ -169,7 +170,7 @@ def floats(layers, width, height):
     for (name, source, residual, pads), layer in zip(LAYERS, layers):
         stride, dilation, weights, bias, scale = layer
         if name == "stem":
-            # The picture comes with its zero taken off.
+            # The zero point is already subtracted from the picture.
             bias = bias + GREY * weights.astype(numpy.int32).sum((0, 1, 2))
         real = (weights * scale).transpose(3, 2, 0, 1).astype(numpy.float32)
         inputs = [source, graph.constant(name + "_w", real.copy())]
@@ -190,7 +191,7 @@ def floats(layers, width, height):
 
 
 def measured(session, picture, rounds):
-    """Its maps, and the median time of a run in nanoseconds."""
+    """Returns the maps and the median time of a run in nanoseconds."""
     run = lambda: session.run(None, {"input": picture})[0]  # noqa: E731
     for _ in range(3):
         maps = run()

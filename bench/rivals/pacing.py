@@ -1,8 +1,10 @@
-"""What the rivals in latency share: frames when they are due, four processes in a row, a line of JSON at the end.
+"""Shared code of the latency rivals: paced frames, four processes in a row, and a line of JSON at
+the end.
 
-A script is given a request, `{"frames": "FILE", "width": 640, "height": 480, "count": 60, "fps": 120, "seconds": 2}`: the
-file holds `count` RGB images, which are sent one after the other, again and again. It prints for each frame how long it
-was under way, from the moment it was due to the last process's hands, in nanoseconds of CLOCK_MONOTONIC.
+A script receives a request, `{"frames": "FILE", "width": 640, "height": 480, "count": 60, "fps":
+120, "seconds": 2}`. The file holds `count` RGB images, which are sent in turn, repeatedly. For each
+frame, the script prints the time from the moment it was due until the last process has it, in
+nanoseconds of CLOCK_MONOTONIC.
 """
 
 import ctypes
@@ -14,11 +16,11 @@ import struct
 import sys
 import time
 
-# Bytes of lariat's own messages after the frame: what the later links carry.
+# Sizes in bytes of lariat's own messages after the frame, which the later links carry.
 CENTERLINES, DESCRIPTORS = 26272, 15200
-# Frames at the beginning that are not counted: connections are made, caches filled.
+# Frames at the start that are not counted, while connections are made and caches filled.
 WARM_UP = 10
-# A link that carries nothing for this long is broken.
+# Time without a message after which a link is considered broken.
 TIMEOUT_S = 5.0
 
 HEADER = struct.Struct("=qq")
@@ -27,7 +29,9 @@ _libc = ctypes.CDLL(None)
 
 
 def settle():
-    """Ends this process with its parent, and lets its sleeps end when they are due (the kernel's leeway is 50 µs)."""
+    """Ends this process with its parent, and ends its sleeps on time (the kernel's default slack is
+    50 µs).
+    """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     _libc.prctl(1, signal.SIGTERM)
     _libc.prctl(29, 1)
@@ -41,14 +45,14 @@ def request():
 
 
 def frames(asked):
-    """The images' bytes."""
+    """Returns the bytes of the images."""
     size = asked["width"] * asked["height"] * 3
     with open(asked["frames"], "rb") as file:
         return [file.read(size) for _ in range(asked["count"])]
 
 
 def due(asked):
-    """Each frame's number and the moment it is due, at that moment."""
+    """Yields each frame's number and due time, at that time."""
     period_ns = 1e9 / asked["fps"]
     start_ns = time.monotonic_ns() + 50_000_000
     for number in range(WARM_UP + max(1, int(asked["seconds"] * asked["fps"]))):
@@ -67,9 +71,11 @@ def answer(whole_ns, versions, work_ns=None):
 
 
 def four(asked, ends, versions):
-    """Four processes in a row: the first sends frames, two pass on messages of the sizes of lariat's, the last counts.
+    """Runs four processes in a row: the first sends frames, two forward messages of the same sizes
+    as lariat's, the last measures.
 
-    `ends(place)` makes a process's receive() -> (header, buffer) and send(header, buffer); either is None at an end.
+    `ends(place)` returns a process's receive() -> (header, buffer) and send(header, buffer). One of
+    them is None in the first and the last process.
     """
     context = multiprocessing.get_context("fork")
     ready = [context.Event() for _ in range(4)]
@@ -112,7 +118,7 @@ def four(asked, ends, versions):
             sys.exit(f"process {place + 1} of 4: {why!r}")
 
     processes = [context.Process(target=stage, args=(place,)) for place in range(4)]
-    # Asked to end, this process ends the others, too, and tidies up.
+    # When this process is terminated, it also ends the others and cleans up.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         for process in reversed(processes):
@@ -135,7 +141,7 @@ def four(asked, ends, versions):
 
 
 def left_behind(processes):
-    """The shared memory of these processes that zenoh leaves in /dev/shm when they end."""
+    """Returns the shared memory that zenoh leaves in /dev/shm when these processes end."""
     found = set()
     for process in processes:
         try:

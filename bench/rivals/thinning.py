@@ -2,7 +2,7 @@
 
 import timing
 
-# OpenCV makes the mask, outside of the time.
+# OpenCV makes the mask. This is not timed.
 _, morphology = timing.need("cv2", "skimage.morphology")
 from threshold import buffers, threshold
 

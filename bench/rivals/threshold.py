@@ -1,4 +1,4 @@
-"""Colour ranges to a mask, as users of OpenCV do it."""
+"""Converts color ranges to a mask, as OpenCV users do."""
 
 import timing
 
@@ -6,14 +6,16 @@ cv2, numpy = timing.need("cv2", "numpy")
 
 
 def buffers(picture, ranges):
-    """The picture, its ranges, and memory for HSV and masks: made once, as a program in a loop would."""
+    """Returns the picture, its ranges, and memory for HSV and masks. A program in a loop would also
+    allocate it once.
+    """
     size = picture.shape[:2]
     masks = [numpy.empty(size, numpy.uint8) for _ in range(2)]
     return picture, ranges, numpy.empty_like(picture), masks
 
 
 def threshold(prepared):
-    """255 where the pixel is in one of the ranges, 0 elsewhere."""
+    """Returns 255 where the pixel is in one of the ranges, and 0 elsewhere."""
     picture, ranges, hsv, (mask, other) = prepared
     cv2.cvtColor(picture, cv2.COLOR_BGR2HSV, dst=hsv)
     cv2.inRange(hsv, *ranges[0], dst=mask)

@@ -1,4 +1,6 @@
-"""What the rivals share: one thread, the list of pictures, medians, a line of JSON for each picture."""
+"""Shared code of the rivals: one thread, the list of pictures, medians, a line of JSON for each
+picture.
+"""
 
 import importlib
 import json
@@ -7,7 +9,7 @@ import statistics
 import sys
 import time
 
-# Before any library reads them.
+# Set before any library reads them.
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 
@@ -23,14 +25,14 @@ PACKAGES = {
 }
 NAMES = {"cv2": "OpenCV", "numpy": "NumPy", "scipy": "SciPy", "skimage": "scikit-image"}
 
-# A picture is measured no longer than this, but once at least.
+# Time limit for measuring a picture. It is measured at least once.
 LONGEST_MS = 100.0
 
 _versions = {}
 
 
 def need(*modules):
-    """The modules of these names; if one is not there, says so as JSON and ends the script."""
+    """Returns the named modules. If one is missing, reports it as JSON and ends the script."""
     found = []
     for module in modules:
         library = module.split(".")[0]
@@ -47,14 +49,14 @@ def need(*modules):
 
 
 def versions():
-    """The versions of what was needed so far."""
+    """Returns the versions of the modules needed so far."""
     return dict(_versions)
 
 
 def run(prepare, work, describe=None):
     """Times work(prepare(picture, ranges)) for each picture of the list named on the command line.
 
-    `describe` turns what work returned into more fields of the line.
+    `describe` turns the result of `work` into more fields of the line.
     """
     if len(sys.argv) != 2:
         sys.exit(f"usage: {sys.argv[0]} PICTURES.json (see the README beside it)")
@@ -69,7 +71,7 @@ def run(prepare, work, describe=None):
             sys.exit(f"cannot read the picture {entry['path']}")
         ranges = [tuple(numpy.array(b, numpy.uint8) for b in bounds) for bounds in entry["ranges"]]
         prepared = prepare(picture, ranges)
-        # Not counted: caches, buffers, and what libraries put off until their first call.
+        # Not counted: caches, buffers, and initialization that libraries defer to their first call.
         result = work(prepared)
         times_ms = []
         for _ in range(listed["rounds"]):

@@ -1,9 +1,15 @@
-//! How close the extractor's curves are to the truth.
+//! Accuracy of the extractor's curves.
 //!
-//! On drawn ropes, whose centerlines are known, point by point (`rendered`); on photographs by what is labelled rope.
-//! Photographs are read (`dataset`, `photo`, `labels`), extracted and timed (`measure`), drawn as masks (`spline`,
-//! `strip`, `drawing`), compared with the labels (`assignment`, `overlap`, `coverage`, `whole`, `causes`, `crossings`), held against the curve through them (`curve`), and told
-//! (`report`, `csv`, `overlay`).
+//! On drawn ropes, curves are compared point by point with the known centerlines (`rendered`). On
+//! photographs, they are compared with the labels:
+//!
+//! - `dataset`, `photo` and `labels` read the photographs.
+//! - `measure` extracts and times them.
+//! - `spline`, `strip` and `drawing` draw the curves as masks.
+//! - `assignment`, `overlap`, `coverage`, `whole`, `causes` and `crossings` compare the masks with
+//!   the labels.
+//! - `curve` compares the points with the curve fitted to them.
+//! - `report`, `csv` and `overlay` output the results.
 
 mod assignment;
 mod causes;
@@ -35,46 +41,51 @@ use crate::mask::Mask;
 use curve::Curves;
 use measure::Bench;
 
-/// What to measure, and what to write beside the table.
+/// Measurements to make, and files to write in addition to the table.
 #[derive(clap::Args)]
 #[command(group = clap::ArgGroup::new("pictures").required(true).args(["dataset", "rendered", "film"]))]
 pub(crate) struct Args {
-    /// Photographs with ground-truth labels: a folder of sets, each with `images/` (PNG, JPEG) and `labels/` (8-bit grey
-    /// PNG of the same name: 0 is the table, 1… the ropes)
+    /// Photographs with ground-truth labels: a folder of sets, each with `images/` (PNG, JPEG) and
+    /// `labels/` (8-bit gray PNG of the same name: 0 is the table, 1… the ropes)
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     #[command(flatten)]
     rendered: rendered::Args,
-    /// A film without labels, as a folder of pictures in the order of their names: how far its curves are from their points
+    /// Film without labels, a folder of pictures in the order of their names: measure how far its
+    /// curves are from their points
     #[arg(long, value_name = "DIR")]
     film: Option<PathBuf>,
-    /// Control points of the Bezier curve that the points are held against [default: what the chain chooses]
+    /// Number of control points of the Bezier curve that the points are compared with [default:
+    /// chosen by the chain]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     control_points: Option<u16>,
-    /// How the mask becomes a centerline: skeleton, kmeans, som, gmm or fcm (`extract.method` of the settings)
+    /// Method that turns the mask into a centerline: skeleton, kmeans, som, gmm or fcm
+    /// (`extract.method` of the settings)
     #[arg(long, value_name = "NAME", default_value_t)]
     method: Method,
-    /// How the ropes' pixels are told from the others, in photographs
+    /// Method that segments the ropes' pixels in photographs
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Mask::Auto, requires = "dataset")]
     mask: Mask,
-    /// Also writes one line for each image, with all its figures
+    /// Write one line per image, with all its figures, to FILE
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Also draws what was found over each photograph, and a contact sheet for each set: DIR/SET/IMAGE.png; or
-    /// over each drawn picture: DIR/CLASS-SEED.png
+    /// Draw the result over each photograph, with a contact sheet for each set: DIR/SET/IMAGE.png;
+    /// or over each drawn picture: DIR/CLASS-SEED.png
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
-    /// Which strand is on top at each crossing, told by eye: a line `SET/IMAGE,x,y,degrees,yes|no` for each, with the
-    /// direction of the upper strand, and whether that is sure [default: the list that comes with this bench, if it has
-    /// one for a data set of this name]
+    /// Which strand is on top at each crossing, judged by eye: a line
+    /// `SET/IMAGE,x,y,degrees,yes|no` for each, with the direction of the upper strand and whether
+    /// the judgment is certain [default: the list that comes with this bench, if it has one for a
+    /// data set of this name]
     #[arg(long, value_name = "FILE")]
     crossings: Option<PathBuf>,
 }
 
-/// Measures what was asked for and prints it.
+/// Runs the selected measurements and prints the results.
 ///
 /// # Errors
-/// The data cannot be read or the results cannot be written: a sentence that names the file.
+/// The data cannot be read or the results cannot be written. The error is a sentence that names the
+/// file.
 pub(crate) fn run(args: &Args) -> Result<()> {
     match (&args.dataset, &args.film) {
         (Some(folder), _) => run_on_photographs(folder, args),
@@ -99,7 +110,7 @@ fn run_on_photographs(folder: &Path, args: &Args) -> Result<()> {
         let images: Result<_> = set.pairs.iter().map(|pair| bench.measure(pair)).collect();
         measured.push((set.name.as_str(), images?));
     }
-    // Only now, so that a broken picture leaves nothing half-written behind.
+    // Written last, so that a broken picture leaves no partial output.
     if let Some(path) = &args.csv {
         whole_file::write(path, csv::table(&measured).as_bytes())?;
     }

@@ -1,12 +1,16 @@
-//! `lariat-bench backgrounds`: drawn pictures in which a rope is not just what differs from the table, or in which ropes are hard to tell
-//! apart.
+//! `lariat-bench backgrounds`: drawn pictures in which not only the rope differs from the table, or in
+//! which ropes are hard to tell apart.
 //!
-//! A picture is right if every rope has a curve that covers 93 % of it, lies on it for as much of its length and runs along it in
-//! order, and no curve is left over. One that is wrong is silent if it has no notice, and no curve of a confidence below 0.5. A curve that lies off every rope
-//! for more than half of its length is a false rope, unless it is doubtful or such a confidence says so. A picture with a curve that is
-//! no rope, whole and in order, at a confidence above 0.9 is sure and wrong.
+//! A picture is right if every rope has a right curve and no curve is left over. A right curve
+//! covers 93 % of its rope, is on it for the same share of its own length, and follows it in order.
+//! A wrong picture is silent if it lacks a notice and every curve has a confidence of at least 0.5.
 //!
-//! Each is also extracted with its true mask, which lacks what is hidden: what is wrong then is no mask's fault.
+//! A curve that is off every rope for more than half of its length is a false rope. The exception
+//! is a curve that is marked doubtful or has a confidence below 0.5. A picture with a curve that is
+//! not right but has a confidence above 0.9 is confidently wrong.
+//!
+//! Each picture is also extracted with its true mask, which lacks the hidden parts. The remaining
+//! errors are not caused by the mask.
 
 use std::time::Instant;
 
@@ -20,19 +24,19 @@ use crate::reliability::Reliability;
 use crate::right;
 
 const SIZE: [usize; 2] = [640, 480];
-/// Above this confidence a curve that is wrong is worse than none.
+/// Confidence above which a wrong curve is worse than none.
 const TOO_SURE: f32 = 0.9;
 
-/// Which pictures are drawn.
+/// Selection of pictures to draw.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// This class alone (may be given several times)
+    /// Draw only this class (repeatable)
     #[arg(long, value_name = "NAME")]
     class: Vec<Class>,
-    /// How the ropes' pixels are told from the others
+    /// Method that segments the ropes' pixels
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Mask::Auto)]
     mask: Mask,
-    /// Pictures of each class [default: 24; 50 with things that are no ropes]
+    /// Number of pictures of each class [default: 24; 50 with objects that are not ropes]
     #[arg(long, value_name = "N")]
     seeds: Option<u64>,
     /// Seed of the first picture
@@ -43,10 +47,10 @@ pub(crate) struct Args {
     list: bool,
 }
 
-/// Draws, extracts, and prints the table.
+/// Draws the pictures, extracts them, and prints the table.
 ///
 /// # Errors
-/// No picture is asked for, or an extraction fails.
+/// No picture is requested, or an extraction fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     if args.seeds == Some(0) {
         bail!("no pictures were asked for: give --seeds 1 or more");
@@ -105,7 +109,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What became of one picture.
+/// The judgment of one picture.
 struct Judged {
     is_right: bool,
     is_silent: bool,
@@ -130,7 +134,7 @@ impl Judged {
     }
 }
 
-/// What there is and what was seen.
+/// Describes the true ropes and the curves that were found.
 fn said(still: &Still, scene: &Scene) -> String {
     let ropes = still.truth.ropes.len();
     let curves = scene.curves.iter().map(|curve| {
@@ -148,7 +152,7 @@ fn said(still: &Still, scene: &Scene) -> String {
     format!("{ropes} ropes, curves [{}], {notice}", curves.join(" "))
 }
 
-/// Some pictures together.
+/// Totals over several pictures.
 #[derive(Default)]
 struct Sum {
     pictures: usize,
@@ -158,7 +162,7 @@ struct Sum {
     with_false: usize,
     too_sure: usize,
     too_sure_by_mask: usize,
-    /// What each took, of a core.
+    /// Time for each picture, on one core.
     ns: Vec<f64>,
 }
 

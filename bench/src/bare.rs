@@ -1,7 +1,9 @@
-//! The floor of every chain: 64 bytes passed on by bare iceoryx2, one publisher, one subscriber and one event a link.
+//! The floor of every chain: 64 bytes forwarded by bare iceoryx2, with one publisher, one
+//! subscriber and one event per link.
 //!
-//! No slots taken in advance, no history, no counting, no second descriptor to wait for: what remains is the
-//! transport's own loan, send, notify, wake and receive. For measurements; nothing of lariat travels here.
+//! It does without slots loaned in advance, history, counting, and a second descriptor to wait for.
+//! Only the transport's own loan, send, notify, wake and receive remain. It serves measurements
+//! only and carries no lariat messages.
 
 use std::fmt;
 use std::time::Duration;
@@ -15,10 +17,10 @@ use iceoryx2::prelude::*;
 
 use lariat_wire::Domain;
 
-/// What is passed on: 64 bytes, one cache line.
+/// A forwarded message: 64 bytes, one cache line.
 pub type RelayMessage = [u64; 8];
 
-/// Messages that wait for the receiver.
+/// Maximum number of messages that wait for the receiver.
 const WAITING: usize = 16;
 
 fn name(link: usize, what: &str) -> Result<ServiceName> {
@@ -38,10 +40,10 @@ pub struct RelaySender {
 }
 
 impl RelaySender {
-    /// The sender of this link.
+    /// Creates the sender of this link.
     ///
     /// # Errors
-    /// What the transport says.
+    /// The transport failed.
     pub fn create(domain: &Domain, link: usize) -> Result<Self> {
         domain.making(|node| {
             let publisher = data(node, link)?.publisher_builder().create();
@@ -56,11 +58,11 @@ impl RelaySender {
     /// Sends a message and wakes the receiver.
     ///
     /// # Errors
-    /// What the transport says.
+    /// The transport failed.
     pub fn send(&self, message: RelayMessage) -> Result<()> {
         let sample = self.publisher.loan_uninit().map_err(failed)?;
         sample.write_payload(message).send().map_err(failed)?;
-        // A receiver that has gone is seen by what does not arrive.
+        // A receiver that has gone shows by missing messages.
         let _ = self.notifier.notify();
         Ok(())
     }
@@ -74,10 +76,10 @@ pub struct RelayReceiver {
 }
 
 impl RelayReceiver {
-    /// The receiver of this link.
+    /// Creates the receiver of this link.
     ///
     /// # Errors
-    /// What the transport says.
+    /// The transport failed.
     pub fn create(domain: &Domain, link: usize) -> Result<Self> {
         domain.making(|node| {
             let listener = event(node, link)?.listener_builder().create();
@@ -89,10 +91,11 @@ impl RelayReceiver {
         })?
     }
 
-    /// The next message, slept for until `timeout` is over; `None` if none came.
+    /// Returns the next message, sleeping until `timeout` expires. Returns `None` if no message
+    /// arrived.
     ///
     /// # Errors
-    /// What the transport says.
+    /// The transport failed.
     pub fn next(&self, timeout: Duration) -> Result<Option<RelayMessage>> {
         if let Some(sample) = self.subscriber.receive().map_err(failed)? {
             return Ok(Some(*sample.payload()));

@@ -1,5 +1,5 @@
-//! `lariat-bench bases`: the whole chain on the rendered rope with each basis and option, and how far its curves are
-//! from the true rope.
+//! `lariat-bench bases`: runs the whole chain on the rendered rope with each basis and option,
+//! and measures the distance of its curves from the true rope.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,7 +11,7 @@ use serde_json::Value;
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Frames of each run
+    /// Number of frames of each run
     #[arg(long, value_name = "N", default_value_t = 600)]
     frames: u64,
 }
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 fn summary(args: &Args, flags: &[&str], folder: &Path) -> Result<Value> {
-    // The run is in a folder of its own, where no settings file is found.
+    // The run has a folder of its own that contains no settings file.
     let binary = crate::program::lariat()?;
     let output = Command::new(&binary)
         .args(["run", "--fps", "max", "--lossless", "--frames"])

@@ -1,5 +1,6 @@
-//! `lariat-bench clusterings`: 120 centers in the mask of a rope by the paper's four clusterings, lariat's and the libraries'
-//! (scikit-learn, MiniSom, scikit-fuzzy), on one thread, in turns, from the same start, in one table.
+//! `lariat-bench clusterings`: 120 centers in the mask of a rope by the paper's four clusterings.
+//! Compares lariat's with those of scikit-learn, MiniSom and scikit-fuzzy, in turns on one thread
+//! from the same start, in one table.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -13,21 +14,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::python::Said;
 
-/// Centers, as the paper has points.
+/// Number of centers, equal to the paper's number of points.
 const CENTERS: usize = 120;
-/// Of lariat's runs, those in a turn.
+/// Number of lariat's runs per turn.
 const RUNS: usize = 20;
 
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The Python that has the libraries
+    /// Python interpreter that has the libraries
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
-    /// Times that each takes its turn (scikit-fuzzy, which takes some 20 s, only once)
+    /// Number of turns of each program (scikit-fuzzy, which takes some 20 s, has only one)
     #[arg(long, value_name = "N", default_value_t = 3)]
     passes: usize,
-    /// Seed of the rope and of the centers to start from
+    /// Seed of the rope and of the initial centers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
@@ -35,27 +36,28 @@ pub(crate) struct Args {
 /// Runs a method.
 type Run = Box<dyn FnMut(&Pixels, Start, &mut [[f32; 2]]) -> Outcome>;
 
-/// A method of ours.
+/// A method of lariat's.
 struct Method {
-    /// Its name in the script.
+    /// Name of the method in the script.
     name: &'static str,
     objective: &'static str,
     run: Run,
     rival: Rival,
 }
 
-/// What the rival is asked for.
+/// Runs requested from the rival.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rival {
-    /// Both starts, in every pass: it does the same from the last frame's centers as from any others.
+    /// Both starts in every pass. Its algorithm is the same from the last frame's centers as from
+    /// any others.
     Both,
-    /// The first alone, in every pass.
+    /// Only the first start, in every pass.
     Cold,
-    /// The first alone, once: it takes some 20 s.
+    /// Only the first start, once: it takes some 20 s.
     Once,
 }
 
-/// The methods, in the order of the paper.
+/// Returns the methods in the order of the paper.
 fn methods() -> Vec<Method> {
     fn of(
         name: &'static str,
@@ -89,7 +91,7 @@ fn methods() -> Vec<Method> {
     ]
 }
 
-/// A method from a start: what it took, and how it ended.
+/// A method from one start: its times and its final state.
 #[derive(Default)]
 struct Measured {
     ns: Samples,
@@ -101,17 +103,17 @@ struct Ended {
     objective: f64,
 }
 
-/// What the script is asked for.
+/// Request to the script.
 #[derive(Serialize)]
 struct Request<'a> {
     /// The pixels of each mask.
     masks: [Vec<[f32; 2]>; 2],
-    /// What the samples of a map are drawn from.
+    /// Seed of the samples of a map.
     seed: u64,
     runs: Vec<Asked<'a>>,
 }
 
-/// A run of the script's: of which method, over which mask, from where.
+/// One requested run: its method, mask and initial centers.
 #[derive(Serialize)]
 struct Asked<'a> {
     method: &'a str,
@@ -119,7 +121,7 @@ struct Asked<'a> {
     centers: &'a [[f32; 2]],
 }
 
-/// What the script says of a run.
+/// The script's answer about a run.
 #[derive(Deserialize)]
 struct Answer {
     run: usize,
@@ -128,10 +130,11 @@ struct Answer {
     objective: f64,
 }
 
-/// A method, what it did from k-means++ and from the last frame's centers, and what its rival did from there.
+/// A method, its results from k-means++ and from the last frame's centers, and its rival's results
+/// from there.
 struct Row {
     method: Method,
-    /// Where the second frame's run begins: where the first one's ended.
+    /// Initial centers of the second frame's run: the final ones of the first.
     centers: Vec<[f32; 2]>,
     ours: [Measured; 2],
     theirs: [Measured; 2],
@@ -140,7 +143,7 @@ struct Row {
 /// Measures and prints the table.
 ///
 /// # Errors
-/// The rope cannot be drawn, the pixels cannot be written for the script, or it goes wrong.
+/// The rope cannot be drawn, the pixels cannot be written for the script, or the script fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     anyhow::ensure!(
         args.passes > 0,
@@ -180,7 +183,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The pixels of two frames of the chain's rendered rope, one after the other: some 27,000 each.
+/// Returns the pixels of two successive frames of the rope that the chain renders, some 27,000
+/// each.
 fn masks(seed: u64) -> Result<[Pixels; 2]> {
     let frames = rendered(&RenderOptions {
         seed,
@@ -198,11 +202,11 @@ fn masks(seed: u64) -> Result<[Pixels; 2]> {
     }
     <[Pixels; 2]>::try_from(masks)
         .ok()
-        .context("the rendered rope has not the two frames that it was asked for")
+        .context("the rendered rope does not have the two frames requested")
 }
 
 impl Row {
-    /// Lariat's turn.
+    /// Runs lariat's turn.
     fn measure(&mut self, masks: &[Pixels; 2], seed: u64) {
         let mut centers = vec![[0.0; 2]; CENTERS];
         for _ in 0..RUNS {
@@ -223,7 +227,7 @@ impl Row {
     }
 }
 
-/// The rivals' turn.
+/// Runs the rivals' turn.
 fn ask(
     said: &mut Said,
     args: &Args,
@@ -233,7 +237,7 @@ fn ask(
     rows: &mut [Row],
 ) -> Result<()> {
     let of_pass = |row: &&mut Row| pass == 0 || row.method.rival != Rival::Once;
-    // Which row and which of its starts each of the runs is.
+    // Row and start of each requested run.
     let mut asked = Vec::new();
     let mut runs = Vec::new();
     let mut rows: Vec<_> = rows.iter_mut().filter(of_pass).collect();
@@ -309,7 +313,7 @@ fn table(rows: &[Row]) -> Table {
 }
 
 impl Measured {
-    /// The median of what it took, in nanoseconds, if it was measured.
+    /// Returns the median time in nanoseconds, if it was measured.
     fn ns(&self) -> Option<f64> {
         self.last.as_ref().map(|_| self.ns.median())
     }
@@ -319,7 +323,7 @@ impl Measured {
             Some(last) => [
                 millis(self.ns.median()),
                 last.rounds.to_string(),
-                // To six digits.
+                // Six significant digits.
                 match last.objective {
                     o if o.abs() < 1e3 => format!("{o:.4}"),
                     o => format!("{o:.0}"),

@@ -11,7 +11,7 @@ use crate::{
     latency, network, paper, readers, recording, rivals, servo, soak, three_d, tracking,
 };
 
-/// The measurements behind the figures that lariat claims (those of single steps are run by `cargo bench`)
+/// Measure the figures that lariat claims (`cargo bench` measures single steps)
 #[derive(Parser)]
 #[command(name = "lariat-bench", version, after_help = exit::CODES)]
 struct Cli {
@@ -21,57 +21,60 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// End-to-end latency on this machine, with its lower bounds and with other systems: `lariat bench`
+    /// Measure end-to-end latency on this machine, with its lower bounds and other systems:
+    /// `lariat bench`
     Latency(latency::BenchArgs),
-    /// A program that `latency` starts
+    /// Program that `latency` starts
     #[command(hide = true)]
     LatencyPart(latency::PartArgs),
-    /// Changes from one summary.json to another that exceed the noise
+    /// Compare two summary.json files and show changes that exceed the noise
     Compare(compare::CompareArgs),
-    /// The experiments of the paper that lariat is built on, repeated and with numbers, as one page
+    /// Repeat the experiments of the paper that lariat is based on, with numbers, as one page
     Paper(paper::PaperArgs),
-    /// Drives a simulated rope to a shape through the whole chain, and measures how well
+    /// Drive a simulated rope to a shape through the whole chain, and measure the result
     Servo(servo::ServoArgs),
-    /// The controller that `servo` starts
+    /// Controller that `servo` starts
     #[command(hide = true)]
     Controller(Box<servo::ControllerArgs>),
-    /// Distance of the extracted curves from the truth
+    /// Measure the distance of the extracted curves from the ground truth
     Accuracy(accuracy::Args),
-    /// Ropes lost, reversed or exchanged over many frames of moving ropes
+    /// Count ropes that are lost, reversed or exchanged over many frames of moving ropes
     #[command(alias = "time")]
     Tracking(tracking::Args),
-    /// Share of right pictures on grounds and under light that a plain table does not have
+    /// Measure the share of right pictures on difficult backgrounds and in difficult light
     #[command(name = "backgrounds", alias = "hard")]
     Backgrounds(backgrounds::Args),
-    /// One part at a time, for valgrind to count its instructions
+    /// Run one part at a time, for valgrind to count its instructions
     Instructions(instructions::Args),
-    /// Ropes in space by a drawn depth camera, against the true axis
+    /// Measure ropes in 3-D, seen by a simulated depth camera, against the true axis
     #[command(name = "3d", alias = "space")]
     ThreeD(three_d::Args),
-    /// Time of each layer of the mask network, with the machine's limit and ONNX Runtime
+    /// Measure the time of each layer of the mask network, with the machine's limit and ONNX
+    /// Runtime
     Network(network::Args),
-    /// Fits the weights of a curve's confidence to drawn pictures, and tests them on others
+    /// Fit the weights of a curve's confidence to drawn pictures, and test them on others
     CalibrateConfidence(confidence::Args),
-    /// The chain with each basis and option: its curves against the true rope
+    /// Run the chain with each basis and option, and compare its curves with the true rope
     Bases(bases::Args),
-    /// A day of frames by a simulated clock: the cost of the last hour against that of the first
+    /// Process a day of frames by a simulated clock, and compare the cost of its hours
     Soak(soak::Args),
-    /// The same work by OpenCV and scikit-image, side by side with lariat's
+    /// Do the same work with OpenCV and scikit-image, and show it next to lariat's
     Rivals(rivals::Args),
-    /// The same curve by NumPy, SciPy and geomdl, side by side with lariat's
+    /// Fit the same curve with NumPy, SciPy and geomdl, and show it next to lariat's
     FitRivals(fit_rivals::Args),
-    /// Centers by the paper's four clusterings, side by side with scikit-learn's, MiniSom's and scikit-fuzzy's
+    /// Compute the paper's four clusterings, and compare them with scikit-learn, MiniSom and
+    /// scikit-fuzzy
     Clusterings(clusterings::Args),
-    /// Speed of writing recordings, compared with dd
+    /// Measure the write speed of recordings, compared with dd
     Recording(recording::Args),
-    /// Cost of reading for a control loop, and of control loops for the chain
+    /// Measure the cost of reading for a control loop, and the cost of control loops for the chain
     Readers(readers::Args),
-    /// A program that `readers` starts
+    /// Program that `readers` starts
     #[command(hide = true)]
     ReadersPart(readers::PartArgs),
 }
 
-/// Runs the command line, and reports an error on standard error.
+/// Runs the command line and prints errors to standard error.
 pub fn run() -> ExitCode {
     Cli::parse().command.run().unwrap_or_else(|error| {
         if Unread::is_cause_of(&error) {
@@ -111,7 +114,7 @@ impl Command {
     }
 }
 
-/// A picture's size, as in `640x480`.
+/// Parses a picture's size, such as `640x480`.
 pub(crate) fn size(text: &str) -> Result<[usize; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| {
         let [width, height] = [width, height].map(str::parse::<usize>);
@@ -141,7 +144,7 @@ mod tests {
             }
             count += 1;
             let parsed = Cli::command().try_get_matches_from(words);
-            // A command may be mentioned without what it takes.
+            // A text may mention a command without its arguments.
             let mentioned = [
                 ErrorKind::MissingRequiredArgument,
                 ErrorKind::MissingSubcommand,

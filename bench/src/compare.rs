@@ -1,11 +1,14 @@
-//! `lariat compare A B`: what got better or worse from one summary to the other, beyond the noise.
+//! `lariat compare A B`: changes from one summary to the other that exceed the noise.
 //!
-//! Of two benches the noise is what their rounds show: a figure has changed if its medians are farther apart than both
-//! spreads together (of less than five rounds, than half as much again), and by more than a twentieth. So of figures that
-//! did not change, 0.02 % are taken for changed after five rounds each, and 0.3 % after three (simulated, with log-normal
-//! noise of 5 to 50 %). Of two single runs there are no rounds; there a percentile's noise is
-//! what the run's own distribution leaves open (the ranks q n ± 2 √(n q (1 − q)), two standard errors of a binomial
-//! count), and it must change by more than a tenth, as one run differs from the next by more than chance within it.
+//! For two benches, the noise is the spread of their rounds. A figure has changed if its medians
+//! differ by more than the sum of both spreads and by more than a twentieth. With fewer than five
+//! rounds, they must differ by more than one and a half times that sum. The rate of false changes
+//! is then 0.02 % after five rounds each, and 0.3 % after three (simulated, with log-normal noise
+//! of 5 to 50 %).
+//!
+//! Single runs consist of one round, so a percentile's noise follows from the run's own
+//! distribution: the ranks q n ± 2 √(n q (1 − q)), two standard errors of a binomial count. The
+//! change must also exceed a tenth, because runs differ by more than chance within one run.
 
 mod read;
 mod verdict;
@@ -25,18 +28,18 @@ use verdict::{Verdict, verdict};
 /// What to compare.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CompareArgs {
-    /// The summary.json of before, or its folder
+    /// Earlier summary.json, or its folder
     #[arg(value_name = "A")]
     before: PathBuf,
-    /// The summary.json of now, or its folder
+    /// Later summary.json, or its folder
     #[arg(value_name = "B")]
     now: PathBuf,
 }
 
-/// Prints what changed. Not a success if lariat got worse in something.
+/// Prints the changes. Returns a failure code if a figure of lariat got worse.
 ///
 /// # Errors
-/// A file is no summary, or the two are of different kinds.
+/// A file is not a summary, or the two are of different kinds.
 pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode> {
     let (before, now) = (read::summary(&args.before)?, read::summary(&args.now)?);
     if before.kind != now.kind {
@@ -67,11 +70,11 @@ pub(crate) fn run(args: &CompareArgs) -> Result<ExitCode> {
     })
 }
 
-/// A figure in both summaries.
+/// A figure that is in both summaries.
 struct Change<'a> {
     now: &'a Measured,
     before: f64,
-    /// Whether it is lariat's, and not the machine's or a rival's.
+    /// True for a figure of lariat, false for one of the machine or a rival.
     ours: bool,
     verdict: Verdict,
 }

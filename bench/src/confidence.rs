@@ -1,10 +1,14 @@
-//! `lariat-bench calibrate-confidence`: the weights of a curve's confidence, fitted to drawn pictures, and how true it is on others.
+//! `lariat-bench calibrate-confidence`: fits the weights of a curve's confidence to drawn pictures,
+//! and checks its reliability on others.
 //!
-//! Each picture of every class, the hard ones too, is drawn plain, on grounds of growing texture and in noise. The extractor makes its
-//! own mask of it, asks the network, and is given others: the true one, one that is uneven as a network's, and one that has gaps and false strands, too.
-//! Each curve is held against the truth: right if it covers 93 % of its rope, lies on it for as much of its length, and runs
-//! along it in order. Seeds go to the fit and to its check in turns, four at a time. Labelled pictures, as `lariat-scenes` draws them,
-//! are used in the same way.
+//! Each picture of every class, including the hard ones, is drawn plain, on backgrounds of
+//! increasing texture and with noise. The extractor computes its own mask, uses the network, and is
+//! given external masks: the true one, an uneven one like a network's, and one that also has gaps
+//! and false strands.
+//!
+//! Each curve is compared with the truth. It is right if it covers 93 % of its rope, is on it for
+//! the same share of its own length, and follows it in order. Seeds alternate between fit and check
+//! in groups of four. Labeled pictures, as `lariat-scenes` draws them, are used in the same way.
 
 mod ground;
 mod logistic;
@@ -27,37 +31,39 @@ use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
 
-/// The first seed of the hard classes: those before are `lariat-bench backgrounds`'s, which measures what is fitted here.
+/// First seed of the hard classes. `lariat-bench backgrounds` uses the seeds before it to measure the
+/// weights that are fitted here.
 const HARD_FROM: u64 = 1000;
 
 /// What to draw.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Pictures of each class; half of them are fitted
+    /// Number of pictures of each class; half of them are used for the fit
     #[arg(long, value_name = "N", default_value_t = 12)]
     seeds: u64,
-    /// Labelled pictures to fit to as well: a folder of sets, each with `images/` and `labels/`
+    /// Also fit to labeled pictures: a folder of sets, each with `images/` and `labels/`
     #[arg(long, value_name = "DIR")]
     labelled: Option<PathBuf>,
-    /// Fit nothing: say how true the confidence is, as it is built in, on these labelled pictures
+    /// Fit nothing: report the reliability of the built-in confidence on these labeled pictures
     #[arg(long, value_name = "DIR", conflicts_with_all = ["seeds", "labelled"])]
     check: Option<PathBuf>,
-    /// Draw how often curves are right over the confidence that they are given, a chart for each maker of masks
+    /// Draw the share of right curves against their confidence, one chart for each mask source
     #[arg(long, value_name = "FILE.svg", requires = "check")]
     diagram: Option<PathBuf>,
-    /// Write what was judged, a line for each curve: who made the mask, whether it is right and fitted, and its clues
+    /// Write one line per judged curve: the source of the mask, whether the curve is right and used
+    /// for the fit, and its clues
     #[arg(long, value_name = "FILE.csv")]
     examples: Option<PathBuf>,
 }
 
-/// A picture of a class: of four seeds two of the usual size, one of half of it, in which ropes are short beside their width, and
-/// one that is halved, in which they are thin.
+/// Draws a picture of a class. Two of four seeds have the usual size. One has half that size, so
+/// its ropes are short relative to their width. One is scaled down by half, so its ropes are thin.
 fn draw(class: Class, seed: u64) -> Option<Still> {
     let [width, height] = match seed % 4 {
         2 => [320, 240],
         _ => [640, 480],
     };
-    // Not every class fits into the small one.
+    // Not every class fits the small size.
     let still = scenes::draw(class, seed, width, height).ok()?;
     Some(if seed % 4 == 3 { halved(&still) } else { still })
 }
@@ -102,7 +108,7 @@ fn halved(still: &Still) -> Still {
     }
 }
 
-/// The makers of masks, with the names of their weights.
+/// The sources of masks, with the names of their weights.
 const MAKERS: [(&str, Maker); 4] = [
     ("OWN", Maker::Own),
     ("COLOR", Maker::Color),
@@ -110,7 +116,8 @@ const MAKERS: [(&str, Maker); 4] = [
     ("ELSEWHERE", Maker::Elsewhere),
 ];
 
-/// Prints how true the built-in confidence is, and what a loop gets that asks for 0.5. Draws the diagram, if one is wanted.
+/// Prints the reliability of the built-in confidence, and the result for a loop with a minimum of
+/// [`MIN_CONFIDENCE`]. Draws the diagram if `diagram` is given.
 fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
     let mut charts = Vec::new();
     for (name, maker) in MAKERS {
@@ -147,7 +154,7 @@ fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
     output.write(draw_charts("reliability", &charts, 2)?.as_bytes())
 }
 
-/// A reliability diagram: where the confidence is true it is a diagonal.
+/// Returns a reliability diagram. It is a diagonal where the confidence is correct.
 fn chart(maker: Maker, reliability: &Reliability) -> Chart {
     let title = match maker {
         Maker::Own => "mask from the table",
@@ -165,7 +172,7 @@ fn chart(maker: Maker, reliability: &Reliability) -> Chart {
     chart
 }
 
-/// A line for each curve.
+/// Writes one line per curve.
 fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
     let Some(file) = file else {
         return Ok(());
@@ -191,7 +198,7 @@ fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
     output.write(text.as_bytes())
 }
 
-/// Fits, and prints tables and reliability.
+/// Fits the weights, and prints tables and reliability.
 ///
 /// # Errors
 /// An extraction fails.
@@ -234,7 +241,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Extracts from a picture on a ground, with every kind of mask.
+/// Extracts from a picture on a background with every kind of mask.
 fn look(
     still: &Still,
     (class, seed): (Class, u64),
@@ -250,7 +257,7 @@ fn look(
     let uneven = masks::uneven(&cover, width, &mut random);
     let damaged = masks::damaged(&cover, still, &mut random);
     let damaged = masks::uneven(&damaged, width, &mut random);
-    // A mask that is given is the same on each ground.
+    // A given mask is the same on each background, so it is used on only one.
     let is_given = ground as u64 == seed % Ground::ALL.len() as u64;
     let given = [&cover, &uneven, &damaged];
     let given = given.into_iter().filter(|_| is_given);
@@ -266,7 +273,7 @@ fn look(
     Ok(())
 }
 
-/// Extracts from labelled pictures, with every kind of mask.
+/// Extracts from labeled pictures with every kind of mask.
 fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
     for (number, picture) in labelled::photographs(folder)?.enumerate() {
         let picture = picture?;
@@ -294,7 +301,8 @@ fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
     Ok(())
 }
 
-/// The kinds of masks that are tried on a picture. Colours are picked in every fourth one, as that takes a tenth of a second.
+/// Returns the kinds of masks to try on a picture. Color ranges are picked only in every fourth
+/// one, because picking takes a tenth of a second.
 fn kinds<'a>(
     image: &Image,
     number: u64,
@@ -311,7 +319,7 @@ fn kinds<'a>(
     own.into_iter().chain(by_color).chain(given).collect()
 }
 
-/// The curves in a picture, nothing left out for being unlikely, and what speaks for them.
+/// Returns all curves in a picture, including unlikely ones, and the evidence for them.
 fn extract(image: &Image, how: Mask, mask: Option<&[u8]>) -> Result<(Vec<Curve>, Vec<Evidence>)> {
     let (width, height) = (image.width(), image.height());
     let mut extractor = Extractor::new(Options::default().mask(how).min_confidence(0.0))?;

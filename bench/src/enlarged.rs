@@ -1,9 +1,10 @@
-//! A picture enlarged to be drawn on, so that half a pixel shows.
+//! An enlarged picture to draw on, so that half a pixel is visible.
 
 use image::{RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
 
-/// An enlarged picture. Positions are those of the picture, whose pixel centres are whole numbers; widths are the canvas's.
+/// An enlarged picture. Positions are in pixels of the original picture, with pixel centers at
+/// integers. Widths are in pixels of the canvas.
 #[derive(Debug)]
 pub(crate) struct Enlarged {
     pub(crate) canvas: Canvas,
@@ -11,7 +12,7 @@ pub(crate) struct Enlarged {
 }
 
 impl Enlarged {
-    /// The picture, `zoom` times as large.
+    /// Enlarges the picture by `zoom`.
     pub(crate) fn new(picture: &RgbImage, zoom: u32) -> Self {
         let [width, height] = [picture.width(), picture.height()].map(|side| zoom * side);
         let nearest = imageops::FilterType::Nearest;
@@ -19,7 +20,7 @@ impl Enlarged {
         Self { canvas, zoom }
     }
 
-    /// Lowers every pixel to `share` of its light.
+    /// Scales every pixel's brightness by `share`.
     pub(crate) fn darken(&mut self, share: f32) {
         for value in self.canvas.picture.iter_mut() {
             *value = (f32::from(*value) * share) as u8;
@@ -38,7 +39,8 @@ impl Enlarged {
         self.canvas.dots(&centers, diameter_px).ink(color, 1.0);
     }
 
-    /// The picture's pixel (0, 0) covers the canvas's pixels 0 to `zoom` - 1 along each side.
+    /// Maps positions to the canvas. The picture's pixel (0, 0) covers the canvas's pixels 0 to
+    /// `zoom` - 1 along each side.
     fn places(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let zoom = f64::from(self.zoom);
         let place = |at: &[f64; 2]| at.map(|v| (v + 0.5) * zoom - 0.5);

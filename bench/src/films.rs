@@ -1,4 +1,4 @@
-//! Frames of the chain's own rendered rope, with their truth.
+//! Frames of the rope that the chain renders, with their ground truth.
 
 use anyhow::{Context, Result};
 use lariat_capture::{RenderOptions, Source, open};
@@ -8,19 +8,20 @@ use lariat_wire::Centerlines;
 
 use crate::Picture;
 
-/// A frame and what is true of it.
+/// A frame and its ground truth.
 #[derive(Debug)]
 pub struct TrueFrame {
     /// The frame, `Rgb8`.
     pub picture: Picture,
-    /// Where its rope lies; crossings are not told.
+    /// Position of its rope. Crossings are not included.
     pub truth: Truth,
 }
 
-/// The first frames of the rendered rope, as `lariat run` shows it without a camera: as many as the options say.
+/// Renders the first frames of the rope that `lariat run` shows without a camera. The options
+/// determine their number.
 ///
 /// # Errors
-/// The options make no picture of a rope, or say no number of frames.
+/// The options do not describe a picture of a rope, or give no number of frames.
 pub fn rendered(options: &RenderOptions) -> Result<Vec<TrueFrame>> {
     anyhow::ensure!(
         options.frames.is_some(),

@@ -1,5 +1,5 @@
-//! `lariat-bench fit-rivals`: the curve of order 8 through 120 points by NumPy, SciPy and geomdl, and by lariat, on one
-//! thread, in turns, in one table.
+//! `lariat-bench fit-rivals`: the curve of order 8 through 120 points by NumPy, SciPy and geomdl,
+//! and by lariat, in turns on one thread, in one table.
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -12,16 +12,16 @@ use serde::Deserialize;
 
 use crate::python::Said;
 
-/// Fits between two looks at the clock.
+/// Number of fits between two clock readings.
 const BATCH: usize = 1000;
 
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The Python that has the libraries
+    /// Python interpreter that has the libraries
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
-    /// Times that each takes its turn
+    /// Number of turns of each program
     #[arg(long, value_name = "N", default_value_t = 5)]
     passes: usize,
 }
@@ -32,10 +32,10 @@ struct Measured {
     median_ns: f64,
 }
 
-/// What the rivals said, over all passes.
+/// Results of the rivals over all passes.
 #[derive(Default)]
 struct Theirs {
-    /// In the order in which they came.
+    /// Times in the order in which the rivals reported them.
     ns: Vec<(String, Samples)>,
     said: Said,
 }
@@ -43,7 +43,7 @@ struct Theirs {
 /// Measures and prints the table.
 ///
 /// # Errors
-/// The points cannot be written for the script, or it goes wrong.
+/// The points cannot be written for the script, or the script fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     anyhow::ensure!(
         args.passes > 0,
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         for (_, fitter, samples) in &mut ours {
             for _ in 0..100 {
                 samples.push(nanoseconds(|| {
-                    // The points are always good, so the fit is always one.
+                    // These points can always be fitted.
                     let _ = black_box(fitter.fit(black_box(&rope)));
                 }));
             }
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What lariat is asked for, the default first.
+/// Returns lariat's options to measure, the default first.
 fn ways() -> Vec<(&'static str, Options)> {
     let plain = Options::default();
     let of = |basis| plain.basis(basis);
@@ -127,7 +127,7 @@ fn ways() -> Vec<(&'static str, Options)> {
     ]
 }
 
-/// What it takes once, in nanoseconds.
+/// Returns the mean time of one call, in nanoseconds.
 fn nanoseconds(mut fit: impl FnMut()) -> f64 {
     let start = Instant::now();
     for _ in 0..BATCH {
@@ -136,7 +136,7 @@ fn nanoseconds(mut fit: impl FnMut()) -> f64 {
     start.elapsed().as_secs_f64() * 1e9 / BATCH as f64
 }
 
-/// A rope with noise, so that no method finds it too easy.
+/// Returns a noisy rope, so that no method has an easy case.
 fn rope() -> Vec<[f64; 2]> {
     let mut state = 1u64;
     let mut noise = move || {

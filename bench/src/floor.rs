@@ -2,11 +2,11 @@
 
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
-/// Running sums side by side: more than the loads that a core has under way at a time wait for.
+/// Number of parallel running sums: more than the loads that a core has in flight at a time.
 const SUMS: usize = 8;
 
-/// Sums all bytes of a frame by the widest loads the machine has, eight bytes to a lane, and does nothing else: no
-/// extraction that looks at every pixel can be faster.
+/// Sums all bytes of a frame with the widest loads of the machine, eight bytes per lane. No
+/// extraction that examines every pixel can be faster.
 #[derive(Debug, Clone, Copy)]
 pub struct ReadPass {
     arch: Arch,
@@ -19,7 +19,8 @@ impl Default for ReadPass {
 }
 
 impl ReadPass {
-    /// The wrapping sum of the eight-byte words of `bytes`, and of the bytes before and after them.
+    /// Returns the wrapping sum of the eight-byte words of `bytes` and of the unaligned bytes
+    /// before and after them.
     pub fn sum(&self, bytes: &[u8]) -> u64 {
         self.arch.dispatch(Sum { bytes })
     }
@@ -59,7 +60,7 @@ mod tests {
     #[test]
     fn every_byte_counts() {
         let read = ReadPass::default();
-        // Of a length and a start that are no multiple of anything.
+        // Length and start are unaligned.
         let mut bytes = vec![0u8; 2051];
         for i in 1..bytes.len() {
             bytes[i] = 1;

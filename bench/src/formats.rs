@@ -1,11 +1,12 @@
-//! A picture in another pixel format, as a camera would send it.
+//! Conversion of a picture to another pixel format, as a camera would send it.
 
 use lariat_extract::PixelFormat;
 
 use crate::Picture;
 
-/// An RGB picture in `format`, by ITU-R BT.601 in full range, colour averaged over the pixels that share it.
-/// `None` if the picture is not `Rgb8`, or if a side is odd where pixels share colour.
+/// Converts an RGB picture to `format`, by ITU-R BT.601 in full range. Color is averaged over the
+/// pixels that share it. Returns `None` if the picture is not `Rgb8`, or if a side is odd where
+/// pixels share color.
 pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
     let [width, height] = picture.size();
     let shared = match format {
@@ -73,7 +74,7 @@ pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
         | PixelFormat::BayerBggr8
         | PixelFormat::BayerGrbg8
         | PixelFormat::BayerGbrg8 => {
-            // Which colour the first two pixels of the first two rows let through.
+            // Color index of the first two pixels of the first two rows.
             let mosaic = match format {
                 PixelFormat::BayerRggb8 => [[0, 1], [1, 2]],
                 PixelFormat::BayerBggr8 => [[2, 1], [1, 0]],
@@ -90,7 +91,7 @@ pub fn converted(picture: &Picture, format: PixelFormat) -> Option<Picture> {
     }
 }
 
-/// Y, and U and V about 0.
+/// Returns Y, and U and V centered on 0.
 fn to_yuv(rgb: &[u8]) -> [f32; 3] {
     let [r, g, b] = [rgb[0], rgb[1], rgb[2]].map(f32::from);
     let y = 0.299 * r + 0.587 * g + 0.114 * b;
@@ -105,7 +106,7 @@ fn to_byte(value: f32) -> u8 {
 mod tests {
     use super::*;
 
-    /// Four columns, two rows: the left half red, the right half white.
+    /// Returns four columns and two rows: the left half red, the right half white.
     fn picture() -> Picture {
         let row = [[255, 0, 0], [255, 0, 0], [255, 255, 255], [255, 255, 255]].concat();
         Picture::rgb([4, 2], &row.repeat(2)).unwrap()
@@ -113,7 +114,8 @@ mod tests {
 
     #[test]
     fn red_and_white_are_what_the_standard_says() {
-        // BT.601, full range: red is Y 76, U 85, V 255 (clamped from 255.5); white 255, 128, 128.
+        // BT.601, full range: red is Y 76, U 85, V 255 (clamped from 255.5); white is 255, 128,
+        // 128.
         let bytes = |format| converted(&picture(), format).unwrap().bytes().to_vec();
         assert_eq!(bytes(PixelFormat::Gray8), [76, 76, 255, 255].repeat(2));
         let yuyv = [76, 85, 76, 255, 255, 128, 255, 128];

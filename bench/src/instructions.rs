@@ -1,9 +1,11 @@
-//! `lariat-bench instructions`: parts that decide lariat's speed, one at a time, for valgrind to count their instructions.
+//! `lariat-bench instructions`: runs the parts that determine lariat's speed, one at a time, for
+//! valgrind to count their instructions.
 //!
-//! A count is exact on a busy machine, where a time is not. `.ci/gates instructions` starts this command under
-//! `valgrind --tool=callgrind --toggle-collect='*instructions::counted*'`, which counts only within [`counted`], and compares the
-//! counts with its record. The counts come from the test build and from AVX2, as valgrind does not know AVX-512. Only their
-//! changes have a meaning.
+//! A count is exact on a busy machine, unlike a time. `.ci/gates instructions` starts this command
+//! under `valgrind --tool=callgrind --toggle-collect='*instructions::counted*'`. Valgrind then
+//! counts only within [`counted`], and the gate compares the counts with its record. The counts
+//! come from the test build and from AVX2, because valgrind does not support AVX-512. Only changes
+//! of the counts are meaningful.
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -19,22 +21,22 @@ use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Wri
 use crate::{Picture, paint, rendered};
 
 const SIZE: [usize; 2] = [640, 480];
-/// The size of the network's picture.
+/// Size of the network's picture.
 const SMALL: [usize; 2] = [160, 128];
-/// Frames that are followed before the one that counts.
+/// Number of frames tracked before the one that is counted.
 const FRAMES_BEFORE: u64 = 6;
 
-/// Which part.
+/// The part to run.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The part; without one all are listed, and their pictures drawn
+    /// Name of the part; without it, list all parts and draw their pictures
     part: Option<String>,
-    /// The folder that holds the pictures: under valgrind drawing takes minutes
+    /// Folder that holds the pictures, because drawing them under valgrind takes minutes
     #[arg(long, value_name = "DIR")]
     pictures: PathBuf,
 }
 
-/// Draws the pictures and lists the parts, or runs one.
+/// Draws the pictures and lists the parts, or runs one part.
 ///
 /// # Errors
 /// The part is unknown, or a picture cannot be written or read.
@@ -86,7 +88,7 @@ fn counted<T>(work: impl FnOnce() -> T) -> T {
     black_box(work())
 }
 
-/// Pictures as raw bytes, red, green and blue.
+/// A folder of pictures as raw RGB bytes.
 struct Folder<'a>(&'a Path);
 
 impl Folder<'_> {
@@ -197,13 +199,13 @@ fn set_up(options: Options) -> Result<()> {
     Ok(())
 }
 
-/// A message of descriptors, written and read.
+/// Writes and reads a message of descriptors.
 fn message() -> Result<()> {
     let domain = Domain::named(&format!("count-{}", std::process::id()))?;
     let rig: Rig = "default".parse()?;
     let writer = Writer::<Descriptors>::create(&domain, &rig, &DESCRIPTORS, &Delivery::NewestWins)?;
     let reader = Receiver::descriptors(&domain, &rig)?;
-    // The first messages find the reader.
+    // The first messages connect to the reader.
     for _ in 0..2 {
         writer.slot()?.send()?;
         reader.next()?;

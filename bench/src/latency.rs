@@ -1,45 +1,51 @@
-//! `lariat bench`: how long a frame is under way on this machine, beside what it cannot be faster than and what others
-//! take.
+//! `lariat bench`: the end-to-end latency of a frame on this machine, with its lower bounds and the
+//! latency of other systems.
 //!
-//! Everything is measured in rounds, one thing after the other, and again: what drifts on a machine drifts for all.
-//! A figure is the median of its rounds; between the least and the greatest round lies its noise.
+//! Everything is measured once per round, so that drift of the machine affects all measurements. A
+//! figure is the median of its rounds. Its noise is the range from the least to the greatest round.
 //!
 //! # How it works
 //!
-//! `lariat bench` (`bench/src/latency/`) measures everything in rounds (`plan`): floors, the chain, rivals, and again, so that what
-//! drifts on a machine drifts for all; a figure is the median of its rounds, a ratio is taken within each round. It starts
-//! `lariat`, and parts of this program (`lariat-bench latency-part …`, hidden), in a domain, a folder and a process group of their own.
-//! Each is started through `latency-part guard` (`guard`), which asks the kernel to end it with the bench, puts it on its core
-//! and under FIFO if so asked, and then becomes it: a Ctrl-C, an error or a `kill -9` of the bench leaves nothing
-//! running.
+//! Each round of `lariat bench` (`bench/src/latency/`) measures floors, the chain and rivals
+//! (`plan`). A figure is the median of its rounds; a ratio is taken within each round. The bench
+//! starts `lariat` and parts of this program (`lariat-bench latency-part …`, hidden) in a domain, a
+//! folder and a process group of their own.
 //!
-//! | module | what |
+//! Each process is started through `latency-part guard` (`guard`). The guard asks the kernel to end
+//! it with the bench. It moves to its core and to FIFO scheduling if requested, and then becomes
+//! the program (`exec`). A Ctrl-C, an error or a `kill -9` of the bench leaves nothing running.
+//!
+//! | module | content |
 //! |---|---|
-//! | `choice`, `plan`, `job` | what the user can choose, what is measured in which order and for how long, one measurement |
-//! | `floors` | reading and copying the frame, a wake on a futex and an eventfd on one core and across, lateness of a timer, as other programs have it and under FIFO: no chain's 99.9th percentile is better than that one's for long |
-//! | `relay` | four processes that pass 64 bytes on over bare iceoryx2 (`bare`), in each arrangement; the best of a run is its floor |
-//! | `chain` | `lariat run` as users start it. What it says itself is read from its `--out`; the share of a core is looked up over the middle of the run (`usage`), memory in a run of its own, as a look at a process's pages holds it up |
-//! | `rivals/` | the same stages' work (`steps`) as threads with channels, and over Unix sockets (`encoding`); the scripts of `bench/rivals`, which are in the executable |
-//! | `figures`, `targets` | rounds merged; what is to be reached |
-//! | `table`, `plot`, `report`, `summary` | what is shown: text, SVG, HTML, JSON |
+//! | `choice`, `plan`, `job` | the user's options; the order and duration of measurements; one measurement |
+//! | `floors` | reading and copying the frame; a wake on a futex and an eventfd, on one core and across cores; lateness of a timer, with default scheduling and under FIFO, which bounds every chain's 99.9th percentile |
+//! | `relay` | four processes that forward 64 bytes over bare iceoryx2 (`bare`), in each arrangement; the best of a run is its floor |
+//! | `chain` | `lariat run` as users start it. Its own figures are read from its `--out`. The share of a core is sampled over the middle of the run (`usage`). Memory is measured in a separate run, because examining a process's pages delays it |
+//! | `rivals/` | the same stages' work (`steps`) as threads with channels, and over Unix sockets (`encoding`); the scripts of `bench/rivals`, which are embedded in the executable |
+//! | `figures`, `targets` | merging of rounds; targets |
+//! | `table`, `plot`, `report`, `summary` | output: text, SVG, HTML, JSON |
 //!
-//! *Overhead* is the way of a frame from its due moment into the reader's hands without the time extract and fit worked on it,
-//! frame by frame (`overhead.hgrm`); *links* the same without how late capture was. The floor of 64 bytes counts from the due
-//! moment, too.
+//! *Overhead* is the time from a frame's due time until a reader has its result, minus the work of
+//! extract and fit on it. It is computed frame by frame (`overhead.hgrm`). *Links* is the overhead
+//! minus the lateness of capture. The floor of 64 bytes also counts from the due time.
 //!
-//! **Where the tail is** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a virtual machine). Up to
-//! about 0.8 ms it is extraction: one frame in some tens is looked at whole, 0.5 to 0.75 ms of work with caches that following
-//! has left cold, where the median frame takes 0.1 ms in all. Where many in a row are, beside the drawing, each is later than the one
-//! before, up to 30 ms: `slowest.txt` of `lariat run --out` shows which. Beyond that it is the host: stages that stay on their core for
-//! 2 to 25 ms without the kernel's own ticks in between, which says that the core itself stood still, and phases of 0.1 s in
-//! which every stage takes ten to thirty times as long. The chain itself waits for nothing there: in the minute stages were put
-//! off their core twenty times, by the kernel's own workers, and the longest from a wake to the woken's first step was 3 ms,
-//! within such a phase. Drawing the rope is half of the work at
-//! that rate, all on the one core, so that each such pause takes three times its length to catch up with.
+//! **The tail** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a
+//! virtual machine):
 //!
-//! `lariat-bench soak` shows the film of a rope for a day by the frames' own clock, through extraction, fit and filter (2.6
-//! million frames in two minutes): the last hour costs what the first did, in time, memory and descriptors. Sink has a test of
-//! as many messages.
+//! - Up to about 0.8 ms it is extraction. One frame in some tens gets a full extraction, which
+//!   takes 0.5 to 0.75 ms with the caches cold from tracking. The median frame takes 0.1 ms in all.
+//! - Several such frames in a row, next to the rendering, delay each other, up to 30 ms.
+//!   `slowest.txt` of `lariat run --out` shows them.
+//! - Beyond that it is the host. Stages stay on their core for 2 to 25 ms without a kernel tick, so
+//!   the core itself was stopped. In phases of 0.1 s every stage takes ten to thirty times as long.
+//! - The chain itself does not wait. The kernel's own workers preempted stages twenty times in the
+//!   minute. The longest delay from a wake to the first step was 3 ms, in a slow phase.
+//! - Rendering the rope is half of the work at that rate, all on one core. Catching up therefore
+//!   takes three times the length of a pause.
+//!
+//! `lariat-bench soak` runs a day of rope frames by a simulated clock through extraction, fit and
+//! filter (2.6 million frames in two minutes). Its last hour costs as much as the first, in time,
+//! memory and descriptors. The sink has a test with as many messages.
 
 mod chain;
 mod choice;
@@ -76,31 +82,33 @@ use workplace::Workplace;
 /// What to measure.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BenchArgs {
-    /// Write report.html, summary.json and a histogram (.hgrm) of everything into this folder
+    /// Write report.html, summary.json and a histogram (.hgrm) of every measurement into this
+    /// folder
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Overwrite a report that is there already
+    /// Overwrite an existing report
     #[arg(long)]
     pub force: bool,
-    /// A look in a few seconds: one short round
+    /// Measure one short round, in a few seconds
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
-    /// Every size at every rate, 640×480 at 1000 frames/s for a minute: takes half an hour
+    /// Measure every size at every rate, and 640×480 at 1000 frames/s for a minute: takes half an
+    /// hour
     #[arg(long)]
     pub full: bool,
-    /// Also with every core kept busy by another program
+    /// Measure also with every core kept busy by another program
     #[arg(long)]
     pub load: bool,
-    /// Sizes of the picture, instead of the usual ones
+    /// Sizes of the picture in pixels, instead of the usual ones
     #[arg(long, value_name = "WxH", num_args = 1.., value_parser = choice::size)]
     pub size: Vec<[u32; 2]>,
     /// Rates in frames per second, or `max`, instead of the usual ones
     #[arg(long, value_name = "NUMBER", num_args = 1.., value_parser = choice::rate)]
     pub fps: Vec<choice::Rate>,
-    /// How often everything is measured
+    /// Number of rounds
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: Option<u32>,
-    /// The Python that has the rivals' packages
+    /// Python interpreter that has the rivals' packages
     #[arg(long, value_name = "PATH", default_value = "python3")]
     pub python: PathBuf,
     /// Flags of `lariat run` that the chain is measured with, after `--`
@@ -108,7 +116,7 @@ pub(crate) struct BenchArgs {
     pub flags: Vec<String>,
 }
 
-/// A program that a measurement is made of. Not for users.
+/// A helper program of a measurement. Not for users.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct PartArgs {
     #[command(subcommand)]
@@ -117,19 +125,19 @@ pub(crate) struct PartArgs {
 
 #[derive(Debug, Clone, Subcommand)]
 enum Part {
-    /// Becomes another program, which ends with the bench
+    /// Run another program that ends with the bench
     Guard(guard::GuardArgs),
-    /// One of four processes that pass 64 bytes on
+    /// Run one of four processes that forward 64 bytes
     Relay(relay::RelayArgs),
-    /// The four stages as threads
+    /// Run the four stages as threads
     Threads(rivals::ThreadsArgs),
-    /// One of four stages over sockets
+    /// Run one of four stages over sockets
     SocketStage(rivals::StageArgs),
-    /// Keeps a core busy
+    /// Keep a core busy
     Spin,
 }
 
-/// Is a part of a measurement.
+/// Runs one part of a measurement.
 pub(crate) fn run_part(args: &PartArgs) -> Result<ExitCode> {
     match &args.part {
         Part::Guard(args) => return guard::run(args),
@@ -141,7 +149,7 @@ pub(crate) fn run_part(args: &PartArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Counts until a signal comes.
+/// Spins until a signal arrives.
 fn spin() -> Result<()> {
     let stop = Stop::on_signals()?;
     while !stop.asked() {
@@ -153,17 +161,18 @@ fn spin() -> Result<()> {
 /// Runs `lariat bench`.
 ///
 /// # Errors
-/// The chain does not run here, or the report cannot be written. Rivals that are not there are said to be missing.
+/// The chain does not run here, or the report cannot be written. Unavailable rivals are reported as
+/// missing, not as errors.
 pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
-    // Asked before the minutes pass.
+    // Fail early, before minutes of measuring.
     let existing = Existing::forced(args.force);
     let folder = args
         .out
         .as_ref()
         .map(|dir| OutputFolder::new(dir, existing, ["report.html", "summary.json"]))
         .transpose()?;
-    // A path is meant from here, and not from where the scripts run; symbolic links stay, as a virtual environment's
-    // Python is one.
+    // A relative path refers to the current folder, not to the one where the scripts run. Symbolic
+    // links are kept, because the Python of a virtual environment is one.
     let python = match args.python.components().count() {
         1 => args.python.clone(),
         _ => std::path::absolute(&args.python).unwrap_or_else(|_| args.python.clone()),
@@ -179,7 +188,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     drop(workplace);
     plan.compare_with_the_floor();
     let summary = summary::Summary::new(&plan, args, rounds, seconds);
-    // The report is written also where nobody reads this.
+    // The report is written even if nobody reads the standard output.
     let said = print(&table::table(&plan, &summary));
     if let Some(folder) = &folder {
         report::write(folder, &plan, &summary)?;
@@ -190,7 +199,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Measures everything, round after round; a signal ends it after the rounds that are whole.
+/// Measures everything, round by round. On a signal, returns with the rounds that are complete.
 fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
     let mut whole = 0;
     for round in 1..=plan.rounds {
@@ -231,7 +240,7 @@ fn measure(plan: &mut Plan, workplace: &Workplace) -> Result<u32> {
     Ok(whole)
 }
 
-/// Says in place what is measured just now, on a terminal.
+/// Shows the current measurement in place, on a terminal.
 fn say(line: &str) {
     if std::io::stderr().is_terminal() {
         eprint!("\r\x1b[K{line}");

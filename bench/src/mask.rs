@@ -1,11 +1,11 @@
-//! What the measurements can be asked to look with.
+//! Mask options of the measurements.
 
-/// How the ropes' pixels are told from the others.
+/// Method that segments the ropes' pixels.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(crate) enum Mask {
-    /// What differs from a plain table; where there is none, the network
+    /// Difference from a plain table; the network on other backgrounds
     Auto,
-    /// The network, always
+    /// Always the network
     Network,
 }
 

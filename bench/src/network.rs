@@ -1,5 +1,6 @@
-//! `lariat-bench network`: what the mask network costs on one core, layer by layer beside the multiply-adds that the machine can
-//! do at all, in every kind of registers, and beside ONNX Runtime with the same weights.
+//! `lariat-bench network`: the cost of the mask network on one core, layer by layer. It is shown
+//! next to the machine's maximum rate of multiply-adds, for every kind of registers, and next to
+//! ONNX Runtime with the same weights.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,38 +17,40 @@ use crate::python::Said;
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A file of weights (default: random ones, which cost the same)
+    /// File of weights (default: random ones, which cost the same)
     #[arg(value_name = "WEIGHTS")]
     weights: Option<PathBuf>,
-    /// The picture's width, px
+    /// Width of the picture in pixels
     #[arg(long, value_name = "PX", default_value_t = 640)]
     width: usize,
-    /// The picture's height, px
+    /// Height of the picture in pixels
     #[arg(long, value_name = "PX", default_value_t = 480)]
     height: usize,
-    /// Pictures for each median
+    /// Number of pictures for each median
     #[arg(long, value_name = "N", default_value_t = 200)]
     rounds: usize,
-    /// The Python that has onnx and onnxruntime: measures them too (sides of multiples of 16)
+    /// Python interpreter that has onnx and onnxruntime: measure these too (the sides must be
+    /// multiples of 16)
     #[arg(long, value_name = "PATH")]
     python: Option<PathBuf>,
-    /// Writes the ONNX models beside this name
+    /// Write the ONNX models next to this name
     #[arg(long, value_name = "PATH", requires = "python")]
     keep: Option<PathBuf>,
 }
 
-/// The instruction's own time is taken so often, some 50 µs each; the best is the limit.
+/// Number of times that the instruction alone is timed, some 50 µs each. The best time gives the
+/// limit.
 const SPINS: usize = 400;
 const SPIN_ROUNDS: u64 = 20_000;
-/// The plain loop is for equality, not for speed.
+/// Number of rounds of the scalar loop, which serves to check equality and not to measure speed.
 const PLAIN_ROUNDS: usize = 2;
-/// Work that is no layer.
+/// Work outside the layers.
 const OTHERS: [&str; 3] = ["picture", "skips", "maps"];
 
-/// Measures, and prints the tables.
+/// Measures and prints the tables.
 ///
 /// # Errors
-/// The weights are none; a script goes wrong.
+/// The file does not contain weights, or a script fails.
 pub(crate) fn run(args: &Args) -> Result<()> {
     ensure!(
         args.rounds > 0,
@@ -75,7 +78,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The network, a picture, and where its maps go.
+/// The network, a picture, and memory for its maps.
 struct Bench {
     network: Network,
     workspace: Workspace,
@@ -113,7 +116,7 @@ impl Bench {
             .sum()
     }
 
-    /// A picture, with all that is told of it.
+    /// Runs the network on the picture. `done` receives the name of each completed step.
     fn look(&mut self, kernels: ConvolutionKernels, done: impl FnMut(&'static str)) -> Result<()> {
         let [width, height] = self.size;
         let picture = Picture {
@@ -147,7 +150,7 @@ impl Bench {
         Ok(())
     }
 
-    /// In the registers that are chosen by default.
+    /// Measures each layer with the default registers.
     fn layers(&mut self, rounds: usize) -> Result<Table> {
         let kernels = ConvolutionKernels::new();
         let names = LAYERS.iter().map(|layer| layer.name).chain(OTHERS);
@@ -193,7 +196,7 @@ impl Bench {
         Ok(table)
     }
 
-    /// The same picture by ONNX Runtime, in a table that is printed.
+    /// Runs ONNX Runtime on the same picture and prints a table.
     fn rivals(&mut self, args: &Args, python: &Path) -> Result<()> {
         let [width, height] = self.size;
         ensure!(
@@ -222,7 +225,8 @@ impl Bench {
         };
         let mut said = Said::default();
         let theirs = said.ask::<Measured>(python, "network.py", &request)?;
-        // Before and after them: whatever else the machine does, it does to both.
+        // lariat is measured before and after the rivals, so that drift of the machine affects
+        // both.
         self.whole(kernels, args.rounds, &mut own)?;
         let ns = own.median();
         let head = [
@@ -262,7 +266,7 @@ impl Bench {
     }
 }
 
-/// What the script is asked.
+/// Request to the script.
 #[derive(Serialize)]
 struct Request {
     weights: PathBuf,
@@ -275,18 +279,18 @@ struct Request {
     keep: Option<PathBuf>,
 }
 
-/// A model's time, and how far its maps are from lariat's, in steps of a byte.
+/// A model's time, and the difference of its maps from lariat's in byte steps.
 #[derive(Deserialize)]
 struct Measured {
     name: String,
     median_ns: f64,
     mean: f64,
     most: f64,
-    /// The share of pixels that differ by more than half a step.
+    /// Share of pixels that differ by more than half a step.
     other: f64,
 }
 
-/// Multiply-adds a nanosecond, by the instruction alone.
+/// Returns the multiply-adds per nanosecond of the instruction alone.
 fn limit(kernels: ConvolutionKernels) -> f64 {
     let rate = |_| {
         let start = Instant::now();

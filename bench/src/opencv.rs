@@ -1,9 +1,9 @@
-//! Colour ranges as OpenCV counts them.
+//! Color ranges in OpenCV's units.
 
 use lariat_extract::HsvRange;
 
-/// A range as OpenCV counts hue (0 to 179), saturation and value (0 to 255), lowest and highest; two, if the hue wraps
-/// through 0.
+/// Returns the lowest and highest hue (0 to 179), saturation and value (0 to 255) of a range in
+/// OpenCV's units. Returns two ranges if the hue wraps through 0.
 pub fn opencv_bounds(range: &HsvRange) -> Vec<[[u8; 3]; 2]> {
     let byte = |share: f32| (255.0 * share + 0.5) as u8;
     let hue = |degrees: f32| ((degrees / 2.0) as u8).min(179);

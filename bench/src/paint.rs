@@ -5,19 +5,20 @@ use std::f64::consts::PI;
 use crate::Picture;
 use anyhow::{Context, Result};
 
-/// Pixels in a row of all of them.
+/// Width of all pictures, px.
 pub const WIDTH: usize = 640;
-/// Their rows.
+/// Height of all pictures, px.
 pub const HEIGHT: usize = 480;
 const ROPE: [u8; 3] = [40, 92, 190];
 const TABLE: [u8; 3] = [226, 221, 210];
-/// Levels of noise either way: a pattern without any is easier than a camera's.
+/// Amplitude of the noise in levels. A pattern without noise is easier than a camera's picture.
 const NOISE: u64 = 4;
 
-/// A picture whose pixel is rope to the share (0 to 1) that `cover` says; what is more than the rope is darker.
+/// Draws a picture. `cover` is the share (0 to 1) of a pixel that is rope. Values above 1 give a
+/// pixel darker than the rope.
 ///
 /// # Errors
-/// None: the size is that of a picture.
+/// Does not fail: the size is valid.
 pub fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
     let mut noise = Noise(1);
     let mut rgb = Vec::with_capacity(3 * WIDTH * HEIGHT);
@@ -32,9 +33,9 @@ pub fn picture(cover: impl Fn(usize, usize) -> f64) -> Result<Picture> {
     Picture::rgb([WIDTH, HEIGHT], &rgb).context("three bytes a pixel are a picture")
 }
 
-/// A picture of ropes along lines: each a function of 0 to 1.
+/// Draws ropes along lines. Each line is a function of a parameter from 0 to 1.
 fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
-    // A sample for each quarter of a pixel of the longest line that is drawn here.
+    // One sample per quarter of a pixel of the longest line.
     const SAMPLES: usize = 40_000;
     let mut distance_px = vec![f64::INFINITY; WIDTH * HEIGHT];
     let reach = width_px / 2.0 + 1.0;
@@ -54,10 +55,10 @@ fn ropes(lines: &[&dyn Fn(f64) -> [f64; 2]], width_px: f64) -> Result<Picture> {
     picture(|x, y| (width_px / 2.0 + 0.5 - distance_px[y * WIDTH + x]).clamp(0.0, 1.0))
 }
 
-/// The Chebyshev curve x = T₅, y = T₆: open, with (5 − 1)(6 − 1) / 2 crossings.
+/// Draws the Chebyshev curve x = T₅, y = T₆, which is open and has (5 − 1)(6 − 1) / 2 crossings.
 ///
 /// # Errors
-/// None: the size is that of a picture.
+/// Does not fail: the size is valid.
 pub fn ten_crossings() -> Result<Picture> {
     let line = |t: f64| {
         [
@@ -68,10 +69,10 @@ pub fn ten_crossings() -> Result<Picture> {
     ropes(&[&line], 12.0)
 }
 
-/// Eight ropes one above the other that do not touch.
+/// Draws eight ropes one above the other that do not touch.
 ///
 /// # Errors
-/// None: the size is that of a picture.
+/// Does not fail: the size is valid.
 pub fn eight_ropes() -> Result<Picture> {
     let lines: [_; 8] = std::array::from_fn(|k| {
         move |t: f64| {
@@ -83,12 +84,12 @@ pub fn eight_ropes() -> Result<Picture> {
     ropes(&lines, 12.0)
 }
 
-/// Xorshift: noise that is the same everywhere.
+/// A xorshift generator, whose noise is the same on every machine.
 #[derive(Debug, Clone, Copy)]
 pub struct Noise(pub u64);
 
 impl Noise {
-    /// The next number, of 31 bits.
+    /// Returns the next number, of 31 bits.
     pub fn next_number(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

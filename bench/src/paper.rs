@@ -1,4 +1,5 @@
-//! `lariat paper`: the experiments of arXiv 2312.16502 again, as one page with figures and as tables of numbers.
+//! `lariat paper`: repeats the experiments of arXiv 2312.16502 as one page with figures and as
+//! tables of numbers.
 
 use anyhow::Result;
 use clap::Args;
@@ -11,25 +12,26 @@ use std::io::{IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The experiments of the paper that lariat is built on, again and with numbers, as one page
+/// Repeat the experiments of the paper that lariat is based on, with numbers, as one page
 ///
-/// Writes report.html, which opens without a network and prints well, and the numbers behind each figure as CSV.
+/// Writes report.html, which opens without a network and prints well, and the numbers behind each
+/// figure as CSV.
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
-    /// Folder for report.html and the CSVs; made if it is not there
+    /// Folder for report.html and the CSVs; created if missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Real pictures of ropes, PNG, JPEG, WebP, TIFF, BMP or PGM, or folders of them (default: ropes that lariat draws, whose true centerlines
-    /// are known)
+    /// Real pictures of ropes, PNG, JPEG, WebP, TIFF, BMP or PGM, or folders of them (default:
+    /// ropes that lariat draws, with known centerlines)
     #[arg(long, value_name = "PATH", num_args = 1..)]
     images: Vec<PathBuf>,
-    /// Which ropes and noises are drawn; the same seed gives the same numbers, but for times
+    /// Seed of the drawn ropes and noise; the same seed gives the same numbers, apart from times
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Overwrite a report that is there already
+    /// Overwrite an existing report
     #[arg(long)]
     force: bool,
-    /// A first look, in some seconds: few and small pictures, so that chance has a part in the numbers
+    /// Make a first estimate in some seconds: few and small pictures, so the numbers vary by chance
     #[arg(long)]
     quick: bool,
 }
@@ -37,10 +39,11 @@ pub(crate) struct PaperArgs {
 /// Runs `lariat paper`.
 ///
 /// # Errors
-/// Pictures that cannot be read or show no rope, a folder that cannot be written. Nothing is written then.
+/// Pictures cannot be read or show no rope, or a folder cannot be written. Nothing is written in
+/// these cases.
 pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
     let files = pictures(&args.images)?;
-    // Before the work, so that nobody waits for it in vain.
+    // Checked before the work, so that nobody waits in vain.
     let folder = OutputFolder::new(&args.out, Existing::forced(args.force), ["report.html"])?;
     let options = Options {
         seed: args.seed,
@@ -64,7 +67,7 @@ pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
     for csv in &report.csvs {
         folder.write(csv.name, csv.text.as_bytes())?;
     }
-    // Last, so that a page has its numbers beside it.
+    // Written last, so that a page always has its numbers next to it.
     folder.write("report.html", report.html.as_bytes())?;
     let mut text = report.findings.join("\n\n");
     text.push('\n');
@@ -76,7 +79,7 @@ pub(crate) fn run(args: PaperArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The pictures that the user named; of a data set's folder those in its `images`.
+/// Returns the user's pictures. For the folder of a data set, returns those in its `images`.
 fn pictures(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for path in paths {
@@ -95,7 +98,7 @@ fn pictures(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
 
 fn load(file: &Path) -> Result<lariat_paper::Picture, String> {
     let picture = Picture::load(file).map_err(|error| format!("{error:#}"))?;
-    // What the extractor does not take is said with the file's name.
+    // Name the file in the extractor's error.
     if let Err(error) = picture.image() {
         return Err(format!("{}: {error}", file.display()));
     }
@@ -121,7 +124,7 @@ fn machine() -> String {
     }
 }
 
-/// One line on a terminal that says what is being done, and nothing elsewhere.
+/// A line on a terminal that shows the current step. Elsewhere nothing is shown.
 struct Progress {
     is_shown: bool,
 }

@@ -9,19 +9,20 @@ use lariat_wire as wire;
 
 use crate::Picture;
 
-/// Photographs of one kind.
+/// A set of photographs.
 #[derive(Debug)]
 pub struct PhotoSet {
-    /// The folder's name.
+    /// Name of the folder.
     pub name: String,
-    /// Its photographs, upright, in natural order.
+    /// The photographs, upright, in natural order of their names.
     pub pictures: Vec<Picture>,
 }
 
-/// The sets in `folder`: itself, when it holds `images`, else each folder in it that does.
+/// Returns the sets in `folder`: itself if it holds `images`, otherwise each folder in it that
+/// does.
 ///
 /// # Errors
-/// There is no such folder, no set in it, or a set without a picture that can be read.
+/// The folder does not exist or contains no set, or a set has no readable picture.
 pub fn photographs(folder: &Path) -> Result<Vec<PhotoSet>> {
     let about = || format!("cannot list the folder {}", folder.display());
     let listed = std::fs::read_dir(folder).with_context(about)?;
@@ -48,10 +49,10 @@ pub fn photographs(folder: &Path) -> Result<Vec<PhotoSet>> {
     sets.collect()
 }
 
-/// Picture files, or folders of them, decoded; a grey one is `Gray8`.
+/// Loads picture files, or folders of them. A gray picture becomes `Gray8`.
 ///
 /// # Errors
-/// A file cannot be read, or is no picture.
+/// A file cannot be read, or is not a picture.
 pub fn load(paths: Vec<PathBuf>) -> Result<Vec<Picture>> {
     let mut source = open(&Source::Paths {
         paths,

@@ -1,11 +1,12 @@
-//! A frame that the bench owns, laid as the chain lays one.
+//! A frame that the bench owns, with the chain's memory layout.
 
 use lariat_extract::{Image, PixelFormat};
 
-/// Where a frame's first byte lies in the chain's shared memory: on a cache line, which is also the widest load.
+/// Alignment of a frame's first byte in the chain's shared memory: a cache line, which is also the
+/// widest load.
 const ALIGNMENT: usize = 64;
 
-/// A frame without padding between its rows, whose first byte lies on a cache line.
+/// A frame without padding between its rows, aligned to a cache line.
 #[derive(Debug)]
 pub struct Picture {
     memory: Vec<u8>,
@@ -16,7 +17,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A frame of `width` × `height` pixels, filled by `write`; `None` if `bytes` make no such image.
+    /// Creates a frame of `width` × `height` pixels, filled by `write`. Returns `None` if `bytes`
+    /// does not match such an image.
     pub fn new(
         [width, height]: [usize; 2],
         format: PixelFormat,
@@ -35,7 +37,8 @@ impl Picture {
         picture.checked().is_some().then_some(picture)
     }
 
-    /// A frame of red, green and blue bytes; `None` if they are fewer or more than the size asks for.
+    /// Creates a frame of red, green and blue bytes. Returns `None` if their number does not match
+    /// the size.
     pub fn rgb(size: [usize; 2], rgb: &[u8]) -> Option<Self> {
         if rgb.len() != 3 * size[0] * size[1] {
             return None;
@@ -47,27 +50,27 @@ impl Picture {
 
     fn start(&self) -> usize {
         let off = self.memory.as_ptr().align_offset(ALIGNMENT);
-        // What cannot be aligned is measured where it lies.
+        // Memory that cannot be aligned is measured as it is.
         if off < ALIGNMENT { off } else { 0 }
     }
 
-    /// All its bytes.
+    /// Returns all bytes of the frame.
     pub fn bytes(&self) -> &[u8] {
         let start = self.start();
         &self.memory[start..start + self.bytes]
     }
 
-    /// Width and height, in pixels.
+    /// Returns width and height, in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
-    /// How its bytes make pixels.
+    /// Returns the pixel format.
     pub fn format(&self) -> PixelFormat {
         self.format
     }
 
-    /// As what the extractor takes.
+    /// Returns the frame as an image for the extractor.
     pub fn image(&self) -> Image<'_> {
         self.checked()
             .expect("new() made sure that the bytes are an image, and they do not change")

@@ -1,4 +1,4 @@
-//! The program `lariat`, which measurements start as its users do.
+//! Locates the program `lariat`, which measurements start the same way as users do.
 
 use std::env;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 /// Finds `lariat` in this program's folder or on the path, in this order.
 ///
 /// # Errors
-/// Neither has a `lariat`.
+/// `lariat` is in neither.
 pub(crate) fn lariat() -> Result<PathBuf> {
     let path = env::var_os("PATH").unwrap_or_default();
     let own = env::current_exe().ok();

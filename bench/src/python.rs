@@ -1,4 +1,4 @@
-//! A script of `rivals/`, run to its end on a file of JSON that says what is asked; its lines, each of them JSON, read.
+//! Runs a script of `rivals/` on a JSON request and parses its output, in which every line is JSON.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,7 +22,7 @@ enum Line<Measured> {
     },
 }
 
-/// What scripts say besides what they measure.
+/// Versions and missing libraries that scripts report.
 #[derive(Default)]
 pub(crate) struct Said {
     versions: BTreeMap<String, String>,
@@ -30,10 +30,10 @@ pub(crate) struct Said {
 }
 
 impl Said {
-    /// Runs the script, and returns what it measured.
+    /// Runs the script and returns its measurements.
     ///
     /// # Errors
-    /// The request cannot be written, there is no such Python, or the script goes wrong.
+    /// The request cannot be written, the Python interpreter does not exist, or the script fails.
     pub(crate) fn ask<Measured: DeserializeOwned>(
         &mut self,
         python: &Path,
@@ -54,7 +54,7 @@ impl Said {
         Ok(all)
     }
 
-    /// Prints what this Python lacks, and the versions of what it has.
+    /// Prints the libraries that this Python lacks, and the versions of the others.
     ///
     /// # Errors
     /// Standard output cannot be written.
@@ -73,10 +73,10 @@ impl Said {
     }
 }
 
-/// What the script prints.
+/// Runs a script and returns its output lines.
 ///
 /// # Errors
-/// The request cannot be written, there is no such Python, or the script goes wrong.
+/// The request cannot be written, the Python interpreter does not exist, or the script fails.
 pub(crate) fn ask<Line: DeserializeOwned>(
     python: &Path,
     script: &str,
@@ -88,7 +88,7 @@ pub(crate) fn ask<Line: DeserializeOwned>(
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("rivals")
         .join(script);
-    // No compiled copies beside the scripts.
+    // Leaves no compiled copies next to the scripts.
     let output = Command::new(python)
         .arg("-B")
         .arg(path)

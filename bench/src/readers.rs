@@ -1,5 +1,5 @@
-//! `lariat-bench readers`: what reading costs a control loop, beside the floor of the same run, and what control loops cost the
-//! chain.
+//! `lariat-bench readers`: the cost of reading for a control loop, next to a floor from the same
+//! run, and the cost of control loops for the chain.
 
 mod counts;
 mod crowd;
@@ -18,21 +18,21 @@ pub(crate) use part::{PartArgs, part};
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Length of each measurement
+    /// Length of each measurement in seconds
     #[arg(long, value_name = "S", default_value_t = 5.0)]
     seconds: f64,
-    /// Measurements of each kind, taken in turn
+    /// Number of measurements of each kind, taken in turn
     #[arg(long, value_name = "N", default_value_t = 3)]
     rounds: usize,
-    /// Control loops beside the chain, two at least
+    /// Number of control loops next to the chain, at least two
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(2..=23))]
     readers: u16,
-    /// Frames a second of that chain
+    /// Frames per second of that chain
     #[arg(long, value_name = "HZ", default_value_t = 120.0)]
     fps: f64,
 }
 
-/// Measures, and prints three tables.
+/// Measures and prints three tables.
 ///
 /// # Errors
 /// A process cannot be started, or the transport fails.
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A domain of its own, and a folder for what is left behind.
+/// A domain of its own, and a folder for temporary files.
 struct Place {
     domain: String,
     folder: tempfile::TempDir,
@@ -66,7 +66,7 @@ impl Place {
         )?)
     }
 
-    /// This program again, as another process with a part in the measurement.
+    /// Starts this program again as another process with a part in the measurement.
     fn start(&self, arguments: &[&str]) -> Result<Part> {
         let this = std::env::current_exe().context("this program has no file")?;
         let process = Command::new(this)
@@ -87,13 +87,14 @@ impl Drop for Place {
     }
 }
 
-/// Another process of this program. It ends when its standard input does, and so with this one, however that ends.
+/// Another process of this program. It ends when its standard input does, and so always ends with
+/// this one.
 struct Part {
     process: Child,
 }
 
 impl Part {
-    /// Ends it, and reads what it found.
+    /// Ends the process and returns its output.
     fn end(mut self) -> Result<String> {
         drop(self.process.stdin.take());
         let mut said = String::new();
@@ -108,7 +109,7 @@ impl Part {
 impl Drop for Part {
     fn drop(&mut self) {
         drop(self.process.stdin.take());
-        // Stopped, it would not see its input end.
+        // A stopped process would not notice the end of its input.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

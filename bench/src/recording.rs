@@ -1,5 +1,6 @@
-//! `lariat-bench recording`: how fast recordings are written, beside `dd` with the same block size on the same disk in the
-//! same run, both until the disk has it; and what compression makes of frames.
+//! `lariat-bench recording`: the write speed of recordings, next to `dd` with the same block size
+//! on the same disk in the same run. Both count until the data is on disk. Also measures the effect
+//! of compression on frames.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -11,23 +12,24 @@ use lariat_capture::RenderOptions;
 use lariat_record::{Compression, Existing, Head, Topic, Writer, encode_image};
 use lariat_wire::{FrameHeader, PixelFormat};
 
-/// Where to, how much and how often.
+/// Folder, amount and rounds of writing.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A folder on the disk that is measured (default: the system's for temporary files)
+    /// Folder on the disk to measure (default: the system's folder for temporary files)
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// How much is written in a round, MB
+    /// Amount to write per round, in MB
     #[arg(long, value_name = "N", default_value_t = 1000)]
     megabytes: u64,
-    /// How many rounds
+    /// Number of rounds
     #[arg(long, value_name = "N", default_value_t = 7)]
     rounds: u32,
 }
 
-/// What the recorder closes its chunks at, and `dd` is told to write at a time.
+/// Size at which the recorder closes its chunks, and the block size of `dd`.
 const BLOCK_BYTES: u64 = 4 << 20;
-/// Different frames: more than any cache holds, so that they come from memory as a camera's do.
+/// Number of different frames: more than fit a cache, so that they come from memory like a
+/// camera's.
 const FRAMES: u64 = 60;
 
 const KINDS: [(&str, Compression); 3] = [
@@ -36,10 +38,10 @@ const KINDS: [(&str, Compression); 3] = [
     ("zstd", Compression::Zstd),
 ];
 
-/// Measures, and prints the medians.
+/// Measures and prints the medians.
 ///
 /// # Errors
-/// The folder cannot be written to; there is no `dd`.
+/// The folder cannot be written to, or `dd` is missing.
 pub(crate) fn run(args: &Args) -> Result<()> {
     ensure!(
         args.rounds > 0 && args.megabytes > 0,
@@ -61,7 +63,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             let file = folder.path().join("a.mcap");
             let (mb_s, share) = recorded_mb_s(&file, compression, &messages, args.megabytes)?;
             recorded[i].push(mb_s);
-            // Within one round: what drifts on a machine drifts for both.
+            // Within one round, so that drift of the machine affects both.
             shares[i].push(mb_s / of_dd);
             sizes[i] = share;
         }
@@ -89,7 +91,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Frames of the rendered rope, as they go to a recording.
+/// Returns frames of the rendered rope in the encoding of a recording.
 fn messages() -> Result<Vec<Vec<u8>>> {
     let frames = rendered(&RenderOptions {
         frames: Some(FRAMES),
@@ -115,7 +117,7 @@ fn messages() -> Result<Vec<Vec<u8>>> {
     Ok(messages)
 }
 
-/// How fast `dd` writes so many blocks into a new file.
+/// Returns the speed at which `dd` writes this many blocks to a new file.
 fn dd_mb_s(file: &Path, blocks: u64) -> Result<f64> {
     let start = Instant::now();
     let status = Command::new("dd")
@@ -133,7 +135,8 @@ fn dd_mb_s(file: &Path, blocks: u64) -> Result<f64> {
     Ok((blocks * BLOCK_BYTES) as f64 / 1e6 / took_s)
 }
 
-/// How fast so many megabytes of frames are recorded, and which share of their size the file has.
+/// Returns the speed of recording this many megabytes of frames, and the file's size as a share of
+/// theirs.
 fn recorded_mb_s(
     file: &Path,
     compression: Compression,

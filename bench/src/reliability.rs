@@ -1,14 +1,15 @@
-//! How true the confidence of curves is.
+//! Reliability of the curves' confidence.
 
 use std::fmt;
 
-/// Steps of confidence in which what is said is held against what is right.
+/// Number of confidence bins in which confidence and share of right curves are compared.
 const BINS: usize = 10;
 
-/// Fewest curves whose share of right ones is worth drawing: the standard error is then below 0.16.
+/// Minimum number of curves in a bin for a point in the diagram. The standard error is then below
+/// 0.16.
 const LEAST: usize = 10;
 
-/// How often curves of each confidence are right: how many there are, the sum of what is said, how many are right.
+/// Number of curves, sum of their confidences, and number of right ones, by confidence bin.
 #[derive(Default)]
 pub(crate) struct Reliability([(usize, f64, usize); BINS]);
 
@@ -27,7 +28,8 @@ impl Reliability {
         }
     }
 
-    /// The mean confidence and the share of right curves, for each step that has enough curves.
+    /// Returns the mean confidence and the share of right curves for each bin that has enough
+    /// curves.
     pub(crate) fn points(&self) -> Vec<[f64; 2]> {
         let steps = self.0.iter().filter(|step| step.0 >= LEAST);
         let point = |&(count, said, right): &(usize, f64, usize)| {
@@ -40,7 +42,8 @@ impl Reliability {
         self.0.iter().map(|bin| bin.0).sum()
     }
 
-    /// The expected calibration error: how far what is said is from what is right, in the mean of all curves.
+    /// Returns the expected calibration error: the difference between confidence and share of right
+    /// curves, averaged over all curves.
     pub(crate) fn error(&self) -> f64 {
         let off = |(_, said, right): &(usize, f64, usize)| (said - *right as f64).abs();
         self.0.iter().map(off).sum::<f64>() / self.count().max(1) as f64

@@ -1,26 +1,26 @@
-//! Whether a curve is a rope, whole and in order, and whether a picture's curves are its ropes.
+//! Tests whether a curve is a whole rope in order, and whether a picture's curves are its ropes.
 
 use lariat_drawn::scenes::{SeenCurve, TrueRope, Truth, score};
 use lariat_extract::{Curve, Status};
 use lariat_wire::MIN_CONFIDENCE;
 
-/// The share of a rope that is covered, and of a curve that lies on it.
+/// Minimum share of a rope that is covered, and of a curve that is on the rope.
 pub(super) const WHOLE: f64 = 0.93;
-/// Between two of a curve's points as many places are looked at.
+/// Number of sample points per segment of a curve.
 const STEPS: usize = 6;
 
-/// Whether it is one of the true ropes.
+/// Returns whether the curve is one of the true ropes.
 pub(super) fn is_right(truth: &Truth, curve: &Curve) -> bool {
     truth.ropes.iter().any(|rope| is_whole(rope, curve))
 }
 
-/// Whether each rope has such a curve, and no curve is left over.
+/// Returns whether each rope has a right curve and no curve is left over.
 pub(super) fn is_all_right(truth: &Truth, curves: &[Curve]) -> bool {
     let has_one = |rope: &TrueRope| curves.iter().any(|curve| is_whole(rope, curve));
     curves.len() == truth.ropes.len() && truth.ropes.iter().all(has_one)
 }
 
-/// Whether a curve lies off every rope for more than half of its length.
+/// Returns whether a curve is off every rope for more than half of its length.
 pub(super) fn is_false(truth: &Truth, curve: &Curve) -> bool {
     let points: Vec<[f64; 2]> = curve.points.iter().map(|p| p.map(f64::from)).collect();
     let off = |p: &&[f64; 2]| {
@@ -34,7 +34,7 @@ pub(super) fn is_false(truth: &Truth, curve: &Curve) -> bool {
     2 * points.iter().filter(off).count() > points.len()
 }
 
-/// How far from a rope's middle a curve may lie.
+/// Returns the maximum distance of a curve from a rope's centerline.
 fn reach_px(rope: &TrueRope) -> f64 {
     (0.5 * rope.width_px + 1.0).max(3.0)
 }
@@ -52,7 +52,7 @@ fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
         })
         .chain(points.last().copied())
         .collect();
-    // Of long ropes every eighth place is farther from the next than the ropes are wide.
+    // On long ropes, every eighth point is more than a rope width from the next.
     let sparse: Vec<_> = rope.points.iter().copied().step_by(8).collect();
     let close: Vec<_> = rope.points.iter().copied().step_by(2).collect();
     let reach_px = reach_px(rope);
@@ -61,9 +61,9 @@ fn is_whole(rope: &TrueRope, curve: &Curve) -> bool {
         && is_in_order(rope, curve)
 }
 
-/// The share of these points that others are near to.
+/// Returns the share of `points` that have one of `others` within `reach_px`.
 pub(super) fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64) -> f64 {
-    // Neighbouring points have neighbouring matches, so the last match is tried first.
+    // Neighboring points have neighboring matches, so the last match is tried first.
     let mut last = 0;
     let is_near = |p: &&[f64; 2]| {
         let near = |q: &[f64; 2]| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2) <= reach_px.powi(2);
@@ -77,7 +77,8 @@ pub(super) fn share_near(points: &[[f64; 2]], others: &[[f64; 2]], reach_px: f64
     points.iter().filter(is_near).count() as f64 / points.len().max(1) as f64
 }
 
-/// Whether points at the same share of both lengths are the same: what is missing at an end moves them by no more than that.
+/// Returns whether points at the same share of both lengths coincide. A part missing at an end
+/// displaces them by no more than its length.
 fn is_in_order(rope: &TrueRope, curve: &Curve) -> bool {
     let truth = Truth {
         ropes: vec![rope.clone()],
@@ -93,7 +94,8 @@ fn is_in_order(rope: &TrueRope, curve: &Curve) -> bool {
     off_px.iter().all(|off| *off <= most_px)
 }
 
-/// Returns true if a curve is claimed to be a rope: readers receive it, and nothing suggests that it is something else.
+/// Returns true if a curve is claimed to be a rope: readers receive it, and nothing suggests that
+/// it is something else.
 pub(super) fn is_claimed(curve: &Curve) -> bool {
     curve.confidence >= MIN_CONFIDENCE && curve.status != Status::Doubtful
 }

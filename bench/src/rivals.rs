@@ -1,8 +1,9 @@
-//! `lariat-bench rivals`: the same work on the same pictures by OpenCV and scikit-image, one thread each, side by side.
+//! `lariat-bench rivals`: the same work on the same pictures by OpenCV and scikit-image, one thread
+//! each, side by side.
 //!
-//! Pictures are gathered and written as PNG files (`pictures`); the scripts of `bench/rivals` and lariat then take turns
-//! on them, pass by pass (`script`, `ours`), and the medians of all passes make one table (`report`). What is not
-//! installed is said, and the rest goes on.
+//! Pictures are collected and written as PNG files (`pictures`). The scripts of `bench/rivals` and
+//! lariat then take turns on them, pass by pass (`script`, `ours`). The medians of all passes make
+//! one table (`report`). Libraries that are not installed are reported and left out.
 
 mod ours;
 mod pictures;
@@ -20,19 +21,19 @@ use script::{Done, Work};
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Photographs: a folder with `images` in it, or of such folders
+    /// Folder of photographs: one with an `images` folder in it, or one of such folders
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Picture files (PNG, JPEG)
     #[arg(long, value_name = "FILE", num_args = 1..)]
     images: Vec<PathBuf>,
-    /// The Python that has the libraries
+    /// Python interpreter that has the libraries
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
-    /// Drawn frames of 640×480
+    /// Number of drawn frames of 640×480
     #[arg(long, value_name = "N", default_value_t = 10)]
     frames: u64,
-    /// Times that each takes its turn on all pictures
+    /// Number of turns of each program on all pictures
     #[arg(long, value_name = "N", default_value_t = 3)]
     passes: usize,
     /// Measurements of each picture in a turn
@@ -40,7 +41,7 @@ pub(crate) struct Args {
     rounds: usize,
 }
 
-/// What a script said: passes on it, or why there are none.
+/// A script's passes, or the reason why there are none.
 struct Rival {
     work: Work,
     done: Result<Done, String>,
@@ -49,7 +50,7 @@ struct Rival {
 /// Measures and prints the table.
 ///
 /// # Errors
-/// The pictures cannot be read, or not be written for the scripts.
+/// The pictures cannot be read, or cannot be written for the scripts.
 pub(crate) fn run(args: &Args) -> Result<()> {
     anyhow::ensure!(
         args.passes > 0 && args.rounds > 0 && args.frames > 0,
@@ -68,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for _ in 0..args.passes {
         ours.measure(&pictures, args.rounds);
         for rival in &mut rivals {
-            // One that is not there will not be there in the next pass.
+            // A missing library will also be missing in the next pass.
             if let Ok(done) = &mut rival.done
                 && let Err(why) = script::run(rival.work, &args.python, list.path(), done)
             {

@@ -1,10 +1,11 @@
-//! `lariat servo`: a simulated rope driven to a shape by what the camera sees, through the real chain; how well, and what it
-//! depends on.
+//! `lariat servo`: drives a simulated rope to a shape by camera feedback through the real chain,
+//! and measures how well this works and what it depends on.
 //!
 //! # How it works
 //!
-//! `lariat servo` (`bench/src/servo/`) drives ropes for each case of a study (`cases`) and each seed, in processes that are those of any user
-//! (`episode`): `lariat run --source simulated`, and a controller beside it. The judge reads the truth that the source knows.
+//! `lariat servo` (`bench/src/servo/`) drives ropes for each case of a study (`cases`) and each
+//! seed. It uses the same processes as any user (`episode`): `lariat run --source simulated` and a
+//! controller. The judge reads the ground truth from the source.
 //!
 //! ```text
 //!  capture (rope, robot, pictures) ──► extract ──► fit ──► descriptors ──► controller ─┐
@@ -12,18 +13,24 @@
 //!    └──────────────────────── commands ◄──────────────────────────────────────────────┘
 //! ```
 //!
-//! - **The controller** (`controller`) is `crates/control` between a `Reader` and the channel of commands. It knows what a robot knows of
-//!   itself (where its grippers start, how fast they may go, where they may be: `job`) and the target's points, which it fits as the
-//!   chain fits ropes. A command goes out for each image, and every 20 ms without one; the robot stops by itself after 250.
-//! - **What it sees** (`controller/observer`): the ends are in the jaws, so that a rope is `Partial` always; what counts is whether a point
-//!   of it is hidden, or it is seen shorter or longer than in its first sights, by 3 %.
-//! - **By colour**: the rig's ropes are masked by their colour. With the automatic mask the rope is as well seen, and nearer to the truth, but a hand
-//!   that comes and goes over a rope in grippers may leave it bridged into a gripper: then the controller holds for good.
-//! - **A slower link** is a queue in the observer: a sight is known so much later than it came, with its own moment of exposure.
-//! - **The judge** (`judge`): mean distance of 120 points at equal steps. There is there when it stays: a case is closed when the rope has been
-//!   within 5 px for 1.5 s, or after `--time`.
-//! - **The film** (`camera/`, `film/`) is made of the rig's frames as they pass, that of a lifted rope in two views; `report/` makes table,
-//!   sentences and page from the errors alone.
+//! - **The controller** (`controller`) is `crates/control` between a `Reader` and the command
+//!   channel. It knows the initial positions of its grippers, their speed limits and their
+//!   workspace (`job`). It also knows the target's points, which it fits as the chain fits ropes.
+//!   It sends a command for each image, and every 20 ms without one. The robot stops by itself 250
+//!   ms after the last command.
+//! - **Observations** (`controller/observer`): the ends are in the jaws, so a rope is always
+//!   `Partial`. An observation counts as incomplete if a point of it is hidden, or if its length
+//!   differs by 3 % from the first observations.
+//! - **Color**: the rig's ropes are segmented by color. The automatic mask sees the rope as well
+//!   and is closer to the truth. But a hand that comes and goes over a gripped rope can leave it
+//!   bridged into a gripper. The controller then holds for good.
+//! - **A slower link** is a queue in the observer. It delays each observation, which keeps its own
+//!   exposure time.
+//! - **The judge** (`judge`) computes the mean distance of 120 points at equal steps. A target is
+//!   reached when the rope stays there: a case ends when the rope has been within 5 px for 1.5 s,
+//!   or after `--time`.
+//! - **The film** (`camera/`, `film/`) is made from the rig's frames as they pass. The film of a
+//!   lifted rope has two views. `report/` makes table, sentences and page from the errors alone.
 
 mod camera;
 mod cases;
@@ -50,43 +57,45 @@ use lariat_chain::stop::Stop;
 use lariat_sink::Machine;
 use report::{Row, Study};
 
-/// The share of ropes that is to reach its target, for the exit code.
+/// Minimum share of ropes that must reach their target for a successful exit code.
 const ENOUGH: f64 = 0.95;
 
-/// What is asked of `lariat servo`.
+/// Options of `lariat servo`.
 #[derive(Debug, Args)]
 pub(crate) struct ServoArgs {
-    /// The shape that is wanted: u, s, line, or a file with its points in pixels, as `lariat fit` reads them
+    /// Target shape: u, s, line, or a file with its points in pixels, as `lariat fit` reads them
     #[arg(long, default_value = "u", value_name = "u|s|line|FILE")]
     target: String,
-    /// The rope is lifted, seen by a depth camera, too, and driven in space: px are mm then
+    /// Lift the rope, add a depth camera, and drive it in 3-D: lengths are then in mm instead of px
     #[arg(long)]
     lifted: bool,
-    /// How many ropes: each seed is another start, and another place of the target
+    /// Number of ropes: each seed has another start and another target position
     #[arg(long, default_value_t = 5, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
-    /// The first of the seeds
+    /// First seed
     #[arg(long, default_value_t = 1, value_name = "NUMBER")]
     first_seed: u64,
-    /// Frames a second, 5 to 1000
+    /// Frames per second, 5 to 1000
     #[arg(long, default_value_t = 60.0, value_name = "RATE", value_parser = fps)]
     fps: f64,
-    /// The longest that one rope is driven
+    /// Maximum time that one rope is driven
     #[arg(long, default_value = "20s", value_name = "TIME", value_parser = duration::parse)]
     time: Duration,
-    /// Also what it depends on, of all groups or of one: latency, frame rate, occlusion, noise, order and basis, features, estimator. Of a lifted rope: frame rate, noise, order and basis, estimator
+    /// Also measure dependencies, of all groups or of one: latency, frame rate, occlusion, noise,
+    /// order and basis, features, estimator. For a lifted rope: frame rate, noise, order and basis,
+    /// estimator
     #[arg(long, value_name = "GROUP", num_args = 0..=1, default_missing_value = "")]
     study: Option<String>,
-    /// Put the table and a page with all figures into this folder
+    /// Write the table and a page with all figures to this folder
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Film the first rope; - for standard output
     #[arg(long, value_name = "FILE.gif")]
     gif: Option<PathBuf>,
-    /// Overwrite files that are there already
+    /// Overwrite existing files
     #[arg(long)]
     force: bool,
-    /// The controller is in this domain, and a bridge between it and the chain, of the rig servo
+    /// Domain of the controller, which a bridge connects to the chain of the rig servo
     #[arg(long, value_name = "NAME", hide = true)]
     controller_domain: Option<String>,
 }
@@ -97,7 +106,7 @@ fn fps(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "choose a rate from 5 to 1000".to_owned())
 }
 
-/// Drives ropes, and says how well.
+/// Drives the ropes and prints the results.
 pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let target = Target::named(&args.target)?;
@@ -107,7 +116,7 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
             args.target
         );
     }
-    // Before anything is driven: what cannot be written is said now.
+    // Unwritable outputs are reported before anything is driven.
     let existing = Existing::forced(args.force);
     let folder = args
         .out
@@ -142,7 +151,7 @@ pub(crate) fn run(args: &ServoArgs) -> Result<ExitCode> {
     }
     let study = study(args, rows, latencies_ms);
     let table = report::table(&study);
-    // The files are written also where nobody reads this.
+    // The files are written even if nobody reads the standard output.
     let said = match &gif {
         Some(gif) => gif.print(&table),
         None => print(&table),
@@ -163,7 +172,7 @@ fn study(args: &ServoArgs, rows: Vec<Row>, mut latencies_ms: Vec<f64>) -> Study 
     let words = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let seeds = format!("{} from {} on", args.seeds, args.first_seed);
     Study {
-        title: "A rope driven to a shape by what the camera sees".to_owned(),
+        title: "A rope driven to a shape through the camera".to_owned(),
         target: args.target.clone(),
         unit: if args.lifted { "mm" } else { "px" },
         rows,
@@ -191,7 +200,7 @@ fn write_report(folder: &OutputFolder, study: &Study, film: Option<&[u8]>) -> Re
     Ok(())
 }
 
-/// Whether the chain as it is brings enough ropes to their target.
+/// Returns success if the default chain brings enough ropes to their target.
 fn verdict(rows: &[Row]) -> ExitCode {
     let Some(row) = rows.first() else {
         return ExitCode::FAILURE;

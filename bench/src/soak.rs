@@ -1,5 +1,5 @@
-//! `lariat-bench soak`: a day of frames through extraction, fit and filter with the clock turned on by hand, to see whether
-//! the last hour costs what the first did.
+//! `lariat-bench soak`: runs a day of frames through extraction, fit and filter by a simulated
+//! clock. It compares the cost of the last hour with that of the first.
 
 use std::fs;
 use std::time::Instant;
@@ -10,25 +10,26 @@ use lariat_capture::RenderOptions;
 use lariat_extract::Extractor;
 use lariat_fit::{Filter, FilterOptions, Fitter, Noise};
 
-/// How long a day is.
+/// Length of the day.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Hours by the frames' clock
+    /// Hours of simulated time
     #[arg(long, value_name = "N", default_value_t = 24)]
     hours: u64,
-    /// Frames in a second by the frames' clock
+    /// Frames per second of simulated time
     #[arg(long, value_name = "N", default_value_t = 30)]
     fps: u64,
 }
 
-/// Pictures of the film, which is shown forwards and backwards, so that the rope never jumps.
+/// Pictures of the film. It is shown forward and backward, so that the rope never jumps.
 const PICTURES: usize = 120;
 const NS_PER_S: u64 = 1_000_000_000;
 
-/// Shows the film until the day is over, and prints a line for every third hour.
+/// Shows the film until the day is over. Prints a line for the first, the last and every third
+/// hour.
 ///
 /// # Errors
-/// A stage refuses what it is given; the rope is lost; the kernel does not tell the memory.
+/// A stage rejects its input, the rope is lost, or the kernel does not report the memory.
 pub(crate) fn run(args: &Args) -> Result<()> {
     ensure!(
         (1..=1000).contains(&args.hours) && (1..=1000).contains(&args.fps),
@@ -99,7 +100,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Resident memory in MB of 10⁶ bytes, and open descriptors.
+/// Returns the resident memory in MB of 10⁶ bytes and the number of open descriptors.
 fn of_this_process() -> Result<[f64; 2]> {
     let status = fs::read_to_string("/proc/self/status").context("no /proc/self/status")?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));

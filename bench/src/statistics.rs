@@ -9,38 +9,39 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// One more.
+    /// Adds a measurement.
     pub fn push(&mut self, value: f64) {
         self.values.push(value);
     }
 
-    /// Takes `work`'s time, in nanoseconds, as one more, and returns it.
+    /// Measures the time of `work` in nanoseconds, adds it, and returns it.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> f64 {
         let start = Instant::now();
         let result = work();
         let ns = start.elapsed().as_secs_f64() * 1e9;
-        // What the work made is let go outside of its time.
+        // Dropping the result is not timed.
         drop(result);
         self.push(ns);
         ns
     }
 
-    /// How many there are.
+    /// Returns the number of measurements.
     pub fn count(&self) -> usize {
         self.values.len()
     }
 
-    /// Takes in others.
+    /// Adds all measurements of `others`.
     pub fn take(&mut self, others: Self) {
         self.values.extend(others.values);
     }
 
-    /// Their mean; 0 if there are none.
+    /// Returns the mean. 0 if there are no measurements.
     pub fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len().max(1) as f64
     }
 
-    /// The smallest value that at least a `share` (0 to 1) of all do not exceed; 0 if there are none.
+    /// Returns the smallest value that at least a `share` (0 to 1) of all do not exceed. 0 if there
+    /// are no measurements.
     pub fn percentile(&self, share: f64) -> f64 {
         let mut sorted = self.values.clone();
         sorted.sort_by(f64::total_cmp);
@@ -52,7 +53,7 @@ impl Samples {
             .unwrap_or_default()
     }
 
-    /// Half of all do not exceed it; 0 if there are none.
+    /// Returns the value that half of all do not exceed. 0 if there are no measurements.
     pub fn median(&self) -> f64 {
         self.percentile(0.5)
     }

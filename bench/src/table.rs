@@ -4,7 +4,7 @@ use std::fmt;
 
 use lariat_chain::layout::{self, Column};
 
-/// Rows under a head; the first column is words, the others are figures. As wide as it is.
+/// Rows under a header. The first column is text, the others are figures. The width is not limited.
 #[derive(Debug, Clone)]
 pub struct Table {
     columns: Vec<Column>,
@@ -12,7 +12,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// An empty table with this head.
+    /// Creates an empty table with this header.
     pub fn new(head: &[&str]) -> Self {
         let words = head.iter().take(1).map(|&heading| Column::words(heading));
         let figures = head.iter().skip(1).map(|&heading| Column::figures(heading));
@@ -22,7 +22,7 @@ impl Table {
         }
     }
 
-    /// One more row.
+    /// Adds a row.
     pub fn push<I: IntoIterator<Item = String>>(&mut self, row: I) {
         self.rows.push(row.into_iter().collect());
     }
@@ -35,17 +35,17 @@ impl fmt::Display for Table {
     }
 }
 
-/// Nanoseconds as microseconds.
+/// Formats nanoseconds as microseconds.
 pub fn micros(ns: f64) -> String {
     format!("{:.1}", ns / 1e3)
 }
 
-/// Nanoseconds as milliseconds.
+/// Formats nanoseconds as milliseconds.
 pub fn millis(ns: f64) -> String {
     format!("{:.3}", ns / 1e6)
 }
 
-/// How many times `unit` goes into `value`, to three digits; a dash where there is nothing to divide by.
+/// Formats `value / unit` with three digits. A dash if `unit` is not positive.
 pub fn times(value: f64, unit: f64) -> String {
     if unit > 0.0 {
         multiple(value / unit)
@@ -54,7 +54,7 @@ pub fn times(value: f64, unit: f64) -> String {
     }
 }
 
-/// A ratio, to three digits.
+/// Formats a ratio with three digits.
 pub fn multiple(ratio: f64) -> String {
     let decimals = match ratio {
         r if r < 9.995 => 2,

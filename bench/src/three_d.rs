@@ -1,5 +1,5 @@
-//! `lariat-bench 3d`: drawn ropes before a colour camera and a depth camera, or a second colour camera, through extraction and fit,
-//! held against the true axis.
+//! `lariat-bench 3d`: drawn ropes in front of a color camera and a depth camera, or two color
+//! cameras, through extraction and fit, compared with the true axis.
 
 mod deform;
 mod pickle;
@@ -22,36 +22,38 @@ use lariat_wire::{
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Ropes of each row
+    /// Number of ropes of each row
     #[arg(long, value_name = "N", default_value_t = 24)]
     seeds: u64,
-    /// The first of them
+    /// Seed of the first rope
     #[arg(long, value_name = "N", default_value_t = 0)]
     first_seed: u64,
-    /// Only rows whose name has this in it
+    /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Write what is drawn for the first of the rows into this folder: pictures of both cameras, both calibrations, true axes
+    /// Write the drawing of the first of the rows to this folder instead of measuring: pictures of
+    /// both cameras, both calibrations, true axes
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
-    /// The folder data_set of DEFORM's repository: instead of drawn ropes those that its motion capture saw move, a row for each kind of them
+    /// Folder data_set of DEFORM's repository: measure ropes that move as in its motion capture
+    /// instead of the drawn ones, one row per kind of rope
     #[arg(long, value_name = "DIR", conflicts_with = "write")]
     deform: Option<PathBuf>,
-    /// Frames of each of its sequences, at most
+    /// Maximum number of frames of each of its sequences
     #[arg(long, value_name = "N", default_value_t = 500, requires = "deform")]
     frames: usize,
-    /// How wide its ropes are drawn, mm
+    /// Width at which its ropes are drawn, in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = width, requires = "deform")]
     width_mm: f64,
-    /// Say of its frames which are wrong
+    /// Print which of its frames are wrong
     #[arg(long, requires = "deform")]
     verbose: bool,
-    /// Write those, centerline and truth drawn over them, into this folder
+    /// Write the wrong frames, with centerline and truth drawn over them, to this folder
     #[arg(long, value_name = "DIR", requires = "deform")]
     overlay: Option<PathBuf>,
 }
 
-/// A rope's width.
+/// Parses a rope's width.
 fn width(text: &str) -> Result<f64, String> {
     let width = text
         .parse()
@@ -61,16 +63,17 @@ fn width(text: &str) -> Result<f64, String> {
 }
 
 const SIZE: [usize; 2] = [848, 480];
-/// Of 3 degrees of freedom, the square of how far 95 of 100 lie.
+/// Squared radius that contains 95 % of a standard normal distribution with three degrees of
+/// freedom.
 const CHI_SQUARED_95: f64 = 7.815;
-/// Where the depth camera stands beside the colour one, mm.
+/// Position of the depth camera relative to the color camera, mm.
 const ASIDE: [f64; 3] = [-15.0, 0.0, 0.0];
 
-/// And a second colour camera, turned to look at the same place.
+/// Position of a second color camera, which is turned to look at the same point, mm.
 const BASELINE: [f64; 3] = [100.0, 0.0, 0.0];
 const FOCAL_PX: f64 = 610.0;
 
-/// What is drawn for a row.
+/// The scene of a row.
 #[derive(Clone, Copy)]
 struct Scene {
     distance_mm: f64,
@@ -78,7 +81,7 @@ struct Scene {
     beside: Beside,
 }
 
-/// What stands beside the colour camera.
+/// The device next to the color camera.
 #[derive(Clone, Copy)]
 enum Beside {
     Depth(DepthSensor),
@@ -130,7 +133,7 @@ fn rows() -> Vec<(String, Scene)> {
     rows
 }
 
-/// Rows of several ropes and distances.
+/// Returns rows with several ropes and distances.
 fn of_ropes(before: &str, usual: Scene) -> Vec<(String, Scene)> {
     let name = format!("{before}usual: 0.5 m, 8 mm, lift 80, 1 crossing");
     let mut rows = vec![(name, usual)];
@@ -157,7 +160,7 @@ fn of_ropes(before: &str, usual: Scene) -> Vec<(String, Scene)> {
     for distance_mm in [350.0, 800.0] {
         add(format!("distance {distance_mm} mm"), &|scene| {
             scene.distance_mm = distance_mm;
-            // As much of the picture as before.
+            // The rope fills as much of the picture as before.
             scene.options.length_mm *= (distance_mm / 500.0_f64).min(1.0);
         });
     }
@@ -170,7 +173,7 @@ fn of_ropes(before: &str, usual: Scene) -> Vec<(String, Scene)> {
 /// Measures and prints the table.
 ///
 /// # Errors
-/// No temporary folder, or no such rope.
+/// A temporary folder cannot be created, or such a rope cannot be drawn.
 pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.write {
         return write(args, folder);
@@ -208,7 +211,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What the two cameras see.
+/// The output of the two cameras.
 struct Shot {
     eyes: [Eye; 2],
     rope: LiftedRope,
@@ -222,7 +225,7 @@ enum Image {
 }
 
 impl Scene {
-    /// The colour camera, and what stands beside it.
+    /// Returns the color camera and the device next to it.
     fn eyes(&self, seed: u64) -> [Eye; 2] {
         let color = Eye::above(FOCAL_PX, SIZE, self.distance_mm, 15.0, 40.0 * seed as f64);
         let beside = match self.beside {
@@ -396,7 +399,8 @@ fn measure(scene: &Scene, seed: u64, score: &mut Score) -> Result<()> {
     judge_covariances(one, &truth, &settings.fit, score)
 }
 
-/// Counts the control points whose error lies within the ellipsoid of 95 % that is stated; their truth are those of the true axis.
+/// Counts the control points whose error is within their 95 % ellipsoid. Their truth is obtained by
+/// fitting the true axis.
 fn judge_covariances(
     one: &Descriptor3,
     truth: &[[f64; 3]],
@@ -430,7 +434,7 @@ fn judge_covariances(
     Ok(())
 }
 
-/// `xᵀ C⁻¹ x` of a symmetric matrix `[xx, xy, xz, yy, yz, zz]`.
+/// Returns `xᵀ C⁻¹ x` for a symmetric matrix `[xx, xy, xz, yy, yz, zz]`.
 fn squared_in(c: &[f64; 6], x: [f64; 3]) -> f64 {
     let [a, b, d, e, f, g] = *c;
     let adjoint = [
@@ -443,7 +447,7 @@ fn squared_in(c: &[f64; 6], x: [f64; 3]) -> f64 {
     (0..3).map(|k| x[k] * dot(adjoint[k])).sum::<f64>() / determinant
 }
 
-/// That of the colour camera's frames.
+/// Returns the header of the color camera's frames.
 fn header() -> FrameHeader {
     let [width, height] = SIZE.map(|side| side as u32);
     FrameHeader {
@@ -455,7 +459,7 @@ fn header() -> FrameHeader {
     }
 }
 
-/// Settings that name the two cameras' files in this folder.
+/// Returns settings that name the two cameras' files in this folder.
 fn settings([color, beside]: &[Eye; 2], of: &Beside, folder: &Path) -> Result<Settings> {
     let camera = |eye: &Eye| {
         let ([focal, _], [x, y], [width, height]) = (eye.focal_px, eye.center_px, eye.size);

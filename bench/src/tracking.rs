@@ -1,4 +1,5 @@
-//! `lariat-bench time`: ropes that move, with their truth: what is lost, flipped or exchanged over many frames.
+//! `lariat-bench tracking`: moving ropes with known truth. Measures how often they are lost,
+//! reversed or exchanged over many frames.
 
 mod recorded;
 mod video;
@@ -18,43 +19,45 @@ use crate::reliability::Reliability;
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Frames in all, shared by the stories and seeds
+    /// Total number of frames, divided among the stories and seeds
     #[arg(long, default_value_t = 10_000)]
     frames: u64,
-    /// Seeds of each story
+    /// Number of seeds of each story
     #[arg(long, default_value_t = 3)]
     seeds: u64,
-    /// The first seed
+    /// First seed
     #[arg(long, default_value_t = 1)]
     first_seed: u64,
     /// Only stories whose name contains this
     #[arg(long)]
     story: Option<String>,
-    /// What says where ropes are on the grounds of clutter, handheld and passing, in frames that are not followed
+    /// Mask of the stories clutter, handheld and passing, in frames that get a full extraction
     #[arg(long, value_enum, default_value = "true")]
     mask: MaskSource,
-    /// A picture that the ropes of those stories lie on, instead of a drawn ground
+    /// Picture that the ropes of those stories lie on, instead of a drawn background
     #[arg(long, value_name = "PICTURE")]
     ground: Option<PathBuf>,
-    /// A folder of PNG pictures, in the order of their names: instead of the stories the film that they make, to and fro, with a hand over its
-    /// ropes. What is true of it is what is read of it without the hand
+    /// Folder of PNG pictures in the order of their names: use the film that they make, forward and
+    /// backward, with a hand over its ropes, instead of the stories. The extraction without the
+    /// hand is the ground truth
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["story", "write", "ground"])]
     over: Option<PathBuf>,
-    /// Size of the pictures
+    /// Size of the pictures in pixels
     #[arg(long, value_name = "WxH", default_value = "480x360", value_parser = crate::command::size)]
     size: [usize; 2],
-    /// Write each film as a Y4M video into this folder, for instance for `lariat run VIDEO`, instead of looking at it
+    /// Write each film as a Y4M video to this folder, for instance for `lariat run VIDEO`, instead
+    /// of measuring
     #[arg(long, value_name = "FOLDER")]
     write: Option<PathBuf>,
-    /// Say what was wrong, frame by frame
+    /// Print the errors frame by frame
     #[arg(long)]
     verbose: bool,
-    /// Write the frames in which something was wrong, curve and truth drawn over them, into this folder
+    /// Write the frames with errors, with curve and truth drawn over them, to this folder
     #[arg(long)]
     overlay: Option<PathBuf>,
 }
 
-/// Who says where ropes are.
+/// Source of the mask.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum MaskSource {
     /// The film itself
@@ -63,7 +66,7 @@ enum MaskSource {
     Network,
 }
 
-/// Runs all stories and prints what was wrong in each.
+/// Runs all stories and prints the errors of each.
 pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.over {
         return run_over(folder, args);
@@ -130,7 +133,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     print_foot(args.size)
 }
 
-/// Runs the film of a folder's pictures with a hand over it, and prints what was wrong.
+/// Runs the film of a folder's pictures with a hand over it, and prints the errors.
 fn run_over(folder: &Path, args: &Args) -> Result<()> {
     let film = recorded::Film::read(folder)?;
     let frames = args.frames.div_ceil(args.seeds.max(1));
@@ -209,7 +212,7 @@ fn print_foot(size: [usize; 2]) -> Result<()> {
     )
 }
 
-/// A film as it is looked at.
+/// Parameters of a film.
 struct Show {
     name: &'static str,
     seed: u64,
@@ -218,7 +221,7 @@ struct Show {
 }
 
 impl Show {
-    /// Its name as a file.
+    /// Returns the film's name as a file name.
     fn file(&self) -> String {
         format!("{}-{}", self.name.replace(' ', "-"), self.seed)
     }
@@ -247,12 +250,13 @@ fn print(show: &Show, frames: u64, v: &Verdict, counts: &Counts) -> Result<()> {
     )
 }
 
-/// A film's name as a file.
+/// Returns the file name of a film.
 fn name(story: Story, seed: u64) -> String {
     format!("{}-{seed}", story.name().replace(' ', "-"))
 }
 
-/// The film of a story, on a picture if one is given and the story's ground is cluttered.
+/// Returns the film of a story. It uses the given picture as background if the story's background
+/// is cluttered.
 fn film(story: Story, seed: u64, size: [usize; 2], ground: Option<&image::RgbImage>) -> Film {
     let size = size.map(|side| side as u32);
     let Some(ground) = ground.filter(|_| story.is_cluttered()) else {
@@ -264,7 +268,8 @@ fn film(story: Story, seed: u64, size: [usize; 2], ground: Option<&image::RgbIma
     Film::on(story, seed, size, ground.into_rgb8().into_raw())
 }
 
-/// How long each of a film's frames took, in nanoseconds, how many were right, and how sure the least sure curve of each was.
+/// Times of a film's frames in nanoseconds, number of right frames, and reliability of the least
+/// confidence in each frame.
 #[derive(Default)]
 struct Counts {
     followed: Samples,
@@ -273,7 +278,7 @@ struct Counts {
     confidence: Reliability,
 }
 
-/// What all films of a story come to.
+/// Totals over all films of a story.
 struct Total {
     name: &'static str,
     frames: u64,
@@ -301,7 +306,8 @@ impl Total {
     }
 }
 
-/// What was wrong in a film, whose frames and true masks `next` makes and says what is in them.
+/// Processes a film and returns its errors. `next` draws a frame and its true mask, and returns the
+/// true ropes in it.
 fn watch(
     show: &Show,
     mut next: impl FnMut(&mut Vec<u8>, &mut Vec<u8>) -> Vec<TrueRope>,
@@ -360,7 +366,8 @@ fn watch(
     Ok((judge.verdict(), counts))
 }
 
-/// Follows the ropes, and only where that cannot be done asks for the mask, as of a network that takes its time.
+/// Tracks the ropes. The mask is used only for a full extraction, like that of a network that takes
+/// its time.
 fn look<'a>(
     extractor: &'a mut Extractor,
     image: &Image,
@@ -380,7 +387,7 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
         track: curve.track,
         status: match curve.status {
             Status::Ok => SeenStatus::Ok,
-            // A rope that is doubted counts as seen wrongly.
+            // A doubtful rope counts as wrongly seen.
             Status::Partial | Status::Doubtful => SeenStatus::Partial,
             Status::Lost => SeenStatus::Lost,
         },
@@ -392,7 +399,8 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
 /// A curve's points, and whether each is hidden.
 pub(crate) type SeenPoints<'a> = (&'a [[f32; 2]], &'a [bool]);
 
-/// The frame, the truth as thin dark dots, and the curves' points from red at ρ = 0 to blue at 1, hidden ones white.
+/// Draws the frame, the truth as thin dark dots, and the curves' points from red at ρ = 0 to blue
+/// at 1. Hidden points are white.
 pub(crate) fn draw(
     rgb: &[u8],
     size: [usize; 2],

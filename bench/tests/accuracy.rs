@@ -1,4 +1,4 @@
-//! The command on small data sets, good and bad.
+//! Tests of the command on small data sets, valid and invalid.
 
 use std::fs;
 use std::path::Path;
@@ -7,12 +7,12 @@ use std::process::{Command, Output};
 use image::{GrayImage, Luma, Rgb, RgbImage};
 use tempfile::TempDir;
 
-/// 1 within the bar, 0 on the table.
+/// Returns 1 within the bar, 0 on the table.
 fn is_rope(x: u32, y: u32) -> u8 {
     u8::from((20..180).contains(&x) && (40..50).contains(&y))
 }
 
-/// A set of one picture of a dark bar.
+/// Creates a data set with one picture of a dark bar.
 fn dataset() -> TempDir {
     let root = TempDir::new().unwrap();
     for folder in ["bars/images", "bars/labels"] {
@@ -36,7 +36,7 @@ fn accuracy(dataset: &Path, more: &[&Path]) -> Output {
     command.output().unwrap()
 }
 
-/// What is said of a data set that is no good, when nothing is written.
+/// Returns the error for an invalid data set. Checks that nothing is written.
 fn refusal(dataset: &Path) -> String {
     let out = TempDir::new().unwrap();
     let (csv, overlay) = (out.path().join("all.csv"), out.path().join("overlays"));

@@ -1,5 +1,5 @@
-//! `lariat-bench latency` and `compare` on the real binary: that everything is there and nothing stays. No time is held
-//! against anything.
+//! Tests of `lariat-bench latency` and `compare` on the real binary: the output is complete and
+//! nothing is left behind. No time is checked against a limit.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn lariat_bench(arguments: &[&str]) -> Command {
     command
 }
 
-/// What a bench with this process id has in shared memory and runs.
+/// Returns what the bench with this process ID has in shared memory, and its running processes.
 fn left_of(bench: u32) -> Vec<String> {
     let names = |folder: &str| {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -37,7 +37,7 @@ fn left_of(bench: u32) -> Vec<String> {
     shared.chain(running).collect()
 }
 
-/// Waits for what is to come, without end if it never does: the test's own limit says so.
+/// Waits for a condition. Fails the test after a minute.
 fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(60);
     while !done() {
@@ -46,7 +46,7 @@ fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     }
 }
 
-/// Tags that are opened are closed, in order.
+/// Checks that tags are closed in the reverse order of opening.
 fn assert_well_formed(page: &str) {
     let mut open = Vec::new();
     let page = page.trim_start_matches("<!DOCTYPE html>");
@@ -147,14 +147,14 @@ fn a_quick_bench_has_everything_and_leaves_nothing() {
     let page = fs::read_to_string(out.join("report.html")).expect("a report");
     assert_well_formed(&page);
     assert!(page.contains("<polyline") && page.contains("chain") && page.contains("kernel"));
-    // It opens offline: the one address in it is the name of a language.
+    // The page opens offline: the only address in it is a namespace.
     let page = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     assert!(!page.contains("http") && !page.contains("src=") && !page.contains("href="));
 }
 
 #[test]
 fn a_bench_that_is_stopped_or_killed_takes_everything_along() {
-    // A killed bench leaves its temporary folder, which is in this one then.
+    // A killed bench leaves its temporary folder behind. It is inside this one.
     let folder = TempDir::new().expect("a folder");
     for signal in [Signal::INT, Signal::KILL] {
         let mut bench = lariat_bench(&[
@@ -189,7 +189,8 @@ fn a_bench_that_is_stopped_or_killed_takes_everything_along() {
             assert!(said.contains("stopped by a signal"), "{said}");
             assert!(left_of(id).is_empty(), "{:?}", left_of(id));
         }
-        // A killed bench cannot tidy up; what its programs had in shared memory they remove, or the next of the domain.
+        // A killed bench cannot clean up. Its programs, or the next one in the domain, remove their
+        // shared memory.
         for name in left_of(id) {
             let _ = fs::remove_file(Path::new("/dev/shm").join(name));
         }
@@ -197,7 +198,7 @@ fn a_bench_that_is_stopped_or_killed_takes_everything_along() {
     }
 }
 
-/// A bench's summary whose chain took this long in five rounds.
+/// Returns a bench's summary with these chain latencies in five rounds.
 fn a_bench(p50_us: [f64; 5]) -> Value {
     let mut sorted = p50_us;
     sorted.sort_by(f64::total_cmp);
@@ -211,7 +212,7 @@ fn a_bench(p50_us: [f64; 5]) -> Value {
             {"id": "chain.640x480@120", "group": "chain", "figures": {"p50_us": figure(1.0)}},
             {"id": "chain.640x480@max", "group": "chain", "figures": {"rate_per_s": figure(10.0)}},
             {"id": "floor.timer", "group": "floor", "figures": {"p50_us": figure(0.1)}},
-            // A percentile that only one round had enough frames for decides nothing.
+            // A percentile that only one round had enough frames for does not count.
             {"id": "chain.640x480@30", "group": "chain", "figures": {
                 "p99_us": {"median": p50_us[0].powi(2), "low": 1.0, "high": 1.0, "rounds": [1.0]}}},
         ],
@@ -245,7 +246,7 @@ fn worse_is_a_failure_and_better_is_none() {
         said.contains("chain.640x480@120: p50_us") && said.contains("+50 %"),
         "{said}"
     );
-    // What is not lariat's is shown and decides nothing; more frames a second are better.
+    // Figures of other systems are shown but do not count. A higher frame rate is better.
     assert!(
         said.contains("worse, not lariat") && said.contains("1 worse, 1 better"),
         "{said}"

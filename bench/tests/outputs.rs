@@ -1,4 +1,4 @@
-//! Outputs that cannot be written, and command lines that make no sense, are refused before anything is measured.
+//! Unwritable outputs and invalid command lines are rejected before anything is measured.
 
 #[allow(dead_code, reason = "written for the tests of the chain")]
 #[path = "../../tests/chain/rig.rs"]

@@ -1,4 +1,4 @@
-//! `lariat-bench paper` from outside: the page, its numbers, and what is refused.
+//! Tests of `lariat-bench paper` from outside: the page, its numbers, and rejected input.
 
 use image::{Rgb, RgbImage};
 use lariat_drawn::scenes::{Class, draw};
@@ -11,7 +11,7 @@ fn lariat_bench(folder: &TempDir, args: &[&str]) -> Output {
     command.current_dir(folder).args(args).output().unwrap()
 }
 
-/// The names in a folder, in order.
+/// Returns the names in a folder, sorted.
 fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries
@@ -62,7 +62,7 @@ fn real_pictures_are_measured_against_the_skeleton_and_the_page_says_so() {
     let html = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(html.contains("rope.png"));
     assert!(html.contains("the centerline that the skeleton gives"));
-    // Light and rest need a truth that a picture does not have.
+    // The light and rest experiments need a ground truth that a picture does not have.
     let written = names(&folder.path().join("out"));
     assert!(
         !written

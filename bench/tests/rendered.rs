@@ -1,4 +1,4 @@
-//! The command on drawn ropes.
+//! Tests of the command on drawn ropes.
 
 use std::fs;
 use std::process::Command;

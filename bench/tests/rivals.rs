@@ -1,4 +1,4 @@
-//! The command that runs the rivals, with a Python that does not exist.
+//! Tests of the command that runs the rivals, with a Python that does not exist.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -18,7 +18,7 @@ fn table(python: &Path) -> String {
     String::from_utf8(done.stdout).unwrap()
 }
 
-/// A program that prints a line, whatever it is given.
+/// Creates a program that always prints this line.
 #[cfg(unix)]
 fn python_that_prints(folder: &TempDir, line: &str) -> std::path::PathBuf {
     use std::os::unix::fs::PermissionsExt;

@@ -1,4 +1,5 @@
-//! `lariat-bench servo`: ropes are driven to their target by what the camera sees, through the whole chain.
+//! Tests of `lariat-bench servo`: ropes are driven to their target by camera feedback through the
+//! whole chain.
 
 #[allow(dead_code, reason = "written for the chain's own tests")]
 #[path = "../../tests/chain/rig.rs"]
@@ -10,7 +11,7 @@ use rustix::process::Signal;
 #[test]
 fn five_ropes_reach_their_target_at_60_frames_a_second_and_are_filmed() {
     let bench = Bench::new();
-    // The time is for a machine that has much else to do: on one of its own a rope takes 6 s.
+    // The time limit is for a loaded machine. On an idle one, a rope takes 6 s.
     let output = bench.run(&["servo", "--seeds", "5", "--time", "40s", "--out", "report"]);
     let said = String::from_utf8_lossy(&output.stderr);
     let table = String::from_utf8_lossy(&output.stdout);
@@ -87,7 +88,7 @@ fn a_signal_ends_all_of_it() {
         .expect("it runs");
     let id = servo.id();
     rig::wait_until_told_by_signals(id);
-    // In the midst of the first rope.
+    // While the first rope is being driven.
     let domain = lariat_wire::Domain::named(&bench.domain).expect("a domain");
     let rig = "servo".parse().expect("a name");
     let reader = lariat_wire::Receiver::descriptors(&domain, &rig).expect("a reader");

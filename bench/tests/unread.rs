@@ -1,4 +1,4 @@
-//! A measurement whose output nobody reads any more.
+//! Test of a measurement whose output is no longer read.
 
 use std::process::{Command, Stdio};
 

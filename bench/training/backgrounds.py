@@ -1,24 +1,27 @@
 #!/usr/bin/env python3
-"""Gathers the openly licensed pictures that ropes are drawn over for training.
+"""Collects the openly licensed pictures that ropes are drawn over for training.
 
     pip install numpy pillow opencv-python-headless
     bench/training/backgrounds.py [--out FOLDER] [--clones FOLDER]
 
-`backgrounds.tsv` beside this file lists the pictures; SOURCES below says where they come from and under which licence.
-They are written to FOLDER as JPEG, with a longer side of 400 to 1200 pixels, and `sources.tsv` beside them: file, source
-with its commit, licence, author. All of them come from public repositories on GitHub at a fixed commit: file by file over
-HTTPS (374 MB), or from clones in the folder that `--clones` names, each called OWNER+NAME, bare or not.
+`backgrounds.tsv` next to this file lists the pictures. SOURCES below gives their origin and
+license. They are written to FOLDER as JPEG with a longer side of 400 to 1200 pixels. `sources.tsv`
+in FOLDER lists file, source with its commit, license and author. All of them come from public
+repositories on GitHub at a fixed commit. They are downloaded file by file over HTTPS (374 MB), or
+read from clones in the folder that `--clones` names. A clone is called OWNER+NAME and may be bare.
 
-Licences: CC0, public domain, CC-BY, CC-BY-SA and MIT only. A licence or an author in the table is the picture's own; where
-there is none, the source's holds. The books of OpenStax name in each caption who made a picture, and often its licence;
-where they name no licence, the book's holds, CC-BY-4.0. Some of these books have been CC-BY-NC-SA since 2026: the commits
-here are the last ones before that. Left out: pictures whose captions say NC, ND, "permission" or "courtesy", or that come
-from Pexels, Pixabay or Unsplash with no open licence named.
+Licenses: CC0, public domain, CC-BY, CC-BY-SA and MIT only. A license or an author in the table is
+the picture's own. Without one, the source's applies. The OpenStax books state in each caption who
+made a picture, and often its license. Where they state no license, the book's applies, CC-BY-4.0.
+Some of these books have been CC-BY-NC-SA since 2026; the commits used here are the last ones before
+that. Excluded are pictures whose captions say NC, ND, "permission" or "courtesy", and those from
+Pexels, Pixabay or Unsplash without an open license.
 
-Everything here is labelled as background, so no rope may be seen. Each picture was looked at. Left out are those with ropes,
-cables, wires, hoses, cords, laces, lanyards, leashes, strings, chains, power lines, rigging, suspension bridges or wire fences, real
-or drawn. Kept on purpose, because they mislead a rope finder: branches, lightning, smoke, rails, seams, cracks, veins of stone,
-handwriting, rivers on maps.
+Everything here is labeled as background, so no rope may be visible. Each picture was inspected.
+Excluded are those with ropes, cables, wires, hoses, cords, laces, lanyards, leashes, strings,
+chains, power lines, rigging, suspension bridges or wire fences, real or drawn. Included on purpose,
+because they mislead a rope detector: branches, lightning, smoke, rails, seams, cracks, veins of
+stone, handwriting, rivers on maps.
 """
 
 import argparse
@@ -51,7 +54,7 @@ def book(name, commit):
 
 
 SOURCES = {
-    # Photographs, one by one, from textbooks; the file LICENSE of each commit.
+    # Individual photographs from textbooks. License: the file LICENSE of each commit.
     "chemistry-bundle": book("chemistry-bundle", "32c719622fbb7a0ca729cd645c1df4cf4e7d5b3a"),
     "college-physics-bundle": book("college-physics-bundle", "f98d7a792138a6133fe7267d17e70aa04e9ccbed"),
     "college-success-bundle": book("college-success-bundle", "4c04b87eb2753872c2d442fe9736859ddb27bb72"),
@@ -71,13 +74,14 @@ SOURCES = {
     "psychology": book("psychology", "e061043bf2f9e86ace51c4e8dc9555160f60a99d"),
     "university-physics-bundle": book("university-physics-bundle", "db44eb99e9aa1d918fd8cf182f82ccdece9c7b11"),
     "writing-guide": book("writing-guide", "a6c95528390e3a2936f5bf87c49ac1a4995a0a6e"),
-    # Seamless textures, cut from the catalogue's pages of previews; LICENSE: CC0 1.0, as on ambientcg.com.
+    # Seamless textures, cut from the catalog's preview pages. LICENSE: CC0 1.0, as on
+    # ambientcg.com.
     "ambientcg": Source("fabien-michel/sweethome3d-textures-ambientcg", "1a475099a89a9b979bbd15b6f59305d260795b80", "CC0-1.0", "ambientCG"),
-    # Panoramas of Poly Haven, said so in README.md; CC0 on polyhaven.com/license.
+    # Panoramas of Poly Haven, as stated in README.md. CC0 according to polyhaven.com/license.
     "polyhaven": Source("gkjohnson/3d-demo-data", "a79b5400ba8ed5bdeffebc10ce5adeecda7c3ebc", "CC0-1.0", "Poly Haven"),
-    # License of each picture in src/_skimage2/data/_fetchers.py.
+    # The license of each picture is in src/_skimage2/data/_fetchers.py.
     "scikit-image": Source("scikit-image/scikit-image", "cd0a3d22b9f359f05618d75d5c7a29b91b4951ca", "CC0-1.0", "CC0Textures"),
-    # Textures of games and simulators; readme.txt, README.md and about/*.txt, LICENSE.
+    # Textures of games and simulators. Licenses: readme.txt, README.md, about/*.txt and LICENSE.
     "dziq": Source("red-eclipse/dziq", "f9a83d20fad7da280cc392d3129d7e61385d06f0", "CC-BY-SA-4.0", "Radek Jedrecki (Dziq)"),
     "jojo": Source("red-eclipse/jojo", "636262115c8a93f67f7b51580ae37c6250e1a362", "CC-BY-SA-4.0", "Red Eclipse Team"),
     "nieb": Source("red-eclipse/nieb", "1584312a0458e7884afc6dfe14f577528a7e81fb", "CC0-1.0", "Nieb"),
@@ -100,13 +104,13 @@ class Picture(NamedTuple):
 
     @property
     def file(self):
-        """A flat name, the same in every run."""
+        """Returns a flat name that is the same in every run."""
         stem = re.sub(r"[^A-Za-z0-9_.-]+", "-", str(Path(self.path).with_suffix("")).removeprefix("media/"))
         return "--".join(filter(None, [self.source, stem, self.part.replace(",", "-")])) + ".jpg"
 
 
 def listed():
-    """The rows of the table, in its order."""
+    """Yields the rows of the table in order."""
     rows = Path(__file__).with_suffix(".tsv").read_text(encoding="utf-8").splitlines()[1:]
     for row in rows:
         source, path, licence, author = row.split("\t")
@@ -115,7 +119,7 @@ def listed():
 
 
 def content(picture, clones):
-    """The file's bytes, from a clone or from GitHub."""
+    """Returns the file's bytes, from a clone or from GitHub."""
     source = SOURCES[picture.source]
     clone = clones and clones / source.repository.replace("/", "+")
     if clone and clone.exists():
@@ -127,7 +131,9 @@ def content(picture, clones):
 
 
 def half_of_panorama(data, half):
-    """Half of the turn, from 40° above the horizon almost to the feet, exposed for what lies below the sky."""
+    """Returns half of the panorama, from 40° above the horizon almost to the feet, exposed for the
+    part below the sky.
+    """
     light = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)[:, :, ::-1]
     height, width = light.shape[:2]
     mean = np.exp(np.log(light[height // 4 :].mean(axis=2) + 1e-4).mean())
@@ -138,7 +144,7 @@ def half_of_panorama(data, half):
 
 
 def tiled_preview(page, column, row):
-    """One preview of 128 pixels, laid four by three: its texture has no seams."""
+    """Returns one preview of 128 pixels, tiled four by three. Its texture is seamless."""
     left, top = 16 + 144 * column, 16 + 176 * row
     tile = page.crop((left, top, left + 128, top + 128))
     picture = Image.new("RGB", (512, 384))
@@ -149,7 +155,9 @@ def tiled_preview(page, column, row):
 
 
 def opened(data, part):
-    """The picture as it is saved. What a texture hides by transparency is shown: it is a background as good as any."""
+    """Returns the picture as it is saved. Transparent parts of a texture are shown, because they
+    serve as background too.
+    """
     if part.startswith("half"):
         return half_of_panorama(data, int(part.removeprefix("half")))
     picture = Image.open(BytesIO(data))
@@ -162,7 +170,7 @@ def opened(data, part):
 
 
 def gather(pictures, out, clones):
-    """Writes the pictures that one file holds, unless they are there. Returns what went wrong, if anything did."""
+    """Writes the missing pictures of one source file. Returns an error message, if any."""
     missing = [picture for picture in pictures if not (out / picture.file).exists()]
     try:
         data = missing and content(missing[0], clones)

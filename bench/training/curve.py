@@ -1,4 +1,6 @@
-"""Draws the log of a training: `curve.py LOG SVG`. Means over 1000 steps; a line where the rate begins to fall, and where numbers are rounded."""
+"""Plots the log of a training run: `curve.py LOG SVG`. Means over 1000 steps, with lines where the
+learning rate starts to fall and where rounding starts.
+"""
 
 import argparse
 import json
@@ -8,7 +10,7 @@ import numpy as np
 
 WIDTH, HEIGHT, MARGIN = 640, 240, 40
 PARTS = {"overlap": "#d95f02", "rope": "#1b9e77", "seam": "#7570b3"}
-LINES_OF_LOG = 5  # to a mean
+LINES_OF_LOG = 5  # per mean
 
 
 def main():

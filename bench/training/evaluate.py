@@ -1,7 +1,8 @@
-"""How well weights find ropes: `evaluate.py --weights FILE --images FOLDER [--labels FOLDER] [--masks FOLDER]`, see README.md.
+"""Evaluates weights on pictures of ropes:
+`evaluate.py --weights FILE --images FOLDER [--labels FOLDER] [--masks FOLDER]`, see README.md.
 
-Labels are pictures of the same names (png), 0 where there is no rope. Prints the overlap (DICE) of each mask with its label, and their mean;
-writes masks for `lariat trace --masks`.
+Labels are pictures of the same names (png), 0 where there is no rope. Prints the overlap (DICE) of
+each mask with its label, and their mean. Writes masks for `lariat trace --masks`.
 """
 
 import argparse
@@ -25,9 +26,9 @@ def arguments():
 
 
 def found(weights, rgb):
-    """Where ropes are and where their seams, 0 to 1 (height, width each)."""
+    """Returns maps of ropes and of their seams, 0 to 1 (height, width each)."""
     height, width, _ = rgb.shape
-    # What is beside the picture is gray, as for the kernels.
+    # The padding is gray, as in the kernels.
     padded = np.pad(rgb, ((0, -height % 16), (0, -width % 16), (0, 0)), constant_values=128)
     with torch.no_grad():
         maps = torch.sigmoid(weights(torch.as_tensor(padded, dtype=torch.float32).permute(2, 0, 1)[None]))

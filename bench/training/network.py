@@ -1,11 +1,13 @@
-"""The mask network: where ropes are, and where two of them lie side by side.
+"""The mask network: segments ropes, and the seams between ropes that lie side by side.
 
-A U-Net (Ronneberger, Fischer and Brox, 2015) of 270,000 weights whose arithmetic is made for whole numbers. All activations are
-0 to 127, which stand for 0 to 4; weights are -127 to 127 with a scale for each output channel. With `Whole` weights both are rounded
-as the kernels of `crates/network` do, with gradients passed through (Bengio, Léonard and Courville, 2013), so that what is trained is what runs.
+A U-Net (Ronneberger, Fischer and Brox, 2015) of 270,000 weights, designed for integer arithmetic.
+All activations are 0 to 127 and represent 0 to 4. Weights are -127 to 127 with a scale for each
+output channel. With `Whole` weights both are rounded like in the kernels of `crates/network`.
+Gradients pass through the rounding (Bengio, Léonard and Courville, 2013), so the trained network is
+the one that runs.
 
-Training begins with normalized batches (Ioffe and Szegedy, 2015): `Normalized` has a gain and a bias for what each layer gives, and `folded` makes
-plain weights of it.
+Training starts with batch normalization (Ioffe and Szegedy, 2015): `Normalized` has a gain and a
+bias for the output of each layer, and `folded` turns it into plain weights.
 """
 
 import struct
@@ -15,11 +17,11 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-TOP = 4.0  # what the activation 127 stands for
+TOP = 4.0  # value of the activation 127
 STEP = TOP / 127
-LOGIT_STEPS = 16  # of the last layer's bytes in a unit of the logit
+LOGIT_STEPS = 16  # steps of the last layer's bytes per unit of the logit
 
-# name: side of the kernel, channels in, channels out, stride, dilation
+# name: kernel size, channels in, channels out, stride, dilation
 LAYERS = {
     "stem": (3, 3, 16, 2, 1),
     "d1": (3, 16, 32, 2, 1),
@@ -40,16 +42,20 @@ LAYERS = {
 
 
 class Normalized:
-    """Weights while each layer's sums are normalized over the batch: of each layer a kernel (out, in, height, width), a bias and a gain.
-    Convolutions are of 16-bit floats (bfloat16), which takes two thirds of the time of 32-bit ones where the processor knows them."""
+    """Weights with batch normalization of each layer's sums. Each layer has a kernel (out, in,
+    height, width), a bias and a gain.
+
+    Convolutions use 16-bit floats (bfloat16), which takes two thirds of the time of 32-bit ones if
+    the processor supports them.
+    """
 
     def __init__(self, seed):
-        """To begin with (He et al., 2015)."""
+        """Initializes the weights (He et al., 2015)."""
         random, self.parts = np.random.default_rng(seed), {}
         for name, (side, inputs, outputs, _, _) in LAYERS.items():
             deviation = np.sqrt(2 / (side * side * inputs)) * (0.1 if name == "out" else 1)
             kernel = random.normal(0, deviation, (outputs, inputs, side, side))
-            # What is added to something else begins as the smaller part.
+            # The output of a layer that is added to another starts as the smaller part.
             gain = 0.5 if name in ("e2b", "e3b", "e3d", "u2", "u1") else 1.0
             self.parts[name] = parameters(kernel, np.zeros(outputs), np.full(outputs, gain))
 
@@ -62,7 +68,9 @@ class Normalized:
         return through(self.sums, rgb)
 
     def folded(self, batches):
-        """Plain weights that do the same, by the statistics of batches that these weights have not learned from."""
+        """Returns equivalent plain weights, from the statistics of batches that these weights were
+        not trained on.
+        """
         means = {name: [] for name in LAYERS}
 
         def sums(name, x):
@@ -84,7 +92,7 @@ class Normalized:
 
 
 class Whole:
-    """Weights as they run, rounded: of each layer a kernel (out, in, height, width) and a bias."""
+    """Weights as executed, rounded. Each layer has a kernel (out, in, height, width) and a bias."""
 
     def __init__(self, parts):
         self.parts = parts
@@ -102,34 +110,37 @@ class Whole:
 
 def parameters(*parts):
     parts = (torch.as_tensor(part, dtype=torch.float32) for part in parts)
-    # Channels last is what convolutions are fastest with.
+    # Convolutions are fastest with channels last.
     return [(part.contiguous(memory_format=torch.channels_last) if part.ndim == 4 else part).requires_grad_() for part in parts]
 
 
 def rounded(x, step):
-    """x rounded to whole steps, with the gradient of x."""
+    """Returns x rounded to multiples of step, with the gradient of x."""
     return x + (torch.round(x.detach() / step) * step - x.detach())
 
 
 def scales(kernel, bias):
-    """Of each output channel, what a step of its weights stands for."""
+    """Returns, for each output channel, the value of one step of its weights."""
     largest = kernel.abs().amax((1, 2, 3))
-    # Sums stay below 2^24, where a 32-bit float is exact, also with the bias.
+    # Sums including the bias stay below 2^24, where a 32-bit float is exact.
     return torch.maximum(largest / 127, bias.abs() / STEP / 2**22).clamp(min=1e-8)
 
 
 def convolved(name, x, kernel):
-    """The sums of a layer."""
+    """Returns the sums of a layer."""
     side, _, _, stride, dilation = LAYERS[name]
     if stride == 2:
-        # The window of output y begins at input 2 y.
+        # The window of output y starts at input 2 y.
         return functional.conv2d(functional.pad(x, (0, 1, 0, 1)), kernel, stride=2)
     return functional.conv2d(x, kernel, padding=dilation * (side // 2), dilation=dilation)
 
 
 def through(sums, rgb):
-    """Logits of both maps (count, 2, height, width) of pictures (count, 3, height, width) of 0 to 255, given what makes a layer's sums.
-    Sides are multiples of 16."""
+    """Returns the logits of both maps (count, 2, height, width) of pictures (count, 3, height,
+    width) of 0 to 255.
+
+    `sums` computes a layer's sums. Sides are multiples of 16.
+    """
 
     def active(x):
         return functional.hardtanh(x, 0.0, TOP)
@@ -157,7 +168,9 @@ def through(sums, rgb):
 
 
 def packed(weights):
-    """The bytes of the file that lariat reads: its layout stands at the head of `crates/network`."""
+    """Returns the bytes of the file that lariat reads. Its layout is documented at the head of
+    `crates/network`.
+    """
     parts = [b"LARIATN1", struct.pack("<II", 1, len(LAYERS))]
     for name, (side, inputs, outputs, stride, dilation) in LAYERS.items():
         kernel, bias = (part.detach() for part in weights.parts[name])
@@ -166,9 +179,9 @@ def packed(weights):
         whole = np.clip(np.rint(kernel / scale), -127, 127).astype(np.int8)
         sums = np.rint(bias / (scale * np.float64(STEP))).astype(np.int64)
         if name == "stem":
-            # Its zero is 64, which the kernels do not take off.
+            # The zero point of the input is 64, which the kernels do not subtract.
             sums -= 64 * whole.astype(np.int64).sum((0, 1, 2))
-        # An activation's step cancels out: sums become activations by the weights' scale alone.
+        # An activation's step cancels out: the weights' scale alone converts sums to activations.
         out = scale * np.float32(STEP * LOGIT_STEPS) if name == "out" else scale
         parts.append(struct.pack("<HHBBBB", inputs, outputs, side, stride, dilation, 0))
         parts += [whole.tobytes(), sums.astype("<i4").tobytes(), out.astype("<f4").tobytes()]
@@ -177,7 +190,7 @@ def packed(weights):
 
 
 def unpacked(file):
-    """The weights of such a file."""
+    """Returns the weights in such a file."""
     body, at, parts = file[:-4], 16, {}
     if body[:8] != b"LARIATN1" or struct.unpack("<I", file[-4:])[0] != zlib.crc32(body):
         raise SystemExit("these are no weights of lariat's network, or they are damaged")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Trains the network further on pictures of one's own: own.sh FOLDER WEIGHTS, see README.md.
+# Continues the training of the network on the user's pictures: own.sh FOLDER WEIGHTS, see
+# README.md.
 set -euo pipefail
 [ $# = 2 ] || { echo "Usage: bench/training/own.sh FOLDER WEIGHTS (FOLDER has images/ and labels/)" >&2; exit 2; }
 own=$(realpath "$1") weights=$(realpath "$2")

@@ -1,7 +1,8 @@
-"""Pictures to try own.sh with: `own_example.py PHOTOGRAPH FOLDER` draws cables on a photograph, with labels.
+"""Generates example pictures for own.sh: `own_example.py PHOTOGRAPH FOLDER` draws cables on a
+photograph, with labels.
 
-FOLDER/own has twenty, on the photograph's left half, to learn from; FOLDER/others forty, on its right half, to measure on. The cables
-are drawn otherwise than those of lariat-scenes.
+FOLDER/own has twenty pictures on the photograph's left half, for training. FOLDER/others has forty
+on its right half, for evaluation. The cables are drawn differently from those of lariat-scenes.
 """
 
 import argparse
@@ -12,8 +13,8 @@ import numpy as np
 
 SIDE = 384
 SETS = (("own", 20, 11), ("others", 40, 12))  # name, pictures, seed
-STEPS = 60  # points of a curve from one of its knots to the next
-SHADOW_PX = 14  # how far from a cable's edge its shadow is looked for
+STEPS = 60  # points of a curve between two of its knots
+SHADOW_PX = 14  # maximum distance of a shadow from a cable's edge
 
 
 def arguments():
@@ -24,7 +25,7 @@ def arguments():
 
 
 def curve(random):
-    """Points along a smooth curve that begins in the picture or at its border."""
+    """Returns points along a smooth curve that starts in the picture or at its border."""
     count, heading = random.integers(4, 7), random.uniform(0, 2 * np.pi)
     knots = [random.uniform(0, SIDE, 2)]
     if random.random() < 0.6:
@@ -42,7 +43,9 @@ def curve(random):
 
 
 def places(points, reach_px):
-    """Of each pixel its distance from a curve, on which side of it that is, and how far along (infinitely far: nowhere near)."""
+    """Returns, for each pixel, its distance from a curve, the side of the curve, and the position
+    along it. The distance is infinite for far pixels.
+    """
     drawn = np.ones((SIDE, SIDE), np.uint8)
     cv2.polylines(drawn, [np.round(8 * points).astype(np.int32)], False, 0, 1, cv2.LINE_8, 3)
     y, x = np.nonzero(cv2.distanceTransform(drawn, cv2.DIST_L2, 5) < reach_px)
@@ -64,7 +67,7 @@ def places(points, reach_px):
 
 
 def lay(picture, label, number, random):
-    """A round cable of one color, some twisted, with a shadow."""
+    """Draws a round cable of one color, sometimes twisted, with a shadow."""
     points, width_px = curve(random), random.uniform(6, 16)
     distance, side, along = places(points, width_px / 2 + SHADOW_PX)
     if np.isinf(distance).all():
@@ -89,7 +92,7 @@ def lay(picture, label, number, random):
 
 
 def draw(ground, random):
-    """One to three cables on a part of the ground, and which is where."""
+    """Draws one to three cables on a part of the ground. Returns the picture and its label."""
     height, width = ground.shape[:2]
     side = int(min(height, width) * random.uniform(0.5, 0.95))
     top = height // 2 + random.integers(-height // 10, height // 10 + 1) - side // 2

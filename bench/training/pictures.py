@@ -18,7 +18,7 @@ def read(file):
 
 
 def label(picture, folder):
-    """Where ropes are in a picture, by its label in a folder."""
+    """Returns the mask of a picture's ropes, from its label in a folder."""
     file = folder / f"{picture.stem}.png"
     if not file.exists():
         raise SystemExit(f"{picture} has no label: {file} is missing")

@@ -1,4 +1,5 @@
-# An environment for Python, backgrounds, and what draws scenes, each made once. Sourced by run.sh and own.sh.
+# Creates the Python environment, the backgrounds and the scene generator once. Sourced by run.sh
+# and own.sh.
 python=cache/python/bin/python
 if [ ! -x "$python" ]; then
     python3 -m venv cache/python
@@ -9,7 +10,7 @@ cargo build --release --locked -p lariat-training
 target=$(cargo metadata --no-deps --format-version 1 | "$python" -c 'import json, sys; print(json.load(sys.stdin)["target_directory"])')
 mkdir -p cache/scenes
 
-# So many files of a thousand scenes each.
+# Draws this many files of a thousand scenes each.
 draw_scenes() {
     for k in $(seq 0 $(($1 - 1))); do
         file=cache/scenes/$(printf %02d "$k").npy

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Makes what the network learns from, and trains it: see README.md. What follows goes to train.py.
+# Generates the training data and trains the network: see README.md. The arguments are passed to
+# train.py.
 set -euo pipefail
 cd "$(dirname "$0")"
 source ./prepare.sh
-# Training begins with the first ones.
+# Training starts with the first files.
 (draw_scenes 32 || kill $$) &
 drawing=$!
 trap 'kill $drawing 2>/dev/null || true' EXIT

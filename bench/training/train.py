@@ -1,7 +1,9 @@
-"""Trains the mask network on drawn pictures: `train.py --scenes FOLDER --out FOLDER`, see README.md. Writes ropes.weights and a log.
+"""Trains the mask network on drawn pictures: `train.py --scenes FOLDER --out FOLDER`, see
+README.md. Writes ropes.weights and a log.
 
-Repeatable: the same scenes, seed, steps and machine give the same weights, bit for bit, also if training was interrupted: begun again with the same
-arguments, it goes on where it was. Until the rate falls, the number of steps may still be changed.
+Training is reproducible: the same scenes, seed, steps and machine give the same weights, bit for
+bit, even after an interruption. Restarted with the same arguments, it resumes. The number of steps
+may be changed until the learning rate starts to fall.
 """
 
 import argparse
@@ -20,9 +22,9 @@ import network
 import pictures
 
 SIDE = 256
-SAVED = 1000  # steps between what is kept to go on from
-FIRST_FILES = 4  # of scenes, to begin with
-NEW_FILE = 2000  # steps from one new file of scenes to the next: training need not wait until all are drawn
+SAVED = 1000  # steps between checkpoints
+FIRST_FILES = 4  # of scenes, at the start
+NEW_FILE = 2000  # steps per additional file of scenes
 
 
 def arguments():
@@ -42,7 +44,9 @@ def arguments():
 
 
 def own_pictures(folder):
-    """Pictures with their labels, as scenes are: no seams are known of them."""
+    """Returns pictures with their labels in the format of scenes. Their seams are unknown and left
+    empty.
+    """
     scenes = []
     for file in pictures.files(folder / "images"):
         label = pictures.label(file, folder / "labels")
@@ -53,7 +57,9 @@ def own_pictures(folder):
 
 
 class Scenes:
-    """Crops of drawn pictures, turned and recolored. A batch is a matter of the seed and its number alone."""
+    """Crops of drawn pictures, rotated and recolored. A batch depends only on the seed and its
+    number.
+    """
 
     def __init__(self, args):
         self.folder, self.files, self.most = args.scenes, [], args.files
@@ -61,7 +67,7 @@ class Scenes:
         self.seed, self.count = args.seed, args.batch
 
     def files_at(self, number):
-        """The files that are used at a step: waits for those that are being drawn."""
+        """Returns the files used at a step. Waits for those that are still being drawn."""
         count = min(self.most, FIRST_FILES + number // NEW_FILE)
         while len(self.files) < count:
             file = self.folder / f"{len(self.files):02}.npy"
@@ -71,7 +77,9 @@ class Scenes:
         return self.files[:count]
 
     def batch(self, number):
-        """Pictures (count, 3, side, side) of 0 to 255, and where in them ropes and seams are (count, 2, side, side), 0 to 1."""
+        """Returns pictures (count, 3, side, side) of 0 to 255, and the maps of their ropes and
+        seams (count, 2, side, side), 0 to 1.
+        """
         random = np.random.default_rng([self.seed, number])
         crops, files = np.empty((self.count, SIDE, SIDE, 5), np.float32), self.files_at(number)
         for crop in crops:
@@ -91,12 +99,14 @@ class Scenes:
 
 
 def entropy(logits, truth):
-    """Cross entropy of each pixel, in half the time of PyTorch's own."""
+    """Returns the cross entropy of each pixel, in half the time of PyTorch's own function."""
     return functional.relu(logits) - logits * truth - torch.log(torch.sigmoid(logits.abs()))
 
 
 def loss(logits, truth):
-    """Cross entropy of both maps, the seam's where ropes are; and one minus the overlap of the rope's (Milletari et al., 2016)."""
+    """Returns the cross entropy of both maps, weighted towards ropes for the seams, plus one minus
+    the overlap of the rope map (Milletari et al., 2016). Also returns the three parts.
+    """
     (rope, seam), (rope_truth, seam_truth) = logits.unbind(1), truth.unbind(1)
     found = torch.sigmoid(rope)
     overlap = (2 * (found * rope_truth).sum((1, 2)) + 50) / (found.sum((1, 2)) + rope_truth.sum((1, 2)) + 50)
@@ -106,12 +116,14 @@ def loss(logits, truth):
 
 
 class Learner:
-    """AdamW (Loshchilov and Hutter, 2019), the gradient's norm held to 2, and a mean of the weights over some 1000 steps."""
+    """AdamW (Loshchilov and Hutter, 2019) with the gradient's norm clipped to 2, and a moving
+    average of the weights over some 1000 steps.
+    """
 
     def __init__(self, weights):
         self.weights, self.mean, self.count = weights, copy.deepcopy(weights), 0
         self.parts = [part for layer in weights.parts.values() for part in layer]
-        # Only kernels shrink.
+        # Weight decay applies only to kernels.
         kernels, others = ([part for part in self.parts if (part.ndim == 4) == kernel] for kernel in (True, False))
         groups = [{"params": kernels, "weight_decay": 1e-2}, {"params": others, "weight_decay": 0.0}]
         self.optimizer = torch.optim.AdamW(groups, betas=(0.9, 0.98))
@@ -135,7 +147,9 @@ class Learner:
 
 
 class Training:
-    """What is kept to go on from: the step, the learner, and what the log's next line is the mean of."""
+    """The checkpointed state of a training run: the step, the learner, and the values for the log's
+    next line.
+    """
 
     def __init__(self, args):
         self.args, self.scenes, self.file, self.log = args, Scenes(args), args.out / "state.pt", args.out / "log.jsonl"
@@ -156,7 +170,9 @@ class Training:
         self.log.unlink(missing_ok=True)
 
     def rate(self):
-        """Rises at first; falls to a tenth by the end of the normalized steps; then from a tenth to nothing."""
+        """Returns the learning rate. It rises at first, then falls to a tenth by the end of the
+        normalized steps, then from a tenth to almost zero.
+        """
         number, high, normalized, args = self.number, self.high_steps, self.normalized_steps, self.args
         if number < high:
             return args.rate * min(1, (number + 1) / 300)

@@ -1,4 +1,5 @@
-//! Names the shared library by its ABI, so that a program is never run with another one's.
+//! Puts the ABI version into the shared library's name, so that a program never runs with another
+//! version.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

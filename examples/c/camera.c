@@ -1,9 +1,9 @@
-// A camera of your own as lariat's source: frames written straight into shared memory, 30 times a second.
+// Your own camera as lariat's source: writes frames straight into shared memory, 30 times a second.
 //
 //     cc camera.c $(pkg-config --cflags --libs lariat) -o camera
 //     lariat run --source external & ./camera
 //
-// Arguments: the rig, and after how many frames to end.
+// Arguments: the rig, and the number of frames after which to end.
 
 #define _POSIX_C_SOURCE 200809L
 #include <lariat.h>
@@ -14,7 +14,8 @@
 
 enum { WIDTH = 640, HEIGHT = 480 };
 
-// Your camera's: it fills the rows, and says when the image was taken. Here: a dark rope on a light table, which goes up and down.
+// Replace this with your camera: fill the rows and return the time of the exposure. Here: a dark
+// rope on a light table that moves up and down.
 static uint64_t grab(uint8_t *pixels, long frame) {
     memset(pixels, 220, 3 * WIDTH * HEIGHT);
     long top = 200 + labs(frame % 80 - 40);

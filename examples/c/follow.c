@@ -4,7 +4,8 @@
 //     cc follow.c $(pkg-config --cflags --libs lariat) -o follow
 //     lariat run & ./follow
 //
-// What stands for the robot here prints. Arguments: the rig, and after how many frames to end.
+// Instead of a robot, this example prints. Arguments: the rig, and the number of frames after which
+// to end.
 
 #include <lariat.h>
 #include <stdio.h>

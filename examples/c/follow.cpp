@@ -1,4 +1,4 @@
-// A control loop in C++: a class that closes itself, and a rope as a std::optional.
+// A control loop in C++, with a class that closes its reader and a point as a std::optional.
 //
 //     c++ -std=c++17 follow.cpp $(pkg-config --cflags --libs lariat) -o follow
 //
@@ -26,10 +26,11 @@ class Reader {
         reader.reset(opened);
     }
 
-    // Whether a new frame came.
+    // Returns true if a new frame came.
     bool wait(nanoseconds timeout) { return check(lariat_wait(reader.get(), timeout.count())) > 0; }
 
-    // A point of the only rope, if it is seen whole in an image no older than that.
+    // Returns a point of the only rope, if it is completely visible in an image no older than
+    // max_age.
     std::optional<Point> point(double rho, nanoseconds max_age) {
         Point at;
         known = lariat_only_rope(reader.get(), max_age.count(), &rope);

@@ -1,9 +1,9 @@
-// A control loop with a poll of its own: a beat of 2 ms, frames whenever they come, and Ctrl-C.
+// A control loop with its own poll: a cycle of 2 ms, frames whenever they come, and Ctrl-C.
 //
 //     cc poll.c $(pkg-config --cflags --libs lariat) -o poll
 //
-// The robot moves at each beat, by where the rope is *then*: the chain runs with --filter, so that ropes have velocities.
-// Arguments: the rig, and after how many frames to end.
+// In each cycle, the robot moves by the rope's position at that time: the chain runs with --filter,
+// so that ropes have velocities. Arguments: the rig, and the number of frames after which to end.
 
 #define _GNU_SOURCE
 #include <lariat.h>
@@ -31,13 +31,13 @@ static int signals(void) {
     return signalfd(-1, &ends, SFD_CLOEXEC);
 }
 
-// Where the middle of the rope is now, if that is known.
+// Writes the current position of the rope's middle, if it is known.
 static int middle(lariat_reader *reader, double at[2]) {
     lariat_rope rope;
     lariat_descriptor now;
     if (lariat_only_rope(reader, 100 * LARIAT_MS, &rope) != LARIAT_FRESH) return -1;
     if (lariat_predict(reader, rope.track, lariat_now_ns(), &now) == 0) return lariat_point_at(&now, 0.5, at);
-    return lariat_point_at(rope.fresh, 0.5, at); // No velocities: where it was seen.
+    return lariat_point_at(rope.fresh, 0.5, at); // No velocities: use the position in the image.
 }
 
 int main(int count, char **arguments) {

@@ -1,4 +1,4 @@
-"""Any camera that Python can read as lariat's source: beside it runs `lariat run --source external`.
+"""A camera that Python can read, as lariat's source. Run `lariat run --source external` alongside.
 
 pip install opencv-python
 python camera.py [0 | rtsp://… | video.mp4]
@@ -13,5 +13,5 @@ import lariat
 name = sys.argv[1] if len(sys.argv) > 1 else "0"
 camera = cv2.VideoCapture(int(name) if name.isdigit() else name)
 with lariat.Writer("frames") as frames:
-    while camera.grab():  # waits for the next image, and takes it …
-        frames.write(camera.retrieve()[1], "bgr8")  # … which is copied once, into shared memory.
+    while camera.grab():  # waits for the next image and takes it
+        frames.write(camera.retrieve()[1], "bgr8")  # copies it once, into shared memory

@@ -1,4 +1,4 @@
-"""Holds the middle of a rope still in the image: a control law in ten lines. Beside it runs `lariat run`."""
+"""Holds a rope's middle still in the image, in ten lines. Run `lariat run` alongside."""
 
 import lariat
 
@@ -6,7 +6,7 @@ GAIN, GOAL = 2.0, (320.0, 240.0)  # 1/s; px
 
 
 def move(vx: float, vy: float) -> None:
-    """Your robot's."""
+    """Replace this with your robot."""
     print(f"move {vx:8.1f} {vy:8.1f} px/s")
 
 
@@ -16,6 +16,6 @@ with lariat.Reader(timeout=0.1) as reader:
             case lariat.Fresh(rope):
                 x, y = rope.shape.point_at(0.5)
                 move(GAIN * (GOAL[0] - x), GAIN * (GOAL[1] - y))
-            case seen:  # Partial, Unsure, Lost, Stale, Absent: not to be steered by, or not so fast.
+            case seen:  # Partial, Unsure, Lost, Stale, Absent: do not steer by them, or only slowly.
                 move(0.0, 0.0)
                 print(f"hold: {seen}")

@@ -1,4 +1,6 @@
-"""A network that says which pixels are rope. Beside it runs a chain with `mask = "external"` under [extract].
+"""A network that tells which pixels are rope.
+
+Run a chain with `mask = "external"` under [extract] alongside.
 
 python mask_network.py [--rig NAME]
 """
@@ -19,7 +21,9 @@ def load() -> NDArray[np.float64]:
 
 
 def network(weights: NDArray[np.float64], image: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """How likely each pixel is rope, 0 to 1, as (height, width). Here one layer of NumPy: how much bluer than red it is.
+    """Probability of rope for each pixel, 0 to 1, as (height, width).
+
+    Here, one layer of NumPy: the excess of blue over red.
 
     With torch: x = torch.from_numpy(image).cuda().permute(2, 0, 1)[None] / 255
                 return torch.sigmoid(weights(x))[0, 0].cpu().numpy()
@@ -29,6 +33,6 @@ def network(weights: NDArray[np.float64], image: NDArray[np.uint8]) -> NDArray[n
 
 weights = load()
 with lariat.Frames(rig) as frames, lariat.Writer("masks", rig) as masks:
-    for frame in frames:  # the newest; while the network works, others pass by
+    for frame in frames:  # the newest frame; others are skipped while the network works
         image = frame.array if frame.pixel_format == "rgb8" else frame.array[..., ::-1]
         masks.write(network(weights, image), frame)

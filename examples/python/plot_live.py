@@ -1,4 +1,4 @@
-"""The ropes of a running chain, live: curve, control points, latency. Beside it runs `lariat run`.
+"""Live plot of a chain's ropes: curve, control points, latency. Run `lariat run` alongside.
 
 pip install matplotlib
 python plot_live.py [--rig NAME] [--frames N] [--save FILE.png]
@@ -12,7 +12,7 @@ import numpy as np
 
 import lariat
 
-SHOWN = 200  # latencies
+SHOWN = 200  # number of latencies shown
 arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 arguments.add_argument("--rig", default="default", help="which camera chain")
 arguments.add_argument("--frames", type=int, help="end after so many drawings")

@@ -1,4 +1,4 @@
-//! Writes small whole recordings into a folder, for the fuzzer of recordings to begin with.
+//! Writes small complete recordings into a folder, as seeds for the fuzzer of recordings.
 
 fn main() -> std::io::Result<()> {
     let folder = std::env::args_os().nth(1).expect("name a folder");

@@ -1,5 +1,5 @@
-//! No text makes the reader of calibrations panic or hang, and no lens that it reads gives a ray that is not seen where it was
-//! asked for.
+//! The reader of calibrations neither panics nor hangs on any text. With any lens that it accepts,
+//! the ray of a pixel projects back to that pixel.
 #![no_main]
 
 use lariat_camera::{Camera, Mapping};
@@ -29,8 +29,8 @@ fuzz_target!(|text: &str| {
                 .expect("a place that a pixel has is seen");
             let away = (seen[0] - pixel[0]).hypot(seen[1] - pixel[1]);
             let focal = camera.focal_px().into_iter().fold(1.0, f64::max);
-            // A ray's place is known to 10⁻¹³ of the focal length and of how far from the middle it is seen; the scaled camera's
-            // is at most 8192 times the calibration's.
+            // The position of a ray is known to 10⁻¹³ of the focal length and of its distance from
+            // the middle. The scaled camera is at most 8192 times as large as the calibration's.
             let reach = focal
                 + camera
                     .center_px()

@@ -1,4 +1,5 @@
-//! No message of centerlines makes fit or the sink panic or hang, or fit send what makes its readers do so.
+//! Fit and the sink neither panic nor hang on any message of centerlines, and fit's answers do not
+//! make its readers do so.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! No command makes the simulated rope panic, hang or leave the numbers.
+//! The simulated rope neither panics nor hangs on any command, and its coordinates remain finite.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,5 @@
-//! No message of descriptors makes a control loop, in Rust or in C, or the sink panic, hang or write where it may not.
+//! On any message of descriptors, a control loop in Rust or in C and the sink neither panic, nor
+//! hang, nor write out of bounds.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! No message of descriptors in space makes a control loop panic or hang.
+//! A control loop neither panics nor hangs on any message of 3-D descriptors.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,5 @@
-//! No bytes, sizes, strides, formats and options, and no sequence of frames, make the extractor panic or hang.
+//! The extractor neither panics nor hangs, whatever the bytes, sizes, strides, formats, options and
+//! sequences of frames.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,5 @@
-//! No header and no bytes behind it make extract panic or hang, or send what it may not.
+//! Extract neither panics, nor hangs, nor sends an invalid message, whatever the header and the
+//! bytes after it.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Whatever a client sends to the page's server, it is answered or ended.
+//! The page's server answers or closes every connection, whatever a client sends.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

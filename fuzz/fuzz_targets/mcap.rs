@@ -1,4 +1,4 @@
-//! No bytes of a recording make its reader or the source of its frames panic or hang.
+//! The reader of recordings and the source of their frames neither panic nor hang on any bytes.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,5 @@
-//! No frame of a camera, whole, damaged or none at all, makes its decoder panic or write beyond the memory it is lent.
+//! The decoder of a camera's frames neither panics nor writes out of bounds, whether a frame is
+//! complete, damaged or not a frame at all.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

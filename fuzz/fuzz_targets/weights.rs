@@ -1,5 +1,5 @@
-//! No bytes make the reader of the network's weights panic, and whatever numbers it takes, a run with them ends well: also where
-//! the check sum is right.
+//! The reader of the network's weights does not panic on any bytes, and a run with any weights that
+//! it accepts ends properly. This also holds if the checksum is correct.
 #![no_main]
 
 use std::sync::LazyLock;
@@ -10,12 +10,13 @@ use libfuzzer_sys::fuzz_target;
 
 static WHOLE: LazyLock<Vec<u8>> = LazyLock::new(|| Network::random(1).to_bytes());
 
-/// What happened to a file.
+/// Damage to a file.
 #[derive(Arbitrary, Debug)]
 enum File {
-    /// It is another one.
+    /// The file is replaced by another one.
     Other(Vec<u8>),
-    /// Bytes of it have changed, it is longer or ends sooner, and somebody has put its check sum right, or has not.
+    /// Some bytes are changed, and the file is longer or shorter. The checksum may have been
+    /// corrected.
     Damaged {
         changed: Vec<(u32, u8)>,
         more: Vec<u8>,

@@ -1,4 +1,5 @@
-//! No line makes a stage or its chain panic; what is a word is said again as it was meant.
+//! A stage and its chain do not panic on any line, and a valid message survives a round trip
+//! through text.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

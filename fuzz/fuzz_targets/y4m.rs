@@ -1,4 +1,5 @@
-//! No bytes of a video file make its reader panic or hang, and a part of it has the frames that the whole has.
+//! The reader of videos neither panics nor hangs on any bytes, and a part of a file has the same
+//! frames as the whole.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

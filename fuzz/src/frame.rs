@@ -1,17 +1,17 @@
-//! A camera's JPEG frame out of a fuzzer's bytes: a head that makes sense and any image behind it, or one that is damaged, or
-//! any bytes at all; and what must hold after each.
+//! A camera's JPEG frames from a fuzzer's bytes, and the invariants that must hold after each. A
+//! frame has a valid header and any image after it, or is damaged, or consists of arbitrary bytes.
 
 use arbitrary::Arbitrary;
 use lariat_capture::Mjpeg;
 use lariat_message::PixelFormat;
 
-/// Bytes behind the memory lent, to see whether they stay as they are.
+/// Bytes after the lent memory that must remain unchanged.
 const GUARD: [u8; 64] = [0xA5; 64];
 
 /// A few frames of one camera.
 #[derive(Arbitrary, Debug)]
 pub struct Frames {
-    /// What was agreed on with it: sides of 1 to 256 pixels.
+    /// Negotiated image size, with sides of 1 to 256 pixels.
     width: u8,
     height: u8,
     frames: Vec<Frame>,
@@ -26,17 +26,17 @@ enum Frame {
 #[derive(Arbitrary, Debug)]
 struct Made {
     channels: Channels,
-    /// Units between restart markers.
+    /// Number of units between restart markers.
     restart: Option<u8>,
     quantization: [u8; 2],
     tables: Option<Vec<Table>>,
-    /// Segments that mean nothing to the image.
+    /// Segments that are irrelevant to the image.
     others: Vec<(u8, Vec<u8>)>,
     image: Vec<u8>,
-    /// Behind the image: an end, and more.
+    /// After the image: an end marker, and more bytes.
     ended: bool,
     rest: Vec<u8>,
-    /// What was changed on the way, and from where on all is lost.
+    /// Bytes changed in transit, and the length after which everything is lost.
     changes: Vec<(u16, u8)>,
     length: Option<u16>,
 }
@@ -44,7 +44,7 @@ struct Made {
 #[derive(Arbitrary, Clone, Copy, Debug)]
 enum Channels {
     Gray,
-    /// Sampling factors of each, as they stand in the head.
+    /// Sampling factors of each component, as in the header.
     Common(Common),
     Any([u8; 3]),
 }
@@ -58,12 +58,12 @@ enum Common {
     QuarterWidth,
 }
 
-/// Class and destination, how many codes of each length, and what they stand for.
+/// Class and destination, number of codes of each length, and their values.
 #[derive(Arbitrary, Debug)]
 struct Table(u8, [u8; 16], Vec<u8>);
 
 impl Frames {
-    /// Decodes them with one decoder, and looks at what it has done.
+    /// Decodes the frames with one decoder, and checks the results.
     pub fn run(&self) {
         let [width, height] = [self.width, self.height].map(|side| u32::from(side) + 1);
         let mut decoder = Mjpeg::new(width, height);
@@ -80,7 +80,7 @@ impl Frames {
             let Ok(format) = decoded else { continue };
             assert!(matches!(format, PixelFormat::Rgb8 | PixelFormat::Gray8));
             assert_eq!(decoder.format(&jpeg), Ok(format));
-            // In exactly as much memory, and by a decoder that has seen nothing yet.
+            // In exactly as much memory, and with a fresh decoder.
             let bytes = format.row_bytes(width) * height as usize;
             let mut exactly = vec![0; bytes];
             let again = Mjpeg::new(width, height).decode(&jpeg, &mut exactly);

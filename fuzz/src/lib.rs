@@ -1,5 +1,6 @@
-//! What a fuzzer's bytes mean to lariat, and what must hold after each: to the extractor a session of a few small frames, to
-//! the decoder of a camera's JPEG frames a few of those, to the readers of videos and recordings a file and a part of it.
+//! Converts a fuzzer's bytes to input for lariat, and checks the invariants after each. The
+//! extractor gets a session of a few small frames, and the JPEG decoder a few camera frames. The
+//! readers of videos and recordings get a file and a part of it.
 
 mod frame;
 #[path = "../../crates/test-support/tests/hostile/targets/mod.rs"]

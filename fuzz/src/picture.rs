@@ -1,19 +1,20 @@
-//! Small pictures out of a fuzzer's bytes: the bytes themselves as pixels, or strokes drawn on a table, so that shapes
-//! which come through the mask reach the steps behind it.
+//! Small pictures from a fuzzer's bytes: the bytes themselves as pixels, or strokes drawn on a
+//! table, so that some shapes pass the mask and reach the later steps.
 
 use arbitrary::Arbitrary;
 use lariat_extract::PixelFormat;
 
-/// A side is 1 to this many pixels: enough for several strands and a crossing, few enough for many runs a second.
+/// Maximum length of a side: enough pixels for several strands and a crossing, few enough for many
+/// runs a second.
 const LONGEST_SIDE: usize = 96;
 
-/// A size, a format and what is to be seen.
+/// Size, format and content of a picture.
 #[derive(Arbitrary, Clone, Debug)]
 pub(crate) struct Picture {
     width: u8,
     height: u8,
     format: Format,
-    /// Bytes between one row's end and the next one's start.
+    /// Number of bytes between the end of one row and the start of the next.
     gap: u8,
     content: Content,
 }
@@ -36,7 +37,7 @@ enum Format {
 
 #[derive(Arbitrary, Clone, Debug)]
 enum Content {
-    /// These bytes, again and again.
+    /// These bytes, repeated.
     Raw(Vec<u8>),
     Drawn(Drawing),
 }
@@ -44,16 +45,16 @@ enum Content {
 #[derive(Arbitrary, Clone, Debug)]
 struct Drawing {
     table: [u8; 3],
-    /// Levels from the left edge to the right one.
+    /// Change in level from the left edge to the right one.
     slope: i8,
-    /// Side of the squares of a checkered table, in pixels; 0: a plain one.
+    /// Side of the squares of a checkered table, in pixels; 0 for a plain table.
     cell: u8,
-    /// Levels of noise.
+    /// Amplitude of the noise, in levels.
     noise: u8,
     strokes: Vec<Stroke>,
 }
 
-/// A parabola's arc as thick as a rope, in 256ths of the picture.
+/// Parabolic arc as thick as a rope, in 256ths of the picture.
 #[derive(Arbitrary, Clone, Debug)]
 struct Stroke {
     from: [u8; 2],
@@ -63,7 +64,7 @@ struct Stroke {
     color: [u8; 3],
 }
 
-/// A picture's bytes and how they are to be read.
+/// Bytes of a picture and their format.
 pub(crate) struct Pixels {
     pub(crate) bytes: Vec<u8>,
     pub(crate) width: usize,
@@ -114,7 +115,7 @@ impl Picture {
         pixels
     }
 
-    /// The same as a mask of a picture of this size: `Gray8`.
+    /// Returns the same picture as a mask for a picture of this size, in `Gray8`.
     pub(crate) fn mask_of_size(&self, width: usize, height: usize) -> Pixels {
         let mut mask = self.clone();
         mask.format = Format::Gray8;
@@ -145,7 +146,7 @@ impl Drawing {
                 .table
                 .map(|level| i32::from(level).saturating_add(light).clamp(0, 255) as u8);
         }
-        // More strokes than this hide each other.
+        // More strokes than this would cover each other.
         for stroke in self.strokes.iter().take(24) {
             stroke.draw(&mut colors, width, height);
         }
@@ -188,7 +189,7 @@ impl Stroke {
 }
 
 impl Pixels {
-    /// The three levels are taken as they are, in whatever the format means by them.
+    /// Writes the three levels as they are, whatever they mean in the format.
     fn set(&mut self, x: usize, y: usize, [a, b, c]: [u8; 3]) {
         let row = y * self.stride;
         match self.format {

@@ -1,5 +1,6 @@
-//! A recording out of a fuzzer's bytes: messages of lariat's own kinds with some of their bytes changed, in chunks that are
-//! whole, or damaged, or cut off; or any bytes at all; and what must hold of what is read.
+//! A recording from a fuzzer's bytes, and the invariants that must hold for the result. Its
+//! messages are lariat's own kinds with some bytes changed, in chunks that are complete, damaged or
+//! cut off; or all bytes are arbitrary.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -18,18 +19,18 @@ use mcap::{Attachment, Compression, WriteOptions, Writer};
 
 use crate::shown::{ScratchFile, show};
 
-/// How a real recording begins.
+/// First bytes of a real recording.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-/// What is added to a trace's moments.
+/// Offset added to the times of a trace.
 const OFFSET_NS: u64 = 1_700_000_000_000_000_000;
-/// Messages that are looked at: a few bytes may say that they are millions.
+/// Maximum number of messages that are read, because a few bytes may claim millions.
 const MOST: usize = 2000;
 
-/// A file in whose chunks there are messages.
+/// A file with messages in its chunks.
 #[derive(Arbitrary, Debug)]
 struct Made {
     compression: Packing,
-    /// Without it what is changed in a chunk is not seen to be.
+    /// True if the chunks have checksums. Without them, changes in a chunk are not detected.
     checked: bool,
     about: bool,
     parts: Vec<Part>,
@@ -67,7 +68,7 @@ struct Image {
     without_header: bool,
 }
 
-/// A frame's number, and when it came.
+/// Number and time of a frame.
 #[derive(Arbitrary, Clone, Copy, Debug)]
 struct At {
     sequence: u8,
@@ -92,7 +93,7 @@ enum Kind {
     Header,
 }
 
-/// Which part of it to read.
+/// Part of the recording to read.
 #[derive(Arbitrary, Debug)]
 struct Asked {
     from: Option<u8>,
@@ -101,7 +102,7 @@ struct Asked {
     looped: bool,
 }
 
-/// Small recordings with a message of each kind, in chunks of each kind.
+/// Makes small recordings with a message of each kind, in chunks of each kind.
 pub fn seeds() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
     for compression in [Packing::None, Packing::Lz4, Packing::Zstd] {
@@ -121,7 +122,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// All that is recorded of a frame.
+/// All messages that are recorded for a frame.
 fn of_frame(sequence: u8) -> Vec<Part> {
     let at = At {
         sequence,
@@ -165,7 +166,7 @@ fn of_frame(sequence: u8) -> Vec<Part> {
     parts
 }
 
-/// Any bytes; a real file's as they are.
+/// Reads a recording made from any bytes; a real file is read as it is.
 pub fn run(data: &[u8]) {
     let (file, part, is_as_written) = if data.starts_with(MAGIC) {
         let part = Asked {
@@ -217,7 +218,7 @@ fn look_into(recording: &Recording, part: &Asked, is_as_written: bool) {
     let _ = recording.topics();
     let frames = recording.frames();
     let whole = count(recording, Span::default());
-    // A frame whose image is broken is counted, and not read; and a damaged index may say anything.
+    // A frame with a broken image is counted but not read, and a damaged index may say anything.
     if let (true, Some(whole), Ok(frames)) = (is_as_written, whole, frames) {
         assert!(
             whole <= frames,
@@ -235,7 +236,7 @@ fn look_into(recording: &Recording, part: &Asked, is_as_written: bool) {
     }
 }
 
-/// Frames in a part; none if there is too much in it to look at.
+/// Counts the frames in a part; `None` if the part is too large.
 fn count(recording: &Recording, span: Span) -> Option<u64> {
     let mut messages = recording.messages(span).ok()?;
     let mut frames = 0;
@@ -247,7 +248,7 @@ fn count(recording: &Recording, span: Span) -> Option<u64> {
                 frames += 1;
             }
             Ok(Some(Entry::Mask(frame))) => assert_makes_sense(&frame),
-            // What was read can be written.
+            // A message that was read can be written.
             Ok(Some(Entry::Centerlines(message) | Entry::Truth(message))) => again(message),
             Ok(Some(Entry::Descriptors(message))) => again(message),
             Ok(Some(Entry::Losses(message))) => again(message),
@@ -268,7 +269,7 @@ fn assert_makes_sense(frame: &Frame) {
     }
 }
 
-/// A file being made.
+/// A file under construction.
 struct Making {
     writer: Writer<Cursor<Vec<u8>>>,
     channels: BTreeMap<&'static str, u16>,

@@ -1,4 +1,5 @@
-//! One extractor and a few frames, with what may happen between them, and what must hold after each.
+//! One extractor and a few frames, with events between them, and the invariants that must hold
+//! after each.
 
 use std::time::Duration;
 
@@ -8,15 +9,15 @@ use lariat_extract::{
     CrossingSequence, Extractor, HsvRange, Image, Mask, Options, Scene, mask_of, pick,
 };
 
-/// More frames show little that these do not, and cost the fuzzer its runs.
+/// Maximum number of frames. More frames reveal little more, and slow the fuzzer down.
 const MOST_FRAMES: usize = 5;
-/// As many points as a user clicks.
+/// Maximum number of points, as many as a user clicks.
 const MOST_POINTS: usize = 3;
 
-/// Frames after which ropes that lie still are followed.
+/// Number of frames after which stationary ropes are followed.
 const UNTIL_FOLLOWED: usize = 4;
 
-/// What a fuzzer's bytes stand for.
+/// Session that a fuzzer's bytes describe.
 #[derive(Arbitrary, Debug)]
 pub struct Session {
     mask: Kind,
@@ -25,7 +26,7 @@ pub struct Session {
     start: Option<[f32; 2]>,
     keep_lost_frames: u8,
     frames: Vec<Frame>,
-    /// What is said about bytes that may be too few.
+    /// Claim about bytes that may be too few.
     claim: Claim,
 }
 
@@ -46,11 +47,12 @@ struct Range {
 #[derive(Arbitrary, Debug)]
 enum Frame {
     Image(Picture),
-    /// The last image again: a rope that lies still.
+    /// The last image again: a stationary rope.
     Again,
-    /// The last image, until ropes that are plain to see are followed, and then moved by so many bytes and rows.
+    /// The last image until its clear ropes are followed, and then moved by this many columns and
+    /// rows.
     Moved([i8; 2]),
-    /// An image with a mask that was made elsewhere, of its size or of its own.
+    /// An image with an external mask, of its size or of the mask's own.
     Masked {
         picture: Picture,
         mask: Picture,
@@ -58,7 +60,7 @@ enum Frame {
     },
     Reset,
     Prepare([u8; 2]),
-    /// The ropes' colors, picked at places or by themselves.
+    /// Picks the ropes' colors, at points or automatically.
     Pick(Picture, Vec<[f32; 2]>),
 }
 
@@ -70,13 +72,14 @@ struct Claim {
 }
 
 impl Session {
-    /// Lives through it.
+    /// Runs the session.
     ///
     /// # Panics
-    /// When something does not hold that should: this is what the fuzzer looks for.
+    /// Panics if an invariant does not hold, which the fuzzer looks for.
     pub fn run(&self) {
         self.claim.check();
-        // Options that make no sense are refused with an error: no panic, and nothing more to see.
+        // Invalid options must be refused with an error, without a panic; nothing else is left to
+        // check.
         let Ok(mut extractor) = Extractor::new(self.options()) else {
             return;
         };
@@ -144,11 +147,11 @@ impl Session {
             }).points(self.points.into()).ropes(self.ropes.into()).start(self.start).keep_lost(Duration::from_millis(33 * u64::from(self.keep_lost_frames)))
     }
 
-    /// What every scene promises, whatever the image was.
+    /// Checks the invariants of every scene, whatever the image.
     fn check(&self, scene: &Scene, pixels: &Pixels) {
         let (right, bottom) = (pixels.width as f32 - 1.0, pixels.height as f32 - 1.0);
         assert!(scene.crossings.len() <= 32);
-        // Only the automatic mask has doubts.
+        // Only the automatic mask has notices.
         assert!(scene.notice.is_none() || matches!(self.mask, Kind::Auto));
         for (index, curve) in scene.curves.iter().enumerate() {
             let points = usize::from(self.points);
@@ -184,7 +187,7 @@ impl Session {
 }
 
 impl Claim {
-    /// Bytes that do not make an image of that size are refused, and no others.
+    /// Checks that bytes that are not an image of that size are refused, and that no others are.
     fn check(&self) {
         use lariat_extract::PixelFormat::{
             BayerBggr8, BayerGbrg8, BayerGrbg8, BayerRggb8, Bgr8, Bgra8, Gray8, Gray16, Nv12, Rgb8, Uyvy, Yuyv,
@@ -211,7 +214,7 @@ fn image(pixels: &Pixels) -> Image<'_> {
     .expect("the bytes are made for the size")
 }
 
-/// Ranges that are picked are ranges that the options take.
+/// Checks that the options accept ranges that were picked.
 fn picked(pixels: &Pixels, at: &[[f32; 2]]) {
     let image = image(pixels);
     let Ok(picked) = pick(&image, at) else { return };

@@ -1,4 +1,4 @@
-//! A file for a source to read, and the frames that it makes of it.
+//! A file for a source to read, and the frames of that source.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use lariat_capture::{Source, open};
 use lariat_message::{Centerlines, PixelFormat};
 
-/// A file that is gone when it is dropped.
+/// A file that is removed when dropped.
 pub(crate) struct ScratchFile(PathBuf);
 
 impl ScratchFile {
@@ -31,7 +31,7 @@ impl Drop for ScratchFile {
     }
 }
 
-/// A frame as it is shown.
+/// A frame from a source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Shown {
     pub(crate) sequence: u64,
@@ -41,13 +41,13 @@ pub(crate) struct Shown {
     pub(crate) due_ns: Option<u64>,
 }
 
-/// The first frames of a source; none if it is refused.
+/// Returns the first frames of a source; `None` if the source is refused.
 pub(crate) fn show(source: &Source, most: usize) -> Option<Vec<Shown>> {
     let mut source = open(source).ok()?;
     let mut frames: Vec<Shown> = Vec::new();
     let mut truth = Box::new(Centerlines::EMPTY);
     while frames.len() < most {
-        // An error is an end.
+        // An error ends the source.
         let Ok(Some(frame)) = source.next() else {
             break;
         };

@@ -1,4 +1,5 @@
-//! A video file out of a fuzzer's bytes, and a part of it to show; and what must hold: a part has the frames that the whole has.
+//! A video file from a fuzzer's bytes, and a part of it to play. Invariant: a part has the same
+//! frames as the whole.
 
 use std::num::NonZeroU64;
 
@@ -7,12 +8,12 @@ use lariat_capture::{FileOptions, Position, Range, RenderOptions, Source};
 
 use crate::shown::{ScratchFile, Shown, show};
 
-/// How a real video begins.
+/// First bytes of a real video.
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
-/// Frames that are looked at.
+/// Maximum number of frames that are read.
 const MOST: usize = 64;
 
-/// A file whose head makes sense, mostly.
+/// A file with a mostly valid header.
 #[derive(Arbitrary, Debug)]
 struct Made {
     width: u8,
@@ -43,14 +44,14 @@ enum Word {
 
 #[derive(Arbitrary, Debug)]
 struct Frame {
-    /// What stands behind `FRAME`.
+    /// Text after `FRAME`.
     word: Option<Vec<u8>>,
     fill: u8,
-    /// How many bytes too few, or too many.
+    /// Number of missing or extra bytes.
     off_by: Option<i8>,
 }
 
-/// Which part of it to show.
+/// Part of the video to play.
 #[derive(Arbitrary, Debug)]
 struct Part {
     from: u8,
@@ -58,7 +59,7 @@ struct Part {
     every: u8,
 }
 
-/// Any bytes behind a part; a real file's as they are.
+/// Plays a file made from any bytes, and a part of it; a real file is played as it is.
 pub fn run(data: &[u8]) {
     let (file, part) = match data.split_first_chunk::<3>() {
         Some((part, file)) if file.starts_with(MAGIC) => {
@@ -80,7 +81,8 @@ pub fn run(data: &[u8]) {
             (made.bytes(), part)
         }
     };
-    // Frames of one pixel are a few bytes, those of 16384 × 16384 are too much for thousands of tries.
+    // Frames of one pixel are a few bytes; frames of 16384 × 16384 are too large for thousands of
+    // runs.
     if has_large_sides(&file) {
         return;
     }
@@ -119,7 +121,7 @@ pub fn run(data: &[u8]) {
             sequence: (frame.sequence - first) / every + 1,
             ..frame.clone()
         });
-    // What was looked at of the whole may be less.
+    // Fewer frames of the whole may have been read.
     for (expected, found) in wanted.zip(&shown) {
         assert_eq!(&expected, found);
     }

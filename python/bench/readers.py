@@ -1,12 +1,12 @@
-"""What reading costs in Python: `latest()`, what is then asked of a rope, the wake from a wait; and the same messages read
-with ctypes over the `iceoryx2` wheel, the other way that there is.
+"""Cost of reading in Python: `latest()`, the data of a rope, the wakeup from a wait. For
+comparison, the same messages are read with ctypes through the `iceoryx2` wheel, the alternative.
 
     pip install ./python iceoryx2==0.10.0
     cargo build --release
     python python/bench/readers.py [--fps 200] [--frames 2000]
 
-Both read one running chain, in turns, each in a process of its own: in one process a reader is cut off from its channel
-when the wheel joins the same domain.
+Both read one running chain, in turns, each in its own process. In one process, a reader loses its
+channel when the wheel joins the same domain.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Times = dict[str, list[float]]
 
 
 class Bytes(ctypes.Structure):
-    """The message as the transport sees it: so many bytes, aligned to eight, of this name."""
+    """The message in the transport's view: this many bytes, aligned to eight, with this name."""
 
     _fields_ = [("words", ctypes.c_uint64 * (lariat.MESSAGE.itemsize // 8))]
 
@@ -66,7 +66,7 @@ class OverCtypes:
         self.sample: Any = None
 
     def latest(self) -> np.void | None:
-        """The newest message, as a record; `None` if nothing came."""
+        """The newest message as a record; `None` if nothing arrived."""
         message = None
         while (sample := self.subscriber.receive()) is not None:
             if self.sample is not None:
@@ -85,7 +85,7 @@ class OverCtypes:
 
 
 def bezier(points: NDArray[np.float64], rho: float) -> NDArray[np.float64]:
-    """De Casteljau's algorithm, as one has it at hand."""
+    """De Casteljau's algorithm in its simplest form."""
     while len(points) > 1:
         points = (1.0 - rho) * points[:-1] + rho * points[1:]
     return np.asarray(points[0])
@@ -132,7 +132,7 @@ def measure_ctypes(reader: OverCtypes, times: Times) -> None:
 
 
 def part(name: str, frames: int) -> None:
-    """One reader's turn, in a process of its own; prints its times."""
+    """One reader's turn, in its own process; prints its times."""
     times: Times = defaultdict(list)
     if name == "ctypes":
         rival = OverCtypes()

@@ -1,9 +1,11 @@
-"""What writing a frame costs in Python, against a bare copy of its pixels: in turns, in one process.
+"""Cost of writing a frame in Python, compared with a bare copy of its pixels: in turns, in one
+process.
 
     pip install ./python
     python python/bench/writers.py [--width 640] [--height 480] [--frames 2000]
 
-No chain runs beside it but a reader, which takes each frame up, so that a slot is always one that was written before.
+No chain runs, only a reader that receives each frame, so that a slot always has been written
+before.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ def main() -> None:
     os.environ["LARIAT_DOMAIN"] = f"bench{os.getpid() % 100_000}"
     shape = (options.height, options.width, 3)
     image = np.random.default_rng(1).integers(0, 256, shape, dtype=np.uint8)
-    # As many as the channel has slots: a bare copy into one that is always warm would be another work.
+    # One per slot of the channel, because a copy into a single cached one would be faster.
     targets = [np.zeros(shape, np.uint8) for _ in range(20)]
     times: dict[str, list[float]] = defaultdict(list)
     with lariat.Writer("frames") as frames, lariat.Frames() as reader:

@@ -1,27 +1,28 @@
-"""lariat sees ropes, cables and hoses, and gives a control loop their shape.
+"""lariat finds ropes, cables and hoses in images, and gives a control loop their shape.
 
-Pictures and points, without anything else running::
+Images and points, without a running chain::
 
     scene = lariat.trace(image)              # ropes in a NumPy array: centerlines, widths, crossings
     fit = lariat.fit(scene.curves[0])        # a curve through one: control points, covariance
 
-In a control loop, beside a running chain (``lariat run``)::
+In a control loop, alongside a running chain (``lariat run``)::
 
     with lariat.Reader() as reader:
         for frame in reader:                 # waits for the next image, 0.1 s at most
             match frame.only_rope(max_age=0.05):
                 case lariat.Fresh(rope):
                     robot.steer(rope.shape.point_at(0.5))
-                case seen:                   # Partial, Lost, Stale, Absent
+                case seen:                   # Partial, Unsure, Lost, Stale, Absent
                     robot.hold(why=str(seen))
 
-With a camera of your own (``lariat run --source external``), or a network that finds the ropes (``mask = "external"``)::
+With your own camera (``lariat run --source external``), or a network that finds the ropes
+(``mask = "external"``)::
 
     lariat.Writer("frames").write(image, "bgr8")
     for frame in lariat.Frames(): masks.write(network(frame.array), frame)   # masks = lariat.Writer("masks")
 
-Positions are in pixels: x to the right, y down, (0, 0) the middle of the top left pixel. ``rho`` is the normalized arc
-length: 0 at a rope's first end, 1 at its last.
+Positions are in pixels, x right, y down, with (0, 0) at the center of the top left pixel. ``rho``
+is the normalized arc length: 0 at a rope's first end, 1 at its last.
 """
 
 from lariat._frames import Frames

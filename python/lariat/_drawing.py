@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
     Points = NDArray[Any]
 
-# One for each rope, told apart by those who see fewer colours too (Okabe and Ito 2008).
+# One per rope, distinguishable for color-blind readers (Okabe and Ito 2008).
 COLORS = ["#E69F00", "#0072B2", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"]
-# The longer side of a drawing on the page, px.
+# Longer side of a drawing on the page, px.
 SIDE = 420.0
 
 
 def scene(seen: Scene) -> str:
-    """A picture's ropes, its crossings, and what is in doubt."""
+    """The ropes of an image, their crossings, and the notice."""
     width, height = seen.size
     drawing = [centerline(curve) for curve in seen.curves]
     for crossing in seen.crossings:
@@ -35,14 +35,14 @@ def scene(seen: Scene) -> str:
 
 
 def curve(seen: Curve) -> str:
-    """One rope's centerline."""
+    """The centerline of one rope."""
     return svg([centerline(seen)], *around(seen.points)) + f"<div>{escape(repr(seen))}</div>"
 
 
 def fit(fitted: Fit) -> str:
     """A curve with its control points."""
     line = fitted.point_at(np.linspace(0.0, 1.0, 200))
-    # Coefficients of a series are no places.
+    # The coefficients of a series are not positions.
     points = fitted.control_points[:0] if fitted.closed else fitted.control_points
     return (
         svg([polygon(points), path(line, COLORS[0])], *around(np.vstack([line, points])))
@@ -56,7 +56,7 @@ def shape(seen: Shape) -> str:
 
 
 def rope(seen: Rope) -> str:
-    """A rope of a frame; its control points alone where it has no curve."""
+    """A rope of a frame; only its control points if it has no curve."""
     try:
         drawing = curve_of(seen.shape)
     except ValueError:
@@ -66,7 +66,7 @@ def rope(seen: Rope) -> str:
 
 
 def frame(seen: Frame) -> str:
-    """All ropes of a frame, as they were in its image: dashed where they are lost."""
+    """All ropes of a frame as in its image; lost ones are dashed."""
     drawing, outlines = [], []
     for known in seen.ropes(max_age=inf):
         if isinstance(known, Absent):
@@ -89,7 +89,7 @@ def frame(seen: Frame) -> str:
 
 
 def curve_of(seen: Shape) -> str:
-    """A curve over its control points, which of a closed one are no places."""
+    """A curve with its control points, which are omitted if it is closed."""
     line = seen.points(200)
     points = seen.control_points[:0] if seen.closed else seen.control_points
     return svg([polygon(points), path(line, COLORS[0])], *around(np.vstack([line, points])))
@@ -99,14 +99,14 @@ THIN = 'vector-effect="non-scaling-stroke" stroke-width="1"'
 
 
 def centerline(seen: Curve) -> str:
-    """A rope's points, dashed where it is lost, with a dot at its first end."""
+    """A rope's points, dashed if it is lost, with a dot at its first end."""
     color = COLORS[seen.track % len(COLORS)]
     points = np.vstack([seen.points, seen.points[:1]]) if seen.closed else seen.points
     return path(points, color, dashed=seen.status == "lost")
 
 
 def path(points: Points, color: str, *, dashed: bool = False) -> str:
-    """A line through points, with a dot where it begins."""
+    """A line through points, with a dot at its start."""
     if len(points) == 0 or not np.all(np.isfinite(points)):
         return ""
     corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
@@ -120,14 +120,14 @@ def path(points: Points, color: str, *, dashed: bool = False) -> str:
 
 
 def polygon(points: Points) -> str:
-    """Control points, joined."""
+    """Control points, joined by lines."""
     corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     rings = "".join(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="none" stroke="#888" {THIN}/>' for x, y in points)
     return f'<polyline points="{corners}" fill="none" stroke="#888" {THIN}/>{rings}'
 
 
 def around(points: Points) -> tuple[float, float, float, float]:
-    """x, y, width and height of a frame about points."""
+    """x, y, width and height of a box around points."""
     finite = points[np.isfinite(points).all(axis=1)] if len(points) else points
     if len(finite) == 0:
         return 0.0, 0.0, 1.0, 1.0
@@ -139,7 +139,7 @@ def around(points: Points) -> tuple[float, float, float, float]:
 
 
 def svg(parts: list[str], x: float, y: float, width: float, height: float) -> str:
-    """The parts, in a frame."""
+    """The parts in one SVG image."""
     scale = SIDE / max(width, height, 1.0)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{x:.1f} {y:.1f} {width:.1f} {height:.1f}" '

@@ -1,4 +1,4 @@
-"""The frames of a rig, for a mask network or a display: Rust's."""
+"""Reader of a rig's frames, for a mask network or a display; implemented in Rust."""
 
 from __future__ import annotations
 
@@ -6,22 +6,26 @@ from lariat import _native
 
 
 class Frames(_native.Frames):
-    """Reads the frames of a rig: the newest, or each one of a ``--lossless`` chain, which waits for it.
+    """Reads the frames of a rig: the newest one, or every one of a ``--lossless`` chain, which
+    waits for it.
 
     ::
 
         for frame in lariat.Frames():
             show(frame.array)
 
-    Iterating it waits for the next image for as long as it takes; Ctrl-C ends a wait, and other threads run during it. Each
-    frame's array is a copy, which can be kept. It may be opened before the chain runs, and outlives it. Four readers, the
-    chain's own extract and a recorder among them, share a rig's frames.
+    Iteration waits for the next image without limit. Ctrl-C ends a wait, and other threads run
+    during it. Each frame's array is a copy that you can keep. It may be opened before the chain
+    runs, and outlives it. Four readers share a rig's frames, including the chain's own extract and
+    a recorder.
 
     Args:
-        rig: Which camera chain: what it was started with (``--rig NAME``).
-        lossless: Whether the chain is started with ``--lossless``. If not said: as the chain is that runs.
+        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        lossless: Whether the chain is started with ``--lossless``. The default follows the running
+            chain.
 
     Raises:
-        ValueError: no such name.
-        OSError: no shared memory, a chain of another release or of another user, or four readers already.
+        ValueError: the name is invalid.
+        OSError: there is no shared memory, the chain is of another release or another user, or the
+            rig has four readers already.
     """

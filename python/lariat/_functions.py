@@ -1,4 +1,4 @@
-"""One picture, one list of points: what needs no memory from one call to the next."""
+"""Functions for a single image or list of points, without state between calls."""
 
 from __future__ import annotations
 
@@ -40,29 +40,34 @@ def trace(
     roi: tuple[int, int, int, int] | None = None,
     pixel_format: PixelFormat | None = None,
 ) -> Scene:
-    """The ropes in a picture.
+    """Finds the ropes in an image.
 
-    For the frames of a film take a :class:`Tracer`: it knows each rope again, and is many times faster.
+    For the frames of a film use a :class:`Tracer`: it recognizes each rope again, and is many times
+    faster.
 
     Args:
-        image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for RGB. Rows may lie apart, as those of
-            a part of a larger picture do; only an array whose pixels are not side by side is copied.
-        mask: What is rope. ``"auto"`` takes what differs from the table; ``"network"`` asks a small neural network, for ropes on
-            any ground; a colour range or several, as :func:`pick` proposes them; or a picture of the same size, ``bool``, or
-            ``uint8``, the higher the likelier rope. Numbers of instances, and ropes darker than the rest, are understood, with a
-            warning.
-        network: A file of weights trained on pictures of your own, for ``mask="network"``.
-        method: How the mask becomes a centerline.
+        image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for RGB. Rows may
+            have gaps, as in a part of a larger image; an array is copied only if the pixels of a
+            row are not contiguous.
+        mask: The pixels that are rope. ``"auto"`` selects what differs from the table;
+            ``"network"`` uses a small neural network, for ropes on any background. Color ranges
+            such as :func:`pick` proposes are possible, one or several. An image of the same size is
+            a mask itself: ``bool``, or ``uint8``, higher where rope is more likely. Instance
+            numbers, and ropes darker than the rest, are accepted with a warning.
+        network: A file of weights trained on your own images, for ``mask="network"``.
+        method: How to find the centerline in the mask.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
-        ropes: The most ropes reported, the surest and longest.
-        start: A rope's first point is the end nearest to this position, in px. If not given, to the top left.
-        at: The ropes that are meant, each by a position on it, in px. If not given, all are reported.
+        ropes: Maximum number of ropes reported: the most confident and longest.
+        start: A rope's first point is the end nearest to this position, in px. The default is the
+            top left.
+        at: The ropes to report, each by a position on it, in px. The default is all.
         roi: The part of the image that is read: x, y, width, height in px.
-        pixel_format: ``"bgr"`` for what OpenCV reads; if not given, ``"gray"`` or ``"rgb"`` by the shape.
+        pixel_format: ``"bgr"`` for images read by OpenCV. The default is ``"gray"`` or ``"rgb"``,
+            depending on the shape.
 
     Raises:
-        ValueError: a setting or a shape that cannot be, with what can.
-        TypeError: an image that is no array of ``uint8``.
+        ValueError: a setting or a shape is invalid; the message names valid ones.
+        TypeError: the image is not an array of ``uint8``.
     """
     is_image = isinstance(mask, np.ndarray)
     tracer = Tracer(
@@ -99,37 +104,39 @@ def fit(
     rho: RhoName = "even",
     robust: bool = False,
 ) -> Fit:
-    """The curve nearest to points in the least-squares sense (F. Chen, arXiv 2312.16502).
+    """Fits a curve to points by least squares (F. Chen, arXiv 2312.16502).
 
-    Without a setting it is the curve of the fewest control points that lies on the points, as ``lariat fit`` and the chain
-    choose it: a cubic Bezier curve or a cubic B-spline. It lies on them if 95 % of them are within an eighth of the rope's
-    width, and 2 px at most, and all of them within half a width.
+    By default it is the curve with the fewest control points that follows the points: a cubic Bezier
+    curve or a cubic B-spline, as ``lariat fit`` and the chain choose it. It follows them if 95 % of
+    them are within an eighth of the rope's width, at most 2 px, and all of them within half a width.
 
-    For centerline after centerline of as many points take a :class:`Fitter`, which computes its algebra once.
+    For many centerlines with the same number of points use a :class:`Fitter`, which computes its
+    matrices once.
 
     Args:
-        points: Rows of x and y along the curve, 2 to 256, evenly spaced by arc length unless that is measured; or a
-            :class:`Curve` of a scene.
-        control_points: How many, 2 to 32 (a closed curve has as many coefficients, or one fewer). Without a basis they are a
-            Bezier curve's, the paper's; a basis without them has 9. ``"auto"`` takes as few as lie on the points.
+        points: Rows of x and y along the curve, 2 to 256, evenly spaced by arc length unless
+            ``rho`` is ``"measured"``; or a :class:`Curve` of a scene.
+        control_points: Number of control points, 2 to 32 (a closed curve has as many coefficients,
+            or one fewer). Without a basis they belong to a Bezier curve, as in the paper. A basis
+            without a number has 9. ``"auto"`` uses the fewest that follow the points.
         basis: The family of open curves; ``"auto"`` chooses it, too.
-        weights: How much each point counts: 0 for one that is not seen.
-        closed: Whether the last point is followed by the first: then the curve is a truncated Fourier series. If not
-            given, what a ``Curve`` says, and no.
-        width: The rope's, in the points' unit. If not given, what a ``Curve`` says; without one, 95 % of the points are to be
-            within 2 px and all within 8.
-        max_control_points: The most that ``control_points="auto"`` chooses.
+        weights: Weight of each point: 0 for an unobserved one.
+        closed: Whether the first point follows the last: the curve is then a truncated Fourier
+            series. The default is that of a ``Curve``, or False.
+        width: Width of the rope, in the points' unit. The default is that of a ``Curve``; without
+            one, 95 % of the points must be within 2 px and all within 8.
+        max_control_points: Maximum number for ``control_points="auto"``.
         degree: Degree of a B-spline's pieces.
-        knots: Where a B-spline's pieces meet: evenly, or where the points are.
-        solver: All three give the same control points; they differ in cost and in the number of control points
-            that they can be trusted with.
-        ridge: How strongly second differences of the control points are held down: tames many of them.
+        knots: Where a B-spline's pieces meet: at equal steps, or depending on the points.
+        solver: All three give the same control points. They differ in cost and in the number of
+            control points for which they are reliable.
+        ridge: Penalty on second differences of the control points, for stability with many of them.
         pin_ends: Whether the curve begins and ends exactly at the first and the last point.
         rho: ``"measured"`` for points that are not evenly spaced.
-        robust: Give points far off the curve less weight.
+        robust: Gives less weight to points far from the curve.
 
     Raises:
-        ValueError: settings or points that cannot be, with the nearest that can.
+        ValueError: settings or points are invalid; the message names the nearest valid ones.
     """
     hidden = None
     if isinstance(points, Curve):

@@ -1,4 +1,4 @@
-"""The layout of a message of descriptors: docs/messages.md, as types of NumPy."""
+"""Layout of a message of descriptors, as in docs/messages.md, as NumPy types."""
 
 from __future__ import annotations
 
@@ -79,5 +79,5 @@ MESSAGE = np.dtype(
 
 
 def record(message: NDArray[np.uint8]) -> Any:
-    """A message's bytes as what they are; ``None`` of no bytes."""
+    """A message from its bytes; ``None`` if there are none."""
     return message.view(MESSAGE)[0] if len(message) else None

@@ -1,4 +1,4 @@
-"""Types of arguments, for type hints: arrays, and the names that settings have."""
+"""Types of arguments, for type hints: arrays and the names of settings."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ UnitName: TypeAlias = Literal["px", "mm", "ideal px"]
 
 
 class HsvRange(TypedDict, total=False):
-    """A range of colours. What is left out may be anything."""
+    """A range of colors. Missing bounds are unrestricted."""
 
     hue_deg: tuple[float, float]
-    """0 to 360 (twice OpenCV's), and (350, 10) goes through red."""
+    """0 to 360 (twice OpenCV's); (350, 10) includes red."""
     saturation: tuple[float, float]
     """0 to 1 (OpenCV's divided by 255)."""
     value: tuple[float, float]
-    """Likewise."""
+    """0 to 1 (OpenCV's divided by 255)."""

@@ -1,4 +1,4 @@
-"""A control loop's reader: Rust's, and how it waits in asyncio."""
+"""A control loop's reader, implemented in Rust, with waiting for asyncio."""
 
 from __future__ import annotations
 
@@ -22,31 +22,35 @@ class Reader(_native.Reader):
                     case seen:  # Partial, Unsure, Lost, Stale, Absent
                         robot.hold(why=str(seen))
 
-    It may be opened before the chain runs, and goes on when the chain is restarted: until an image comes, what it has
-    gets older. Iterating it waits for the next image, at most for ``timeout``: then it gives the same frame as before,
-    which is not new, so that a loop never stands still without knowing. Ctrl-C ends a wait, and other threads run
-    during it. ``async for`` waits likewise.
+    It may be opened before the chain runs, and survives restarts of the chain. Until an image
+    arrives, its latest result gets older. Iteration waits for the next image, at most ``timeout``.
+    After that it gives the same frame again, which is not new, so a loop is never blocked without
+    notice. Ctrl-C ends a wait, and other threads run during it. ``async for`` waits in the same
+    way.
 
-    Up to 23 loops share a rig, beside sink; one that is slow, stopped or killed disturbs neither the chain nor the others. It is
-    used by one thread at a time; each thread of several opens its own. What was read belongs to nobody: frames, ropes
-    and their arrays can be kept for as long as you like, and go to any thread.
+    Up to 23 loops share a rig, in addition to sink; a slow, stopped or killed one disturbs neither
+    the chain nor the others. A reader is used by one thread at a time; several threads open one
+    each. Frames, ropes and their arrays can be kept without limit and used in any thread.
 
     Args:
-        rig: Which camera chain: what it was started with (``--rig NAME``).
-        timeout: How long to wait for the next image, s.
-        accept_coarse: A curve that does not lie on the rope is ``Fresh`` all the same: for who compares descriptors, and needs no
-            point of the curve to be on the rope. Otherwise such a rope is ``Unsure``.
-        min_confidence: The least confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a rope with less is ``Unsure``.
-            Below 0.5 a curve is more likely wrong than right; 0 accepts any.
-        space: Whether ropes are read in space, too (``rope.in_space``): of a chain with a depth camera.
+        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        timeout: Maximum wait for the next image, s.
+        accept_coarse: Makes a rope ``Fresh`` even if its curve does not follow it. For loops that
+            compare descriptors and do not need the curve to be on the rope. By default such a rope
+            is ``Unsure``.
+        min_confidence: The least confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a
+            rope with less is ``Unsure``. Below 0.5 a curve is more likely wrong than right; 0
+            accepts any.
+        space: Also reads ropes in space (``rope.in_space``), from a chain with a depth camera.
 
     Raises:
-        ValueError: no such name, or a confidence outside 0 to 1.
-        OSError: no shared memory, a chain of another release or of another user, or 24 readers already.
+        ValueError: the name is invalid, or the confidence is outside 0 to 1.
+        OSError: there is no shared memory, the chain is of another release or another user, or the
+            rig has 24 readers already.
     """
 
     async def wait_async(self, timeout: float | None = None) -> Frame:
-        """As ``wait``, for asyncio: other tasks run meanwhile."""
+        """The same as ``wait``, for asyncio: other tasks run meanwhile."""
         loop = asyncio.get_running_loop()
         deadline = loop.time() + (self.timeout if timeout is None else timeout)
         while True:
@@ -63,7 +67,7 @@ class Reader(_native.Reader):
 
 
 async def _readable(descriptor: int, timeout: float) -> None:
-    """Sleeps until the descriptor is readable, or the time is over."""
+    """Sleeps until the descriptor is readable, or the timeout."""
     loop = asyncio.get_running_loop()
     awake = loop.create_future()
 

@@ -1,4 +1,4 @@
-"""What is known of a rope, as a type, and as an exception for those who would rather have that."""
+"""State of a rope as a type, and as an exception for code that prefers one."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import TypeAlias, Union
 from lariat._native import Absent, Fresh, Lost, Partial, Stale, Unsure
 
 Seen: TypeAlias = Union[Fresh, Partial, Unsure, Lost, Stale, Absent]
-"""What is known of a rope: tell it apart with ``match`` or ``isinstance``, or say ``or_raise()``."""
+"""State of a rope: distinguish it with ``match`` or ``isinstance``, or call ``or_raise()``."""
 
 
 class NotSeen(Exception):
-    """A rope was asked for that is not there, or not as it was asked for. ``seen`` is what is known instead."""
+    """A requested rope is missing, or not in the requested state. ``seen`` is its state instead."""
 
     def __init__(self, seen: Partial | Unsure | Lost | Stale | Absent) -> None:
         super().__init__(str(seen))

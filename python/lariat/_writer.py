@@ -1,4 +1,5 @@
-"""Frames of a camera of one's own, and a network's masks: arrays into shared memory, by one copy or none."""
+"""Writers for frames of your own camera and for a network's masks: arrays in shared memory, with
+one copy or none."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ class _Slot:
 
     @property
     def array(self) -> NDArray[Any]:
-        """The slot itself: what is written into it is sent. It holds an earlier image. Good inside the ``with`` only."""
+        """The slot itself: whatever is written into it is sent. It still holds an earlier image.
+        Valid only inside the ``with``."""
         if self._array is None:
             raise ValueError("this slot was sent, or given back: borrow another one")
         return self._array
@@ -44,13 +46,13 @@ class _Slot:
 
 
 class FrameSlot(_Slot):
-    """The slot of a frame, to be filled by whoever takes the picture::
+    """The slot of a frame, to be filled by your camera code::
 
         with frames.loan(480, 640, "rgb8") as slot:
             camera.read_into(slot.array)
-            slot.exposed_ns = camera.time_ns()  # of time.monotonic_ns(); if not said, when the slot was borrowed
+            slot.exposed_ns = camera.time_ns()  # of time.monotonic_ns(); default: when the slot was borrowed
 
-    It is sent at the end of the ``with``, unless that ends by an exception.
+    It is sent at the end of the ``with``, unless an exception ends it.
     """
 
     exposed_ns: int | None = None
@@ -61,21 +63,24 @@ class FrameSlot(_Slot):
 
 
 class MaskSlot(_Slot):
-    """The slot of a frame's mask: ``uint8``, the higher the likelier rope. It is sent at the end of the ``with``."""
+    """The slot of a frame's mask: ``uint8``, higher where rope is more likely. It is sent at the
+    end of the ``with``."""
 
     def _send(self, slot: _native.Slot) -> None:
         slot.send_mask()
 
 
 class DepthSlot(_Slot):
-    """The slot of a frame's depth image: ``uint16``, 0 where nothing is known. It is sent at the end of the ``with``."""
+    """The slot of a frame's depth image: ``uint16``, 0 where unknown. It is sent at the end of
+    the ``with``."""
 
     def _send(self, slot: _native.Slot) -> None:
         slot.send_depth()
 
 
 class FrameWriter(_native.Writer):
-    """Writes the frames of a chain that was started with ``lariat run --source external``: of any camera, simulator, player.
+    """Writes the frames of a chain that was started with ``lariat run --source external``, from any
+    camera, simulator or player.
 
     ::
 
@@ -83,8 +88,8 @@ class FrameWriter(_native.Writer):
             while True:
                 frames.write(camera.read(), "bgr8")
 
-    Frames are numbered, timed and counted as those of lariat's own cameras. The chain may be started before or after, and
-    again; a rig has one writer at a time.
+    Frames are numbered, timed and counted as those of lariat's own cameras. The chain may be
+    started before or after the writer, and restarted. A rig has one writer at a time.
     """
 
     def __new__(cls, rig: str = "default", *, lossless: bool | None = None) -> Self:
@@ -98,20 +103,25 @@ class FrameWriter(_native.Writer):
         exposed_ns: int | None = None,
         sequence: int | None = None,
     ) -> None:
-        """Sends an image: copies it once, into shared memory, and wakes the chain. Any strides will do.
+        """Sends an image: copies it once, into shared memory, and wakes the chain. Accepts any
+        strides.
 
         Args:
-            image: (height, width) for gray, (height, width, 3) for colours, (height, width, 2) for YUYV and UYVY,
-                (height · 3/2, width) for NV12; ``uint8``.
-            pixel_format: ``"gray8"``, ``"rgb8"``, ``"bgr8"`` (OpenCV's), ``"yuyv"``, ``"uyvy"``, ``"nv12"`` or another of
-                lariat's. If not said: gray by two axes, ``rgb8`` by three channels.
-            exposed_ns: When it was taken, by ``time.monotonic_ns()``; if not said, now. Later than the one before.
-            sequence: The camera's own number for it, higher than the one before: each that was left out counts as a frame
-                lost at the source. If not said, the next one.
+            image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for colors,
+                (height, width, 2) for YUYV and UYVY, or (height · 3/2, width) for NV12.
+            pixel_format: ``"gray8"``, ``"rgb8"``, ``"bgr8"`` (OpenCV's), ``"yuyv"``, ``"uyvy"``,
+                ``"nv12"`` or another one of lariat's. The default is gray for two axes, and
+                ``rgb8`` for three channels.
+            exposed_ns: Exposure time by ``time.monotonic_ns()``, later than that of the previous
+                image. The default is now.
+            sequence: The camera's own number of the image, higher than the previous one. Each
+                number left out counts as a frame lost at the source. The default is the next
+                number.
 
         Raises:
-            TypeError, ValueError: no such image, time or number. It is then not sent, and not counted.
-            OSError: no room in ``/dev/shm``, or the transport failed.
+            TypeError, ValueError: the image, time or number is invalid. The image is then neither
+                sent nor counted.
+            OSError: ``/dev/shm`` lacks the space, or the transport failed.
         """
         array, name = _checked(image, pixel_format)
         height = array.shape[0] * 2 // 3 if name == "nv12" else array.shape[0]
@@ -133,7 +143,8 @@ class FrameWriter(_native.Writer):
         exposed_ns: int | None = None,
         sequence: int | None = None,
     ) -> FrameSlot:
-        """The slot of the next frame, to be filled in a ``with``: then nothing is copied. One at a time."""
+        """Borrows the slot of the next frame, to be filled in a ``with`` without any copy. One
+        at a time."""
         for name, side in [("height", height), ("width", width)]:
             if not 1 <= side <= 8192:
                 raise ValueError(f"Invalid {name} {side}: use 1 to 8192 pixels")
@@ -156,15 +167,16 @@ class MaskWriter(_native.Writer):
         return super().__new__(cls, "masks", rig, lossless=lossless)
 
     def write(self, mask: NDArray[Any], frame: Image) -> None:
-        """Sends a frame's mask: how likely each of its pixels is rope.
+        """Sends a frame's mask: the likelihood that each of its pixels is rope.
 
         Args:
-            mask: Of the frame's size, (height, width): ``bool``; or probabilities, as floats from 0 to 1; or ``uint8``,
-                the higher the likelier rope.
+            mask: An array of the frame's size, (height, width): ``bool``; probabilities as floats
+                from 0 to 1; or ``uint8``, higher where rope is more likely.
             frame: The frame that it was made of.
 
         Raises:
-            TypeError, ValueError: no such mask. It is then not sent, and its frame counts as skipped.
+            TypeError, ValueError: the mask is invalid. It is then not sent, and its frame counts as
+                skipped.
         """
         array = _array(mask, "mask")
         width, height = frame.size
@@ -179,12 +191,13 @@ class MaskWriter(_native.Writer):
             _fill(slot.array, array)
 
     def loan(self, frame: Image) -> MaskSlot:
-        """The slot of the frame's mask, to be filled in a ``with``: then nothing is copied."""
+        """Borrows the slot of the frame's mask, to be filled in a ``with`` without any copy."""
         return MaskSlot(self.loan_mask(frame))
 
 
 class DepthWriter(_native.Writer):
-    """Writes the depth images of a chain that has a depth camera (``lariat run --depth FILE``), one for each frame.
+    """Writes the depth images of a chain with a depth camera (``lariat run --depth FILE``), one per
+    frame.
 
     ::
 
@@ -200,12 +213,13 @@ class DepthWriter(_native.Writer):
         """Sends a frame's depth image.
 
         Args:
-            depth: Of the depth camera's own size, (height, width): ``uint16``, in the unit that its calibration says (mm if it
-                says none), 0 where nothing is known.
-            frame: The frame beside which it was taken.
+            depth: ``uint16`` of the depth camera's own size, (height, width), in the unit of its
+                calibration (mm if it names none); 0 where unknown.
+            frame: The frame at whose time it was taken.
 
         Raises:
-            TypeError, ValueError: no such image. It is then not sent, and its frame is described without.
+            TypeError, ValueError: the image is invalid. It is then not sent, and its frame is
+                processed without it.
         """
         array = _array(depth, "depth image")
         if array.ndim != 2 or array.dtype != np.uint16:
@@ -217,7 +231,8 @@ class DepthWriter(_native.Writer):
             np.copyto(slot.array, array)
 
     def loan(self, frame: Image, height: int, width: int) -> DepthSlot:
-        """The slot of the frame's depth image, to be filled in a ``with``: then nothing is copied."""
+        """Borrows the slot of the frame's depth image, to be filled in a ``with`` without any
+        copy."""
         return DepthSlot(self.loan_depth(frame, height, width))
 
 
@@ -230,18 +245,20 @@ def Writer(channel: Literal["depth"], rig: str = "default", *, lossless: bool | 
 def Writer(
     channel: str, rig: str = "default", *, lossless: bool | None = None
 ) -> FrameWriter | MaskWriter | DepthWriter:
-    """Becomes the writer of a rig's ``"frames"``, ``"masks"`` or ``"depth"`` images, in a chain that leaves them to you.
+    """Opens the writer of a rig's ``"frames"``, ``"masks"`` or ``"depth"`` images, for a chain that
+    expects them.
 
     Args:
-        channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for ``mask = "external"``, ``"depth"`` for
-            ``lariat run --depth FILE``.
-        rig: Which camera chain: what it was started with (``--rig NAME``).
-        lossless: Whether it waits for slow readers, so that nothing is left out (``lariat run --lossless``). If not said: as
-            the chain does that runs; where none does yet, it does not wait.
+        channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for
+            ``mask = "external"``, ``"depth"`` for ``lariat run --depth FILE``.
+        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        lossless: Whether it waits for slow readers, so that nothing is left out (``lariat run
+            --lossless``). The default follows the running chain; without one, it does not wait.
 
     Raises:
-        ValueError: no such name.
-        OSError: the rig has a writer, no shared memory, a chain of another release or of another user.
+        ValueError: the name is invalid.
+        OSError: the rig already has a writer, there is no shared memory, or the chain is of another
+            release or another user.
     """
     writers: dict[str, type[FrameWriter | MaskWriter | DepthWriter]] = {
         "frames": FrameWriter,
@@ -287,7 +304,7 @@ def _array(image: object, what: str) -> NDArray[Any]:
 
 
 def _checked(image: object, pixel_format: str | None) -> tuple[NDArray[Any], str]:
-    """The array as a format has it, and the format's name."""
+    """The array in the shape of its format, and the format's name."""
     array = _array(image, "image")
     if array.dtype not in (np.uint8, np.uint16):
         raise TypeError(

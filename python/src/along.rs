@@ -1,4 +1,4 @@
-//! What is asked of a curve at one ρ, or at each of an array of them.
+//! Evaluation of a curve at one ρ, or at each ρ of an array.
 
 use crate::errors::value_error;
 use numpy::ndarray::Array2;
@@ -9,14 +9,15 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-/// Largest rounding error of a rho that is a sum of steps: a million steps, each off by an ulp, stay far below it.
+/// Largest rounding error of a rho that is a sum of steps. A million steps, each off by an ulp,
+/// stay far below it.
 const ROUNDING: f64 = 1e-9;
 
-/// Normalized arc lengths: a number, or an array of them, each from 0 to 1.
+/// Normalized arc lengths from 0 to 1: a number, or an array of numbers.
 pub(crate) enum Rho<'py> {
     /// A number.
     One(f64),
-    /// An array of one axis.
+    /// A one-dimensional array.
     Many(PyArrayLike1<'py, f64, AllowTypeChange>),
 }
 
@@ -24,7 +25,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Rho<'py> {
     type Error = PyErr;
 
     fn extract(rho: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        // An array of one number is one too, and answers with an array all the same.
+        // An array with a single number also converts to a float, but the result must be an array.
         let is_row = rho
             .cast::<PyUntypedArray>()
             .is_ok_and(|array| array.ndim() > 0);
@@ -42,7 +43,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Rho<'py> {
 }
 
 /// # Errors
-/// A `ValueError` if rho is outside of 0 to 1, where there is no rope.
+/// A `ValueError` if rho is outside 0 to 1.
 fn on_curve(rho: f64) -> PyResult<()> {
     match (-ROUNDING..=1.0 + ROUNDING).contains(&rho) {
         true => Ok(()),
@@ -53,7 +54,7 @@ fn on_curve(rho: f64) -> PyResult<()> {
 }
 
 impl<'py> Rho<'py> {
-    /// How many there are; `None` for a number.
+    /// The length of the array; `None` for a number.
     pub(crate) fn count(&self) -> Option<usize> {
         match self {
             Self::One(_) => None,
@@ -61,7 +62,7 @@ impl<'py> Rho<'py> {
         }
     }
 
-    /// A vector at each: of shape (D,), or (n, D) for n of them.
+    /// A vector at each rho: of shape (D,), or (n, D) for n values.
     pub(crate) fn vectors<const D: usize>(
         &self,
         py: Python<'py>,
@@ -70,7 +71,7 @@ impl<'py> Rho<'py> {
         self.rows(py, D, |rho, row| row.copy_from_slice(&at(rho)))
     }
 
-    /// `width` numbers at each.
+    /// `width` numbers at each rho.
     pub(crate) fn rows(
         &self,
         py: Python<'py>,
@@ -96,7 +97,7 @@ impl<'py> Rho<'py> {
         }
     }
 
-    /// A number at each: a float, or an array of n of them.
+    /// A number at each rho: a float, or an array of n floats.
     pub(crate) fn numbers(
         &self,
         py: Python<'py>,
@@ -113,7 +114,7 @@ impl<'py> Rho<'py> {
     }
 }
 
-/// What a direction is where there is none: not a number, which spreads into whatever is made of it.
+/// Value of an undefined direction: NaN, which propagates into every result.
 pub(crate) const fn nowhere<const D: usize>() -> [f64; D] {
     [f64::NAN; D]
 }

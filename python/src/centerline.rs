@@ -8,16 +8,16 @@ use numpy::ndarray::{Ix1, Ix2};
 use numpy::{PyArray, PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 
-/// The points of a rope at equal steps of arc length, joined by straight lines, in the frame's unit: where it was seen,
-/// unfiltered, whether its curve lies on them or not. rho is 0 at the first and 1 at the last; around a closed rope 1 is the
-/// first again.
+/// The points of a rope at equal steps of arc length, joined by straight lines, in the frame's
+/// unit. They are the unfiltered observed points, whether or not the curve follows them. rho is 0
+/// at the first point and 1 at the last; on a closed rope, 1 is the first point again.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Centerline {
     rope: Py<Rope>,
 }
 
 impl Centerline {
-    /// A rope's; `None` if who sent it gives no points.
+    /// The centerline of a rope; `None` if the sender gives no points.
     pub(crate) fn of_rope(rope: &Bound<'_, Rope>) -> Option<Self> {
         lariat_wire::Centerline::of(rope.get().points())?;
         Some(Self {
@@ -30,7 +30,7 @@ impl Centerline {
     }
 
     fn line(&self) -> PyResult<lariat_wire::Centerline<'_>> {
-        // There were points when this object was made, and they are as they were.
+        // There were points when this object was created, and they do not change.
         let line = lariat_wire::Centerline::of(self.points_sent());
         line.ok_or_else(|| crate::errors::value_error(Absent::Unreadable))
     }
@@ -44,13 +44,13 @@ impl Centerline {
         views::rows(this, |line| line.points_sent().points())
     }
 
-    /// The rope's width at each.
+    /// Width of the rope at each point.
     #[getter]
     fn widths<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix1>> {
         views::row(this, |line| line.points_sent().widths())
     }
 
-    /// Whether each is covered by something or outside of the image, and so not seen but bridged.
+    /// True for each point that is covered or outside the image; its position is then interpolated.
     #[getter]
     fn hidden<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let points = self.points_sent();
@@ -58,13 +58,14 @@ impl Centerline {
         PyArray1::from_vec(py, hidden.collect())
     }
 
-    /// Whether the last point is followed by the first.
+    /// True if the first point follows the last.
     #[getter]
     fn closed(&self) -> bool {
         self.points_sent().closed != 0
     }
 
-    /// The point at rho, 0 to 1, on the straight line between its two neighbours; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1, on the straight line between its two neighbors. For n values of
+    /// rho, an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,
@@ -74,7 +75,7 @@ impl Centerline {
         Ok(rho.vectors(py, |rho| line.point_at(rho)))
     }
 
-    /// The nearest point to `point`: its rho, the point, and how far it is away.
+    /// The nearest point to `point`: its rho, the point itself, and the distance.
     fn nearest<'py>(&self, py: Python<'py>, point: [f64; 2]) -> PyResult<Found<'py>> {
         Ok(found(py, self.line()?.nearest(point)))
     }
@@ -92,7 +93,7 @@ impl Centerline {
     }
 }
 
-/// A nearest point as Python has it: rho, point, distance.
+/// A nearest point in Python: rho, point, distance.
 pub(crate) type Found<'py> = (f64, Bound<'py, PyArray1<f64>>, f64);
 
 pub(crate) fn found(py: Python<'_>, nearest: Nearest) -> Found<'_> {

@@ -1,16 +1,17 @@
-//! What Rust says is wrong, as Python's exceptions: the sentence stays.
+//! Converts Rust errors to Python exceptions with the same message.
 
 use lariat_wire::WireError;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyPermissionError, PyValueError};
 use std::fmt::Display;
 
-/// What is wrong with a value.
+/// The exception for an invalid value.
 pub(crate) fn value_error(cause: impl Display) -> PyErr {
     PyValueError::new_err(cause.to_string())
 }
 
-/// What is wrong with a rig: `ValueError` for an invalid name, `PermissionError`, else `OSError`.
+/// The exception for a problem with a rig: `ValueError` for an invalid name, `PermissionError`, or
+/// `OSError`.
 pub(crate) fn wire_error(cause: WireError) -> PyErr {
     let sentence = cause.to_string();
     match cause {

@@ -1,4 +1,4 @@
-//! A fitted curve and what is asked of it.
+//! A fitted curve and its evaluation.
 
 use crate::along::{Rho, nowhere};
 use crate::errors::value_error;
@@ -8,7 +8,8 @@ use numpy::ndarray::{Ix1, Ix2};
 use numpy::{PyArray, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// A curve fitted to points, in their unit: f(rho), rho from 0 at the first point to 1 at the last.
+/// A curve fitted to points, in their unit: f(rho), with rho from 0 at the first point to 1 at the
+/// last.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Fit {
     fit: lariat_fit::Fit,
@@ -28,75 +29,79 @@ impl Fit {
 
 #[pymethods]
 impl Fit {
-    /// The family of curves: `"bezier"`, `"bspline"`, `"rational"`, `"fourier"`, `"points"` or `"mass"`.
+    /// The family of curves: `"bezier"`, `"bspline"`, `"rational"`, `"fourier"`, `"points"` or
+    /// `"mass"`.
     #[getter]
     fn basis(&self) -> &'static str {
         self.fit.basis.name()
     }
 
-    /// Degree of the curve's polynomials, 3 of a cubic B-spline whatever its control points; of a Fourier series its harmonics.
+    /// Polynomial degree of the curve (3 for a cubic B-spline); number of harmonics for a Fourier
+    /// series.
     #[getter]
     fn degree(&self) -> usize {
         self.fit.basis.order()
     }
 
-    /// Whether it ends where it begins.
+    /// True if the curve is closed.
     #[getter]
     fn closed(&self) -> bool {
         self.fit.basis.is_closed()
     }
 
-    /// The descriptor, of shape (control points, 2).
+    /// The control points, of shape (control points, 2).
     #[getter]
     fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
         views::rows(this, |fit| &fit.fit.control_points)
     }
 
-    /// Weights of the control points: of a rational curve only.
+    /// Weights of the control points; `None` unless the curve is rational.
     #[getter]
     fn weights<'py>(this: &Bound<'py, Self>) -> Option<Bound<'py, PyArray<f64, Ix1>>> {
         (!this.get().fit.weights.is_empty()).then(|| views::row(this, |fit| &fit.fit.weights))
     }
 
-    /// The clamped knots: of a B-spline only.
+    /// The clamped knots; `None` unless the curve is a B-spline.
     #[getter]
     fn knots<'py>(this: &Bound<'py, Self>) -> Option<Bound<'py, PyArray<f64, Ix1>>> {
         let is_spline = matches!(this.get().fit.basis, Basis::BSpline { .. });
         is_spline.then(|| views::row(this, |fit| &fit.fit.knots))
     }
 
-    /// Root of the mean squared distance between a point and the curve at that point's rho.
+    /// Root mean square distance of the points from the curve at their rho.
     #[getter]
     fn rms(&self) -> f64 {
         self.fit.rms_px
     }
 
-    /// The largest of these distances.
+    /// Maximum distance of a point from the curve at its rho.
     #[getter]
     fn max(&self) -> f64 {
         self.fit.max_px
     }
 
-    /// Variance of one coordinate's residual; 0 where there are only as many points as control points.
+    /// Variance of one coordinate's residual; 0 if there are only as many points as control points.
     #[getter]
     fn residual_variance(&self) -> f64 {
         self.fit.residual_variance
     }
 
-    /// Condition number of the regression: how much a relative error of the points can grow in the control points.
+    /// Condition number of the regression: the largest amplification of a relative error from
+    /// points to control points.
     #[getter]
     fn condition(&self) -> f64 {
         self.fit.condition
     }
 
-    /// Standard deviation of the least certain control point's coordinate, for noise of 1 in the points'.
+    /// Standard deviation of the least certain control point's coordinate, for unit noise in the
+    /// points.
     #[getter]
     fn noise_gain(&self) -> f64 {
         self.fit.noise_gain()
     }
 
-    /// The covariance of all control points together, of the vector x0, y0, x1, y1, …: the residual variance times
-    /// `(BᵀB)⁻¹ ⊗ I₂`.
+    /// Joint covariance of all control points, for the vector x0, y0, x1, y1, …: the residual
+    /// variance times `(BᵀB)⁻¹ ⊗ I₂`.
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (fit, count) = (&self.fit, self.fit.control_points.len());
         let matrix = PyArray2::zeros(py, [2 * count, 2 * count], false);
@@ -115,7 +120,7 @@ impl Fit {
         Ok(matrix)
     }
 
-    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1. For n values of rho, an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,
@@ -125,7 +130,7 @@ impl Fit {
         Ok(rho.vectors(py, |rho| curve.point(rho)))
     }
 
-    /// The velocity by rho: f′(rho).
+    /// The derivative with respect to rho: f′(rho).
     fn derivative_at<'py>(
         &self,
         py: Python<'py>,
@@ -135,7 +140,7 @@ impl Fit {
         Ok(rho.vectors(py, |rho| curve.derivative(rho, 1)))
     }
 
-    /// The direction in which the curve goes, of length 1; NaN where it is a point.
+    /// The unit tangent; NaN if the curve is a point.
     fn tangent_at<'py>(
         &self,
         py: Python<'py>,
@@ -145,13 +150,13 @@ impl Fit {
         Ok(rho.vectors(py, |rho| curve.tangent(rho).unwrap_or(nowhere())))
     }
 
-    /// One by the radius of the circle that the curve follows; NaN where it stands still.
+    /// The curvature, one over the radius; NaN where the derivative vanishes.
     fn curvature_at<'py>(&self, py: Python<'py>, rho: Rho<'py>) -> PyResult<Bound<'py, PyAny>> {
         let curve = self.curve()?;
         rho.numbers(py, |rho| curve.curvature(rho).unwrap_or(f64::NAN))
     }
 
-    /// How much the point at rho moves with each control point, the same for x and y.
+    /// The Jacobian of the point at rho with respect to the control points, the same for x and y.
     fn jacobian_at<'py>(
         &self,
         py: Python<'py>,
@@ -162,12 +167,12 @@ impl Fit {
         Ok(rho.rows(py, count, |rho, row| curve.jacobian(rho, row)))
     }
 
-    /// The curve's length.
+    /// Length of the curve.
     fn length(&self) -> PyResult<f64> {
         Ok(self.curve()?.length())
     }
 
-    /// What of the curve is nearest to a point: its rho, and the distance.
+    /// The nearest point of the curve to `point`: its rho, and the distance.
     fn nearest(&self, point: [f64; 2]) -> PyResult<(f64, f64)> {
         let nearest = self.curve()?.nearest(point);
         Ok((nearest.rho, nearest.distance))

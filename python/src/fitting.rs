@@ -1,4 +1,4 @@
-//! Fitters: which curve is asked for, in the words of the settings, and the fit of points in arrays.
+//! Fitters: the choice of a curve, with the names of the settings, and the fit of points in arrays.
 
 use crate::errors::value_error;
 use crate::fit::Fit;
@@ -11,13 +11,13 @@ use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use thiserror::Error;
 
-/// Control points where only the basis is named, as in the settings.
+/// Number of control points if only the basis is given, as in the settings.
 const DEFAULT_CONTROL_POINTS: usize = 9;
 
-/// The name of the basis that chooses curve and control points.
+/// Name of the basis for which curve and control points are chosen automatically.
 const AUTO: &str = "auto";
 
-/// The number of control points: a number, or chosen for each curve.
+/// Number of control points: a number, or chosen for each curve.
 #[derive(Clone, Copy)]
 enum ControlPoints {
     Named(usize),
@@ -38,8 +38,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for ControlPoints {
     }
 }
 
-/// Fits curves of one family to centerlines of one number of points: all that does not depend on the points is computed
-/// once.
+/// Fits curves of one family to centerlines with a fixed number of points. Everything that does not
+/// depend on the points is computed once.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Fitter {
     fitter: Mutex<lariat_fit::Fitter>,
@@ -54,7 +54,7 @@ impl Fitter {
             points=120, control_points=None, basis=AUTO, *, closed=false, max_control_points=17, degree=3, knots="uniform",
             solver="pinv", ridge=0.0, pin_ends=false, rho="even", weighted=false, robust=false
         ),
-        // The basis by its value, which Rust would give by its name.
+        // Shows the default of `basis` by its value instead of its name in Rust.
         text_signature = "(points=120, control_points=None, basis='auto', *, closed=False, max_control_points=17, degree=3, \
             knots='uniform', solver='pinv', ridge=0.0, pin_ends=False, rho='even', weighted=False, robust=False)"
     )]
@@ -100,7 +100,7 @@ impl Fitter {
             .points(points)
             .solver(named("solver", solver, Solver::ALL)?)
             .ridge(ridge)
-            // A closed curve has no ends.
+            // Only an open curve has ends.
             .pin_ends(pin_ends && !closed)
             .rho(named("rho", rho, Rho::ALL)?)
             .weights(match (robust, weighted) {
@@ -117,9 +117,10 @@ impl Fitter {
         })
     }
 
-    /// The curve nearest to `points` in the least-squares sense. `width` is the rope's, and `hidden` says of each point whether
-    /// nobody saw it. Both matter where control points are chosen. The curve is then within an eighth of the width, and 2 px at
-    /// most, of 95 % of the points that were seen. It is within half a width of all of them.
+    /// Fits a curve to `points` by least squares. `width` is the rope's width, and `hidden` is True
+    /// for each unobserved point. Both matter if the number of control points is chosen
+    /// automatically. The curve is then within an eighth of the width, at most 2 px, of 95 % of the
+    /// observed points. It is within half a width of all of them.
     #[pyo3(signature = (points, weights=None, *, width=None, hidden=None))]
     fn fit<'py>(
         &self,
@@ -132,7 +133,7 @@ impl Fitter {
         let points = points_of(points)?;
         let weights = weights.map(|weights| weights.as_array().to_vec());
         let hidden = hidden.map_or(Vec::new(), |hidden| hidden.as_array().to_vec());
-        // Without a width only the limit in pixels holds.
+        // Without a width, only the limit in pixels applies.
         let width = width.unwrap_or(f64::NAN);
         let tolerance = Tolerance::of_width(width, Tolerance::WIDTHS, Tolerance::LIMIT_PX);
         let fit = py.detach(|| -> Result<_, Problem> {
@@ -148,8 +149,8 @@ impl Fitter {
         Ok(Fit::new(fit?, points.len()))
     }
 
-    /// The constant matrix P with s = P c: the Jacobian of the control points by the points, of shape
-    /// (control points, points). It is the same for x and y.
+    /// The constant matrix P with s = P c: the Jacobian of the control points with respect to the
+    /// points, of shape (control points, points). It is the same for x and y.
     #[getter]
     fn matrix<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let fitter = self.fitter()?;
@@ -158,7 +159,7 @@ impl Fitter {
         Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
-    /// How many points a centerline has.
+    /// Number of points of a centerline.
     #[getter]
     fn points(&self) -> usize {
         self.options.points
@@ -170,7 +171,8 @@ impl Fitter {
         self.options.basis.name()
     }
 
-    /// Forgets what the next fit would begin with (the weights of a rational curve): the next centerline is another rope's.
+    /// Forgets the state for the next fit (the weights of a rational curve). Call it before the
+    /// centerline of another rope.
     fn forget(&self) -> PyResult<()> {
         self.fitter()?.forget();
         Ok(())
@@ -184,7 +186,7 @@ impl Fitter {
     }
 }
 
-/// Why there is no fit.
+/// Reason why a fit failed.
 #[derive(Debug, Error)]
 enum Problem {
     #[error("another thread fits with this fitter: give each thread a fitter of its own")]
@@ -206,14 +208,15 @@ impl Fitter {
     fn fitter(&self) -> Result<MutexGuard<'_, lariat_fit::Fitter>, Problem> {
         match self.fitter.try_lock() {
             Ok(fitter) => Ok(fitter),
-            // Every fit begins again.
+            // Every fit starts again, so a poisoned fitter is still usable.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Problem::Busy),
         }
     }
 }
 
-/// The family in the words of the settings, with this number of control points. "auto" is the paper's, as its number is named.
+/// The family with the given name of the settings and number of control points. "auto" means the
+/// paper's family, because the number is given.
 fn basis_of(
     name: &str,
     closed: bool,
@@ -221,7 +224,7 @@ fn basis_of(
     degree: usize,
     knots: Knots,
 ) -> PyResult<Basis> {
-    // The degree of a Bezier curve.
+    // Degree of the Bezier curve.
     let order = control_points.saturating_sub(1);
     // As many coefficients as an open curve has control points, or one fewer.
     let fourier = Basis::Fourier {
@@ -251,7 +254,7 @@ fn named_by_itself(family: Basis) -> (&'static str, Basis) {
     (family.name(), family)
 }
 
-/// The value of this name.
+/// Finds the value with this name.
 fn named<T: Copy, const N: usize>(what: &str, name: &str, known: [(&str, T); N]) -> PyResult<T> {
     let found = known.iter().find(|(known, _)| *known == name);
     found.map(|(_, value)| *value).ok_or_else(|| {
@@ -262,7 +265,7 @@ fn named<T: Copy, const N: usize>(what: &str, name: &str, known: [(&str, T); N])
     })
 }
 
-/// Rows of x and y.
+/// Parses rows of x and y.
 fn points_of(points: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     let wanted = || {
         value_error(

@@ -1,8 +1,9 @@
-//! What a reader knows at one moment.
+//! State of a reader at one moment.
 //!
-//! A frame is copied out of shared memory once, when it is looked at; all that is asked of it afterwards looks at that
-//! copy. So an array stays good however long it is kept and in whichever thread, and none holds a slot of the channel,
-//! of which a reader has two. It costs less than to make one array (`bench/readers.py`).
+//! A frame is copied out of shared memory once, when it is read, and everything read from it later
+//! comes from the copy. Arrays therefore stay valid forever and in every thread, and none occupies
+//! one of the two slots that a reader may hold. The copy costs less than creating one array
+//! (`bench/readers.py`).
 
 use crate::reader::seconds;
 use crate::rope::Track;
@@ -15,7 +16,7 @@ use numpy::ndarray::Ix1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-/// The newest that came, looked at at one moment.
+/// The newest frame at the time of a request.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Frame {
     kept: KeptFrame,
@@ -30,7 +31,7 @@ impl Frame {
         self.kept.frame()
     }
 
-    /// Where among the ropes of this frame this one is.
+    /// Index of this rope among the ropes of the frame.
     pub(crate) fn index_of(&self, rope: &lariat_wire::Rope) -> usize {
         let ropes = self
             .frame()
@@ -45,25 +46,27 @@ impl Frame {
 
 #[pymethods]
 impl Frame {
-    /// Whether it came since the last look. If not, it is the same image, some time older.
+    /// True if the frame arrived after the previous request. Otherwise it is the same image, now
+    /// older.
     #[getter]
     fn is_new(&self) -> bool {
         self.frame().is_new()
     }
 
-    /// How long ago the image was taken when the frame was asked for, s; `None` before the first.
+    /// Age of the image when the frame was requested, s; `None` before the first.
     #[getter]
     fn age(&self) -> Option<f64> {
         self.frame().age().map(|age| age.as_secs_f64())
     }
 
-    /// Which run of the chain it is of, counted by this reader from 1; 0 before the first message.
+    /// Run of the chain, counted by this reader from 1; 0 before the first message.
     #[getter]
     fn run(&self) -> u64 {
         self.frame().run()
     }
 
-    /// Width and height of the image, px; (0, 0) while the camera gives none, and before the first message.
+    /// Width and height of the image, px; (0, 0) while the camera gives no image, and before the
+    /// first message.
     #[getter]
     fn size(&self) -> (u32, u32) {
         self.frame()
@@ -71,13 +74,14 @@ impl Frame {
             .map_or((0, 0), |message| (message.width, message.height))
     }
 
-    /// What ropes are measured in: `"px"`, `"mm"` on the plane, `"ideal px"` of an image without distortion.
+    /// Unit of the ropes: `"px"`, `"mm"` on the plane, or `"ideal px"` of an image without
+    /// distortion.
     #[getter]
     pub(crate) fn unit(&self) -> Option<&'static str> {
         self.frame().message()?.unit().map(Unit::name)
     }
 
-    /// The frame's way through the chain; `None` before the first message.
+    /// Counters and times of the frame; `None` before the first message.
     #[getter]
     fn trace(&self) -> Option<Trace> {
         self.frame()
@@ -85,15 +89,15 @@ impl Frame {
             .map(|message| Trace::from(message.trace))
     }
 
-    /// The bytes of the message; none before the first.
+    /// The bytes of the message; empty before the first.
     #[getter]
     fn _bytes<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<u8, Ix1>> {
         views::message(this, |frame| frame.frame().message())
     }
 
-    /// All that the message says, by the names and in the layout of docs/messages.md, as one record of NumPy
-    /// (`lariat.MESSAGE`): for writing it down. It says nothing of how old it is now; `count` fields say how much of an array
-    /// is meant. `None` before the first message.
+    /// The whole message as a NumPy record (`lariat.MESSAGE`), with the names and layout of
+    /// docs/messages.md, for example for recording. It does not contain its age. `count` fields
+    /// give the number of valid array entries. `None` before the first message.
     #[getter]
     fn message<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let py = this.py();
@@ -101,8 +105,8 @@ impl Frame {
             .call_method1("record", (Self::_bytes(this),))
     }
 
-    /// The rope of an image that has one. With several it is none of them: then choose one among `ropes`, and ask for its
-    /// track. An image older than `max_age` seconds makes it stale.
+    /// The rope of an image that has exactly one. If there are several, choose one of `ropes` and
+    /// request its track. In an image older than `max_age` seconds, the rope is `Stale`.
     fn only_rope<'py>(this: &Bound<'py, Self>, max_age: f64) -> PyResult<Bound<'py, PyAny>> {
         let max_age = seconds("max_age", max_age)?;
         seen::of(this, this.get().frame().only_rope(max_age), max_age)
@@ -127,7 +131,7 @@ impl Frame {
         )
     }
 
-    /// Every rope of the image, and those that are lost.
+    /// Every rope of the image, including lost ones.
     fn ropes<'py>(this: &Bound<'py, Self>, max_age: f64) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let max_age = seconds("max_age", max_age)?;
         let ropes = this.get().frame().ropes(max_age);

@@ -1,4 +1,4 @@
-//! A rig's frames, for Python: each is a copy, so that it can be kept, and belongs to no thread.
+//! A rig's frames for Python. Each one is a copy, so it can be kept and used in any thread.
 
 use crate::errors::wire_error;
 use crate::reader::seconds;
@@ -14,18 +14,18 @@ use rustix::io::Errno;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
-/// The longest sleep in one piece, as a reader's.
+/// Maximum duration of a single sleep, as for a reader.
 const LONGEST_SLEEP: Duration = Duration::from_secs(1);
 
 /// Reads the frames of a rig, for a network that makes masks of them.
 #[pyclass(frozen, subclass, module = "lariat._native")]
 pub(crate) struct Frames {
-    /// `None` once it is closed.
+    /// `None` once closed.
     reader: Mutex<Option<FrameReader>>,
     rig: String,
 }
 
-/// A copy of a frame's pixels, rows without gaps.
+/// A copy of a frame's pixels, with rows without gaps.
 struct Copied {
     header: FrameHeader,
     bytes: Vec<u8>,
@@ -43,7 +43,7 @@ impl Frames {
         })
     }
 
-    /// The next image, waited for at most for `timeout` seconds; `None` if none came.
+    /// Waits for the next image, at most `timeout` seconds; `None` if none arrived.
     #[pyo3(signature = (timeout=None))]
     fn wait(&self, py: Python<'_>, timeout: Option<f64>) -> PyResult<Option<Image>> {
         let timeout = timeout
@@ -60,20 +60,20 @@ impl Frames {
         }
     }
 
-    /// The rig's name.
+    /// Name of the rig.
     #[getter]
     fn rig(&self) -> &str {
         &self.rig
     }
 
-    /// Leaves the rig. What was read before stays good.
+    /// Leaves the rig. Images that were read before stay valid.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let reader = self.lock()?.take();
         py.detach(|| drop(reader));
         Ok(())
     }
 
-    /// Whether it was closed.
+    /// True if closed.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(self.lock()?.is_none())
@@ -105,11 +105,11 @@ impl Frames {
     }
 }
 
-/// How a wait ended.
+/// Result of a wait.
 enum Waited {
     Came(Copied),
     Over,
-    /// One came, or may have come.
+    /// A signal arrived, or may have arrived.
     Signal,
 }
 
@@ -164,7 +164,8 @@ impl Frames {
     }
 }
 
-/// Its rows without gaps. Of a header that lies about its rows, what is there.
+/// Copies the rows without gaps. If the header declares more than there is, copies the available
+/// bytes.
 fn copied(frame: &Message<[u8]>) -> Copied {
     let header = *frame.header();
     let row_bytes = header
@@ -182,23 +183,24 @@ fn copied(frame: &Message<[u8]>) -> Copied {
     Copied { header, bytes }
 }
 
-/// A frame: its pixels, and its way so far.
+/// A frame: its pixels, counters and times.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Image {
-    /// Boxed: it begins on a cache line, and Python's objects do not.
+    /// Boxed, because it is aligned to a cache line and Python objects are not.
     header: Box<FrameHeader>,
     array: Py<PyAny>,
 }
 
 #[pymethods]
 impl Image {
-    /// Its pixels: (height, width) for gray, (height, width, channels) for colours. Its own copy.
+    /// Its pixels: (height, width) for gray, (height, width, channels) for colors. The array is a
+    /// copy.
     #[getter]
     fn array(&self, py: Python<'_>) -> Py<PyAny> {
         self.array.clone_ref(py)
     }
 
-    /// The name of its pixel format: `rgb8`, `bgr8`, `gray8`, `yuyv`, `uyvy`, `nv12`, …
+    /// Name of its pixel format: `rgb8`, `bgr8`, `gray8`, `yuyv`, `uyvy`, `nv12`, …
     #[getter]
     fn pixel_format(&self) -> Option<&'static str> {
         self.header.format().map(lariat_wire::PixelFormat::name)
@@ -210,7 +212,7 @@ impl Image {
         (self.header.width, self.header.height)
     }
 
-    /// Its way so far: when it was taken, its number.
+    /// Counters and times of the frame up to capture, such as its number and exposure time.
     #[getter]
     fn trace(&self) -> Trace {
         self.header.trace.into()
@@ -245,7 +247,7 @@ impl Image {
         if bytes.len() < wanted {
             return Err(unreadable());
         }
-        // A driver may want more room than there are pixels.
+        // A driver may reserve more space than the pixels need.
         bytes.truncate(wanted);
         let array = shaped(&PyArray1::from_vec(py, bytes), &shape, item_bytes)?;
         Ok(Self {

@@ -1,8 +1,10 @@
-//! The Python package's Rust half, imported as `lariat._native`: extraction and fit of arrays, a control loop's
-//! reader, and a camera's or a mask network's writer. What Python writes better (drawings for notebooks, the cases of what is seen) stands in `lariat/`.
+//! The Rust half of the Python package, imported as `lariat._native`: extraction and fit of arrays,
+//! a reader for control loops, and writers for cameras and mask networks. The parts that are
+//! simpler in Python (drawings for notebooks, the states of a rope) are in `lariat/`.
 //!
-//! Every number of an array lies in an object of this crate, and the array is a view of it that keeps it alive: nothing is
-//! copied to be looked at. Whatever takes longer than a look lets other Python threads run.
+//! All numbers of an array are stored in an object of this crate. The array is a view that keeps
+//! the object alive, so reading copies nothing. Other Python threads can run during every longer
+//! call.
 
 mod along;
 mod centerline;
@@ -29,7 +31,7 @@ mod _native {
     use pyo3::prelude::*;
 
     /// # Errors
-    /// Python has no memory left.
+    /// Python is out of memory.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))

@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // An array whose rows lie apart is read as the bytes from its first pixel to its last.
-//! Pictures in NumPy arrays, as the extractor reads them.
+#![allow(unsafe_code)] // Rows with gaps are read as the bytes from the first pixel to the last.
+//! Images in NumPy arrays, in the form that the extractor reads.
 
 use crate::errors::value_error;
 use lariat_extract::{Image, PixelFormat};
@@ -11,8 +11,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 
-/// The pixel formats by name, with the last axis of their arrays: how many bytes a pixel has there. None is said where there
-/// is no such axis.
+/// Pixel formats by name, with the length of the array's last axis in bytes per pixel; `None`
+/// without such an axis.
 const FORMATS: [(&str, PixelFormat, Option<usize>); 12] = [
     ("gray", PixelFormat::Gray8, None),
     ("rgb", PixelFormat::Rgb8, Some(3)),
@@ -28,18 +28,19 @@ const FORMATS: [(&str, PixelFormat, Option<usize>); 12] = [
     ("bayer_gbrg8", PixelFormat::BayerGbrg8, None),
 ];
 
-/// The pixels of an array, borrowed where its rows have no gaps, else of a copy of it.
+/// The pixels of an array: borrowed if its rows are contiguous, otherwise of a copy.
 pub(crate) struct Pixels<'py> {
     array: PyReadonlyArrayDyn<'py, u8>,
     format: PixelFormat,
 }
 
 impl<'py> Pixels<'py> {
-    /// The pixels of `image`: `uint8` of shape (height, width) is gray, (height, width, 3) is `rgb` if `format` does not say
-    /// otherwise; `uint16` of shape (height, width) is gray of 16 bits.
+    /// The pixels of `image`. `uint8` of shape (height, width) is gray, and (height, width, 3) is
+    /// `rgb` unless `format` says otherwise. `uint16` of shape (height, width) is 16-bit gray.
     ///
     /// # Errors
-    /// `TypeError` for what is no array of `uint8`, `ValueError` for a shape that makes no picture.
+    /// `TypeError` if it is not an array of `uint8`; `ValueError` if its shape is not that of an
+    /// image.
     pub(crate) fn of(image: &Bound<'py, PyAny>, format: Option<&str>) -> PyResult<Self> {
         if image.cast::<PyArrayDyn<u16>>().is_ok() {
             return Self::of_wide(image, format);
@@ -51,7 +52,7 @@ impl<'py> Pixels<'py> {
                 "an image in 'gray16' is an array of uint16",
             ));
         }
-        // `image[..., ::-1]` is how red and blue change places: then the bytes are those of the other format.
+        // `image[..., ::-1]` swaps red and blue, so its bytes are those of the other format.
         if let Some((back, other)) = turned(&array, format) {
             (array, format) = (back, other);
         }
@@ -73,17 +74,17 @@ impl<'py> Pixels<'py> {
                 "an image of uint16 is in 'gray16': scale others to 0 to 255 and say .astype(numpy.uint8)",
             ));
         }
-        // Its numbers as their bytes.
+        // View the numbers as bytes.
         let array = bytes(&whole.call_method1("view", (numpy.getattr("uint8")?,))?)?;
         let array = array.try_readonly().map_err(being_written)?;
         let format = PixelFormat::Gray16;
         Ok(Self { array, format })
     }
 
-    /// A mask: `uint8`, the higher the likelier rope, or `bool`, of shape (height, width).
+    /// A mask: `uint8`, higher where rope is more likely, or `bool`, of shape (height, width).
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// As for [`of`](Self::of).
     pub(crate) fn of_mask(mask: &Bound<'py, PyAny>) -> PyResult<Self> {
         if let Ok(array) = mask.cast::<PyArrayDyn<bool>>() {
             let numpy = mask.py().import("numpy")?;
@@ -94,15 +95,15 @@ impl<'py> Pixels<'py> {
         Self::of(mask, Some("gray"))
     }
 
-    /// The picture.
+    /// The image.
     ///
     /// # Errors
-    /// A size that the extractor does not take.
+    /// The extractor does not support the size.
     pub(crate) fn image(&self) -> PyResult<Image<'_>> {
         let (shape, strides) = (self.array.shape(), self.array.strides());
         let rows = shape[0];
         let row_bytes = shape[1..].iter().product::<usize>();
-        // Of a single row the array may say any stride.
+        // The stride of a single row is arbitrary.
         let stride = if rows > 1 {
             strides[0].unsigned_abs()
         } else {
@@ -111,19 +112,20 @@ impl<'py> Pixels<'py> {
         let bytes: &[u8] = if row_bytes == 0 || rows == 0 {
             &[]
         } else {
-            // SAFETY: the rows are whole and lie upwards, `stride` apart (`has_whole_rows`, or contiguous), so that these are
-            // the array's own bytes and those between its rows; it is kept alive, and kept from being written to by Rust.
+            // SAFETY: the rows are contiguous and ascending, `stride` apart (`has_whole_rows`, or
+            // contiguous), so these are the array's own bytes and those between its rows. The array
+            // is kept alive, and Rust does not write to it.
             unsafe {
                 std::slice::from_raw_parts(self.array.data(), (rows - 1) * stride + row_bytes)
             }
         };
         let height = match self.format {
-            // A plane of half the height follows that of Y.
+            // A plane of half the height follows the Y plane.
             PixelFormat::Nv12 => rows * 2 / 3,
             _ => rows,
         };
         let width = match self.format {
-            // Two bytes each.
+            // Two bytes per pixel.
             PixelFormat::Gray16 => shape[1] / 2,
             _ => shape[1],
         };
@@ -137,7 +139,7 @@ fn being_written(cause: BorrowError) -> PyErr {
     ))
 }
 
-/// The array as one of bytes.
+/// The array as bytes.
 fn bytes<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
     if let Ok(array) = image.cast::<PyArrayDyn<u8>>() {
         return Ok(array.clone());
@@ -197,7 +199,7 @@ fn format_of(shape: &[usize], name: Option<&str>) -> PyResult<PixelFormat> {
     Ok(*format)
 }
 
-/// Of an array whose colours were turned around, the array before that and its format.
+/// For an array whose colors were swapped by a reversed view, the original array and its format.
 fn turned<'py>(
     array: &Bound<'py, PyArrayDyn<u8>>,
     format: PixelFormat,
@@ -217,7 +219,7 @@ fn turned<'py>(
     Some((bytes(&before).ok()?, other))
 }
 
-/// Whether each row is one run of bytes, and the next one lies behind it.
+/// Returns whether each row is contiguous and the next one follows it.
 fn has_whole_rows(array: &Bound<'_, PyArrayDyn<u8>>) -> bool {
     let (shape, strides) = (array.shape(), array.strides());
     let mut expected = 1;

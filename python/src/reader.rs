@@ -1,4 +1,5 @@
-//! A control loop's reader, for Python: it waits without holding other threads up, and Ctrl-C ends the wait.
+//! A control loop's reader for Python. It waits without blocking other threads, and Ctrl-C ends the
+//! wait.
 
 use crate::errors::{value_error, wire_error};
 use crate::frame::Frame;
@@ -12,13 +13,14 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// The longest sleep in one piece. A signal ends each; this is for one that comes in the moment before it, which Python
-/// marks down without anyone being woken.
+/// Maximum duration of a single sleep. A signal ends a sleep, but one that arrives just before it
+/// does not; Python only records it.
 const LONGEST_SLEEP: Duration = Duration::from_secs(1);
 
-/// Asks for short slices of a core for the calling thread, for a control loop that may not have realtime priority: when a
-/// message wakes it, it need not wait for the end of another program's slice. Any user may; it needs Linux 6.12, and changes
-/// nothing on older ones. Threads that it starts later have short ones too.
+/// Requests short time slices for the calling thread, for a control loop without realtime priority.
+/// When a message wakes the thread, it need not wait until another program's slice ends. This needs
+/// no privilege. It requires Linux 6.12 and does nothing on older kernels. Threads that this thread
+/// starts later inherit the short slices.
 #[pyfunction]
 pub(crate) fn take_short_slices() {
     lariat_wire::take_short_slices();
@@ -27,7 +29,7 @@ pub(crate) fn take_short_slices() {
 /// Reads the shapes of a rig's ropes, for a control loop.
 #[pyclass(frozen, subclass, module = "lariat._native")]
 pub(crate) struct Reader {
-    /// `None` once it is closed.
+    /// `None` once closed.
     reader: Mutex<Option<lariat_wire::Reader>>,
     rig: String,
     timeout: Duration,
@@ -68,19 +70,19 @@ impl Reader {
         })
     }
 
-    /// What is known now, without waiting.
+    /// Returns the current state without waiting.
     fn latest(&self) -> PyResult<Frame> {
         let mut guard = self.lock()?;
         let frame = open(&mut guard)?.latest().map_err(Problem::Wire)?;
         Ok(Frame::new(frame.keep()))
     }
 
-    /// What is known as soon as an image comes that this reader has not looked at, or after `timeout` seconds: then the
-    /// frame is not new.
+    /// Waits for an image that this reader has not returned yet, at most `timeout` seconds. After
+    /// the timeout, the frame is not new.
     #[pyo3(signature = (timeout=None))]
     fn wait(&self, py: Python<'_>, timeout: Option<f64>) -> PyResult<Frame> {
         let timeout = timeout.map_or(Ok(self.timeout), |timeout| seconds("timeout", timeout))?;
-        // No wait is longer than that of a deadline that cannot be said.
+        // A deadline beyond the clock's range never passes.
         let deadline = Instant::now().checked_add(timeout);
         loop {
             py.check_signals()?;
@@ -90,41 +92,43 @@ impl Reader {
         }
     }
 
-    /// How long ago the image of the newest frame that was looked at was taken, s; `None` before the first.
+    /// Age of the image of the newest frame read, s; `None` before the first.
     #[getter]
     fn age(&self) -> PyResult<Option<f64>> {
         let mut guard = self.lock()?;
         Ok(open(&mut guard)?.age().map(|age| age.as_secs_f64()))
     }
 
-    /// The rig's name.
+    /// Name of the rig.
     #[getter]
     fn rig(&self) -> &str {
         &self.rig
     }
 
-    /// How long it waits for the next image if not told otherwise, s.
+    /// Default timeout of a wait for the next image, s.
     #[getter]
     fn timeout(&self) -> f64 {
         self.timeout.as_secs_f64()
     }
 
-    /// Becomes readable when an image came, for a `select` of one's own: see `before_poll`.
+    /// A file descriptor that becomes readable when an image arrives, for your own `select`: see
+    /// `before_poll`.
     fn fileno(&self) -> PyResult<i32> {
         let mut guard = self.lock()?;
         Ok(open(&mut guard)?.as_fd().as_raw_fd())
     }
 
-    /// Makes ready for a `select` of one's own: call it before each one, and sleep no longer than the seconds it says;
-    /// `None` is as long as you like. After the sleep, however it ended, `latest` says what came.
+    /// Prepares for your own `select`. Call it before each one and sleep no longer than the
+    /// returned seconds; `None` is unlimited. After the sleep, however it ended, `latest` returns
+    /// the new state.
     fn before_poll(&self) -> PyResult<Option<f64>> {
         let mut guard = self.lock()?;
         let longest = open(&mut guard)?.before_poll().map_err(Problem::Wire)?;
         Ok(longest.map(|longest| longest.as_secs_f64()))
     }
 
-    /// How ropes are taken to move, for `Rope.predict`: the standard deviation of the acceleration of a point, units/s²,
-    /// and how long an acceleration lasts, s. Give it what the chain was given.
+    /// Sets the motion model of ropes for `Rope.predict`: the standard deviation of a point's
+    /// acceleration, units/s², and its correlation time, s. Use the chain's own values.
     #[pyo3(signature = (acceleration=1000.0, lasts_s=0.1))]
     fn expect_motion(&self, acceleration: f64, lasts_s: f64) -> PyResult<()> {
         if !(acceleration.is_finite() && acceleration > 0.0 && lasts_s.is_finite() && lasts_s > 0.0)
@@ -141,9 +145,9 @@ impl Reader {
         Ok(())
     }
 
-    /// Leaves the rig. What was read before stays good.
+    /// Leaves the rig. Frames that were read before stay valid.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        // Leaving sweeps up after the dead, which may take a while.
+        // Leaving removes what dead processes left, which may take a while.
         py.detach(|| -> Result<_, Problem> {
             let reader = self.lock()?.take();
             drop(reader);
@@ -152,7 +156,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Whether it was closed.
+    /// True if closed.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(self.lock()?.is_none())
@@ -188,13 +192,13 @@ impl Reader {
     fn lock(&self) -> Result<MutexGuard<'_, Option<lariat_wire::Reader>>, Problem> {
         match self.reader.try_lock() {
             Ok(reader) => Ok(reader),
-            // A look that did not come to its end has changed nothing that the next one needs.
+            // An interrupted read leaves nothing that the next one needs.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Problem::Busy),
         }
     }
 
-    /// Waits for a new frame or the deadline; `None` if a signal came, or may have come.
+    /// Waits for a new frame or the deadline; `None` if a signal arrived, or may have arrived.
     fn wait_for_signal(&self, deadline: Option<Instant>) -> Result<Option<KeptFrame>, Problem> {
         let mut guard = self.lock()?;
         let reader = open(&mut guard)?;
@@ -223,14 +227,14 @@ impl Reader {
     }
 }
 
-/// The reader, if it is not closed.
+/// The reader, unless it is closed.
 fn open<'a>(
     guard: &'a mut MutexGuard<'_, Option<lariat_wire::Reader>>,
 ) -> Result<&'a mut lariat_wire::Reader, Problem> {
     guard.as_mut().ok_or(Problem::Closed)
 }
 
-/// Why there is no answer.
+/// Reason why a call failed.
 #[derive(Debug, Error)]
 enum Problem {
     #[error("this reader is closed: open another one")]
@@ -254,7 +258,7 @@ impl From<Problem> for PyErr {
     }
 }
 
-/// A time that Python gives in seconds; infinity is one that never ends.
+/// Parses a duration in seconds; infinity never ends.
 pub(crate) fn seconds(what: &str, time: f64) -> PyResult<Duration> {
     match Duration::try_from_secs_f64(time) {
         Ok(time) => Ok(time),

@@ -1,4 +1,4 @@
-//! One rope of a frame, and all that its message says of it.
+//! One rope of a frame, with everything in its message.
 
 use crate::centerline::Centerline;
 use crate::errors::value_error;
@@ -12,20 +12,20 @@ use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
 use std::time::Duration;
 
-/// Which rope: its number, and the run of the chain that gave it.
+/// Identity of a rope: its number and the run of the chain that assigned it.
 #[pyclass(frozen, eq, hash, module = "lariat")]
 #[derive(PartialEq, Eq, Hash)]
 pub(crate) struct Track(pub(crate) lariat_wire::Track);
 
 #[pymethods]
 impl Track {
-    /// The rope's number, as messages, files and pictures have it.
+    /// Number of the rope in messages, files and images.
     #[getter]
     fn number(&self) -> u32 {
         self.0.number()
     }
 
-    /// Which run of the chain it is of, counted by its reader from 1.
+    /// Run of the chain, counted by its reader from 1.
     #[getter]
     fn run(&self) -> u64 {
         self.0.run()
@@ -36,7 +36,7 @@ impl Track {
     }
 }
 
-/// A rope, as it was when its image was taken.
+/// A rope at the time of its image.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Rope {
     frame: Py<Frame>,
@@ -44,7 +44,7 @@ pub(crate) struct Rope {
 }
 
 impl Rope {
-    /// The rope that was seen so, if there is one.
+    /// The rope of a frame.
     pub(crate) fn of(frame: &Bound<'_, Frame>, rope: &lariat_wire::Rope) -> Self {
         let index = frame.get().index_of(rope);
         Self {
@@ -53,7 +53,7 @@ impl Rope {
         }
     }
 
-    /// What is known of it, if the image may be so old.
+    /// State of the rope if its image may be this old.
     pub(crate) fn seen(&self, max_age: Duration) -> Option<Seen<'_>> {
         self.frame.get().frame().ropes(max_age).nth(self.index)
     }
@@ -90,71 +90,73 @@ impl Rope {
 
 #[pymethods]
 impl Rope {
-    /// Which rope it is: give it to `Frame.rope` to have the same one again.
+    /// Identity of the rope. `Frame.rope` finds the same rope by it.
     #[getter]
     fn track(&self) -> PyResult<Track> {
         Ok(Track(self.rope()?.track()))
     }
 
-    /// How long ago the rope had this shape when the frame was asked for, s: since its image was taken, and, of a lost one,
-    /// since the last image that it was seen in.
+    /// Age of the shape when the frame was requested, s: the time since its image was taken, and
+    /// for a lost rope since the last image that showed it.
     #[getter]
     pub(crate) fn age(&self) -> PyResult<f64> {
         Ok(self.rope()?.age().as_secs_f64())
     }
 
-    /// When its image was taken, in nanoseconds of `time.monotonic_ns()`.
+    /// Exposure time of its image in nanoseconds of `time.monotonic_ns()`.
     #[getter]
     fn exposed_ns(&self) -> PyResult<u64> {
         Ok(self.rope()?.exposed_ns())
     }
 
-    /// What it is measured in, as the frame's `unit`.
+    /// Unit of its coordinates, as `Frame.unit`.
     #[getter]
     fn unit(&self) -> Option<&'static str> {
         self.frame.get().unit()
     }
 
-    /// The points that its curve was fitted to, with their widths: where the rope was seen, whether the curve lies on them
-    /// or not. `None` if who sent it gives none; `lariat run` always does.
+    /// The points that its curve was fitted to, with their widths: the observed points, whether or
+    /// not the curve follows them. `None` if the sender gives no points; `lariat run` always does.
     #[getter]
     fn centerline(this: &Bound<'_, Self>) -> Option<Centerline> {
         Centerline::of_rope(this)
     }
 
-    /// Whether the curve lies on those points: `"good"`, `"coarse"`, or `"not judged"` by who sent it.
+    /// Fit of the curve to those points: `"good"`, `"coarse"`, or `"not judged"` by the sender.
     #[getter]
     fn fit(&self) -> Option<&'static str> {
         self.descriptor().fit().map(FitQuality::name)
     }
 
-    /// How sure it is that this is a rope, and its centerline whole and in order, 0 to 1: of those at 0.9, nine of ten are.
+    /// Calibrated probability, 0 to 1, that this is a rope and its centerline is whole and in
+    /// order.
     #[getter]
     fn confidence(&self) -> f32 {
         self.descriptor().confidence
     }
 
-    /// Its curve: any point of it, its direction, its covariance.
+    /// Its curve, with points, directions and covariance.
     #[getter]
     fn shape(this: &Bound<'_, Self>) -> PyResult<Shape> {
         Shape::of_rope(this)
     }
 
-    /// Its curve in space, of a reader that was opened with `space=True`. Raises `ValueError`, with the reason, where it is not
-    /// known where the rope is.
+    /// Its curve in space, for a reader opened with `space=True`. If its position is unknown,
+    /// raises `ValueError` with the reason.
     #[getter]
     fn in_space(this: &Bound<'_, Self>) -> PyResult<SpaceShape> {
         SpaceShape::of_rope(this)
     }
 
-    /// Where it will be at the moment `t_ns` of `time.monotonic_ns()`, by its velocities, and how uncertain.
+    /// Predicts the rope at the time `t_ns` of `time.monotonic_ns()` from its velocities, with its
+    /// covariance.
     fn predict(&self, t_ns: u64) -> PyResult<Shape> {
         let rope = self.rope()?;
         let prediction = rope.predict(t_ns).map_err(value_error)?;
         Ok(Shape::moved(prediction.to_descriptor()))
     }
 
-    /// Its control points, of shape (control points, 2); feature points and center too.
+    /// Its control points, of shape (control points, 2); also feature points and the center.
     #[getter]
     fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
         views::rows(this, |rope| rope.descriptor().control_points())
@@ -166,57 +168,60 @@ impl Rope {
         views::rows(this, |rope| rope.descriptor().covariances())
     }
 
-    /// Velocity of each control point, units a second; `None` unless the chain filters them (`--filter`).
+    /// Velocity of each control point, units per second; `None` unless the chain filters them
+    /// (`--filter`).
     #[getter]
     fn velocities<'py>(this: &Bound<'py, Self>) -> Option<Bound<'py, PyArray<f64, Ix2>>> {
         let is_filtered = this.get().descriptor().filtered == 1;
         is_filtered.then(|| views::rows(this, |rope| rope.descriptor().velocities()))
     }
 
-    /// Weights of the control points: those of a rational curve, else 1.
+    /// Weights of the control points; 1 unless the curve is rational.
     #[getter]
     fn weights<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix1>> {
         views::row(this, |rope| rope.descriptor().weights())
     }
 
-    /// The inner knots of a B-spline, ascending between 0 and 1; none of other curves.
+    /// The inner knots of a B-spline, ascending between 0 and 1; empty for other curves.
     #[getter]
     fn knots<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix1>> {
         views::row(this, |rope| rope.descriptor().inner_knots())
     }
 
-    /// The family of curves: `"bezier"`, `"bspline"`, `"rational"`, `"fourier"`, `"points"` or `"mass"`.
+    /// The family of curves: `"bezier"`, `"bspline"`, `"rational"`, `"fourier"`, `"points"` or
+    /// `"mass"`.
     #[getter]
     fn basis(&self) -> Option<&'static str> {
         self.descriptor().basis().map(Basis::name)
     }
 
-    /// Degree of the curve's polynomials, 3 of a cubic B-spline whatever its control points; of a Fourier series its harmonics.
+    /// Polynomial degree of the curve (3 for a cubic B-spline); number of harmonics for a Fourier
+    /// series.
     #[getter]
     fn degree(&self) -> u32 {
         self.descriptor().degree
     }
 
-    /// How many points of the centerline were fitted.
+    /// Number of fitted centerline points.
     #[getter]
     fn samples(&self) -> u32 {
         self.descriptor().samples
     }
 
-    /// Whether the rope has no ends.
+    /// True if the rope is closed.
     #[getter]
     fn closed(&self) -> bool {
         self.descriptor().closed != 0
     }
 
-    /// Which of its ends leave the image, first and last.
+    /// True for each end, first and last, that leaves the image.
     #[getter]
     fn leaves_image(&self) -> (bool, bool) {
         let border = self.descriptor().border;
         (border & 1 != 0, border & 2 != 0)
     }
 
-    /// Which share of it was covered by something, and so bridged: 0 to 1.
+    /// Share of its points that are covered or outside the image, and so interpolated: 0 to 1.
     #[getter]
     fn hidden(&self) -> PyResult<f64> {
         Ok(self.rope()?.hidden())
@@ -240,7 +245,7 @@ impl Rope {
         self.descriptor().rms
     }
 
-    /// The largest such distance.
+    /// Maximum distance of a point from the curve at its rho.
     #[getter]
     fn max(&self) -> f64 {
         self.descriptor().max

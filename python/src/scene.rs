@@ -1,4 +1,4 @@
-//! What is seen in one picture, as Python has it: curves, crossings, doubts.
+//! The contents of one image for Python: curves, crossings, notices.
 
 use crate::views;
 use lariat_extract::{CrossingSequence, Extractor};
@@ -7,21 +7,21 @@ use numpy::ndarray::{Ix1, Ix2};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// A copy of what the extractor said, which lends its memory until the next picture only.
+/// A copy of the extractor's result, which is valid only until the next image.
 #[derive(Debug)]
 pub(crate) struct Kept {
     curves: Vec<lariat_extract::Curve>,
     crossings: Vec<lariat_extract::Crossing>,
     notice: Option<lariat_extract::Notice>,
-    /// The notice as a sentence for the user of this tracer.
+    /// The notice as text for the user of this tracer.
     sentence: String,
     followed: bool,
-    /// Width and height of the picture, px.
+    /// Width and height of the image, px.
     size: (usize, usize),
 }
 
 impl Kept {
-    /// `origin` is where in the picture the extractor's own begins.
+    /// Copies a scene. `origin` is the position of the extractor's image in the whole image.
     pub(crate) fn new(
         scene: &lariat_extract::Scene,
         origin: [f32; 2],
@@ -46,7 +46,7 @@ impl Kept {
         }
     }
 
-    /// With the notice in words, for the user of this extractor.
+    /// Adds the notice as text for the user of this extractor.
     pub(crate) fn in_words(mut self, extractor: &Extractor) -> Self {
         let sentence = self.notice.map(|notice| extractor.sentence(notice));
         self.sentence = sentence.unwrap_or_default();
@@ -63,7 +63,7 @@ impl Kept {
     }
 }
 
-/// The ropes in one picture.
+/// The ropes in one image.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Scene {
     kept: Arc<Kept>,
@@ -84,7 +84,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The ropes seen, the longest first, then the lost ones.
+    /// The visible ropes, the longest first, then the lost ones.
     #[getter]
     fn curves(&self, py: Python<'_>) -> Vec<Py<Curve>> {
         self.curves
@@ -93,26 +93,27 @@ impl Scene {
             .collect()
     }
 
-    /// Where they cross, at most 32.
+    /// Their crossings, at most 32.
     #[getter]
     fn crossings(&self) -> Vec<Crossing> {
         self.kept.crossings.iter().copied().map(Crossing).collect()
     }
 
-    /// The most important probable fault of what was seen, if any.
+    /// The most important probable fault of the result, if any.
     #[getter]
     fn notice(&self) -> Option<Notice> {
         let sentence = || self.kept.sentence.clone();
         self.kept.notice.map(|notice| Notice(notice, sentence()))
     }
 
-    /// Whether the ropes were followed from the last picture, by reading this one only around them.
+    /// True if the ropes were tracked from the last image, so that only the area around them was
+    /// read.
     #[getter]
     fn followed(&self) -> bool {
         self.kept.followed
     }
 
-    /// Width and height of the picture, px.
+    /// Width and height of the image, px.
     #[getter]
     fn size(&self) -> (usize, usize) {
         self.kept.size
@@ -144,7 +145,8 @@ impl Scene {
     }
 }
 
-/// The centerline of one rope: positions in pixels, x to the right, y down, (0, 0) the middle of the top left pixel.
+/// The centerline of one rope. Positions are in pixels, x right, y down, with (0, 0) at the center
+/// of the top left pixel.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Curve {
     kept: Arc<Kept>,
@@ -159,31 +161,32 @@ impl Curve {
 
 #[pymethods]
 impl Curve {
-    /// The rope's number, kept from picture to picture of a `Tracer`.
+    /// Rope number, constant from image to image of a `Tracer`.
     #[getter]
     fn track(&self) -> u32 {
         self.seen().track
     }
 
-    /// How much of the rope is seen: `"ok"`, `"partial"` or `"lost"`; `"doubtful"`: it may be no rope.
+    /// Visibility of the rope: `"ok"`, `"partial"` or `"lost"`; `"doubtful"` if it may not be a
+    /// rope.
     #[getter]
     fn status(&self) -> &'static str {
         self.seen().status.name()
     }
 
-    /// How sure it is that this is a rope, whole and in order, 0 to 1: of those at 0.9, nine of ten are.
+    /// Calibrated probability, 0 to 1, that this is a rope, whole and in order.
     #[getter]
     fn confidence(&self) -> f32 {
         self.seen().confidence
     }
 
-    /// Whether the rope has no ends. The last point is then one step before the first.
+    /// True if the rope is closed. The last point is then one step before the first.
     #[getter]
     fn closed(&self) -> bool {
         self.seen().closed
     }
 
-    /// Whether the first and the last point lie where the rope leaves the picture.
+    /// True for each end, first and last, at which the rope leaves the image.
     #[getter]
     fn leaves_image(&self) -> (bool, bool) {
         self.seen().border.into()
@@ -195,43 +198,45 @@ impl Curve {
         views::rows(this, |curve| &curve.seen().points)
     }
 
-    /// The rope's width at each point, px.
+    /// Width of the rope at each point, px.
     #[getter]
     fn widths_px<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix1>> {
         views::row(this, |curve| &curve.seen().widths_px)
     }
 
-    /// Whether each point is covered by something or outside of the image, and so not seen but bridged.
+    /// True for each point that is covered or outside the image; its position is then interpolated.
     #[getter]
     fn hidden<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<bool, Ix1>> {
         views::row(this, |curve| &curve.seen().hidden)
     }
 
-    /// The median of the widths, px.
+    /// Median of the widths, px.
     #[getter]
     fn width_px(&self) -> f32 {
         self.seen().width_px
     }
 
-    /// Arc length from tip to tip (once around, when closed), px.
+    /// Arc length from end to end (once around if closed), px.
     #[getter]
     fn length_px(&self) -> f32 {
         self.seen().length_px
     }
 
-    /// How long ago the rope was last seen, s: 0 unless it is lost.
+    /// Time since the rope was last visible, s; 0 unless it is lost.
     #[getter]
     fn age(&self) -> f64 {
         self.seen().age_ns as f64 * 1e-9
     }
 
-    /// The rope's passes over and under itself from its first point on: `"O1 U2 O3 U1 O2 U3"` is an overhand knot.
+    /// The rope's crossings over and under itself, from its first point on: `"O1 U2 O3 U1 O2 U3"`
+    /// is an overhand knot.
     #[getter]
     fn crossing_sequence(&self) -> String {
         CrossingSequence::of(&self.kept.scene(), self.index).to_string()
     }
 
-    /// Whether the rope comes out straight when its ends are drawn apart; `None` when no answer has a probability of 0.9.
+    /// True if the rope becomes straight when its ends are pulled apart; `None` if neither answer
+    /// has a probability of 0.9.
     #[getter]
     fn pulls_straight(&self, py: Python<'_>) -> Option<bool> {
         py.detach(|| CrossingSequence::of(&self.kept.scene(), self.index).pulls_straight())
@@ -257,44 +262,44 @@ impl Curve {
     }
 }
 
-/// A place where a rope passes over a rope, another or itself.
+/// A crossing of a rope over another rope or itself.
 #[pyclass(frozen, module = "lariat")]
 #[derive(Clone, Copy)]
 pub(crate) struct Crossing(lariat_extract::Crossing);
 
 #[pymethods]
 impl Crossing {
-    /// Where, [x, y] in px.
+    /// Position, [x, y] in px.
     #[getter]
     fn at(&self) -> (f32, f32) {
         self.0.at.into()
     }
 
-    /// Index in the scene's curves of the upper rope.
+    /// Index of the upper rope in the scene's curves.
     #[getter]
     fn over(&self) -> usize {
         self.0.over
     }
 
-    /// Index in the scene's curves of the lower rope.
+    /// Index of the lower rope in the scene's curves.
     #[getter]
     fn under(&self) -> usize {
         self.0.under
     }
 
-    /// Where on the upper rope, as normalized arc length from 0 to 1.
+    /// Position on the upper rope as normalized arc length, 0 to 1.
     #[getter]
     fn over_rho(&self) -> f32 {
         self.0.over_rho
     }
 
-    /// Where on the lower rope, likewise.
+    /// Position on the lower rope as normalized arc length, 0 to 1.
     #[getter]
     fn under_rho(&self) -> f32 {
         self.0.under_rho
     }
 
-    /// How sure the order is, from 0 (a toss of a coin) to 1.
+    /// Confidence in which rope is on top, from 0 (a coin toss) to 1.
     #[getter]
     fn confidence(&self) -> f32 {
         self.0.confidence
@@ -315,7 +320,8 @@ impl Crossing {
     }
 }
 
-/// Why the automatic mask may be wrong about a picture, and what to do; `str()` of it is the sentence.
+/// A reason why the automatic mask may be wrong for an image, and how to fix it; `str()` gives the
+/// text.
 #[pyclass(frozen, eq, hash, module = "lariat")]
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Notice(lariat_extract::Notice, String);

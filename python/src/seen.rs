@@ -1,4 +1,4 @@
-//! What is known of a rope, as classes that have to be told apart before there is a shape.
+//! State of a rope, as classes that must be distinguished before there is a shape.
 
 use crate::frame::Frame;
 use crate::rope::Rope;
@@ -6,7 +6,7 @@ use lariat_wire::{Doubt, Seen};
 use pyo3::prelude::*;
 use std::time::Duration;
 
-/// What is known of a rope, as an object of its class.
+/// The state of a rope as an object of its class.
 pub(crate) fn of<'py>(
     frame: &Bound<'py, Frame>,
     seen: Seen,
@@ -30,7 +30,7 @@ pub(crate) fn of<'py>(
     })
 }
 
-/// A rope, and how old its image may be.
+/// A rope and the maximum age of its image.
 struct Sight {
     rope: Py<Rope>,
     max_age: Duration,
@@ -47,13 +47,13 @@ impl Sight {
     }
 }
 
-/// Says in an exception what was seen instead of a rope.
+/// Raises an exception that says what was found instead of a rope.
 fn raise<T>(seen: &Bound<'_, PyAny>) -> PyResult<T> {
     let error = seen.py().import("lariat._seen")?.getattr("NotSeen")?;
     Err(PyErr::from_value(error.call1((seen,))?))
 }
 
-/// The whole rope, in an image no older than was asked for.
+/// The whole rope, in an image no older than requested.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Fresh(Sight);
 
@@ -70,7 +70,7 @@ impl Fresh {
         self.0.rope(py)
     }
 
-    /// The rope.
+    /// Returns the rope.
     #[pyo3(signature = (*, partial=false))]
     fn or_raise(&self, py: Python<'_>, partial: bool) -> Py<Rope> {
         let _ = partial;
@@ -86,8 +86,8 @@ impl Fresh {
     }
 }
 
-/// The rope, but a part of it is covered by something: that part is bridged by what was seen on its two sides, and where
-/// it was before.
+/// The rope, partly covered. The covered part is interpolated from the parts on both sides and from
+/// its earlier position.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Partial(Sight);
 
@@ -98,13 +98,13 @@ impl Partial {
         ("rope",)
     }
 
-    /// The rope, a part of it bridged.
+    /// The partly covered rope.
     #[getter]
     fn rope(&self, py: Python<'_>) -> Py<Rope> {
         self.0.rope(py)
     }
 
-    /// The rope, if `partial` says that a part of it may be bridged; otherwise raises `NotSeen`.
+    /// Returns the rope if `partial` is True; otherwise raises `NotSeen`.
     #[pyo3(signature = (*, partial=false))]
     fn or_raise(this: &Bound<'_, Self>, partial: bool) -> PyResult<Py<Rope>> {
         if partial {
@@ -122,7 +122,7 @@ impl Partial {
     }
 }
 
-/// A rope, or what looks like one, and why it is not to be steered by as it is.
+/// A rope or something similar, with the reason why it must not be used for steering as it is.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Unsure {
     sight: Sight,
@@ -142,14 +142,15 @@ impl Unsure {
         self.sight.rope(py)
     }
 
-    /// `"coarse"`: the curve does not lie on the rope, but its `centerline` does. `"no-rope"`: it may be a shadow, a pen or
-    /// an edge. `"low-confidence"`: its `confidence` is less than the reader's `min_confidence`.
+    /// `"coarse"`: the curve does not follow the rope, but its `centerline` does. `"no-rope"`: it
+    /// may be a shadow, a pen or an edge. `"low-confidence"`: its `confidence` is less than the
+    /// reader's `min_confidence`.
     #[getter]
     fn why(&self) -> &'static str {
         match self.why {
             Doubt::Coarse => "coarse",
             Doubt::LowConfidence => "low-confidence",
-            // The only other one that this release has.
+            // The only other reason in this release.
             _ => "no-rope",
         }
     }
@@ -170,19 +171,20 @@ impl Unsure {
     }
 }
 
-/// The image is fresh, and the rope is not in it; or the camera gives no image.
+/// The image is fresh but does not show the rope, or the camera gives no image.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Lost(Sight);
 
 #[pymethods]
 impl Lost {
-    /// How long ago the rope was seen with its last known shape, s.
+    /// Time since the rope was observed with its last known shape, s.
     #[getter]
     fn age(&self) -> PyResult<f64> {
         self.0.rope.get().age()
     }
 
-    /// The rope as it was: to look for it, to draw it, or to predict where it went. Not to steer by.
+    /// The last known rope. Use it to search, to draw, or to predict its position, but not to
+    /// steer.
     #[getter]
     fn as_it_was(&self, py: Python<'_>) -> Py<Rope> {
         self.0.rope(py)
@@ -204,19 +206,19 @@ impl Lost {
     }
 }
 
-/// The image is older than was asked for: the chain stands still, or is too slow, or has ended.
+/// The image is older than requested: the chain hangs, is too slow, or has ended.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Stale(Sight);
 
 #[pymethods]
 impl Stale {
-    /// How long ago the rope was seen with its last known shape, s.
+    /// Time since the rope was observed with its last known shape, s.
     #[getter]
     fn age(&self) -> PyResult<f64> {
         self.0.rope.get().age()
     }
 
-    /// The rope as it was: to draw it, or to predict where it went. Not to steer by.
+    /// The last known rope. Use it to draw, or to predict its position, but not to steer.
     #[getter]
     fn as_it_was(&self, py: Python<'_>) -> Py<Rope> {
         self.0.rope(py)
@@ -249,8 +251,8 @@ impl Absent {
         ("why",)
     }
 
-    /// `"nothing-yet"`, `"nothing-lately"`, `"no-image"`, `"no-rope"`, `"several"`, `"other-run"` or `"unreadable"`; `str()`
-    /// of the object says it in a sentence.
+    /// The reason: `"nothing-yet"`, `"nothing-lately"`, `"no-image"`, `"no-rope"`, `"several"`,
+    /// `"other-run"` or `"unreadable"`. `str()` of the object gives it as a sentence.
     #[getter]
     fn why(&self) -> &'static str {
         use lariat_wire::Absent;
@@ -261,7 +263,7 @@ impl Absent {
             Absent::NoRope => "no-rope",
             Absent::Several => "several",
             Absent::OtherRun => "other-run",
-            // The only other one that this release has.
+            // The only other reason in this release.
             _ => "unreadable",
         }
     }

@@ -1,4 +1,4 @@
-//! A rope's curve as a control law asks for it: seen, or predicted.
+//! A rope's curve for control laws, observed or predicted.
 
 use crate::along::{Rho, nowhere};
 use crate::centerline::{Found, found};
@@ -10,23 +10,23 @@ use numpy::ndarray::Ix2;
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// The curve f(rho), rho from 0 at the rope's first end to 1 at its last, in the frame's unit.
+/// The curve f(rho) in the frame's unit, with rho from 0 at the rope's first end to 1 at its last.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Shape {
     source: Source,
 }
 
-/// Where its numbers are.
+/// Source of its numbers.
 enum Source {
     Seen(Py<Rope>),
     Moved(Box<Descriptor>),
 }
 
 impl Shape {
-    /// The curve of a rope as it was seen.
+    /// The curve of an observed rope.
     ///
     /// # Errors
-    /// The chain describes ropes by points or by their center.
+    /// The chain describes ropes by points or by their center instead of a curve.
     pub(crate) fn of_rope(rope: &Bound<'_, Rope>) -> PyResult<Self> {
         lariat_wire::Shape::of(rope.get().descriptor()).map_err(value_error)?;
         Ok(Self {
@@ -34,7 +34,7 @@ impl Shape {
         })
     }
 
-    /// The curve of a rope where it is thought to be.
+    /// The curve of a predicted rope.
     pub(crate) fn moved(descriptor: Descriptor) -> Self {
         Self {
             source: Source::Moved(Box::new(descriptor)),
@@ -55,19 +55,20 @@ impl Shape {
 
 #[pymethods]
 impl Shape {
-    /// What it is made of, of shape (control points, 2); of a closed rope the coefficients of its Fourier series.
+    /// The control points, of shape (control points, 2); for a closed rope, the coefficients of its
+    /// Fourier series.
     #[getter]
     fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
         views::rows(this, |shape| shape.descriptor().control_points())
     }
 
-    /// Whether it ends where it begins.
+    /// True if the curve is closed.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(self.shape()?.is_closed())
     }
 
-    /// `count` points at even steps of rho: from its first end to its last, or once around a closed one.
+    /// `count` points at equal steps of rho: from end to end, or once around a closed curve.
     #[pyo3(signature = (count=120))]
     fn points<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let shape = self.shape()?;
@@ -75,7 +76,7 @@ impl Shape {
         PyArray1::from_vec(py, numbers.collect()).reshape([count, 2])
     }
 
-    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 2).
+    /// The point at rho, 0 to 1. For n values of rho, an array of shape (n, 2).
     fn point_at<'py>(
         &self,
         py: Python<'py>,
@@ -85,12 +86,12 @@ impl Shape {
         Ok(rho.vectors(py, |rho| shape.point_at(rho)))
     }
 
-    /// The point of the curve that is nearest to `point`: its rho, the point, and how far it is away.
+    /// The nearest point of the curve to `point`: its rho, the point itself, and the distance.
     fn nearest<'py>(&self, py: Python<'py>, point: [f64; 2]) -> PyResult<Found<'py>> {
         Ok(found(py, self.shape()?.nearest(point)))
     }
 
-    /// The velocity by rho: f′(rho).
+    /// The derivative with respect to rho: f′(rho).
     fn derivative_at<'py>(
         &self,
         py: Python<'py>,
@@ -100,7 +101,7 @@ impl Shape {
         Ok(rho.vectors(py, |rho| shape.derivative_at(rho)))
     }
 
-    /// The direction in which the curve goes, of length 1; NaN where it is a point.
+    /// The unit tangent; NaN if the curve is a point.
     fn tangent_at<'py>(
         &self,
         py: Python<'py>,
@@ -110,7 +111,8 @@ impl Shape {
         Ok(rho.vectors(py, |rho| shape.tangent_at(rho).unwrap_or(nowhere())))
     }
 
-    /// The direction across the curve, to the right of its way in the image, of length 1; NaN where it is a point.
+    /// The unit normal, to the right of the direction of travel in the image; NaN if the curve is a
+    /// point.
     fn normal_at<'py>(
         &self,
         py: Python<'py>,
@@ -120,15 +122,15 @@ impl Shape {
         Ok(rho.vectors(py, |rho| shape.normal_at(rho).unwrap_or(nowhere())))
     }
 
-    /// One by the radius of the circle that the curve follows, positive where it turns towards its normal; NaN where it
-    /// stands still.
+    /// The signed curvature, one over the radius, positive if the curve turns towards its normal.
+    /// NaN where the derivative vanishes.
     fn curvature_at<'py>(&self, py: Python<'py>, rho: Rho<'py>) -> PyResult<Bound<'py, PyAny>> {
         let shape = self.shape()?;
         rho.numbers(py, |rho| shape.curvature_at(rho).unwrap_or(f64::NAN))
     }
 
-    /// How much the point at rho moves with each control point, the same for x and y; of n values of rho of shape
-    /// (n, control points).
+    /// The Jacobian of the point at rho with respect to the control points, the same for x and y.
+    /// For n values of rho, an array of shape (n, control points).
     fn jacobian_at<'py>(
         &self,
         py: Python<'py>,
@@ -141,7 +143,8 @@ impl Shape {
         }))
     }
 
-    /// The covariance of all control points together, of the vector x0, y0, x1, y1, …, in the unit's square.
+    /// The joint covariance of all control points, for the vector x0, y0, x1, y1, …, in the unit
+    /// squared.
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let covariance = self.shape()?.covariance();
         let size = covariance.size();
@@ -150,14 +153,15 @@ impl Shape {
         PyArray1::from_vec(py, matrix).reshape([size, size])
     }
 
-    /// Whether `covariance` is that of plain least squares or of its filter, right to rounding. If not (ridge, pinned ends,
-    /// weights, a plane), each control point's own is right, and how two of them hang together is that of the plain fit.
+    /// True if `covariance` is exact to rounding: that of plain least squares or of its filter.
+    /// Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance is
+    /// exact, and the correlations are those of the plain fit.
     #[getter]
     fn covariance_is_exact(&self) -> PyResult<bool> {
         Ok(self.shape()?.covariance().is_exact())
     }
 
-    /// How uncertain the point at rho is, of shape (2, 2); of n values of rho (n, 2, 2).
+    /// The covariance of the point at rho, of shape (2, 2). For n values of rho, (n, 2, 2).
     fn covariance_at<'py>(&self, py: Python<'py>, rho: Rho<'py>) -> PyResult<Bound<'py, PyAny>> {
         let covariance = self.shape()?.covariance();
         let numbers = rho.rows(py, 4, |rho, row| {

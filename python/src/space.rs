@@ -9,17 +9,19 @@ use numpy::ndarray::{Ix1, Ix2};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// The curve f(rho) in space, mm, rho from 0 at the rope's first end to 1 at its last: by what a depth camera shows.
+/// The curve f(rho) in space, mm, from a depth camera, with rho from 0 at the rope's first end to 1
+/// at its last.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct SpaceShape {
     rope: Py<Rope>,
 }
 
 impl SpaceShape {
-    /// That of a rope as it was seen.
+    /// The curve of an observed rope.
     ///
     /// # Errors
-    /// The reader does not ask for it, the chain has no depth camera, or it is not known where the rope is.
+    /// The reader does not follow in space, the chain lacks a depth camera, or the rope's position
+    /// is unknown.
     pub(crate) fn of_rope(rope: &Bound<'_, Rope>) -> PyResult<Self> {
         rope.get().rope()?.in_space().map_err(value_error)?;
         Ok(Self {
@@ -39,7 +41,7 @@ impl SpaceShape {
 
 #[pymethods]
 impl SpaceShape {
-    /// What it is made of, of shape (control points, 3), mm.
+    /// The control points, of shape (control points, 3), mm.
     #[getter]
     fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
         views::rows(this, |shape| shape.descriptor().control_points())
@@ -58,31 +60,31 @@ impl SpaceShape {
         is_filtered.then(|| views::rows(this, |shape| shape.descriptor().velocities()))
     }
 
-    /// The points of the centerline that were fitted, of shape (points, 3), mm.
+    /// The fitted centerline points, of shape (points, 3), mm.
     #[getter]
     fn centerline<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix2>> {
         views::rows(this, |shape| shape.descriptor().points())
     }
 
-    /// The standard deviation of each of those along the line to the camera, mm.
+    /// Standard deviation of each of those points along the camera's line of sight, mm.
     #[getter]
     fn sigmas<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f32, Ix1>> {
         views::row(this, |shape| shape.descriptor().sigmas())
     }
 
-    /// How many of them the depth image shows. The others are bridged.
+    /// Number of points measured in the depth image; the others are interpolated.
     #[getter]
     fn measured(&self) -> u32 {
         self.descriptor().measured
     }
 
-    /// `"known"`, or `"before"` of a rope that is lost from sight: where it was.
+    /// `"known"`, or `"before"` for the last known position of a lost rope.
     #[getter]
     fn place(&self) -> Option<&'static str> {
         self.descriptor().place().map(Place::name)
     }
 
-    /// Whether the curve lies on its points: `"good"`, `"coarse"`, or `"not judged"`.
+    /// Fit of the curve to its points: `"good"`, `"coarse"`, or `"not judged"`.
     #[getter]
     fn fit(&self) -> Option<&'static str> {
         self.descriptor().fit().map(FitQuality::name)
@@ -100,13 +102,13 @@ impl SpaceShape {
         self.descriptor().width
     }
 
-    /// Whether it ends where it begins.
+    /// True if the curve is closed.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(self.shape()?.is_closed())
     }
 
-    /// `count` points at even steps of rho: from its first end to its last, or once around a closed one.
+    /// `count` points at equal steps of rho: from end to end, or once around a closed curve.
     #[pyo3(signature = (count=120))]
     fn points<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let shape = self.shape()?;
@@ -114,7 +116,7 @@ impl SpaceShape {
         PyArray1::from_vec(py, numbers.collect()).reshape([count, 3])
     }
 
-    /// The point at rho, 0 to 1; of n values of rho an array of shape (n, 3).
+    /// The point at rho, 0 to 1. For n values of rho, an array of shape (n, 3).
     fn point_at<'py>(
         &self,
         py: Python<'py>,
@@ -124,7 +126,7 @@ impl SpaceShape {
         Ok(rho.vectors(py, |rho| shape.point_at(rho)))
     }
 
-    /// The velocity by rho: f′(rho).
+    /// The derivative with respect to rho: f′(rho).
     fn derivative_at<'py>(
         &self,
         py: Python<'py>,
@@ -134,7 +136,7 @@ impl SpaceShape {
         Ok(rho.vectors(py, |rho| shape.derivative_at(rho)))
     }
 
-    /// The direction in which the curve goes, of length 1; NaN where it is a point.
+    /// The unit tangent; NaN if the curve is a point.
     fn tangent_at<'py>(
         &self,
         py: Python<'py>,
@@ -144,7 +146,7 @@ impl SpaceShape {
         Ok(rho.vectors(py, |rho| shape.tangent_at(rho).unwrap_or(nowhere())))
     }
 
-    /// The rho of the point of the curve that is nearest to `point`, that point, and how far it is away.
+    /// The nearest point of the curve to `point`: its rho, the point itself, and the distance.
     fn nearest<'py>(
         &self,
         py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Extraction of arrays: one picture after the other, as one moving scene.
+//! Extraction from arrays: consecutive images of one moving scene.
 
 use crate::errors::value_error;
 use crate::pixels::Pixels;
@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 use thiserror::Error;
 
-/// Why a picture was not traced.
+/// Reason why an image was not traced.
 #[derive(Debug, Error)]
 enum Problem {
     #[error(
@@ -36,13 +36,14 @@ impl From<Problem> for PyErr {
     }
 }
 
-/// Traces pictures as one moving scene, and keeps its memory from one to the next: ropes keep their number and direction,
-/// and are followed, which costs a fraction of a whole extraction.
+/// Traces images of one moving scene, and remembers it from one image to the next. Ropes keep their
+/// numbers and directions and are tracked, which costs a fraction of a full extraction.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Tracer {
     extractor: Mutex<Extractor>,
     region: Option<Region>,
-    /// True if a mask's level is to be chosen: its bytes may then mean something else.
+    /// True if the level of a mask is chosen automatically, in which case its values may have
+    /// another meaning.
     chooses_level: bool,
 }
 
@@ -50,7 +51,7 @@ pub(crate) struct Tracer {
 impl Tracer {
     #[new]
     #[pyo3(signature = (*, mask=None, mask_level=None, network=None, method="skeleton", points=120, ropes=24, min_confidence=0.5, start=None, at=Vec::new(), keep_lost_s=1.0, roi=None))]
-    #[allow(clippy::too_many_arguments)] // Of Python they are named.
+    #[allow(clippy::too_many_arguments)] // They are keyword arguments in Python.
     fn new(
         mask: Option<&Bound<'_, PyAny>>,
         mask_level: Option<NonZeroU8>,
@@ -70,7 +71,7 @@ impl Tracer {
             width,
             height,
         });
-        // The extractor sees the region alone.
+        // The extractor sees only the region.
         let [left, top] = region.map_or([0.0; 2], |region| [region.x as f32, region.y as f32]);
         let in_region = |[x, y]: [f32; 2]| [x - left, y - top];
         let chooses_level = mask_level.is_none();
@@ -101,7 +102,7 @@ impl Tracer {
         })
     }
 
-    /// The ropes in the next picture.
+    /// Finds the ropes in the next image.
     #[pyo3(signature = (image, *, mask=None, pixel_format=None, at_ns=None))]
     fn trace(
         &self,
@@ -120,7 +121,7 @@ impl Tracer {
             None => (whole, whole_mask, [0.0; 2]),
             Some(region) => {
                 let within = whole.region(region);
-                // A mask of another size has no such part: it is refused as a whole.
+                // A mask of another size is passed whole, so that it is rejected.
                 let mask = whole_mask.map(|mask| {
                     match mask.width() == whole.width() && mask.height() == whole.height() {
                         true => mask.region(region).unwrap_or(mask),
@@ -160,7 +161,7 @@ impl Tracer {
         Scene::new(py, kept?)
     }
 
-    /// Forgets the past: the next picture is a new scene.
+    /// Forgets the past, so that the next image is a new scene.
     fn reset(&self) -> PyResult<()> {
         self.extractor()?.reset();
         Ok(())
@@ -172,7 +173,7 @@ impl Tracer {
         match self.extractor.try_lock() {
             Ok(extractor) => Ok(extractor),
             Err(TryLockError::WouldBlock) => Err(Problem::Busy),
-            // Whatever it was, a new scene is a beginning.
+            // Whatever happened, a new scene starts from nothing.
             Err(TryLockError::Poisoned(poisoned)) => {
                 let mut extractor = poisoned.into_inner();
                 extractor.reset();
@@ -181,7 +182,7 @@ impl Tracer {
         }
     }
 
-    /// The part of a picture that is read.
+    /// The region of an image that is read.
     fn region_in(&self, image: &lariat_extract::Image) -> PyResult<Option<Region>> {
         let Some(region) = self.region else {
             return Ok(None);
@@ -201,7 +202,7 @@ impl Tracer {
     }
 }
 
-/// `"auto"`, `"network"`, `"external"`, a range or a list of ranges.
+/// Parses `"auto"`, `"network"`, `"external"`, a range or a list of ranges.
 fn mask_of(mask: &Bound<'_, PyAny>) -> PyResult<Mask> {
     if let Ok(name) = mask.extract::<String>() {
         return match &name[..] {
@@ -227,7 +228,7 @@ fn mask_of(mask: &Bound<'_, PyAny>) -> PyResult<Mask> {
     ))
 }
 
-/// A range as Python writes it. What is left out may be anything.
+/// Parses a range from Python. Missing bounds are unrestricted.
 fn range_of(range: &Bound<'_, PyDict>) -> PyResult<HsvRange> {
     let mut found = HsvRange {
         hue_deg: [0.0, 360.0],
@@ -255,16 +256,18 @@ fn range_of(range: &Bound<'_, PyDict>) -> PyResult<HsvRange> {
     Ok(found)
 }
 
-/// One position, or a list of them.
+/// One position, or a list of positions.
 #[derive(Debug, FromPyObject)]
 pub(crate) enum Points {
     One([f32; 2]),
     Some(Vec<[f32; 2]>),
 }
 
-/// The colour ranges of the ropes in a picture, for the setting `mask`: of all that stand out from the table, or of the one
-/// at the position `at`, or at several of them: one for each of its colours. Also how well they tell rope from table: below
-/// some 0.7 a mask of them has holes, or takes table for rope. Warns where what is traced in that mask speaks against it.
+/// Proposes color ranges of the ropes in an image, for the setting `mask`. They cover all ropes
+/// that differ from the table, or the one at the position `at`, or those at several positions: one
+/// range for each color. Also returns how well the ranges separate rope from table. Below about
+/// 0.7, their mask has holes or includes parts of the table. Warns if tracing with that mask gives
+/// a doubtful result.
 #[pyfunction]
 #[pyo3(signature = (image, at=None, *, pixel_format=None))]
 pub(crate) fn pick<'py>(
@@ -300,7 +303,7 @@ pub(crate) fn pick<'py>(
     Ok((ranges.collect::<PyResult<_>>()?, picked.agreement))
 }
 
-/// Says something as a Python warning, of the line that called.
+/// Issues a Python warning at the line of the caller.
 fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let category = py.get_type::<PyUserWarning>();
     PyErr::warn(py, &category, &CString::new(text)?, 1)

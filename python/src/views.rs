@@ -1,8 +1,9 @@
-#![allow(unsafe_code)] // NumPy is lent memory that Rust owns, and a message as its bytes.
-//! Numbers of an object of ours as NumPy arrays, without copying them.
+#![allow(unsafe_code)] // NumPy borrows memory that Rust owns, and a message as bytes.
+//! Exposes numbers of our objects as NumPy arrays, without a copy.
 //!
-//! An array's base is the object: it lives as long as the array does. The object is of a frozen class, of which Rust hands
-//! out `&T` only; what can be borrowed from that stays where it is and as it is until the object is gone.
+//! The base of an array is the object, so the object lives as long as the array. Its class is
+//! frozen, so Rust hands out only `&T`. Borrowed data therefore stays in place and unchanged until
+//! the object is dropped.
 
 use lariat_wire::Descriptors;
 use numpy::ndarray::{ArrayView, Dimension, Ix1, Ix2};
@@ -11,7 +12,7 @@ use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
 
-/// A row of numbers, as an array that cannot be written to.
+/// A row of numbers as a read-only array.
 pub(crate) fn row<'py, O, T>(
     owner: &Bound<'py, O>,
     numbers: impl for<'a> FnOnce(&'a O) -> &'a [T],
@@ -23,7 +24,7 @@ where
     view(owner, |owner| ArrayView::from(numbers(owner)))
 }
 
-/// Rows of `K` numbers each, likewise.
+/// Rows of `K` numbers each as a read-only array.
 pub(crate) fn rows<'py, O, T, const K: usize>(
     owner: &Bound<'py, O>,
     numbers: impl for<'a> FnOnce(&'a O) -> &'a [[T; K]],
@@ -35,7 +36,7 @@ where
     view(owner, |owner| ArrayView::from(numbers(owner)))
 }
 
-/// The bytes of a message, likewise.
+/// The bytes of a message as a read-only array.
 pub(crate) fn message<'py, O>(
     owner: &Bound<'py, O>,
     message: impl for<'a> FnOnce(&'a O) -> Option<&'a Descriptors>,
@@ -46,7 +47,8 @@ where
     row(owner, |owner| {
         let message = message(owner).map_or(&[][..], std::slice::from_ref);
         let bytes = std::mem::size_of_val(message);
-        // SAFETY: a message is made of integers and floats without padding, so that each of its bytes has a value.
+        // SAFETY: a message consists of integers and floats without padding, so every byte is
+        // initialized.
         unsafe { std::slice::from_raw_parts(message.as_ptr().cast(), bytes) }
     })
 }
@@ -61,10 +63,10 @@ where
     D: Dimension,
 {
     let numbers = numbers(owner.get());
-    // SAFETY: what is borrowed from the owner is valid and unchanged while that lives, being of a frozen class, and the
-    // array holds a reference to it.
+    // SAFETY: the owner is of a frozen class, so borrowed data is valid and unchanged while it
+    // lives, and the array holds a reference to it.
     let array = unsafe { PyArray::borrow_from_array(&numbers, owner.clone().into_any()) };
-    // SAFETY: the array is new, and nobody else's yet.
+    // SAFETY: the array is new and not shared yet.
     unsafe {
         let fields = npyffi::_PyArray_GET_ITEM_DATA(array.as_array_ptr());
         (*fields).flags &= !npyffi::NPY_ARRAY_WRITEABLE;

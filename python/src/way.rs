@@ -1,34 +1,34 @@
-//! A frame's way through the chain.
+//! Counters and times of a frame.
 
 use pyo3::prelude::*;
 
-/// The way of a frame through the chain: counts of what each stage sent, and times in nanoseconds of
+/// Counters and times of a frame on its way through the chain. The times are nanoseconds of
 /// `time.monotonic_ns()`, 0 before they are known.
 #[pyclass(frozen, get_all, module = "lariat")]
 pub(crate) struct Trace {
-    /// The source's own frame number, from 1.
+    /// Frame number of the source, from 1.
     sequence: u64,
-    /// How many frames capture has sent, this one included.
+    /// Frames sent by capture, this one included.
     captured: u64,
-    /// How many extract has sent.
+    /// Frames sent by extract, this one included.
     extracted: u64,
-    /// How many fit has sent.
+    /// Frames sent by fit, this one included.
     fitted: u64,
-    /// How many a bridge has written on this machine; 0 if it came over none.
+    /// Messages written by a bridge on this machine; 0 without a bridge.
     bridged: u64,
-    /// When the image was taken: for files, the moment the frame was due.
+    /// Exposure time; for files, when the frame was due.
     exposed_ns: u64,
-    /// When capture had it ready to send.
+    /// When capture had the frame ready to send.
     captured_ns: u64,
-    /// When extract had it in hand.
+    /// When extract began.
     extract_started_ns: u64,
     /// When extract had its result ready to send.
     extracted_ns: u64,
-    /// When fit had it in hand.
+    /// When fit began.
     fit_started_ns: u64,
     /// When fit had its result ready to send.
     fitted_ns: u64,
-    /// By which settings the sender went: 0 by those that its chain began with, one more for each change since.
+    /// Settings version of the sender: 0 at the chain's start, one more per change.
     settings: u32,
     /// Restarts of capture, extract and fit, modulo 256.
     restarts: (u8, u8, u8),

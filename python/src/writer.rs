@@ -1,8 +1,9 @@
 #![allow(unsafe_code)] // NumPy writes into slots of shared memory.
-//! Frames and masks of the user's own, for Python. `lariat/_writer.py` has what Python writes better: arrays and their checks.
+//! Writers for users' own frames and masks in Python. `lariat/_writer.py` handles arrays and their
+//! checks.
 //!
-//! Arrays of a slot are views of shared memory, which stays where it is for as long as one of them lives: like a file that is
-//! mapped, a writer whose slot is still in an array is not taken apart.
+//! Arrays of a slot are views of shared memory, which stays in place while one of them lives. As
+//! with a mapped file, a writer is not destroyed while an array of its slot exists.
 
 use crate::errors::{value_error, wire_error};
 use crate::frames::Image;
@@ -17,7 +18,8 @@ use pyo3::types::PyTuple;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-/// What it writes. Boxed: their headers begin on a cache line, and Python's objects do not.
+/// The channel's writer. Boxed, because its header is aligned to a cache line and Python objects
+/// are not.
 enum End {
     Frames(Box<FrameWriter>),
     Masks(Box<MaskWriter>),
@@ -37,17 +39,17 @@ impl End {
 /// Writes a rig's frames or masks.
 #[pyclass(frozen, subclass, module = "lariat._native")]
 pub(crate) struct Writer {
-    /// `None` once it is closed.
+    /// `None` once closed.
     end: Mutex<Option<End>>,
-    /// Arrays, and what else looks into slots.
+    /// Number of arrays and other views of slots.
     views: AtomicUsize,
-    /// It is to be closed when the last of them goes.
+    /// True if the writer closes when the last view is dropped.
     is_closing: AtomicBool,
-    /// The number of the loan that stands.
+    /// Number of the current loan.
     loan: AtomicU64,
     /// Ends a wait for slow readers.
     stop: Arc<AtomicBool>,
-    /// What a signal's handler raised during such a wait.
+    /// Exception that a signal handler raised during such a wait.
     raised: Arc<Mutex<Option<PyErr>>>,
     rig: String,
     channel: &'static str,
@@ -141,7 +143,7 @@ impl Writer {
         })
     }
 
-    /// Whether it waits for slow readers.
+    /// True if it waits for slow readers.
     #[getter]
     fn lossless(&self) -> PyResult<bool> {
         Ok(match open(&mut self.lock()?)? {
@@ -151,30 +153,30 @@ impl Writer {
         })
     }
 
-    /// The rig's name.
+    /// Name of the rig.
     #[getter]
     fn rig(&self) -> &str {
         &self.rig
     }
 
-    /// Leaves the rig: another writer may come. What was sent is delivered.
+    /// Leaves the rig, so that another writer can open it. Sent frames are delivered.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.loan.fetch_add(1, Ordering::Relaxed);
         let mut guard = self.lock()?;
         if self.views.load(Ordering::Relaxed) > 0 {
-            // The last array takes it along.
+            // The last array closes it.
             self.is_closing.store(true, Ordering::Relaxed);
             return Ok(());
         }
         let end = guard.take();
         drop(guard);
-        // Leaving sweeps up after the dead, which may take a while.
+        // Leaving removes what dead processes left, which may take a while.
         let end = end.map(Alone);
         py.detach(|| drop(end));
         Ok(())
     }
 
-    /// Whether it was closed.
+    /// True if closed.
     #[getter]
     fn closed(&self) -> PyResult<bool> {
         Ok(self.is_closing.load(Ordering::Relaxed) || self.lock()?.is_none())
@@ -201,7 +203,7 @@ impl Writer {
     }
 }
 
-/// Moves to where no Python runs.
+/// Moves the writer to code that runs without Python.
 struct Alone(#[allow(dead_code, reason = "it is only dropped")] End);
 
 impl Writer {
@@ -258,7 +260,7 @@ impl Writer {
         let end = open(&mut guard)?;
         self.stop.store(false, Ordering::Relaxed);
         py.detach(|| send(end)).map_err(write_error)?;
-        // A frame that was given up for it is lost, and counted.
+        // A frame that was given up because of the signal is lost, and counted.
         let raised = self.raised.lock().map(|mut raised| raised.take());
         raised.ok().flatten().map_or(Ok(()), Err)
     }
@@ -272,7 +274,7 @@ fn closed() -> PyErr {
     PyValueError::new_err("this writer is closed: open another one")
 }
 
-/// While it waits for a slow reader: Python's own handlers of signals, of which Ctrl-C's ends the wait.
+/// Runs Python's signal handlers while the writer waits for a slow reader. Ctrl-C ends the wait.
 fn ask_for_signals(
     stop: &Arc<AtomicBool>,
     raised: &Arc<Mutex<Option<PyErr>>>,
@@ -288,7 +290,8 @@ fn ask_for_signals(
     })
 }
 
-/// What is wrong, as Python's exception: `ValueError` for what was given, else as a reader's.
+/// Converts an error to a Python exception: `ValueError` for invalid arguments, otherwise as for a
+/// reader.
 fn write_error(cause: WriteError) -> PyErr {
     match cause {
         WriteError::Wire(cause) => wire_error(cause),
@@ -297,13 +300,13 @@ fn write_error(cause: WriteError) -> PyErr {
     }
 }
 
-/// The shape of a format's array, and the bytes of an element.
+/// The shape of a format's array, and the bytes per element.
 pub(crate) fn array_shape(height: usize, width: usize, format: PixelFormat) -> (Vec<usize>, usize) {
     // Rows of all planes, one after the other.
     let rows = format.image_bytes(1, u32::try_from(height).unwrap_or(u32::MAX));
-    // Of two pixels, as some formats have no single one.
+    // For two pixels, because some formats cannot represent a single one.
     let pixel_bytes = format.row_bytes(2) / 2;
-    // Where two pixels share their colour, a row has whole pairs.
+    // If two pixels share their color, a row has whole pairs.
     let width = format.row_bytes(u32::try_from(width).unwrap_or(u32::MAX)) / pixel_bytes;
     match pixel_bytes {
         1 => (vec![rows, width], 1),
@@ -323,7 +326,7 @@ pub(crate) fn shaped<'py>(
     array.call_method1("reshape", (PyTuple::new(flat.py(), shape)?,))
 }
 
-/// What an array of a slot keeps alive: its writer, with its memory.
+/// Base of a slot's array, which keeps the writer and its memory alive.
 #[pyclass(frozen)]
 struct View(Py<Writer>);
 
@@ -347,11 +350,11 @@ impl Drop for View {
     }
 }
 
-/// A slot of shared memory on loan.
+/// A borrowed slot of shared memory.
 #[pyclass(frozen, module = "lariat._native")]
 pub(crate) struct Slot {
     writer: Py<Writer>,
-    /// Of the loan.
+    /// Number of the loan.
     number: u64,
     address: usize,
     length: usize,
@@ -361,13 +364,14 @@ pub(crate) struct Slot {
 
 #[pymethods]
 impl Slot {
-    /// An array that is the slot itself.
+    /// Returns an array that is the slot itself.
     fn array<'py>(slot: Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, this) = (slot.py(), slot.get());
         this.check()?;
         let view = Bound::new(py, View::of(this.writer.clone_ref(py)))?;
-        // SAFETY: the slot is mapped for as long as the view lives, which its writer counts, and nobody else's while it is on loan.
-        // What is written into it later tears an image, whose bytes may have any value.
+        // SAFETY: the slot is mapped while the view lives, which its writer counts, and belongs to
+        // nobody else while on loan. A later write into it corrupts an image, whose bytes may have
+        // any value.
         let flat = unsafe {
             let slot = ArrayView1::from_shape_ptr(this.length, this.address as *const u8);
             PyArray1::borrow_from_array(&slot, view.into_any())
@@ -375,7 +379,7 @@ impl Slot {
         shaped(&flat, &this.shape, this.item_bytes)
     }
 
-    /// Sends it as a frame.
+    /// Sends the slot as a frame.
     #[pyo3(signature = (exposed_ns=None, sequence=None))]
     fn send_frame(
         &self,
@@ -392,7 +396,7 @@ impl Slot {
         })
     }
 
-    /// Sends it as a depth image.
+    /// Sends the slot as a depth image.
     fn send_depth(&self, py: Python<'_>) -> PyResult<()> {
         self.send(py, |end| match end {
             End::Depths(writer) => writer.send(),
@@ -400,7 +404,7 @@ impl Slot {
         })
     }
 
-    /// Sends it as a mask.
+    /// Sends the slot as a mask.
     fn send_mask(&self, py: Python<'_>) -> PyResult<()> {
         self.send(py, |end| match end {
             End::Masks(writer) => writer.send(),
@@ -410,7 +414,7 @@ impl Slot {
 }
 
 impl Slot {
-    /// The slot is still on loan.
+    /// Checks that the slot is still on loan.
     fn check(&self) -> PyResult<()> {
         if self.writer.get().loan.load(Ordering::Relaxed) != self.number {
             return Err(PyValueError::new_err(

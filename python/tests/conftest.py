@@ -1,4 +1,4 @@
-"""Pictures with ropes in them, drawn by the tests, and what plays the chain."""
+"""Test images with ropes, and a process that replaces the chain."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ def image() -> Image:
 
 
 def interruptible() -> None:
-    """In a new process: a background job's children ignore Ctrl-C, and Python asks for it only where it is not ignored."""
+    """For a new process: children of a background job ignore Ctrl-C, and Python handles it only
+    if it is not ignored."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
@@ -52,7 +53,7 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[2] / "ta
 
 
 def program(name: str) -> Path:
-    """What cargo built, of the newest of its profiles."""
+    """The newest build of a program, of any cargo profile."""
     found = [path for path in TARGET.glob(f"*/{name}") if path.is_file() and os.access(path, os.X_OK)]
     if not found:
         pytest.fail(f"{name} is not built: run python/test.sh")
@@ -61,17 +62,17 @@ def program(name: str) -> Path:
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[str]:
-    """A domain of the test's own, of which nothing is left."""
+    """A domain for one test, which must leave nothing behind."""
     name = f"py{os.getpid() % 100_000}-{zlib.crc32(request.node.name.encode()) % 100_000}"
     monkeypatch.setenv("LARIAT_DOMAIN", name)
     yield name
-    # What a failed test holds in its traceback is not let go before that is told.
+    # A failed test's traceback keeps objects alive, so leftovers are then ignored.
     left = [path.name for path in Path("/dev/shm").iterdir() if path.name.startswith(f"lariat_{name}_")]
     assert left == [] or request.session.testsfailed, left
 
 
 class States:
-    """What plays the chain (`states.rs`)."""
+    """A process that replaces the chain (`states.rs`)."""
 
     def __init__(self) -> None:
         self.process = subprocess.Popen(
@@ -94,7 +95,7 @@ class States:
             self.tell(state, "sent")
 
     def restart(self) -> None:
-        """Numbers everything again, as a chain that is restarted does."""
+        """Numbers everything again, as a restarted chain does."""
         self.tell("restart", "ready")
 
     def stop(self) -> None:

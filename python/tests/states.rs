@@ -1,7 +1,9 @@
-//! Sends whatever a chain may send of a rope, as the tests of the Python package ask for: a word a line on standard input,
-//! answered by `sent` when the message is out. Ends with its input.
+//! Sends any message that a chain may send about a rope, for the tests of the Python package. Reads
+//! one word per line from standard input and answers `sent` when the message is out. Ends at the
+//! end of the input.
 //!
-//! The rope is the parabola (100 ρ, 200 ρ (1 − ρ)), fitted to 120 points with σ² = ¼, and moves by 10 px/s to the right.
+//! The rope is the parabola (100 ρ, 200 ρ (1 − ρ)), fitted to 120 points with σ² = ¼, and moves to
+//! the right at 10 px/s.
 
 use std::io::BufRead;
 
@@ -11,7 +13,7 @@ use lariat_wire::{
     Writer, now_ns,
 };
 
-/// From one image to the next.
+/// Time from image to image.
 const PERIOD_NS: u64 = 10_000_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -55,7 +57,7 @@ fn fill(message: &mut Descriptors, what: &str) -> Result<(), Box<dyn std::error:
     (message.width, message.height, message.unit) = (640, 480, Unit::Pixel as u32);
     message.count = 1;
     message.curves[0] = rope(7)?;
-    // The parabola of its control points, as extraction sees it; its middle is covered.
+    // The parabola of its control points as extraction would report it; its middle is covered.
     for (k, line) in message.centerlines[..2].iter_mut().enumerate() {
         line.count = 51;
         line.set_hidden((0..51).map(|i| i == 25));

@@ -1,4 +1,4 @@
-"""The examples, as a user runs them, beside the real chain."""
+"""The examples, run as by a user, with the real chain."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_control_loop_steers_and_says_when_it_holds(chain: None) -> None:
     _, errors = loop.communicate(timeout=30)
     assert lines[-1].startswith("move"), errors
     assert "KeyboardInterrupt" in errors
-    # Before the chain sends, there is a reason given with each rest.
+    # Before the chain sends, every pause has a reason.
     assert sum(line.startswith("hold: ") for line in lines) <= len(lines) // 2
 
 
@@ -72,7 +72,7 @@ def test_a_picture_is_traced(tmp_path: Path) -> None:
 
 
 def serve(example: str, **environment: str) -> subprocess.Popen[str]:
-    """A program that goes on until it is interrupted."""
+    """A program that runs until it is interrupted."""
     return subprocess.Popen(
         [sys.executable, EXAMPLES / example],
         env={**os.environ, **environment},
@@ -115,7 +115,7 @@ def test_what_opencv_reads_is_a_source(domain: str, tmp_path: Path) -> None:
     chain = subprocess.Popen([program("lariat"), *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
     try:
         with lariat.Reader(timeout=30.0) as reader:
-            # Blue is blue: the channels are where OpenCV has them.
+            # Blue stays blue: the channels are in OpenCV's order.
             assert first_rope(reader).length == pytest.approx(240, abs=5)
     finally:
         chain.send_signal(signal.SIGINT)
@@ -137,7 +137,7 @@ def test_frames_and_masks_of_two_programs_make_a_rope(domain: str, tmp_path: Pat
             rope = first_rope(reader)
             assert reader.latest().size == (640, 480)
         x, y = rope.shape.point_at(0.0)
-        # Where it was drawn: from 80 to 560, about the middle.
+        # As drawn: from 80 to 560, around the middle.
         assert min(abs(x - 80), abs(x - 560)) < 12 and 160 < y < 320
     finally:
         chain.send_signal(signal.SIGINT)

@@ -15,7 +15,7 @@ import lariat
 
 
 def bernstein(order: int, count: int) -> NDArray[Any]:
-    """The matrix B of the paper, by binomials."""
+    """The matrix B of the paper, from binomials."""
     rho = np.linspace(0.0, 1.0, count)[:, None]
     j = np.arange(order + 1)[None]
     binomial = np.cumprod(np.concatenate([[1.0], (order - np.arange(order)) / (1.0 + np.arange(order))]))
@@ -87,7 +87,7 @@ def test_without_a_setting_the_curve_is_the_one_that_the_command_chooses(image: 
     fit = lariat.fit(curve)
     assert (fit.basis, fit.degree) == (said["basis"], said["degree"])
     assert np.array_equal(fit.control_points, said["control_points"])
-    # A thin rope needs more of them than a wide one, and a straight one four.
+    # A thin rope needs more control points than a wide one, and a straight one needs four.
     assert len(lariat.fit(curve, width=2.0).control_points) > len(lariat.fit(curve, width=40.0).control_points)
     assert lariat.fit(np.linspace([0.0, 0.0], [90.0, 30.0], 40)).control_points.shape == (4, 2)
 
@@ -97,7 +97,7 @@ def test_outside_of_0_to_1_there_is_no_rope() -> None:
     for rho in (-0.1, 1.1, np.nan, [0.0, 1.5]):
         with pytest.raises(ValueError, match="from 0, its first end, to 1"):
             fit.point_at(rho)
-    # Steps that add up to 1, but for their rounding, are at its end.
+    # Steps that add up to 1, except for rounding, reach the end.
     assert sum([0.1] * 10) != 1.0
     assert np.array_equal(fit.point_at(np.cumsum(np.full(49, 1.0 / 49.0)))[-1], fit.point_at(1.0))
     assert np.array_equal(fit.point_at(1.0 + 1e-12), fit.point_at(1.0))

@@ -1,4 +1,5 @@
-"""One layout in every language: a message in which each number says where it lies (examples/message_of_offsets.rs)."""
+"""One layout in every language: a message in which each number is its own offset
+(examples/message_of_offsets.rs)."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ import lariat
 
 
 def check(record: np.dtype[np.void], numbers: np.void, at: int) -> int:
-    """How many numbers of a record that begins at this offset say where they lie; the others are an error."""
+    """Returns how many numbers of a record that begins at this offset equal their own offsets;
+    others are an error."""
     checked = 0
     assert record.fields is not None
     for name, (field, offset, *_) in record.fields.items():
@@ -36,12 +38,12 @@ def test_every_field_is_read_where_the_writer_put_it(domain: str) -> None:
     writer.communicate(timeout=30)
     assert lariat.MESSAGE.itemsize == 132_592
     assert frame.message.base is not None and not frame.message.flags.writeable
-    # 13 + 4 numbers of the message; of each of 24 ropes 19 and 9 for each of 32 control points, and of its centerline 10 and
-    # 3 for each of 256 points.
+    # The message has 13 + 4 numbers. Each of 24 ropes has 19, and 9 for each of 32 control points;
+    # its centerline has 10, and 3 for each of 256 points.
     assert check(lariat.MESSAGE, frame.message, 0) == 17 + 24 * (19 + 32 * 9 + 10 + 256 * 3)
     # The same numbers by name.
     assert frame.trace is not None and frame.trace.fitted_ns == 80 and frame.size == (96, 100)
-    # They are a message, and no rope.
+    # They form a message, but not a rope.
     assert {str(seen) for seen in frame.ropes(float("inf"))} == {
         "the message makes no sense: use the same release of lariat for every process"
     }

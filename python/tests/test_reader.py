@@ -1,4 +1,4 @@
-"""A control loop's reader, against a program that sends what a chain may send."""
+"""A control loop's reader, with a program that sends any message of a chain."""
 
 from __future__ import annotations
 
@@ -228,7 +228,7 @@ def test_the_curve_answers_what_a_control_law_asks(states: States, reader: laria
     assert shape.derivative_at(0.0) == pytest.approx([100.0, 200.0])
     assert shape.tangent_at(0.5) == pytest.approx([1.0, 0.0])
     assert shape.normal_at(0.5) == pytest.approx([0.0, 1.0])
-    # y = 2 x - x² / 50 bends upwards in an image, which is to the left of its way.
+    # y = 2 x - x² / 50 bends upwards in an image, which is to the left of the direction of travel.
     assert shape.curvature_at(0.5) == pytest.approx(-0.04)
     assert np.shape(shape.curvature_at(rho)) == (7,)
     b = np.stack([(1 - rho) ** 2, 2 * rho * (1 - rho), rho**2], axis=-1)
@@ -277,7 +277,7 @@ def test_a_descriptor_of_points_has_no_curve(states: States, reader: lariat.Read
 
 
 def test_what_was_read_stays_good(states: States, reader: lariat.Reader) -> None:
-    """However many are kept, and when the reader, and the chain, are gone."""
+    """However many are kept, and after the reader and the chain are gone."""
     kept = []
     for _ in range(40):
         states.send("whole")
@@ -320,7 +320,7 @@ def test_other_threads_run_while_one_waits(states: States, reader: lariat.Reader
     thread = threading.Thread(target=wait)
     thread.start()
     waiting.wait()
-    # This thread runs, or it could not send; and the reader says that it is in use, in whichever moment it is.
+    # This thread runs, or it could not send. The reader reports that it is in use, at any moment.
     refused = 0
     for _ in range(1000):
         try:
@@ -338,7 +338,7 @@ def test_other_threads_run_while_one_waits(states: States, reader: lariat.Reader
 
 def test_ctrl_c_ends_a_wait(domain: str, tmp_path: Path) -> None:
     program = "import lariat\nreader = lariat.Reader(timeout=1000.0)\nprint('waits', flush=True)\nnext(reader)"
-    # Elsewhere: here the package's source would be found before what is installed.
+    # In another folder: here the package's source would be found before the installed one.
     process = subprocess.Popen(
         [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
@@ -379,7 +379,7 @@ def test_asyncio_waits_beside_other_tasks(states: States, reader: lariat.Reader)
 
     counts = asyncio.run(asyncio.wait_for(both(), 30.0))
     assert counts == sorted(set(counts)) and len(counts) == 3
-    # One more may have been sent when the third was in hand.
+    # Another one may have been sent while the third was received.
     reader.latest()
     quiet = asyncio.run(reader.wait_async(0.01))
     assert not quiet.is_new
@@ -387,7 +387,7 @@ def test_asyncio_waits_beside_other_tasks(states: States, reader: lariat.Reader)
 
 def test_the_thread_that_asks_has_short_slices() -> None:
     def slice_ns() -> str | None:
-        """As the kernel says it, if it does."""
+        """The slice reported by the kernel, if there is one."""
         kept = Path("/proc/thread-self/sched")
         lines = kept.read_text().splitlines() if kept.exists() else []
         return next((line.split()[-1] for line in lines if line.startswith("se.slice")), None)

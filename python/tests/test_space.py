@@ -1,4 +1,4 @@
-"""A rope in space: a camera and a depth camera of the user's own, through the chain, to a reader."""
+"""A rope in space: a user's own camera and depth camera, through the chain, to a reader."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ image_height: 240
 camera_matrix: [300, 0, 159.5, 0, 300, 119.5, 0, 0, 1]
 distortion_coefficients: [0, 0, 0, 0]
 """
-# The rope's surface, and the table behind it, mm.
+# The rope's surface and the table behind it, mm.
 NEAR, FAR = 480, 560
 
 
@@ -41,7 +41,7 @@ def test_a_depth_image_is_of_whole_numbers_and_sent_beside_its_frame(domain: str
 
 def test_a_rope_comes_out_where_it_is_in_space(domain: str, image: Image, tmp_path: Path) -> None:
     (tmp_path / "camera.yaml").write_text(CAMERA)
-    # Aligned to the colour images: the same camera.
+    # Aligned to the color images: the same camera.
     (tmp_path / "depth.yaml").write_text("image_width: 320\nimage_height: 240\nrange_mm: [300, 800]\n")
     command = [str(program("lariat")), "run", "--source", "external", "--duration", "60s"]
     command += ["--calibration", "camera.yaml", "--depth", "depth.yaml"]
@@ -80,7 +80,7 @@ def test_a_rope_comes_out_where_it_is_in_space(domain: str, image: Image, tmp_pa
     assert shape.place == "known" and shape.measured > 100
     points = shape.points(50)
     assert points.shape == (50, 3) and shape.point_at(0.5).shape == (3,)
-    # The axis lies a radius behind the surface.
+    # The axis is a radius behind the surface.
     radius = 0.5 * shape.width
     assert np.all(np.abs(points[:, 2] - NEAR - radius) < 4.0)
     # 240 px from left to right, and a round end of half its width on either side.

@@ -1,6 +1,7 @@
-"""An editor shows the stub's docstrings, and ``help`` those of the Rust half: they are the same.
+"""The docstrings of the stub, which editors show, equal those of the Rust half, which ``help``
+shows.
 
-``LARIAT_WRITE_STUB=1 pytest tests/test_stub.py`` writes the stub's again.
+``LARIAT_WRITE_STUB=1 pytest tests/test_stub.py`` regenerates the stub.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ Documented = (ast.ClassDef, ast.FunctionDef)
 
 
 def documented(nodes: list[ast.stmt], of: Any, name: str = "") -> list[tuple[ast.ClassDef | ast.FunctionDef, str, str]]:
-    """Each class, function and method of the stub, its name, and what the Rust half says of it."""
+    """Each class, function and method of the stub, with its name and the Rust half's docstring."""
     found = []
     for node in nodes:
         if not isinstance(node, Documented) or node.name.startswith("_"):
@@ -32,9 +33,9 @@ def documented(nodes: list[ast.stmt], of: Any, name: str = "") -> list[tuple[ast
 
 
 def with_docstrings(stub: str) -> str:
-    """The stub with the Rust half's docstrings in the place of its own."""
+    """The stub with the Rust half's docstrings instead of its own."""
     lines = stub.splitlines()
-    # From the end on, so that the lines before stay where they are.
+    # From the end, so that the numbers of earlier lines stay valid.
     for node, _, doc in sorted(documented(ast.parse(stub).body, _native), key=lambda item: -item[0].lineno):
         indent = " " * (node.col_offset + 4)
         end = '\n"""' if "\n" in doc else '"""'
@@ -54,7 +55,7 @@ def with_docstrings(stub: str) -> str:
 
 
 def decorators(node: ast.stmt) -> int:
-    """How many lines stand above it."""
+    """Number of decorator lines above it."""
     return len(node.decorator_list) if isinstance(node, Documented) else 0
 
 

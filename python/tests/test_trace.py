@@ -16,7 +16,7 @@ import lariat
 
 
 def distance_from_wave(points: NDArray[Any]) -> NDArray[Any]:
-    """How far points are from the wave, but for those about the tips, which are drawn round."""
+    """Distances of points from the wave, except those near the tips, which are drawn round."""
     middle = points[8:-8, None]
     distances: NDArray[Any] = np.linalg.norm(middle - wave(2000)[None], axis=-1).min(axis=1)
     return distances
@@ -93,8 +93,8 @@ def test_a_mask_may_be_colours_or_a_picture(image: Image) -> None:
     for mask in masks:
         (curve,) = lariat.trace(image, mask=mask).curves
         assert distance_from_wave(curve.points).max() < 1.0
-    # Numbers of instances are read as ropes, with a warning.
-    with pytest.warns(UserWarning, match="the mask's levels are numbers: 1 is taken for rope"):
+    # Instance numbers are accepted as ropes, with a warning.
+    with pytest.warns(UserWarning, match="the mask's levels are numbers: 1 counts as rope"):
         (curve,) = lariat.trace(image, mask=rope.astype(np.uint8)).curves
     assert distance_from_wave(curve.points).max() < 1.0
     assert lariat.trace(image, mask={"hue_deg": (0.0, 10.0)}).curves == []
@@ -133,7 +133,7 @@ def test_colours_are_picked_at_points(image: Image) -> None:
     strokes = np.full((160, 240, 3), 220, np.uint8)
     for x in range(20, 200, 60):
         for y in range(30, 150, 45):
-            # None continues another one.
+            # None of them continues another one.
             y += x // 60 % 2 * 20
             strokes[y : y + 5, x : x + 40] = (40, 90, 190)
     with pytest.warns(UserWarning, match="give two more points"):
@@ -206,7 +206,7 @@ def test_what_is_wrong_is_said_in_a_sentence(image: Image) -> None:
 
 
 def test_other_threads_run_while_a_picture_is_traced(image: Image) -> None:
-    """Each with a tracer of its own; and one tracer in two threads at once is refused, not broken."""
+    """Each thread has its own tracer; using one tracer in two threads at once is refused safely."""
     results: list[int] = []
 
     def work() -> None:

@@ -1,4 +1,4 @@
-"""Frames and masks of the user's own."""
+"""Users' own frames and masks."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_a_slot_is_filled_in_place(writer: lariat.FrameWriter, frames: lariat.Fr
 
 
 def test_an_array_of_a_slot_outlives_it_unharmed(domain: str) -> None:
-    """It is shared memory, which is not unmapped under it."""
+    """The array stays in shared memory, which is not unmapped while it exists."""
     writer = lariat.Writer("frames")
     with writer.loan(40, 60, "gray8") as slot:
         kept = slot.array
@@ -198,7 +198,7 @@ def test_a_mask_is_sent_as_bytes_for_its_frame(writer: lariat.FrameWriter, frame
 def test_a_camera_that_is_blind_says_so(writer: lariat.FrameWriter, frames: lariat.Frames, image: Image) -> None:
     writer.send_blank()
     writer.write(image)
-    # One that wants images is not woken by anything else.
+    # Nothing else wakes a reader that waits for images.
     assert came(frames).trace.captured == 2
 
 

@@ -4,10 +4,10 @@ use anyhow::{Result, bail};
 use lariat_camera::Pair;
 use lariat_chain::exit::wrong_use;
 
-/// `x,y=X,Y` with spaces or semicolons between them.
+/// Parses `x,y=X,Y` entries, separated by spaces or semicolons.
 ///
 /// # Errors
-/// One that is not written so, quoted.
+/// Returns an error that quotes the first malformed entry.
 pub(super) fn of_flag(text: &str) -> Result<Vec<Pair>> {
     let entries = text.split(|c: char| c.is_whitespace() || c == ';');
     let entries = entries.filter(|entry| !entry.is_empty());
@@ -27,10 +27,10 @@ pub(super) fn of_flag(text: &str) -> Result<Vec<Pair>> {
         .collect()
 }
 
-/// Lines `x y X Y`, with spaces, commas or tabs between them; what follows a `#` is passed over.
+/// Parses lines `x y X Y`, separated by spaces, commas or tabs. A `#` starts a comment.
 ///
 /// # Errors
-/// A line that is not written so, by its number.
+/// Returns an error with the number of the first malformed line.
 pub(super) fn of_file(text: &str) -> Result<Vec<Pair>> {
     let mut pairs = Vec::new();
     for (index, line) in text.lines().enumerate() {

@@ -1,17 +1,18 @@
-//! The help of all commands, fitted to the terminal's width.
+//! Help of all commands, wrapped to the terminal's width.
 //!
-//! clap wraps by a feature that brings another crate and asks standard output alone; so the texts are wrapped here, by what
-//! wraps all else.
+//! Wrapping in clap needs another crate and considers standard output only. The code that wraps all
+//! other output wraps the help, too.
 
 use clap::{Arg, ArgAction, Command};
 use lariat_chain::exit;
 use lariat_chain::layout::wrapped;
 
-/// Where a line of `--help` begins below its flag, and the least room for a line of `-h` beside it.
+/// Indentation of a line of `--help` below its flag, and the minimum width of a `-h` text next to
+/// its flag.
 const LONG_INDENT: usize = 10;
 const LEAST: usize = 30;
 
-/// The commands, grouped by purpose, with a few words about each.
+/// Commands grouped by purpose, each with a short description.
 pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
     (
         "Run",
@@ -69,7 +70,7 @@ pub(super) const GROUPS: [(&str, &[(&str, &str)]); 5] = [
     ),
 ];
 
-/// The help of `lariat` itself, which fits a terminal of 24 lines of 80 columns.
+/// Help of `lariat` itself, which fits a terminal of 80 columns and 24 lines.
 pub(super) fn overview() -> String {
     let mut text = "\
 lariat sees ropes, cables and hoses through a camera, and gives a control loop
@@ -94,13 +95,14 @@ Options: -q, --quiet; -v, --verbose (-vv: everything); -V, --version; -h, --help
     text
 }
 
-/// The command with the overview as its help, and the help of all commands under it wrapped.
+/// Gives the command the overview as its help, and wraps the help of all subcommands.
 pub(super) fn fitted(command: Command, width: usize) -> Command {
     let of_all = widest(&command);
     fitted_below(command, width, width, of_all).override_help(overview())
 }
 
-/// `listed`: the room for what it says of itself among its neighbours. `of_all`: the widest flag that every command has.
+/// Wraps a command's help. `listed`: width of its description in the list of its parent. `of_all`:
+/// widest flag that every command has.
 fn fitted_below(command: Command, width: usize, listed: usize, of_all: usize) -> Command {
     let has_long = command
         .get_arguments()
@@ -110,7 +112,7 @@ fn fitted_below(command: Command, width: usize, listed: usize, of_all: usize) ->
     let below = width.saturating_sub(LONG_INDENT);
     let about = wrapped(&text(command.get_about()), listed);
     let long_about = command.get_long_about().map(ToString::to_string);
-    // What had to be folded in the list has its full width in the command's own help.
+    // A description that is folded in the list has its full width in the command's own help.
     let long_about = long_about.or_else(|| about.contains('\n').then(|| about.clone()));
     let names = command
         .get_subcommands()
@@ -150,7 +152,7 @@ fn widest(command: &Command) -> usize {
     command.get_arguments().map(spec).max().unwrap_or(0)
 }
 
-/// How wide a flag is with what follows it, where `-h` shows it: `    --source <PATH>...`.
+/// Width of a flag and its value, as `-h` shows them: `    --source <PATH>...`.
 fn spec(arg: &Arg) -> usize {
     let flag = arg.get_long().map_or(0, |long| "    --".len() + long.len());
     let action = arg.get_action();
@@ -166,7 +168,7 @@ fn spec(arg: &Arg) -> usize {
     flag + value + if more { "...".len() } else { 0 }
 }
 
-/// Default and possible values, where clap knows them.
+/// Default and possible values, if clap knows them.
 fn choices(arg: &Arg) -> String {
     let mut text = String::new();
     let takes_values = arg.get_action().takes_values();
@@ -186,7 +188,7 @@ fn choices(arg: &Arg) -> String {
     text
 }
 
-/// Text whose paragraphs are apart by empty lines, each wrapped.
+/// Wraps paragraphs, which are separated by empty lines.
 fn paragraphs(text: &str, width: usize) -> String {
     let each = text
         .split("\n\n")
@@ -221,7 +223,7 @@ mod tests {
             .get_subcommands()
             .filter(|command| !command.is_hide_set());
         let mut visible: Vec<&str> = visible.map(Command::get_name).collect();
-        // A program of its own measures, and may be missing.
+        // Measurements are a separate program, which may be missing.
         let (_, measure) = GROUPS[GROUPS.len() - 1];
         visible.extend(listed(measure));
         visible.sort_unstable();

@@ -1,4 +1,4 @@
-//! A camera as lines to read.
+//! A camera as text.
 
 use lariat_capture::{
     AboutCamera, Control, ControlKind, FormatOffer, ListedCamera, Rates, SizeOffer, SizeRange,
@@ -7,15 +7,16 @@ use lariat_capture::{
 use super::rates;
 use lariat_chain::layout::{self, hanging};
 
-/// More sizes or rates than these on a line, or formats that lariat does not read, are only counted.
+/// Maximum number of sizes or rates on a line. Any more are only counted, as are formats that
+/// lariat does not read.
 const MOST_RATES: usize = 8;
 
-/// A paragraph on one camera.
+/// Describes one camera in a paragraph.
 pub(super) fn describe(camera: &ListedCamera) -> String {
     let path = camera.path.display();
     let about = match &camera.about {
         Ok(about) => about,
-        // The sentence names the node.
+        // The message names the device node.
         Err(problem) => return format!("{path}\n  {problem}\n"),
     };
     let mut text = format!("{path}  {} ({}, {})\n", about.name, about.driver, about.bus);
@@ -34,7 +35,7 @@ pub(super) fn describe(camera: &ListedCamera) -> String {
             .iter()
             .map(|one| control(one, widest.unwrap_or(0)))
         {
-            // What there is to choose from may be long.
+            // The list of choices may be long.
             text += &format!("    {}\n", in_columns(&line));
         }
     }
@@ -63,7 +64,8 @@ fn formats(about: &AboutCamera) -> String {
     text
 }
 
-/// A line, below itself where it is too wide for the terminal; what stands in columns stays as it is.
+/// Wraps a line and indents its continuation if it is too wide for the terminal. Other lines keep
+/// their columns.
 fn in_columns(line: &str) -> String {
     let width = layout::width();
     match 4 + line.chars().count() <= width {
@@ -103,7 +105,7 @@ fn frames(offered: &Rates) -> String {
         .collect();
     let left = shown.len().saturating_sub(MOST_RATES);
     if left > 0 {
-        // The slowest says where the list ends.
+        // The slowest rate shows where the list ends.
         let slowest = shown.pop().unwrap_or_default();
         shown.truncate(MOST_RATES - 2);
         shown.extend(["…".to_owned(), slowest]);

@@ -1,4 +1,4 @@
-//! What is found on the machine, judged: text of the kernel's files in, a finding out.
+//! Judges what was found on the machine: takes the text of the kernel's files, returns findings.
 
 mod rig;
 
@@ -12,30 +12,30 @@ use lariat_chain::layout::{self, hanging};
 use lariat_chain::load::Load;
 use lariat_chain::stages::arrangement::core_list;
 
-/// How a thing is.
+/// Verdict on one check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Verdict {
-    /// As it should be, or of no weight here.
+    /// As it should be, or irrelevant here.
     Ok,
-    /// lariat works, and would be faster or steadier.
+    /// lariat works, but could be faster or steadier.
     CouldBeBetter,
     /// lariat does not work.
     Bad,
 }
 
-/// One thing that was looked at.
+/// Result of one check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Finding {
     pub(super) name: &'static str,
     pub(super) verdict: Verdict,
-    /// How it is.
+    /// State of the machine.
     pub(super) found: String,
-    /// What to do, and what to type.
+    /// Advice, with the command to type.
     pub(super) advice: Option<String>,
 }
 
-/// How it is, and below it what to do, in lines as wide as the terminal.
+/// Prints the state, and below it the advice, wrapped to the width of the terminal.
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let width = layout::width();
@@ -78,7 +78,7 @@ fn bad(name: &'static str, found: impl Into<String>, advice: impl Into<String>) 
     }
 }
 
-/// How busy the machine is; `None` if the kernel does not report it.
+/// Judges the load of the machine; `None` if the kernel does not report it.
 pub(super) fn load(load: Option<Load>) -> Finding {
     const NAME: &str = "load";
     let Some(load) = load else {
@@ -94,12 +94,12 @@ pub(super) fn load(load: Option<Load>) -> Finding {
     })
 }
 
-/// What the channels of one rig take at 640×480, three bytes a pixel: 60 MB, measured.
+/// Shared memory of one rig's channels at 640×480 and three bytes a pixel: 60 MB, measured.
 const RIG_BYTES: u64 = 58 << 20;
-/// The same at 1920×1080, seven times the pixels.
+/// The same at 1920×1080, which has seven times the pixels.
 const LARGE_RIG_BYTES: u64 = 170 << 20;
 
-/// `/dev/shm`: its size and what is free of it, in bytes; `None` if it is not there.
+/// Judges `/dev/shm` by its size and its free space, in bytes; `None` if it does not exist.
 pub(super) fn shared_memory(space: Option<(u64, u64)>) -> Finding {
     const NAME: &str = "shared memory";
     let Some((size, free)) = space else {
@@ -110,7 +110,7 @@ pub(super) fn shared_memory(space: Option<(u64, u64)>) -> Finding {
         );
     };
     let mb = |bytes: u64| bytes / 1_000_000;
-    // No size: a file system without a limit.
+    // A file system without a limit reports no size.
     if size == 0 {
         return ok(NAME, "/dev/shm has no limit");
     }
@@ -128,7 +128,7 @@ pub(super) fn shared_memory(space: Option<(u64, u64)>) -> Finding {
     }
 }
 
-/// Whether the transport can be joined: why not, if so.
+/// Judges whether the transport's domain can be joined. `fault`: why it cannot.
 pub(super) fn domain(fault: Option<String>) -> Finding {
     const NAME: &str = "transport";
     match fault {
@@ -141,7 +141,7 @@ pub(super) fn domain(fault: Option<String>) -> Finding {
     }
 }
 
-/// How many cores lariat may use.
+/// Judges the number of cores that lariat may use.
 pub(super) fn cores(usable: usize) -> Finding {
     const NAME: &str = "cores";
     match usable {
@@ -155,23 +155,23 @@ pub(super) fn cores(usable: usize) -> Finding {
     }
 }
 
-/// A soft limit of `/proc/self/limits`; `None` is unlimited, or not said.
+/// Returns a soft limit of `/proc/self/limits`; `None` if it is unlimited or missing.
 fn limit(limits: &str, name: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Whether the process has this capability, by `/proc/self/status`.
+/// Returns whether the process has this capability, according to `/proc/self/status`.
 fn is_capable(status: &str, bit: u32) -> bool {
     let line = status.lines().find_map(|line| line.strip_prefix("CapEff:"));
     line.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
         .is_some_and(|mask| mask >> bit & 1 == 1)
 }
 
-/// Whether a process may have as many files open as a reader or a stage of lariat has.
+/// Judges whether a process may open as many files as a reader or a stage of lariat does.
 pub(super) fn open_files(limits: &str) -> Finding {
     const NAME: &str = "open files";
-    /// A stage has 40 open, and one more for each process that is at the other end of its channels.
+    /// A stage has 40 files open, plus one for each process at the other end of its channels.
     const ENOUGH: u64 = 128;
     match limit(limits, "Max open files") {
         Some(most) if most < ENOUGH => better(
@@ -186,7 +186,7 @@ pub(super) fn open_files(limits: &str) -> Finding {
     }
 }
 
-/// What lets a user have more of a limit.
+/// Describes how to raise a user's limit.
 fn raise(limit: &str, value: &str) -> String {
     format!(
         "`echo \"$USER - {limit} {value}\" | sudo tee -a /etc/security/limits.d/lariat.conf`, then log in again (a systemd \
@@ -204,10 +204,10 @@ fn raise(limit: &str, value: &str) -> String {
     )
 }
 
-/// The highest realtime priority that `--realtime` takes by itself: sink's.
+/// Highest realtime priority that `--realtime` uses by default, which is sink's.
 const HIGHEST_PRIORITY: u64 = 43;
 
-/// Whether `--realtime` may have FIFO scheduling.
+/// Judges whether `--realtime` may use FIFO scheduling.
 pub(super) fn realtime_priority(limits: &str, status: &str) -> Finding {
     const NAME: &str = "realtime priority";
     /// `CAP_SYS_NICE`.
@@ -225,12 +225,12 @@ pub(super) fn realtime_priority(limits: &str, status: &str) -> Finding {
     }
 }
 
-/// Whether `--realtime` may keep memory from being paged out.
+/// Judges whether `--realtime` may lock memory.
 pub(super) fn locked_memory(limits: &str, status: &str) -> Finding {
     const NAME: &str = "locked memory";
     /// `CAP_IPC_LOCK`.
     const IPC_LOCK: u32 = 14;
-    /// What a stage maps, and may come to map.
+    /// Memory that a stage maps, or may map later.
     const ENOUGH_BYTES: u64 = 1 << 30;
     if is_capable(status, IPC_LOCK) {
         return ok(NAME, "this user may lock any");
@@ -245,7 +245,7 @@ pub(super) fn locked_memory(limits: &str, status: &str) -> Finding {
     }
 }
 
-/// How much of a core realtime priority may take: `sched_rt_runtime_us`.
+/// Judges the share of a core that realtime tasks may take: `sched_rt_runtime_us`.
 pub(super) fn realtime_share(runtime_us: &str) -> Finding {
     const NAME: &str = "realtime share";
     match runtime_us.trim().parse::<i64>() {
@@ -260,11 +260,11 @@ pub(super) fn realtime_share(runtime_us: &str) -> Finding {
             "realtime priority is switched off",
             "`sudo sysctl kernel.sched_rt_runtime_us=950000`",
         ),
-        Err(_) => ok(NAME, "not said by this kernel"),
+        Err(_) => ok(NAME, "not reported by this kernel"),
     }
 }
 
-/// How soon the kernel lets go of what it is doing.
+/// Judges the kernel's preemption model.
 pub(super) fn preemption(version: &str, realtime: &str, command_line: &str) -> Finding {
     const NAME: &str = "kernel preemption";
     let chosen = command_line
@@ -294,7 +294,7 @@ pub(super) fn preemption(version: &str, realtime: &str, command_line: &str) -> F
     }
 }
 
-/// What chooses each core's frequency; empty where nothing does.
+/// Judges the frequency governor of each core; empty if there is none.
 pub(super) fn governor(governors: &[String]) -> Finding {
     const NAME: &str = "CPU governor";
     let slow = governors.iter().filter(|name| name.trim() != "performance");
@@ -309,10 +309,11 @@ pub(super) fn governor(governors: &[String]) -> Finding {
     }
 }
 
-/// How long a core that rests takes to come back. Name, latency (µs) and whether it is off, of each idle state.
+/// Judges the wake-up time of an idle core. Each idle state has a name, a latency (µs) and a
+/// disabled flag.
 pub(super) fn idle_states(states: &[[String; 3]]) -> Finding {
     const NAME: &str = "idle states";
-    /// As long as a wake across cores takes anyway.
+    /// About as long as a wake-up across cores takes anyway.
     const LONG_US: u64 = 20;
     let slowest = states
         .iter()
@@ -332,7 +333,7 @@ pub(super) fn idle_states(states: &[[String; 3]]) -> Finding {
     }
 }
 
-/// Cores kept free of other programs and of the scheduler's tick.
+/// Judges the cores that are isolated from other programs and from the scheduler's tick.
 pub(super) fn isolated_cores(isolated: &str, nohz_full: &str, usable: usize) -> Finding {
     const NAME: &str = "isolated cores";
     let (isolated, quiet) = (core_list(isolated), core_list(nohz_full));
@@ -366,7 +367,7 @@ pub(super) fn isolated_cores(isolated: &str, nohz_full: &str, usable: usize) -> 
     }
 }
 
-/// Whether memory may be paged out.
+/// Judges whether memory may be paged out.
 pub(super) fn swap(swaps: &str, swappiness: &str) -> Finding {
     const NAME: &str = "swap";
     if swaps.lines().count() < 2 {
@@ -382,7 +383,7 @@ pub(super) fn swap(swaps: &str, swappiness: &str) -> Finding {
     }
 }
 
-/// Whether the kernel joins pages behind a program's back.
+/// Judges whether the kernel forms huge pages without being asked.
 pub(super) fn huge_pages(enabled: &str) -> Finding {
     const NAME: &str = "huge pages";
     if enabled.contains("[always]") {
@@ -395,7 +396,7 @@ pub(super) fn huge_pages(enabled: &str) -> Finding {
     ok(NAME, "only for programs that ask")
 }
 
-/// What tells the time.
+/// Judges the clock source.
 pub(super) fn clock(source: &str) -> Finding {
     const NAME: &str = "clock";
     match source.trim() {
@@ -404,12 +405,12 @@ pub(super) fn clock(source: &str) -> Finding {
             format!("{slow}: each look costs a microsecond, and a frame has ten"),
             "add tsc=reliable to the kernel's command line, if the machine's cores agree on the time",
         ),
-        "" => ok(NAME, "not said by this kernel"),
+        "" => ok(NAME, "not reported by this kernel"),
         source => ok(NAME, source),
     }
 }
 
-/// How late a timer may be. Capture asks for none for itself.
+/// Judges how late a timer may fire. Capture sets its own timer slack to the minimum.
 pub(super) fn timer_slack(ns: &str) -> Finding {
     const NAME: &str = "timer slack";
     match ns.trim().parse::<u64>() {
@@ -417,11 +418,11 @@ pub(super) fn timer_slack(ns: &str) -> Finding {
             NAME,
             format!("{} µs for others; capture has none", ns / 1000),
         ),
-        Err(_) => ok(NAME, "not said by this kernel; capture has none"),
+        Err(_) => ok(NAME, "not reported by this kernel; capture has none"),
     }
 }
 
-/// Whether all this is another machine's program.
+/// Judges whether this is a virtual machine.
 pub(super) fn virtual_machine(cpuinfo: &str) -> Finding {
     const NAME: &str = "virtual machine";
     let flags = cpuinfo.lines().find(|line| line.starts_with("flags"));

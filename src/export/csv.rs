@@ -1,4 +1,5 @@
-//! Control points as a table: a row for each rope in each frame. A frame without a rope has a row without one.
+//! Control points as a table: a row for each rope in each frame. A frame without a rope has one row
+//! with empty cells.
 
 use super::shapes::{basis, fit, status, unit};
 use super::{Part, Written};
@@ -7,7 +8,7 @@ use lariat_record::Entry;
 use lariat_wire::Descriptors;
 use std::io::{self, Write};
 
-/// The columns before the control points.
+/// Columns before the control points.
 const COLUMNS: &str = "sequence,exposed_ns,rope,track,status,closed,basis,degree,unit,length,width,confidence,fit,rms,max,filtered";
 
 pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
@@ -33,7 +34,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     })
 }
 
-/// The most control points that a rope has: the table's width is to be known before its first row.
+/// Largest number of control points of any rope. The first row already depends on it.
 fn most_points(part: &Part) -> Result<usize> {
     let mut messages = part.frames()?;
     let mut most = 0;
@@ -55,7 +56,7 @@ fn head(points: usize) -> String {
     head
 }
 
-/// Says how many rows it wrote. Numbers have every digit.
+/// Writes a frame and returns the number of rows. Numbers have full precision.
 fn write_frame(to: &mut impl Write, message: &Descriptors, points: usize) -> io::Result<u64> {
     let trace = &message.trace;
     let beginning = [trace.sequence, trace.exposed_ns];

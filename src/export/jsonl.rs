@@ -1,4 +1,4 @@
-//! Descriptors as JSON lines: one frame each.
+//! Descriptors as JSON lines, one frame per line.
 
 use super::shapes::FrameObject;
 use super::{Part, Written};

@@ -1,4 +1,4 @@
-//! Frames as numbered PNGs, exact: each number in a picture is the one in the frame.
+//! Frames as numbered, lossless PNGs: each value in a picture is the one in the frame.
 
 use super::{Part, Written};
 use anyhow::{Context, Result, bail};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
     if folder.exists() && !folder.is_dir() {
         bail!(
-            "{} is no folder: name one that is new or empty",
+            "{} is not a folder: name one that is new or empty",
             folder.display()
         );
     }
@@ -26,7 +26,8 @@ pub(super) fn write(part: &Part, folder: &Path) -> Result<Written> {
         );
     }
     let about = || format!("cannot write {}", folder.display());
-    // Beside the one that is asked for, so that it is there whole or not at all.
+    // Written next to the requested folder and then moved, so that the folder appears complete or
+    // not at all.
     let parent = match folder.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -98,7 +99,8 @@ fn name(folder: &Path, header: &FrameHeader) -> PathBuf {
     folder.join(format!("frame-{:08}.png", header.trace.sequence))
 }
 
-/// A temporary folder is its maker's alone; what is exported is as readable as any folder.
+/// Moves the finished folder into place. A temporary folder is private to its owner, so it first
+/// gets the usual permissions.
 fn place_folder(growing: tempfile::TempDir, folder: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
     let permissions = std::fs::Permissions::from_mode(0o755);
@@ -110,20 +112,20 @@ fn place_folder(growing: tempfile::TempDir, folder: &Path) -> Result<()> {
         }
         return Ok(());
     }
-    // An empty folder of that name makes room.
+    // An empty folder of that name is replaced.
     std::fs::rename(growing.path(), folder)?;
-    // It is gone from where it was, and is not to be removed.
+    // The temporary folder has moved, so it must not be removed.
     let _ = growing.keep();
     Ok(())
 }
 
 fn encode(header: &FrameHeader, bytes: &[u8], path: &Path, rgb: &mut Vec<u8>) -> Result<()> {
-    // Without the folder, which has another name as yet.
+    // The path is left out, because the folder still has its temporary name.
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let about = || format!("cannot write {name}");
     let (pixels, color) = match header.format() {
         Some(PixelFormat::Gray8) => (bytes, ExtendedColorType::L8),
-        // Given in the machine's own order, as they are.
+        // PNG encoding expects native byte order, which the frame has.
         Some(PixelFormat::Gray16) => (bytes, ExtendedColorType::L16),
         Some(PixelFormat::Rgb8) => (bytes, ExtendedColorType::Rgb8),
         Some(PixelFormat::Bgr8) => {

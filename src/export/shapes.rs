@@ -1,4 +1,5 @@
-//! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print, and all that stands beside them.
+//! Recorded descriptors, with the keys that `lariat fit` and `lariat trace` print and all other
+//! fields.
 
 use crate::message_json::Object;
 use lariat_wire::{Basis, CenterlinePoints, Descriptor, Descriptors, FitQuality, Status, Unit};
@@ -40,12 +41,12 @@ struct CurveObject<'a> {
     length: f64,
     width: f64,
     covariances: &'a [[f64; 3]],
-    /// Of filtered ones.
+    /// Velocities of the control points; only for filtered curves.
     #[serde(skip_serializing_if = "<[[f64; 2]]>::is_empty")]
     velocities: &'a [[f64; 2]],
-    /// The points that it was fitted to.
+    /// Points that the curve was fitted to.
     centerline: &'a [[f32; 2]],
-    /// The width at each.
+    /// Width at each point.
     widths: &'a [f32],
 }
 
@@ -100,22 +101,22 @@ impl<'a> CurveObject<'a> {
     }
 }
 
-/// What a message's curves come in.
+/// Unit of a message's curves.
 pub(super) fn unit(message: &Descriptors) -> &'static str {
     message.unit().unwrap_or(Unit::Pixel).name()
 }
 
-/// What is known of a rope.
+/// Name of a rope's status.
 pub(super) fn status(curve: &Descriptor) -> &'static str {
     curve.status().map_or("unknown", Status::name)
 }
 
-/// Whether its curve lies on its points.
+/// Name of a curve's fit quality.
 pub(super) fn fit(curve: &Descriptor) -> &'static str {
     curve.fit().map_or("unknown", FitQuality::name)
 }
 
-/// The name of a curve's family, as settings have it.
+/// Name of a curve's basis, as in the settings.
 pub(super) fn basis(curve: &Descriptor) -> &'static str {
     curve.basis().map_or("unknown", Basis::name)
 }

@@ -1,5 +1,5 @@
-//! Frames as a Y4M video, as `lariat run --source` shows it again. Gray of 8 bits, YUYV, UYVY and NV12 are in it to the bit;
-//! RGB is rounded to YUV, and Bayer patterns are filled in before.
+//! Frames as a Y4M video, which `lariat run --source` can play. 8-bit gray, YUYV, UYVY and NV12 are
+//! lossless. RGB is rounded to YUV, and Bayer patterns are demosaiced first.
 
 use super::{Part, Written};
 use anyhow::{Context, Result, bail};
@@ -71,7 +71,7 @@ pub(super) fn write(part: &Part, file: &mut impl Write) -> Result<Written> {
     })
 }
 
-/// The pace of the part, as the frames were captured.
+/// Frame rate of the part, from the capture times.
 fn frames_per_second(part: &Part) -> Result<f64> {
     let all = match part.frame_times_ns()? {
         (count @ 2.., Some([first_ns, last_ns])) if last_ns > first_ns => {
@@ -82,7 +82,7 @@ fn frames_per_second(part: &Part) -> Result<f64> {
     Ok(all / part.args.every.get() as f64)
 }
 
-/// The first line of the file.
+/// First line of the file.
 fn head(header: &FrameHeader, fps: f64) -> Result<String> {
     let chroma = match header.format() {
         Some(PixelFormat::Gray8 | PixelFormat::Gray16) => "mono",
@@ -101,14 +101,14 @@ fn head(header: &FrameHeader, fps: f64) -> Result<String> {
     ))
 }
 
-/// Adds the planes Y, U and V of a frame, whose rows are without padding, one after the other.
+/// Appends the planes Y, U and V of a frame, one after the other and without row padding.
 fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) -> Result<()> {
     let (width, height) = (header.width as usize, header.height as usize);
     let stride = header.stride as usize;
     let rows = || bytes.chunks_exact(stride).take(height);
     match header.format() {
         Some(PixelFormat::Gray8) => rows().for_each(|row| to.extend_from_slice(&row[..width])),
-        // Of an odd width the last pair of pixels has only one that is meant.
+        // With an odd width, only one pixel of the last pair is part of the image.
         Some(PixelFormat::Yuyv) => packed(rows(), width, [0, 1, 3], to),
         Some(PixelFormat::Uyvy) => packed(rows(), width, [1, 0, 2], to),
         Some(PixelFormat::Nv12) => {
@@ -137,7 +137,8 @@ fn separate(header: &FrameHeader, bytes: &[u8], to: &mut Vec<u8>) -> Result<()> 
     Ok(())
 }
 
-/// Rows of four bytes for two pixels; `places`: where the first brightness is, and the two of the color.
+/// Splits rows that store two pixels in four bytes. `[y, u, v]`: positions of the first luma byte
+/// and of the two chroma bytes.
 fn packed<'a>(
     rows: impl Iterator<Item = &'a [u8]> + Clone,
     width: usize,
@@ -154,7 +155,8 @@ fn packed<'a>(
     }
 }
 
-/// ITU-R BT.601 in full range, which reading it back undoes but for rounding.
+/// Converts by ITU-R BT.601 in full range. Reading the video back inverts this, except for
+/// rounding.
 fn rgb<'a>(
     rows: impl Iterator<Item = &'a [u8]> + Clone,
     width: usize,

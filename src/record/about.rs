@@ -1,5 +1,5 @@
-//! What a recording says of itself: in its metadata how it was made, as attachments the settings of the rig and the files
-//! that they name, so that a replay needs nothing else.
+//! The description of a recording. Its metadata say how it was made. Its attachments are the rig's
+//! settings and the files that they name, so that a replay needs nothing else.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,8 @@ use lariat_chain::settings::{
     COMPRESSIONS, Camera, FILE_NAME, IMAGES, Settings, settings_of, version_line, version_of,
 };
 
-/// The files that settings name and a replay needs: where they stand there, and what they are called in a recording.
+/// Files that settings name and a replay needs: key in the settings, name in the recording, and
+/// media type.
 const FILES: [(&str, &str, &str); 5] = [
     ("calibration", "calibration.yaml", "application/yaml"),
     ("plane", "plane.toml", "application/toml"),
@@ -25,7 +26,7 @@ const FILES: [(&str, &str, &str); 5] = [
     ("pose", "pose.yaml", "application/yaml"),
 ];
 
-/// How the recording is made.
+/// Metadata that say how the recording is made.
 pub(super) fn metadata(settings: &Settings, clock: Clock) -> BTreeMap<String, String> {
     let name = |found: Option<&str>| found.unwrap_or_default().to_owned();
     let record = &settings.record;
@@ -53,28 +54,28 @@ pub(super) fn metadata(settings: &Settings, clock: Clock) -> BTreeMap<String, St
     .into()
 }
 
-/// Where a recording's settings come from.
+/// Source of a recording's settings.
 pub(super) enum Rig {
-    /// The chain that this process is of: its settings are this one's.
+    /// The chain that this process belongs to; its settings are this process's own.
     Ours(Box<Settings>),
-    /// One that runs by itself, now or later, again and again: what its stages say of themselves.
+    /// An independent rig, which may start later and restart; its stages announce their settings.
     Theirs {
-        /// Its name.
+        /// Name of the rig.
         name: String,
-        /// What was said last.
+        /// Settings as announced last.
         said: Option<String>,
-        /// Its fit, likewise.
+        /// Fit stage as announced last.
         fit: Option<Member>,
     },
 }
 
 impl Rig {
-    /// The chain's settings have changed.
+    /// Takes the chain's changed settings.
     pub(super) fn change(&mut self, settings: Settings) {
         *self = Self::Ours(Box::new(settings));
     }
 
-    /// Lens and plane of the rig, and the version of the settings that names them, as far as is known.
+    /// Lens and plane of the rig, and the version of the settings that name them, if known.
     pub(super) fn camera(&self) -> Option<(u32, Camera)> {
         match self {
             Self::Ours(settings) => Some((settings.version, settings.camera.clone())),
@@ -85,8 +86,8 @@ impl Rig {
         }
     }
 
-    /// Puts the settings into the recording, if they are known and others than before: under their version's name, if others
-    /// are in it.
+    /// Attaches the settings to the recording if they are known and have changed. Their name
+    /// includes their version if other settings are already attached.
     pub(super) fn attach(&mut self, to: &mut Recorder, is_first: bool) -> Result<(), Ended> {
         match self {
             Self::Ours(settings) => {
@@ -157,7 +158,8 @@ fn attach_file(
     }
 }
 
-/// The settings of a rig, each section from the stage that goes by it; and the folder that paths in `[camera]` begin at.
+/// Joins the settings of a rig: each section comes from the stage that uses it. Also returns the
+/// folder that relative paths in `[camera]` start from.
 fn joined<'a>(stages: impl Iterator<Item = &'a Member>) -> (Table, PathBuf) {
     let mut settings = Table::new();
     let mut folder = PathBuf::new();
@@ -184,7 +186,7 @@ fn joined<'a>(stages: impl Iterator<Item = &'a Member>) -> (Table, PathBuf) {
     (settings, folder)
 }
 
-/// Whether settings, as a recorder has announced them, say that it keeps the last seconds.
+/// Returns true if the settings announced by a recorder say that it keeps the last seconds.
 pub(super) fn keeps_a_ring(settings: &str) -> bool {
     let settings: Table = settings.parse().unwrap_or_default();
     let record = settings.get(STAGE);

@@ -1,4 +1,4 @@
-//! The channels that a recorder reads.
+//! Channels that a recorder reads.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use super::looks::Looks;
 use lariat_chain::places::pixel;
 use lariat_chain::stages::Station;
 
-/// A lossless recorder is woken for every message, and looks this often at what else it was asked.
+/// Interval at which a lossless recorder, which every message wakes, checks for other requests.
 const LOOKS_UP: Duration = Duration::from_millis(500);
 
 /// All channels of a rig.
@@ -31,21 +31,22 @@ pub(crate) struct Channels {
     looks: Looks,
 }
 
-/// What was seen of a rig in one look.
+/// Summary of one pass over a rig's channels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
-    /// Frames.
+    /// Number of frames.
     pub(crate) frames: u64,
-    /// Messages of any kind.
+    /// Number of messages of any kind.
     pub(crate) messages: u64,
-    /// A stage was seen for the first time, or had begun again.
+    /// True if a stage appeared for the first time or restarted.
     pub(crate) begun: bool,
-    /// By which version of the settings the newest message was made.
+    /// Settings version that the newest message was made with.
     pub(crate) settings: Option<u32>,
 }
 
 impl Channels {
-    /// Becomes a reader of all, and of masks and of what is in space if there may be any.
+    /// Opens a reader on each channel. `masks` and `space`: whether there may be masks and 3-D
+    /// channels.
     pub(crate) fn open(station: &Station, masks: bool, space: bool) -> Result<Self, WireError> {
         let lossless = matches!(station.delivery, Delivery::Lossless { .. });
         Ok(Self {
@@ -60,7 +61,8 @@ impl Channels {
         })
     }
 
-    /// Records all that waits. `places`: from the picture to where descriptors have their points, if that is not the picture.
+    /// Records all waiting messages. `places` maps the picture to where descriptors have their
+    /// points, if that is not the picture.
     pub(crate) fn drain(
         &mut self,
         to: &mut Recorder,
@@ -69,7 +71,7 @@ impl Channels {
         mut places: impl FnMut(&Descriptors) -> Option<Mapping>,
     ) -> anyhow::Result<Counts> {
         let mut seen = Counts::default();
-        // What is largest, and has the least room to wait, first.
+        // Frames come first: they are the largest and have the least room to wait.
         while let Some(frame) = self.frames.next()? {
             let header: &FrameHeader = frame.header();
             seen.begun |= last.captured.begins_with(header.trace.captured);
@@ -117,7 +119,8 @@ impl Channels {
         Ok(seen)
     }
 
-    /// Sleeps until there may be something to record, the recorder is told to stop, or the deadline is over.
+    /// Sleeps until there may be something to record, the recorder is asked to stop, or the
+    /// deadline passes.
     pub(crate) fn sleep(
         &self,
         station: &Station,
@@ -141,7 +144,7 @@ impl Channels {
             descriptors,
             ..
         } = self;
-        // Who is not there is stood for by one who is.
+        // An existing channel takes the place of a missing one.
         let masks = self.masks.as_ref().unwrap_or(frames);
         let (depths, in_space): (_, &dyn Woken) = match &self.space {
             Some(space) => (&space.depths, &space.descriptors),
@@ -178,8 +181,8 @@ impl Space {
     }
 }
 
-/// A reader that is woken, or not. One that is not costs its writer nothing. But a lossless writer waits for each of its
-/// readers, so there all are.
+/// Opens a reader that messages wake, or one that polls. Polling costs the writer nothing. A
+/// lossless writer waits for each of its readers, so all of them are woken.
 fn open<P: Payload + ?Sized>(
     station: &Station,
     channel: &Channel<P>,
@@ -198,7 +201,7 @@ fn open<P: Payload + ?Sized>(
     }
 }
 
-/// The last counters of the stages.
+/// Last counters of the stages.
 #[derive(Debug, Default)]
 pub(crate) struct Counters {
     captured: Counter,

@@ -1,25 +1,26 @@
-//! When a recorder looks for messages without being woken.
+//! Poll schedule of a recorder.
 //!
-//! It is woken by descriptors alone: one wake a frame, when the frame's work is done, so that it never runs before a stage
-//! that still has to. By then three frames have room to wait, and mostly one does. But a chain may be slow, or have no
-//! fit: so it looks by itself one and a half frame periods after it last looked, before the third frame comes. Where
-//! descriptors come with every frame, the next one wakes it first, and it is never this that does.
+//! Only descriptors wake the recorder: once per frame, when the frame's work is done, so that it
+//! never runs before a stage that still has work. Three frames have room to wait by then, and
+//! usually one waits. A chain may be slow or have no fit stage. The recorder therefore also polls,
+//! one and a half frame periods after its last poll and before the third frame comes. If
+//! descriptors come with every frame, the next one always wakes the recorder first.
 
 use std::time::Duration;
 
-/// The longest between two looks: a rig that rests costs two a second.
+/// Longest poll interval: an idle rig costs two polls a second.
 const AT_REST: Duration = Duration::from_millis(500);
-/// The shortest: a chain faster than this is not waited for by looking.
+/// Shortest poll interval. Polling does not keep up with a faster chain.
 const SHORTEST: Duration = Duration::from_millis(1);
 
-/// What is known of the frames' pace.
+/// Estimates the frame period and schedules the next poll.
 #[derive(Debug, Clone)]
 pub(crate) struct Looks {
-    /// Counter and moment of the last frame.
+    /// Counter and capture time of the last frame.
     last: Option<(u64, u64)>,
-    /// Between two frames.
+    /// Frame period.
     period: Duration,
-    /// Until the next look.
+    /// Time until the next poll.
     wait: Duration,
 }
 
@@ -32,7 +33,7 @@ impl Looks {
         }
     }
 
-    /// A frame came: capture's counter, and when it was captured.
+    /// Registers a frame: capture's counter, and its capture time.
     pub(crate) fn frame(&mut self, captured: u64, captured_ns: u64) {
         if let Some((count, at_ns)) = self.last
             && captured > count
@@ -43,17 +44,17 @@ impl Looks {
         self.last = Some((captured, captured_ns));
     }
 
-    /// It has looked. `came`: there was something.
+    /// Registers a poll. `came`: true if messages were waiting.
     pub(crate) fn looked(&mut self, came: bool) {
         self.wait = if came {
             (self.period * 3 / 2).clamp(SHORTEST, AT_REST)
         } else {
-            // Nothing comes: less and less is expected.
+            // Nothing came, so the interval grows.
             (self.wait * 2).min(AT_REST)
         };
     }
 
-    /// How long until the next look, if nothing wakes it.
+    /// Time until the next poll if nothing wakes the recorder.
     pub(crate) fn wait(&self) -> Duration {
         self.wait
     }
@@ -73,7 +74,7 @@ mod tests {
         }
         looks.looked(true);
         assert_eq!(looks.wait(), Duration::from_millis(24));
-        // Frames that it did not get have come all the same.
+        // Frames that the recorder missed also count for the period.
         looks.frame(13, 13 * 16 * MS);
         looks.looked(true);
         assert_eq!(looks.wait(), Duration::from_millis(24));

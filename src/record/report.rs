@@ -1,4 +1,5 @@
-//! What a recorder says: a sentence when it begins to keep the last seconds, and one for each recording.
+//! Messages of a recorder: a sentence when it starts to keep the last seconds, and one for each
+//! recording.
 
 use std::path::Path;
 use std::time::Duration;
@@ -9,7 +10,7 @@ use lariat_chain::settings::Recording;
 
 const MB: f64 = 1e6;
 
-/// How much of the past is kept.
+/// Says how much of the past is kept.
 pub(super) fn ring(record: &Recording, file: &Path) -> String {
     let longest = record.ring.unwrap_or_default();
     format!(
@@ -22,7 +23,7 @@ pub(super) fn ring(record: &Recording, file: &Path) -> String {
     )
 }
 
-/// What was written of what the ring held.
+/// Says what was written from the ring.
 pub(super) fn flushed(flushed: &Flushed) -> String {
     let Flushed {
         path,
@@ -41,7 +42,7 @@ pub(super) fn flushed(flushed: &Flushed) -> String {
     }
 }
 
-/// What became of the file, where nothing came.
+/// Says what became of the file if there was nothing to record.
 pub(super) fn nothing(file: &Path, written: &Written) -> String {
     let then = match written.kept_old {
         true => "the recording that is there stays as it was",
@@ -53,7 +54,7 @@ pub(super) fn nothing(file: &Path, written: &Written) -> String {
     )
 }
 
-/// What a recording holds, and what not.
+/// Says what a recording contains, and what is missing.
 pub(super) fn recorded(
     file: &Path,
     written: &Written,
@@ -81,7 +82,7 @@ fn contents(written: &Written) -> String {
     format!("{frames} frames ({messages} messages, {megabytes:.1} MB)")
 }
 
-/// What the recorder itself did not get, or had no room for.
+/// Says what the recorder missed or had no room for.
 fn dropped(drops: Drops) -> String {
     let counts = [
         (drops.frames, "frames"),
@@ -93,11 +94,11 @@ fn dropped(drops: Drops) -> String {
         (drops.descriptors3, "descriptors in space"),
     ];
     listed(counts).map_or("nothing was dropped".to_owned(), |list| {
-        format!("dropped as there was no room or time for them: {list}")
+        format!("dropped for lack of room or time: {list}")
     })
 }
 
-/// What the chain had lost.
+/// Says what the chain lost.
 fn lost(losses: &Losses) -> String {
     let counts = [
         (losses.source, "at the source"),
@@ -111,7 +112,7 @@ fn lost(losses: &Losses) -> String {
     })
 }
 
-/// The counts that are not 0; `None` if all are.
+/// Lists the counts that are not 0; `None` if all are.
 fn listed<const N: usize>(counts: [(u64, &str); N]) -> Option<String> {
     let some = counts.iter().filter(|(count, _)| *count > 0);
     let words: Vec<_> = some
@@ -120,7 +121,7 @@ fn listed<const N: usize>(counts: [(u64, &str); N]) -> Option<String> {
     (!words.is_empty()).then(|| words.join(", "))
 }
 
-/// Seconds of Unix time as `20261122T063000Z`.
+/// Formats seconds of Unix time as `20261122T063000Z`.
 pub(super) fn utc(unix_s: u64) -> String {
     let (days, second) = (unix_s / 86_400, unix_s % 86_400);
     let (year, month, day) = date(days);
@@ -132,8 +133,8 @@ pub(super) fn utc(unix_s: u64) -> String {
     )
 }
 
-/// Year, month and day, of days since 1970 (H. Hinnant, "chrono-compatible low-level date algorithms": years begin in
-/// March, so that the leap day is the last).
+/// Year, month and day, from days since 1970 (H. Hinnant, "chrono-compatible low-level date
+/// algorithms": years begin in March, so that the leap day is the last).
 fn date(days: u64) -> (u64, u64, u64) {
     let days = days + 719_468;
     let (era, day_of_era) = (days / 146_097, days % 146_097);

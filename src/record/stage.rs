@@ -1,4 +1,5 @@
-//! The recorder as a process: reads every channel of a rig, and hands what it reads to the thread that writes.
+//! The recorder as a process: reads every channel of a rig and passes the messages to the writing
+//! thread.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -26,19 +27,19 @@ use lariat_chain::stages::orders::Changes;
 use lariat_chain::stages::status::{LastWord, Word};
 use lariat_chain::stages::{Station, Supervision, arrangement};
 
-/// What was lost is written down this often, if it is more than before.
+/// Interval at which losses are recorded, if there are new ones.
 const LOSSES_EVERY: Duration = Duration::from_secs(1);
 
-/// Records until a signal comes, as much is recorded as was asked, or there is no room for more.
+/// Records until a signal arrives, the requested amount is recorded, or space runs out.
 pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) -> Result<ExitCode> {
     check_recording(settings, file)?;
-    // Before any thread is made: all are kept where this one is.
+    // Called before any thread starts, because threads inherit the placement of this one.
     arrangement::keep_apart(&settings.run.arrangement);
     let mut station = Station::beside(settings, STAGE, supervision)?;
     let supervised = station.status.is_supervised();
-    // A rig of others may have its masks made elsewhere.
+    // Other rigs may get their masks from elsewhere.
     let masks = !supervised || settings.extract.mask == Mask::External;
-    // One that was restarted has not seen what was before.
+    // A restarted recorder has missed the beginning.
     let from_start =
         supervised && !settings.capture.is_external() && station.handover.progress().restarts == 0;
     let camera = &settings.camera;
@@ -78,13 +79,13 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
                 Some(LastWord::Counts(counts)) => counts,
                 Some(LastWord::Never) | None => FinalCounts::default(),
             });
-        // Fails only where the recording has ended, which is said below.
+        // This fails only if the recording has ended, which is reported below.
         let _ = stage.write_losses(true);
     }
     stage.end(settings, file, outcome)
 }
 
-/// Where the rig's settings are to be had.
+/// Source of the rig's settings.
 fn rig(settings: &Settings, supervised: bool) -> Rig {
     if supervised {
         return Rig::Ours(Box::new(settings.clone()));
@@ -130,7 +131,7 @@ fn begin(settings: &Settings, file: &Path) -> Result<Recorder> {
     Recorder::to_ring(ring, &head, options).context(about)
 }
 
-/// Set by the signal that asks for what the ring holds. Without a ring the signal means nothing, and does nothing.
+/// Flag that is set by the signal for writing the ring. Without a ring, the signal does nothing.
 fn flush_on_signal(settings: &Settings) -> Result<Option<Arc<AtomicBool>>> {
     let asked = Arc::new(AtomicBool::new(false));
     signal_hook::flag::register(SIGUSR1, asked.clone())
@@ -144,16 +145,17 @@ struct Stage {
     ledger: Ledger,
     counters: Counters,
     rig: Rig,
-    /// The rig's lens and plane, with the version of the settings that names them; and the way to them that was used last.
+    /// Lens and plane of the rig, with the version of the settings that name them. `places` has the
+    /// mapping that was used last.
     camera: Option<(u32, Camera)>,
     places: Places<u32>,
-    /// What was last written down.
+    /// Losses that were recorded last.
     losses: Losses,
     losses_due: Instant,
     frames: u64,
-    /// When the first message came.
+    /// Arrival time of the first message.
     first: Option<Instant>,
-    /// The newest version of the rig's settings that was seen.
+    /// Newest version of the rig's settings so far.
     version: u32,
 }
 
@@ -167,7 +169,7 @@ impl Stage {
         file: &Path,
         flush: &Option<Arc<AtomicBool>>,
     ) -> Result<()> {
-        // In a chain, capture knows when it is over.
+        // In a chain, capture decides when the run is over.
         let lasts = settings.run.duration.filter(|_| !supervised);
         let most = settings.run.frames.filter(|_| !supervised);
         let most = most.unwrap_or(u64::MAX);
@@ -221,14 +223,14 @@ impl Stage {
         }
     }
 
-    /// Puts the rig's settings into the recording, and goes by them.
+    /// Attaches the rig's settings to the recording and uses them from now on.
     fn attach(&mut self, is_first: bool) -> Result<(), Ended> {
         self.rig.attach(&mut self.recorder, is_first)?;
         self.camera = self.rig.camera();
         Ok(())
     }
 
-    /// Writes down what was lost, if it is more than before, or it is the last time.
+    /// Records the losses if there are new ones, or if this is the last time.
     fn write_losses(&mut self, last: bool) -> Result<(), Ended> {
         let lost = self.ledger.lost();
         let drops = self.recorder.drops();
@@ -257,18 +259,18 @@ impl Stage {
         })
     }
 
-    /// Closes the recording, and says in a sentence what is in it.
+    /// Closes the recording and reports its contents in a sentence.
     fn end(self, settings: &Settings, file: &Path, outcome: Result<()>) -> Result<ExitCode> {
         let Self {
             channels, recorder, ..
         } = self;
-        // Nobody is to wait for this reader while the file is closed.
+        // No writer should wait for this reader while the file is closed.
         drop(channels);
         let drops = recorder.drops();
         let lasted = self.first.map_or(Duration::ZERO, |first| first.elapsed());
         let ending = recorder.finish();
         if settings.record.ring.is_none() && ending.fault.is_none() && ending.written.is_empty() {
-            // An empty one would only be in the way of the next.
+            // An empty file would only get in the way of the next recording.
             if !ending.written.kept_old && file.is_file() {
                 let _ = std::fs::remove_file(file);
             }
@@ -276,7 +278,7 @@ impl Stage {
             outcome?;
             return Ok(ExitCode::SUCCESS);
         }
-        // Of a file whose disk broke nothing is known but what the fault says.
+        // If the disk failed, only the fault is known about the file.
         let is_known = ending.fault.is_none() || ending.written.bytes > 0;
         if settings.record.ring.is_none() && is_known {
             let said = report::recorded(file, &ending.written, lasted, drops, &self.losses);
@@ -290,7 +292,7 @@ impl Stage {
     }
 }
 
-/// The file of what the ring holds now: `run.mcap` becomes `run-20261122T063000Z.mcap`.
+/// File for the current contents of the ring: `run.mcap` becomes `run-20261122T063000Z.mcap`.
 fn dated(file: &Path) -> PathBuf {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let stamp = report::utc(since.unwrap_or_default().as_secs());
@@ -299,7 +301,7 @@ fn dated(file: &Path) -> PathBuf {
         .extension()
         .map_or("mcap".into(), |ending| ending.to_string_lossy());
     let named = |more: &str| file.with_file_name(format!("{stem}-{stamp}{more}.{ending}"));
-    // Asked for twice in a second.
+    // Requested twice within a second.
     let again = (2..).map(|count| named(&format!("-{count}")));
     std::iter::once(named(""))
         .chain(again)

@@ -1,8 +1,9 @@
-//! `lariat replay --check`: the same comes out again.
+//! `lariat replay --check`: checks that recomputing gives the recorded results.
 //!
-//! Extract is handed the frames that it saw then, in the order in which it saw them, fit the centerlines that it was sent
-//! then: which, the counters in the recorded traces tell, to the last one. So each result has exactly the past that it had,
-//! whatever was lost on the way, and a difference is one of computing.
+//! Extract gets the frames that it processed in the recorded run, in the same order. Fit gets the
+//! centerlines that it received then. The counters in the recorded traces identify both exactly.
+//! Each result therefore has the same past as in the recorded run, whatever was lost on the way,
+//! and any difference comes from the computation.
 
 use super::ReplayArgs;
 use super::difference::{Comparer, Difference, Rule};
@@ -25,21 +26,21 @@ use std::collections::btree_map::Entry;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// How equal positions are on machines of different kinds, in pixels: far below what an image tells, and far above what
-/// rounding does.
+/// Tolerance for machines of different kinds, in pixels: far below what an image resolves, and far
+/// above rounding errors.
 const OTHER_MACHINE_PX: f64 = 1e-9;
 
-/// What came out.
+/// Result of a check.
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
-    /// `bits`, or within how many pixels.
+    /// Comparison rule: `bits`, or the tolerance in pixels.
     pub(super) rule: String,
     pub(super) frames: u64,
     pub(super) centerlines: u64,
     pub(super) descriptors: u64,
-    /// What could not be computed again, and was passed over: only where curves may lie beside each other.
+    /// Number of messages that could not be recomputed and were skipped; only with a tolerance.
     pub(super) skipped: u64,
-    /// The largest distance of two positions, in pixels (of the descriptors' unit).
+    /// Largest distance between two positions, in pixels (of the descriptors' unit).
     pub(super) largest_px: f64,
     pub(super) frames_per_s: f64,
     pub(super) extract_us: f64,
@@ -47,10 +48,10 @@ pub(super) struct Outcome {
     pub(super) difference: Option<Shown>,
 }
 
-/// The first that differs.
+/// First difference.
 #[derive(Debug, Serialize)]
 pub(super) struct Shown {
-    /// The source's number.
+    /// Frame number of the source.
     pub(super) sequence: u64,
     pub(super) what: &'static str,
     pub(super) field: String,
@@ -94,7 +95,7 @@ fn settings(recording: &Recording, args: &ReplayArgs) -> Result<RecordedSettings
         .context("the settings that it was made with are not in it (lariat.toml), as without the rest of the chain running")
 }
 
-/// Whether this machine computes as the recording's did, as far as that is known.
+/// Returns true if this machine computes like the recording's machine, as far as known.
 fn is_same_machine(about: &About) -> bool {
     let cpu = Machine::this().cpu;
     about.get("arch") == Some(std::env::consts::ARCH)
@@ -102,7 +103,7 @@ fn is_same_machine(about: &About) -> bool {
         && about.get("cpu") == cpu.as_deref()
 }
 
-/// The settings of a recording in all the versions that held while it was made.
+/// Settings of a recording, in all versions that were in force while it was made.
 struct Versions<'a> {
     recording: &'a Recording,
     first: &'a RecordedSettings,
@@ -110,7 +111,7 @@ struct Versions<'a> {
 }
 
 impl Versions<'_> {
-    /// Those by which the messages of a frame were made.
+    /// Settings with which the messages of a frame were made.
     fn get(&mut self, version: u32, frame: u64) -> Result<&Settings> {
         if version == self.first.settings.version {
             return Ok(&self.first.settings);
@@ -131,16 +132,16 @@ impl Versions<'_> {
 /// A check, message by message.
 pub(super) struct Check<'a> {
     versions: Versions<'a>,
-    /// The settings' version and the restarts of extract and fit at the last message.
+    /// Settings version, and number of restarts, of extract and fit at the last message.
     of_extract: [u32; 2],
     of_fit: [u32; 2],
     stages: Stages,
     decoders: [Decoder; 2],
     comparer: Comparer,
     rule: Rule,
-    /// How far curves may lie beside the recorded ones, if they may.
+    /// Allowed distance from the recorded curves, in pixels; `None` if they must be equal.
     within_px: Option<f64>,
-    /// The counters of the last messages.
+    /// Counters of the last messages.
     extracted: Option<u64>,
     fitted: Option<u64>,
     frames: u64,
@@ -218,7 +219,7 @@ impl<'a> Check<'a> {
         let [version_before, restarts_before] = self.of_extract;
         self.of_extract = [trace.settings, restarts.into()];
         if count == 1 && before.is_some() {
-            // Its chain was.
+            // The whole chain was restarted.
             let settings = self.versions.get(trace.settings, frame)?;
             self.stages.restart_extract(settings)?;
         } else if u32::from(restarts) != restarts_before {
@@ -345,7 +346,7 @@ impl<'a> Check<'a> {
 }
 
 /// # Errors
-/// A message came between the two that is not in the recording.
+/// Returns an error if the recording lacks a message between the two.
 fn follows(before: Option<u64>, count: u64) -> Result<()> {
     match before {
         None if count == 1 => Ok(()),

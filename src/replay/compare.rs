@@ -1,8 +1,9 @@
-//! `lariat replay --compare`: what other settings change, on what was recorded.
+//! `lariat replay --compare`: shows how other settings change the results of a recording.
 //!
-//! The recorded frames go through extract and fit with the new settings, all of them and in their order, as in a chain that
-//! loses nothing. Beside it they go through with the settings they were recorded with, frame by frame in turns: so the times
-//! of both are of one machine and one run. Without other settings, what changes is what this release computes otherwise.
+//! All recorded frames go through extract and fit with the new settings, in order, as in a chain
+//! without losses. The recorded settings process the same frames in alternation, so that the times
+//! of both come from one machine and one run. Without other settings, the comparison shows what
+//! this release computes differently.
 
 mod figures;
 
@@ -22,13 +23,13 @@ use lariat_wire::Trace;
 use serde::Serialize;
 use std::process::ExitCode;
 
-/// Everything that is shown.
+/// Everything that is printed.
 #[derive(Debug, Serialize)]
 pub(super) struct Comparison {
-    /// What errors are held against: `truth`, or what was `recorded`.
+    /// Reference for the errors: `truth`, or what was `recorded`.
     pub(super) against: &'static str,
     pub(super) frames: u64,
-    /// Frames whose image is not there, or whose mask.
+    /// Number of frames without an image or without a mask.
     pub(super) skipped: u64,
     pub(super) recorded: Figures,
     pub(super) now: Figures,
@@ -73,14 +74,14 @@ fn has_truth(recording: &Recording) -> Result<bool> {
         .any(|topic| topic.messages > 0 && is_truth(&topic.name)))
 }
 
-/// Both settings, over the same frames.
+/// Runs both settings over the same frames.
 pub(super) struct Race {
     then: Stages,
     now: Stages,
     decoders: [Decoder; 2],
     recorded: Figures,
     figures: Figures,
-    /// With the settings of then, and of now.
+    /// Times with the recorded settings and with the new ones.
     times: [Times; 2],
     count: u64,
     skipped: u64,
@@ -146,7 +147,7 @@ impl Race {
             fitted: self.count,
             ..header.trace
         };
-        // Whoever comes second finds the frame in the cache: each does in half of the frames.
+        // The second run finds the frame in the cache, so the two take turns.
         let mut runs = [(&mut self.then, 0), (&mut self.now, 1)];
         if self.count.is_multiple_of(2) {
             runs.reverse();

@@ -1,26 +1,26 @@
-//! Where two messages differ that should be the same.
+//! Finds where two messages differ that should be equal.
 
 use lariat_wire::fields::{Field, Meaning, Message, Value, is_hidden};
 use lariat_wire::{Centerlines, Descriptors};
 use std::fmt;
 
-/// How equal numbers must be.
+/// Required precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
-    /// To the bit.
+    /// Equal to the bit.
     Bits,
-    /// Positions to so many pixels; what else there is, to as much of itself.
+    /// Positions within this many pixels; other numbers within the same fraction of their value.
     Within(f64),
 }
 
-/// A number that is another than it was.
+/// A number that differs from the recorded one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Difference {
-    /// Which, such as `rope 2, point 17, x`.
+    /// Name of the field, such as `rope 2, point 17, x`.
     pub(super) field: String,
     pub(super) recorded: String,
     pub(super) now: String,
-    /// How far apart they are.
+    /// Distance between the two numbers.
     pub(super) distance: f64,
 }
 
@@ -39,12 +39,12 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Compares field by field, until one differs.
+/// Compares field by field, up to the first difference.
 #[derive(Debug)]
 pub(super) struct Comparer {
     rule: Rule,
     found: Option<Difference>,
-    /// The largest distance of two positions so far.
+    /// Largest distance between two positions so far.
     pub(super) largest: f64,
 }
 
@@ -57,7 +57,7 @@ impl Comparer {
         }
     }
 
-    /// The first field in which what extract said differs, if one does.
+    /// Returns the first field in which extract's message differs.
     pub(super) fn centerlines(
         &mut self,
         recorded: &Centerlines,
@@ -67,7 +67,7 @@ impl Comparer {
         self.found.take()
     }
 
-    /// The first field in which what fit said differs, if one does.
+    /// Returns the first field in which fit's message differs.
     pub(super) fn descriptors(
         &mut self,
         recorded: &Descriptors,
@@ -77,7 +77,7 @@ impl Comparer {
         self.found.take()
     }
 
-    /// Whole numbers first, then positions, then other numbers, then the messages within.
+    /// Compares integers first, then positions, then other numbers, then nested messages.
     fn message(&mut self, place: &str, recorded: &dyn Message, now: &dyn Message) {
         let (recorded, now) = (recorded.fields(), now.fields());
         let pairs = || recorded.iter().zip(&now);
@@ -122,7 +122,7 @@ impl Comparer {
         }
     }
 
-    /// Of a field of positions, or of one of other numbers.
+    /// Compares the numbers of a field. `positions`: whether they are coordinates.
     fn numbers(
         &mut self,
         positions: bool,
@@ -157,10 +157,10 @@ impl Comparer {
         }
     }
 
-    /// A coordinate.
+    /// Compares a coordinate.
     fn position(&mut self, name: impl FnOnce() -> String, recorded: f64, now: f64) {
         let distance = (recorded - now).abs();
-        // What is no number is not larger than anything.
+        // `max` ignores NaN.
         self.largest = self.largest.max(distance);
         let equal = match self.rule {
             Rule::Bits => recorded.to_bits() == now.to_bits(),
@@ -171,7 +171,8 @@ impl Comparer {
         }
     }
 
-    /// Any other number: to as much of itself as positions to a pixel.
+    /// Compares any other number. The tolerance is relative, with the same value that positions
+    /// have in pixels.
     fn number(&mut self, name: impl FnOnce() -> String, recorded: f64, now: f64) {
         let distance = (recorded - now).abs();
         let equal = match self.rule {
@@ -201,7 +202,7 @@ impl Comparer {
     }
 }
 
-/// The numbers of a field that has any. Those of 32 bits have exact twins of 64, so that nothing is lost.
+/// Numbers of a field, if it has any. 32-bit numbers convert to 64 bits without loss.
 struct Numbers<'a>(Value<'a>);
 
 impl Numbers<'_> {
@@ -227,7 +228,7 @@ impl Numbers<'_> {
     }
 }
 
-/// Something of a rope or a crossing, or of the whole message.
+/// Name of a property of a rope, of a crossing, or of the whole message.
 fn named(place: &str, what: &str) -> String {
     if place.is_empty() {
         format!("the {what}")
@@ -236,7 +237,7 @@ fn named(place: &str, what: &str) -> String {
     }
 }
 
-/// What number `i` of a field is called: `control point 3, y`, `weight 2`, or `rms`.
+/// Name of number `i` of a field: `control point 3, y`, `weight 2`, or `rms`.
 fn entry_name(field: &Field, i: usize) -> String {
     let axis = ["x", "y"][i % 2];
     let one = match field.name.strip_suffix("ies") {
@@ -262,7 +263,7 @@ mod tests {
         recorded.count = 2;
         recorded.curves[1].count = 4;
         let mut now = recorded.clone();
-        // What is not meant may be anything.
+        // Unused entries may have any value.
         now.curves[1].control_points[4] = [7.0; 2];
         now.curves[2].rms = 1.0;
         let mut comparer = Comparer::new(Rule::Bits);

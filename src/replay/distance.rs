@@ -1,16 +1,17 @@
-//! How far the curves of two results lie from each other, whatever their numbers are.
+//! Distance between the curves of two results, independent of the ropes' numbers.
 
 use lariat_wire::{Centerlines, Curve, Descriptors, Status};
 
 type Point = [f32; 2];
 
-/// The farthest that a point of a recorded rope lies from the ropes that are seen now, or the other way round, in pixels;
-/// infinite if only one of the two has ropes.
+/// Largest distance between the recorded ropes and those found now, from the points of either to
+/// the other, in pixels. It is infinite if only one of the two has ropes.
 pub(super) fn between(recorded: &Centerlines, now: &Centerlines) -> f64 {
     farthest(recorded, now).max(farthest(now, recorded))
 }
 
-/// The farthest that a control point lies from the recorded one; infinite if the curves are not of the same ropes and kinds.
+/// Largest distance between a control point and the recorded one; infinite if the curves differ in
+/// rope or kind.
 pub(super) fn between_control_points(recorded: &Descriptors, now: &Descriptors) -> f64 {
     if recorded.count != now.count {
         return f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Extract and fit without shared memory: the pipeline, handed recorded messages.
+//! Extract and fit without shared memory: the pipeline, applied to recorded messages.
 
 use anyhow::{Context, Result};
 use lariat_chain::pipeline::{CurveFitter, FrameExtractor, FrameView};
@@ -19,7 +19,7 @@ pub(super) struct Stages {
     pub(super) fit_time: Duration,
 }
 
-/// A frame with what is needed to look at it, decoded.
+/// A decoded frame, with everything that extraction needs.
 pub(super) struct Prepared<'a> {
     header: FrameHeader,
     bytes: &'a [u8],
@@ -29,7 +29,7 @@ pub(super) struct Prepared<'a> {
 /// Decodes a frame, and its mask if there is one.
 ///
 /// # Errors
-/// The pixels were not recorded, or cannot be read.
+/// Returns an error if the pixels were not recorded or cannot be read.
 pub(super) fn prepare<'a>(
     gathered: &'a Gathered,
     decoders: &'a mut [Decoder; 2],
@@ -54,7 +54,7 @@ pub(super) fn prepare<'a>(
 
 #[cfg(test)]
 impl<'a> Prepared<'a> {
-    /// One that comes from no recording.
+    /// Makes a frame that does not come from a recording.
     pub(super) fn new(
         header: FrameHeader,
         bytes: &'a [u8],
@@ -69,19 +69,19 @@ impl<'a> Prepared<'a> {
 }
 
 impl Prepared<'_> {
-    /// Whether there is a mask for it.
+    /// Returns whether the frame has a mask.
     pub(super) fn has_mask(&self) -> bool {
         self.mask.is_some()
     }
 
-    /// Whether there is an image.
+    /// Returns whether the frame has no image.
     pub(super) fn is_blank(&self) -> bool {
         self.header.is_blank()
     }
 }
 
 impl Stages {
-    /// As the chain makes them.
+    /// Makes both stages as the chain does.
     pub(super) fn new(settings: &Settings) -> Result<Self> {
         Ok(Self {
             extractor: FrameExtractor::prepared(settings)?,
@@ -94,19 +94,20 @@ impl Stages {
         })
     }
 
-    /// Whether extraction needs masks that were made elsewhere.
+    /// Returns whether extraction needs external masks.
     pub(super) fn needs_masks(&self) -> bool {
         self.settings.extract.mask == Mask::External
     }
 
-    /// Extract, as it is when it has just been started, by these settings.
+    /// Restarts extract with these settings.
     pub(super) fn restart_extract(&mut self, settings: &Settings) -> Result<()> {
         self.settings.extract = settings.extract.clone();
         self.extractor = FrameExtractor::prepared(settings)?;
         Ok(())
     }
 
-    /// Replaces extract as a restart in its place does: it continues after the last message of the one before.
+    /// Replaces extract as a restart within a chain does: it continues after the last message of
+    /// its predecessor.
     pub(super) fn replace_extract(&mut self, settings: &Settings) -> Result<()> {
         let past = self.extractor.past();
         self.restart_extract(settings)?;
@@ -114,7 +115,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Extract, as it is when other settings have come to hold.
+    /// Changes the settings of extract while it runs.
     pub(super) fn change_extract(&mut self, settings: &Settings) -> Result<()> {
         if self.settings.extract != settings.extract {
             let mut changed = FrameExtractor::prepared(settings)?;
@@ -125,7 +126,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Fit, as it is when it has just been started, by these settings.
+    /// Restarts fit with these settings.
     pub(super) fn restart_fit(&mut self, settings: &Settings) -> Result<()> {
         self.settings.fit = settings.fit.clone();
         self.settings.camera = settings.camera.clone();
@@ -133,7 +134,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Fit, as it is when other settings have come to hold.
+    /// Changes the settings of fit while it runs.
     pub(super) fn change_fit(&mut self, settings: &Settings) -> Result<()> {
         let before = (&self.settings.fit, &self.settings.camera);
         if before != (&settings.fit, &settings.camera) {
@@ -142,7 +143,7 @@ impl Stages {
         Ok(())
     }
 
-    /// Looks at a frame. The result is in `centerlines`, with this trace.
+    /// Extracts the ropes of a frame. The result is in `centerlines`, with this trace.
     pub(super) fn extract(&mut self, frame: &Prepared, trace: Trace) {
         let begin = Instant::now();
         let mask = frame.mask.as_ref().filter(|_| self.needs_masks());
@@ -161,7 +162,7 @@ impl Stages {
         self.fit_time = begin.elapsed();
     }
 
-    /// Fits the centerlines that were just seen.
+    /// Fits the centerlines that were extracted last.
     pub(super) fn fit_seen(&mut self, trace: Trace) {
         let begin = Instant::now();
         self.descriptors.trace = trace;

@@ -1,21 +1,21 @@
-//! A comparison as people read it.
+//! A comparison as a table for people.
 
 use super::compare::{Comparison, Figures};
 use lariat_chain::layout::{self, Column, Table};
 use std::fmt::Write;
 
-/// How a row's numbers are written, and their change.
+/// Format of a row's numbers and of their change.
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     /// Pixels: three decimals; the change in percent.
     Distance,
-    /// Microseconds: one decimal; likewise.
+    /// Microseconds: one decimal; the change in percent.
     Time,
-    /// Whole numbers; the change as such.
+    /// Whole numbers; the change as a number.
     Count,
 }
 
-/// What is known of the two columns beside their distances.
+/// Reads the value of a row from a column; distances are separate.
 type Figure = fn(&Figures) -> Option<f64>;
 
 #[rustfmt::skip]
@@ -39,7 +39,7 @@ fn count(n: u64) -> Option<f64> {
     Some(n as f64)
 }
 
-/// The table.
+/// Formats the table.
 pub(super) fn text(comparison: &Comparison) -> String {
     let Comparison {
         against,

@@ -1,4 +1,5 @@
-//! Recordings made here, frame by frame, as a chain would make them: of a rendered rope, without a chain.
+//! Recordings made here frame by frame, as a chain would make them from a rendered rope, but
+//! without a chain.
 
 mod checks;
 mod comparisons;
@@ -20,14 +21,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// What is added to a moment of a trace.
+/// Offset added to the times in a trace.
 const OFFSET_NS: u64 = 1_700_000_000_000_000_000;
-/// When the first frame is taken.
+/// Exposure time of the first frame.
 const BEGIN_NS: u64 = 5_000_000_000;
 
-/// One frame's messages, before they are written.
+/// Messages of one frame, before they are written.
 struct Shot<'a> {
-    /// From 1.
+    /// Frame number, from 1.
     number: u64,
     header: FrameHeader,
     bytes: &'a [u8],
@@ -40,23 +41,23 @@ struct Shot<'a> {
 
 type MaskMaker = fn(&[u8]) -> Vec<u8>;
 
-/// What is recorded, and how.
+/// Content and format of a test recording.
 struct Making<'a> {
     settings: &'a str,
     render: RenderOptions,
     compression: Compression,
-    /// `png`, `jpeg`, or as they are.
+    /// `png`, `jpeg`, or raw.
     images: &'a str,
     cpu: Option<&'a str>,
-    /// Which frames extract sees, by number.
+    /// Selects the frames that extract processes, by number.
     seen: fn(u64) -> bool,
-    /// Which of these fit is sent.
+    /// Selects those of them that fit receives.
     sent: fn(u64) -> bool,
     /// Makes a mask of a frame's bytes.
     mask: Option<MaskMaker>,
-    /// Before which frame extract and fit are restarted.
+    /// Number of the frame before which extract and fit are restarted.
     again: Option<u64>,
-    /// What happens to a frame's messages on their way into the recording.
+    /// Changes a frame's messages on their way into the recording.
     change: &'a dyn Fn(&mut Shot),
 }
 

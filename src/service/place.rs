@@ -1,4 +1,4 @@
-//! Where the unit and the settings lie: of the machine, of a user, of a package.
+//! Locations of the unit and the settings: for the machine, for a user, or for a package.
 
 use std::env;
 use std::fs;
@@ -12,17 +12,17 @@ use lariat_wire::Rig;
 
 use super::unit;
 
-/// The users that logind takes for people (`SYS_UID_MAX` of Debian and Fedora, and one).
+/// First user number of a person, for logind (`SYS_UID_MAX` of Debian and Fedora, plus one).
 const FIRST_PERSON: u32 = 1000;
 
 pub(super) struct Place {
-    /// Where `install` writes the unit.
+    /// File that `install` writes the unit to.
     pub(super) unit: PathBuf,
-    /// Where a package has put one.
+    /// File of a unit that a package has installed.
     pub(super) of_package: Option<PathBuf>,
-    /// The folder of the settings, a file for each rig.
+    /// Folder of the settings, with a file for each rig.
     settings: PathBuf,
-    /// What the unit starts.
+    /// Program that the unit starts.
     pub(super) program: PathBuf,
 }
 
@@ -64,7 +64,7 @@ impl Place {
         self.settings.join(format!("{rig}.toml"))
     }
 
-    /// The other rigs that systemd starts by this unit.
+    /// Other rigs that systemd starts with this unit.
     pub(super) fn enabled(&self, but: &Rig) -> Vec<String> {
         let folders = self.unit.parent().map(fs::read_dir);
         let wants = folders.into_iter().flatten().flatten().flatten();
@@ -87,7 +87,7 @@ fn own_program() -> Result<PathBuf> {
     env::current_exe().context("the path of this program is not known")
 }
 
-/// Asks whether there is such a user, who can start this program; says what that user's service has to mind.
+/// Checks that the user exists and can start this program. Returns advice on that user's service.
 pub(super) fn require_user_can_run(user: &str, program: &Path) -> Result<String> {
     let output = Command::new("id").args(["-u", "--", user]).output();
     let output = output.context("`id` cannot be started")?;
@@ -114,7 +114,7 @@ pub(super) fn require_user_can_run(user: &str, program: &Path) -> Result<String>
             closed.display()
         );
     }
-    // logind's RemoveIPC= takes the shared memory of people, not of the system's users.
+    // logind's RemoveIPC= removes the shared memory of people, but not of system users.
     Ok(match uid < FIRST_PERSON {
         true => String::new(),
         false => format!(

@@ -1,4 +1,4 @@
-//! The unit's text.
+//! Text of the unit.
 
 use std::path::Path;
 
@@ -6,23 +6,24 @@ use anyhow::Result;
 use lariat_chain::exit::wrong_use;
 use lariat_wire::Rig;
 
-/// The template's file name; the rig comes behind the `@`.
+/// File name of the template; the rig's name follows the `@`.
 pub(super) const NAME: &str = "lariat@.service";
 
-/// By what a unit of lariat's is known.
+/// First line, which identifies a unit of lariat.
 pub(super) const HEAD: &str = "# Written by `lariat service install`, which writes it again.";
 
-/// The name under which systemd knows a rig's chain.
+/// Name of a rig's chain in systemd.
 pub(super) fn instance(rig: &Rig) -> String {
     format!("lariat@{rig}")
 }
 
-/// The rig whose chain has this name.
+/// Rig of the chain with this unit name.
 pub(super) fn rig_of(name: &str) -> Option<&str> {
     name.strip_prefix("lariat@")?.strip_suffix(".service")
 }
 
-/// The template. `run_as`: the user of a service of the whole machine; `None` for one of a user's own.
+/// Returns the text of the template. `run_as`: user of a service of the whole machine; `None` for a
+/// user's own service.
 pub(super) fn text(program: &Path, run_as: Option<&str>) -> Result<String> {
     let Some(program) = program
         .to_str()
@@ -37,7 +38,7 @@ pub(super) fn text(program: &Path, run_as: Option<&str>) -> Result<String> {
     if let Some(user) = run_as.filter(|user| user.is_empty() || !user.chars().all(is_plain)) {
         wrong_use!("{user:?} is not a user name: it has letters, digits, `_`, `-` and `.`");
     }
-    // Its own specifiers and variables begin with these.
+    // systemd's own specifiers and variables begin with these characters.
     let program = program.replace('%', "%%").replace('$', "$$");
     let program = match program.contains(' ') {
         true => format!("\"{program}\""),
@@ -106,7 +107,7 @@ User=USER
 SupplementaryGroups=video
 ";
 
-/// What a user's own systemd has no right to.
+/// Restrictions that a user's own systemd has no right to set.
 const MACHINE_FENCES: &str = "\
 ReadWritePaths=/tmp
 ProtectSystem=strict

@@ -1,4 +1,4 @@
-//! `lariat topic bw`: how many megabytes a second pass on a channel.
+//! `lariat topic bw`: megabytes per second on a channel.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use super::rate::Pace;
 use super::watch::Meter;
 use crate::versioned::Versioned;
 
-/// The figures since the last report.
+/// Figures since the last report.
 pub(super) struct Bandwidth {
     channel: ChannelName,
     pace: Pace,
@@ -23,7 +23,7 @@ pub(super) struct Bandwidth {
     bytes: u64,
     least: Option<usize>,
     most: Option<usize>,
-    /// How far the writer's counter and its clock went.
+    /// Advance of the writer's counter and of its clock.
     sent: u64,
     span_ns: u64,
 }
@@ -48,11 +48,11 @@ impl Bandwidth {
 struct Figures<'a> {
     rig: &'a str,
     channel: &'static str,
-    /// That were read here.
+    /// Number of messages read here.
     messages: u64,
-    /// Sent, in 10⁶ bytes a second.
+    /// Sent, in 10⁶ bytes per second.
     mb_per_s: Option<f64>,
-    /// Sent a second.
+    /// Messages sent per second.
     hz: Option<f64>,
     message_bytes: Size,
 }

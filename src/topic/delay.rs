@@ -1,7 +1,8 @@
-//! `lariat topic delay`: how long frames are under way, and how long each step of it takes.
+//! `lariat topic delay`: the latency of frames, in total and for each step.
 //!
-//! Descriptors carry the stamps of all stages, so that one look at them tells the whole way, whenever it is. Only how long
-//! a message takes into a reader's hands cannot be told so: `--in-hand` waits for each, as a control loop does.
+//! Descriptors carry the stamps of all stages, so they give all steps whenever they are read. The
+//! time until a reader has a message is the exception: `--in-hand` waits for each message, as a
+//! control loop does.
 
 use std::time::Duration;
 
@@ -14,10 +15,10 @@ use super::probe::Any;
 use super::watch::Meter;
 use crate::versioned::Versioned;
 
-/// All since the start: percentiles need their time.
+/// Times since the start, because percentiles need many samples.
 pub(super) struct Delay {
     is_in_hand: bool,
-    /// The newest one is given to a late reader, however old it is.
+    /// True before the first message, which may be arbitrarily old for a late reader.
     first: bool,
     messages: u64,
     steps: Vec<(Step, Times)>,
@@ -37,7 +38,7 @@ impl Delay {
     }
 }
 
-/// The name of a step in JSON, as in a report's `summary.json`.
+/// Name of a step in JSON, as in a report's `summary.json`.
 fn key(step: Step) -> &'static str {
     match step {
         Step::Received => "total",
@@ -57,17 +58,17 @@ struct Figures<'a> {
     channel: &'static str,
     messages: u64,
     latency_us: Steps<'a>,
-    /// Of a rig that a bridge brings here: by how much its stamps may be off.
+    /// Possible error of the stamps, for a rig that a bridge brings here.
     #[serde(skip_serializing_if = "Option::is_none")]
     clock_bound_us: Option<f64>,
 }
 
-/// By how much the rig's stamps may be off, µs, if a bridge brings it here.
+/// Possible error of the rig's stamps in µs, if a bridge brings the rig here.
 fn clock_bound_us(rig: &Rig) -> Option<f64> {
     lariat_view::clock_bound_us(&members().ok()?, rig)
 }
 
-/// An object with a key a step, in the order of the way.
+/// An object with one key for each step, in order.
 struct Steps<'a>(&'a [(Step, Times)]);
 
 impl Serialize for Steps<'_> {

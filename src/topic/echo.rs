@@ -1,4 +1,5 @@
-//! `lariat topic echo`: the messages of a channel as text, or as JSON with every field but a frame's pixels.
+//! `lariat topic echo`: prints the messages of a channel as text, or as JSON with every field
+//! except a frame's pixels.
 
 mod json;
 mod text;
@@ -14,13 +15,13 @@ use super::ChannelName;
 use super::probe::Any;
 use super::watch::Meter;
 
-/// Prints what comes.
+/// Prints messages.
 pub(super) struct Echo {
     channel: ChannelName,
     json: bool,
-    /// How many more are to be printed; `None`: as many as come.
+    /// Number of messages still to print; `None` for all that come.
     left: Option<u64>,
-    /// Low confidence is yellow.
+    /// True if low confidence is printed in yellow.
     has_colours: bool,
 }
 
@@ -36,7 +37,7 @@ impl Echo {
 }
 
 impl Meter for Echo {
-    /// A line is to be there when its message is, and a rig that rests wakes nobody.
+    /// A line must appear together with its message, and an idle rig wakes nobody.
     fn is_woken(&self) -> bool {
         true
     }

@@ -1,4 +1,5 @@
-//! `lariat topic list`: the rigs of this machine, their channels, and who is at the ends of each.
+//! `lariat topic list`: the rigs of this machine, their channels, and the processes at the ends of
+//! each.
 
 use std::process::ExitCode;
 
@@ -28,26 +29,26 @@ struct RigEntry<'a> {
 #[derive(Serialize)]
 struct Entry<'a> {
     channel: &'static str,
-    /// The type of its messages, and their version.
+    /// Type and version of its messages.
     message: &'a str,
     version: Option<u32>,
-    /// Whether this release reads them. If not, what follows cannot be told.
+    /// True if this release can read it. Otherwise the following fields are unknown.
     readable: bool,
     writer: Option<Process<'a>>,
     readers: Option<Vec<Process<'a>>>,
     most_readers: usize,
-    /// Messages that may wait for a reader.
+    /// Number of messages that can wait for a reader.
     buffer: usize,
-    /// Messages that there is room for, and the largest one's bytes.
+    /// Number of messages that there is room for, and size of the largest one in bytes.
     slots: Option<usize>,
     message_bytes: Option<usize>,
-    /// What all of it takes in shared memory.
+    /// Total size in shared memory.
     shared_bytes: Option<u64>,
 }
 
 #[derive(Serialize)]
 struct Process<'a> {
-    /// Which stage it is, if it is one.
+    /// Name of its stage, if it is one.
     stage: Option<&'a str>,
     pid: u32,
 }
@@ -81,7 +82,7 @@ pub(super) fn run(args: &ListArgs) -> Result<ExitCode> {
         as_table(&rigs(&shown, &members))
     };
     print(&text)?;
-    // As with devices: a script can tell an empty list by the status, too.
+    // As with `devices`, scripts can recognize an empty list by the status.
     Ok(match shown.is_empty() {
         true => ExitCode::FAILURE,
         false => ExitCode::SUCCESS,
@@ -109,7 +110,7 @@ impl<'a> Entry<'a> {
         let usual = match state.channel {
             "frames" | "truth" => "capture",
             "centerlines" => "extract",
-            // A controller is no stage.
+            // A controller is not a stage.
             "commands" => "",
             _ => "fit",
         };
@@ -134,7 +135,8 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// What a process is on a rig. One that is several stages (`--fuse`) is the usual one for its end of the channel.
+/// Stage of a process on a rig. A process with several stages (`--fuse`) counts as the usual stage
+/// for its end of the channel.
 fn stage_of<'a>(pid: u32, rig: &str, usual: &str, members: &'a [Member]) -> Option<&'a str> {
     let of_process = || {
         members
@@ -151,7 +153,7 @@ fn stage_of<'a>(pid: u32, rig: &str, usual: &str, members: &'a [Member]) -> Opti
     }
 }
 
-/// `u8 with lariat.FrameHeader.v1` is `lariat.FrameHeader` of version 1.
+/// Splits a type name: `u8 with lariat.FrameHeader.v1` is `lariat.FrameHeader`, version 1.
 fn name_and_version(types: &str) -> (&str, Option<u32>) {
     let name = types.rsplit(' ').next().unwrap_or(types);
     match name.rsplit_once(".v") {
@@ -219,7 +221,7 @@ fn row(entry: &Entry) -> Vec<String> {
     ]
 }
 
-/// What there is to say of a channel below its row.
+/// Remarks below a channel's row.
 fn below(entry: &Entry, width: usize) -> String {
     let mut text = String::new();
     let mut add = |sentence: &str| text += &format!("    {}\n", hanging(sentence, 4, width));

@@ -1,25 +1,27 @@
-//! How long a reader that is not woken may be away before it looks again.
+//! Poll interval of a reader that is not woken.
 
 use std::time::Duration;
 
-/// Below this a poll_interval is mostly the waking up: such a channel is read at the price of some losses, which are said.
+/// Shortest interval. A shorter one is mostly wake-up time, so a faster channel loses some
+/// messages, which is reported.
 const SHORTEST: Duration = Duration::from_micros(250);
-/// Twenty looks a second cost nothing, and a slow channel need not wait longer.
+/// Longest interval. Twenty polls a second cost nothing, and a slow channel needs no longer
+/// interval.
 const LONGEST: Duration = Duration::from_millis(50);
-/// So that a fast channel does not overflow before its pace is known.
+/// First interval, short enough that a fast channel does not overflow before its rate is known.
 const FIRST: Duration = Duration::from_millis(1);
 
-/// A poll_interval whose length follows the channel: a buffer should be a quarter full when it ends, so that one that lasts four
-/// times too long loses nothing.
+/// Poll interval that follows the rate of the channel. The buffer should be a quarter full at each
+/// poll, so that an interval four times too long still loses nothing.
 #[derive(Debug)]
 pub(super) struct PollInterval {
-    /// Messages that may wait.
+    /// Number of messages that can wait.
     buffer: usize,
     length: Duration,
 }
 
 impl PollInterval {
-    /// For a channel on which so many messages may wait.
+    /// Makes the interval of a channel on which this many messages can wait.
     pub(super) fn new(buffer: usize) -> Self {
         Self {
             buffer,
@@ -27,7 +29,8 @@ impl PollInterval {
         }
     }
 
-    /// So many messages had come when the last poll_interval ended. Returns how long the next one may be.
+    /// Takes the number of messages that came during the last interval. Returns the length of the
+    /// next one.
     pub(super) fn after(&mut self, came: usize) -> Duration {
         let length = if 2 * came > self.buffer {
             self.length / 2
@@ -45,7 +48,8 @@ impl PollInterval {
 mod tests {
     use super::*;
 
-    /// The messages that overflow a buffer in the second that follows the first, and polls in it.
+    /// Counts the messages that overflow a buffer between 1 s and 2 s, and the polls in that
+    /// second.
     fn lost(buffer: usize, per_s: f64) -> (usize, usize) {
         let (mut poll_interval, mut now_s, mut seen) = (PollInterval::new(buffer), 0.0, 0_usize);
         let (mut lost, mut polls, mut came) = (0, 0, 0);

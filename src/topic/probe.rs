@@ -1,4 +1,4 @@
-//! A reader of any of the channels, and what a message of any of them has in common with the others.
+//! A reader of any channel, and the common properties of messages of all channels.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use super::poll_interval::PollInterval;
 use super::{ChannelName, Place, with_a_hint};
 use lariat_chain::stop::Stop;
 
-/// A message of some channel.
+/// A message of any channel.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Any<'a> {
     Image(&'a FrameHeader, &'a [u8]),
@@ -33,18 +33,18 @@ impl Any<'_> {
         }
     }
 
-    /// Whether the source had no image to give.
+    /// Returns whether the source had no image to give.
     pub(super) fn is_blank(&self) -> bool {
         match self {
             Self::Image(header, _) => header.is_blank(),
             Self::Centerlines(message) => message.width == 0,
             Self::Descriptors(message) => message.width == 0,
-            // It does not say.
+            // The message does not say.
             Self::Descriptors3(_) => false,
         }
     }
 
-    /// Bytes of the message, with what stands beside it.
+    /// Size of the message in bytes; an image includes its header.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Image(_, pixels) => size_of::<FrameHeader>() + pixels.len(),
@@ -62,16 +62,16 @@ enum Reader {
     Descriptors3(Receiver<Descriptors3>),
 }
 
-/// A reader of the channel that is looked at.
+/// Reader of the inspected channel.
 pub(super) struct Probe {
     reader: Reader,
-    /// Of one that is not woken.
+    /// Poll interval of a reader that is not woken.
     poll_interval: Option<PollInterval>,
     came: usize,
 }
 
 impl Probe {
-    /// Becomes a reader of the channel as it is. `woken`: by each message.
+    /// Opens a reader of the existing channel. `woken`: each message wakes it.
     pub(super) fn open(place: &Place, woken: bool, buffer: usize) -> Result<Self> {
         let Place { domain, rig, .. } = place;
         let reader = match place.channel {
@@ -97,7 +97,8 @@ impl Probe {
         })
     }
 
-    /// Hands over the oldest message that waits, with the moment it was in hand; `None` if none does.
+    /// Passes the oldest waiting message to `see`, with the time at which it was received; `None`
+    /// if no message waits.
     pub(super) fn next<T>(
         &mut self,
         see: impl FnOnce(Any, u64) -> T,
@@ -120,7 +121,7 @@ impl Probe {
         Ok(seen)
     }
 
-    /// Sleeps until it is time to look again, until the deadline, or until a signal came.
+    /// Sleeps until the next poll, the deadline, or a signal.
     pub(super) fn sleep(&mut self, deadline: Instant, stop: &Stop) -> Result<(), WireError> {
         let came = std::mem::take(&mut self.came);
         if let Some(poll_interval) = &mut self.poll_interval {
@@ -138,7 +139,7 @@ impl Probe {
     }
 }
 
-/// Sleeps for so long, or until a signal came.
+/// Sleeps for this long, or until a signal comes.
 pub(super) fn sleep_for(time: Duration, stop: &Stop) {
     let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
     stop.sleep_until(now_ns().saturating_add(ns));

@@ -1,7 +1,7 @@
-//! `lariat topic hz`: how many messages a second, how evenly, and what was lost.
+//! `lariat topic hz`: the rate of messages, its regularity, and losses.
 //!
-//! By the stamps and counters of whoever sent them, not by when they are read here: a reader that is late, or misses some,
-//! sees the same rate.
+//! All figures come from the senders' stamps and counters, not from the time of reading. A reader
+//! that is late or misses some messages finds the same rate.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use super::probe::Any;
 use super::watch::Meter;
 use crate::versioned::Versioned;
 
-/// The counter and the stamp that the channel's writer gives its messages.
+/// Counter and stamp that the channel's writer gives its messages.
 fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     match channel {
         // A mask and a depth image have those of their frame.
@@ -30,20 +30,20 @@ fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     }
 }
 
-/// How far a writer's counter and its clock have gone from one message that is read to the next.
+/// Advance of a writer's counter and clock from one message read to the next.
 #[derive(Debug, Default)]
 pub(super) struct Pace(Option<(u64, u64)>);
 
 impl Pace {
-    /// Messages sent since the last one, this one included, and the nanoseconds between the two; `None` for the first,
-    /// and where a stage began again.
+    /// Number of messages sent since the last one, including this one, and the nanoseconds between
+    /// the two. `None` for the first message, and after a restart of the stage.
     pub(super) fn step(&mut self, channel: ChannelName, trace: &Trace) -> Option<(u64, u64)> {
         let (count, stamp_ns) = count_and_stamp(channel, trace);
         let (count_before, before_ns) = self.0.replace((count, stamp_ns))?;
         if count <= count_before || stamp_ns <= before_ns {
             return None;
         }
-        // Whoever makes masks need not make one of every frame, and does not count them.
+        // There may be frames without a mask, and masks are not counted.
         let sent = match channel {
             ChannelName::Masks | ChannelName::Depth => 1,
             _ => count - count_before,
@@ -52,11 +52,11 @@ impl Pace {
     }
 }
 
-/// A trace as if the frame's way ended with this channel: what a ledger then takes for lost behind the last stage is what
-/// was sent and not read here.
+/// Returns a trace that ends with this channel. A ledger then counts what was sent but not read
+/// here as lost after the last stage.
 fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
     if matches!(channel, ChannelName::Masks | ChannelName::Depth) {
-        // Which were not made and which were not read cannot be told apart.
+        // A mask that was not made cannot be told from one that was not read.
         let count = received + 1;
         return Trace {
             sequence: count,
@@ -82,11 +82,11 @@ fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
     }
 }
 
-/// The figures since the last report.
+/// Figures since the last report.
 pub(super) struct Rate {
     channel: ChannelName,
     ledger: Ledger,
-    /// Frames lost up to the last report.
+    /// Frames lost before the last report.
     lost_before: Lost,
     pace: Pace,
     table: Titled,
@@ -96,10 +96,11 @@ pub(super) struct Rate {
 #[derive(Default)]
 struct Intervals {
     messages: u64,
-    /// How far the writer's counter and its clock went.
+    /// Advance of the writer's counter and of its clock.
     sent: u64,
     span_ns: u64,
-    /// Between messages that were sent one after the other, and both read: number, sum and sum of squares (s).
+    /// Intervals between consecutive messages that were both read: number, sum and sum of squares
+    /// (s).
     count: u64,
     sum_s: f64,
     squares_s2: f64,
@@ -108,12 +109,12 @@ struct Intervals {
     unsure: Unsure,
 }
 
-/// Ropes in messages of descriptors that no loop should steer by.
+/// Number of ropes in descriptors that a control loop should not use.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 struct Unsure {
-    /// Whose curve does not lie on them.
+    /// Ropes with a curve that does not fit their points.
     coarse: u64,
-    /// That may be none.
+    /// Ropes that may be false.
     doubtful: u64,
 }
 
@@ -125,7 +126,7 @@ impl Unsure {
         }
     }
 
-    /// As a line; nothing if all are well.
+    /// Formats a line; empty if all ropes are good.
     fn line(self) -> String {
         match self {
             Self {
@@ -198,9 +199,9 @@ impl Rate {
 struct Figures<'a> {
     rig: &'a str,
     channel: &'static str,
-    /// That were read here.
+    /// Number of messages read here.
     messages: u64,
-    /// Sent a second.
+    /// Messages sent per second.
     hz: Option<f64>,
     interval_ms: Spread,
     lost: LostHere,
@@ -208,17 +209,18 @@ struct Figures<'a> {
     ropes: Option<Unsure>,
 }
 
-/// Of the intervals between messages.
+/// Statistics of the intervals between messages.
 #[derive(Serialize)]
 struct Spread {
     mean: Option<f64>,
     min: Option<f64>,
     max: Option<f64>,
-    /// Their standard deviation.
+    /// Standard deviation of the intervals.
     jitter: Option<f64>,
 }
 
-/// Frames lost: at the source, after capture, after extract, on the way from another machine, and between the channel and this reader.
+/// Frames lost: at the source, after capture, after extract, on the way from another machine, and
+/// between the channel and this reader.
 #[derive(Serialize)]
 struct LostHere {
     source: u64,
@@ -252,7 +254,7 @@ impl Meter for Rate {
         if let Some((sent, ns)) = step {
             seen.sent += sent;
             seen.span_ns += ns;
-            // Between two of which one was not read lies no interval.
+            // A message that was not read leaves no interval.
             if sent == 1 {
                 let s = ns as f64 / 1e9;
                 seen.count += 1;
@@ -299,7 +301,7 @@ mod tests {
     use super::*;
     use lariat_wire::Centerlines;
 
-    /// When all of these messages have come.
+    /// Time at which all of these messages have come.
     const LATER_NS: u64 = 1_000_000_000;
 
     fn shape(
@@ -328,7 +330,7 @@ mod tests {
     #[test]
     fn the_rate_is_the_writers_however_many_of_its_messages_are_read() {
         let mut rate = Rate::new(ChannelName::Descriptors);
-        // Every 10 ms; one that was sent is not read here, one came 2 ms late.
+        // Messages come every 10 ms; one is not read here, and one came 2 ms late.
         for (fitted, ms) in [(5, 100), (6, 110), (8, 130), (9, 142), (10, 150)] {
             let message = shape(fitted, fitted, fitted, fitted, ms);
             rate.see(Any::Descriptors(&message), LATER_NS)
@@ -345,7 +347,7 @@ mod tests {
             (&interval["min"], &interval["max"]),
             (&8.0.into(), &12.0.into())
         );
-        // 10, 12 and 8 ms: the gap is no interval.
+        // Intervals of 10, 12 and 8 ms; the gap does not count as one.
         let jitter = interval["jitter"].as_f64().expect("a figure");
         assert!((jitter - (8.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{jitter}");
     }

@@ -1,4 +1,4 @@
-//! Following a channel: as long as it is wanted, over restarts of the chain, to the end of a pipe.
+//! Follows a channel across restarts of the chain, until the requested end or the end of the pipe.
 
 use std::io;
 use std::os::fd::AsFd;
@@ -14,28 +14,30 @@ use super::{CommonArgs, Place};
 use lariat_chain::output::print;
 use lariat_chain::stop::Stop;
 
-/// How often it is looked whether the writer is still there, and whether anyone still reads what is printed.
+/// Interval between checks that the writer still exists and that somebody still reads the output.
 const CHECK: Duration = Duration::from_millis(500);
-/// How often a writer is looked for that is not there.
+/// Interval between searches for a missing writer.
 const SEARCH: Duration = Duration::from_millis(100);
 
-/// What is made of the messages.
+/// Evaluates the messages of a channel.
 pub(super) trait Meter {
-    /// Whether each message is to be in hand at once, though its writer has to wake this process.
+    /// Returns whether each message is to be received at once, although its writer then has to wake
+    /// this process.
     fn is_woken(&self) -> bool;
-    /// How often [`report`](Self::report) is due; `None`: only at the end.
+    /// Period of [`report`](Self::report); `None` for one report at the end.
     fn period(&self) -> Option<Duration>;
-    /// A message, in hand at this moment of `CLOCK_MONOTONIC`. What it returns is printed.
+    /// Takes a message that was received at this time of `CLOCK_MONOTONIC`. The returned text is
+    /// printed.
     fn see(&mut self, message: Any, now_ns: u64) -> Result<String>;
-    /// Whether enough has been seen.
+    /// Returns whether enough messages have been read.
     fn is_done(&self) -> bool {
         false
     }
-    /// What is printed when it is due, and at the end.
+    /// Returns the text to print when a report is due, and at the end.
     fn report(&mut self, rig: &Rig, json: bool) -> Result<String>;
 }
 
-/// Shows the meter what comes until a signal, its time or the end of the pipe.
+/// Passes messages to the meter until a signal, its duration or the end of the pipe.
 pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Result<ExitCode> {
     let stop = Stop::on_signals()?;
     let end = args.duration.map(|time| Instant::now() + time);
@@ -45,7 +47,8 @@ pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Re
     while !stop.asked() && !meter.is_done() && end.is_none_or(|end| Instant::now() < end) {
         if let Some(probe) = link.probe(&meter)? {
             let mut text = String::new();
-            // No more than that at a time: what is due and signals come in between, however fast messages come.
+            // Messages are read in batches, so that reports and signals get their turn however fast
+            // messages come.
             for _ in 0..64 {
                 match probe.next(|message, now_ns| meter.see(message, now_ns))? {
                     Some(seen) => text += &seen?,
@@ -76,11 +79,11 @@ pub(super) fn run(place: &Place, args: &CommonArgs, mut meter: impl Meter) -> Re
     Ok(ExitCode::SUCCESS)
 }
 
-/// The reader, as long as there is a writer.
+/// A reader that exists as long as there is a writer.
 ///
-/// A reader that stays when the writer has gone would keep the channel as it was: a chain that is restarted with
-/// another delivery, or of another release, would be refused for its sake. So it goes with the writer, and comes back with
-/// the next one.
+/// A reader that stays after the writer has gone would keep the channel as it was. A chain
+/// restarted with another delivery, or from another release, would be refused. The reader therefore
+/// leaves with the writer and returns with the next one.
 struct Link<'p> {
     place: &'p Place,
     probe: Option<Probe>,
@@ -102,7 +105,7 @@ impl<'p> Link<'p> {
         self.probe.is_none() || self.checked.is_none_or(|at| at.elapsed() >= CHECK)
     }
 
-    /// The reader, if there is a writer.
+    /// Returns the reader, if there is a writer.
     fn probe(&mut self, meter: &impl Meter) -> Result<Option<&mut Probe>> {
         if !self.is_check_due() {
             return Ok(self.probe.as_mut());
@@ -110,7 +113,7 @@ impl<'p> Link<'p> {
         self.checked = Some(Instant::now());
         let state = self.place.state();
         let is_written = state.as_ref().is_some_and(|state| {
-            // Of another version: opening it says so.
+            // The channel has another version; opening it reports that.
             state.ends.as_ref().is_none_or(|ends| ends.writer.is_some())
         });
         match state {
@@ -158,7 +161,7 @@ impl<'p> Link<'p> {
     }
 }
 
-/// Whether standard output still has someone at its other end.
+/// Returns whether standard output still has a reader.
 fn is_read() -> bool {
     let out = io::stdout();
     let mut polled = [PollFd::from_borrowed_fd(out.as_fd(), PollFlags::empty())];

@@ -1,4 +1,4 @@
-//! Frames of a video, a recording or standard input, each as a picture with a name.
+//! Frames of a video, a recording or standard input, each as a named picture.
 
 use crate::trace::TraceArgs;
 use anyhow::{Context, Result};
@@ -8,31 +8,31 @@ use lariat_chain::pipeline::Schedule;
 use lariat_chain::settings::Settings;
 use std::path::{Path, PathBuf};
 
-/// Whether a path is that of many frames in one.
+/// Returns whether a path names a source of many frames.
 pub(super) fn names_frames(path: &Path) -> bool {
     path == Path::new("-") || names_a_recording(path) || (names_a_video(path) && !path.is_dir())
 }
 
-/// A picture that is shown.
+/// A picture to trace.
 pub(super) struct Shown {
     pub(super) name: PathBuf,
     pub(super) picture: Picture,
-    /// When it was exposed, if that is known.
+    /// Exposure time, if known.
     pub(super) exposed_ns: Option<u64>,
-    /// How long after the first it comes at its source's own pace, if that has one.
+    /// Time after the first picture, if the source has its own pace.
     pub(super) after_ns: Option<u64>,
 }
 
-/// A picture, or frame after frame.
+/// A picture, or a sequence of frames.
 pub(super) enum Input {
-    /// A picture file; none when it has been read.
+    /// A picture file; `None` once it has been read.
     File(Option<PathBuf>),
     Frames(Frames),
 }
 
 impl Input {
     /// # Errors
-    /// A source of frames that cannot be opened, or does not have what is asked of it.
+    /// Returns an error if a source of frames cannot be opened or lacks the requested part.
     pub(super) fn open(path: &Path, args: &TraceArgs) -> Result<Self> {
         if !names_frames(path) {
             return Ok(Self::File(Some(path.to_owned())));
@@ -45,7 +45,7 @@ impl Input {
         }))
     }
 
-    /// When its pictures come, if they go on from each other; once.
+    /// Returns the schedule of the pictures if they form a sequence, but only once.
     pub(super) fn take_schedule(&mut self) -> Option<Schedule> {
         match self {
             Self::File(_) => None,
@@ -53,10 +53,10 @@ impl Input {
         }
     }
 
-    /// The next picture; `None` at the end. `complain`: is told of what is lost.
+    /// Returns the next picture, or `None` at the end. `complain` gets warnings about lost frames.
     ///
     /// # Errors
-    /// What ends it.
+    /// Returns the error that ends the input.
     pub(super) fn next(
         &mut self,
         complain: &mut impl FnMut(anyhow::Error),
@@ -85,7 +85,8 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// A frame is called by its number in the part that is shown, as if the source were a folder.
+    /// Returns the next frame as a picture. Its name is its number in the traced part, as if the
+    /// source were a folder.
     fn next(&mut self, complain: &mut impl FnMut(anyhow::Error)) -> Result<Option<Shown>> {
         loop {
             let frame = self.source.next();
@@ -99,7 +100,7 @@ impl Frames {
             let Some(frame) = frame else {
                 return Ok(None);
             };
-            // A camera that was silent when it was recorded.
+            // The camera was silent when this was recorded.
             if frame.width == 0 || frame.height == 0 {
                 continue;
             }

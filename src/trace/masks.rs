@@ -1,4 +1,4 @@
-//! Masks from elsewhere, as pictures in a folder: each of the name of the picture it belongs to.
+//! External masks: pictures in a folder, each named after its picture.
 
 mod scale;
 
@@ -8,8 +8,8 @@ use lariat_extract::{Image, PixelFormat, mask_levels};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// The words that may follow a picture's name in its mask's name, behind a point, a dash or an underscore. Other words and
-/// numbers may belong to another picture's name.
+/// Words that may follow a picture's name in its mask's name, after a dot, a dash or an underscore.
+/// Other words and numbers may belong to another picture's name.
 const SUFFIXES: [&str; 16] = [
     "mask",
     "masks",
@@ -32,43 +32,43 @@ const SUFFIXES: [&str; 16] = [
 /// A folder of masks.
 pub(super) struct Masks {
     folder: PathBuf,
-    /// The pictures in it.
+    /// Pictures in the folder.
     files: Vec<PathBuf>,
-    /// True if masks are cut by their own histograms.
+    /// True if each mask is thresholded by its own histogram.
     chooses_level: bool,
-    /// The notices so far: the masks of a folder are mostly of one kind.
+    /// Notices so far. The masks of a folder are mostly of one kind, so a notice is given once.
     said: RefCell<Vec<String>>,
 }
 
-/// A mask as extraction takes it.
+/// A mask as extraction accepts it.
 pub(super) struct MaskOf {
     pub(super) path: PathBuf,
     size: [u32; 2],
     levels: Vec<u8>,
-    /// New conclusions from its bytes.
+    /// Notices about this mask that are new.
     pub(super) news: Vec<String>,
 }
 
 impl MaskOf {
     /// # Errors
-    /// It is larger than extraction takes.
+    /// Returns an error if the mask is larger than extraction accepts.
     pub(super) fn image(&self) -> Result<Image<'_>> {
         let [width, height] = self.size.map(|side| side as usize);
         let image = Image::new(&self.levels, width, height, width, PixelFormat::Gray8);
         image.with_context(|| self.path.display().to_string())
     }
 
-    /// The largest of its levels.
+    /// Brightest level of the mask.
     pub(super) fn brightest(&self) -> u8 {
         self.levels.iter().copied().max().unwrap_or(0)
     }
 }
 
 impl Masks {
-    /// `chooses_level`: whether each mask is cut by its own histogram.
+    /// Opens a folder of masks. `chooses_level`: each mask is thresholded by its own histogram.
     ///
     /// # Errors
-    /// There is no such folder.
+    /// Returns an error if there is no such folder.
     pub(super) fn new(folder: &Path, chooses_level: bool) -> Result<Self> {
         if !folder.is_dir() {
             bail!(
@@ -94,12 +94,13 @@ impl Masks {
         })
     }
 
-    /// The file of the mask of the picture at `path`, if there is exactly one.
+    /// Returns the mask file of the picture at `path`, if there is exactly one.
     pub(super) fn name(&self, path: &Path) -> Option<PathBuf> {
         self.find(path).ok()
     }
 
-    /// The one file with the picture's name, or else the one with a word of [`SUFFIXES`] behind it.
+    /// Finds the one file with the picture's name, or otherwise the one with a word of [`SUFFIXES`]
+    /// after it.
     fn find(&self, path: &Path) -> Result<PathBuf> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let whole = path.file_name().unwrap_or_default().to_string_lossy();
@@ -113,7 +114,7 @@ impl Masks {
             let rest = rest.and_then(|rest| rest.strip_prefix(['.', '_', '-']));
             rest.is_some_and(|rest| SUFFIXES.contains(&rest.to_ascii_lowercase().as_str()))
         };
-        // Pictures and masks may lie in one folder.
+        // Pictures and masks may be in the same folder.
         let itself = path.canonicalize().ok();
         let is_itself = |file: &Path| itself.is_some() && file.canonicalize().ok() == itself;
         let with = |is_it: &dyn Fn(&Path) -> bool| -> Vec<&PathBuf> {
@@ -142,10 +143,11 @@ impl Masks {
         }
     }
 
-    /// The mask of the picture at `path`, which has so many pixels.
+    /// Reads the mask of the picture at `path`, which has this size.
     ///
     /// # Errors
-    /// It is missing, not a picture, or not a mask of that picture.
+    /// Returns an error if the mask is missing, is not a picture, or does not belong to that
+    /// picture.
     pub(super) fn of(&self, path: &Path, size: [u32; 2]) -> Result<MaskOf> {
         let file = self.find(path)?;
         let about = || file.display().to_string();

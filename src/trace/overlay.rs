@@ -1,5 +1,5 @@
-//! Pictures to judge a trace by eye: the curve, the points it was fitted to and its control polygon, drawn over the
-//! picture.
+//! Pictures for judging a trace by eye: the curve, its points and its control polygon, drawn over
+//! the picture.
 
 use crate::descriptor_json::{Descriptor, Quality};
 use crate::trace::frames::Shown;
@@ -15,26 +15,28 @@ use lariat_record::rope_color;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// Color of a curve that is not to be steered by: it does not lie on its points, or may not be a rope.
+/// Color of a curve that a control loop should not use: it does not fit its points, or may not be a
+/// rope.
 const UNTRUSTED: [u8; 3] = [225, 0, 40];
 
 const DARK: [u8; 3] = [20, 20, 20];
 const LIGHT: [u8; 3] = [255, 255, 255];
 
-/// The folder that overlays go to.
+/// Output folder of the overlays.
 pub(super) struct Overlays {
     folder: OutputFolder,
     existing: Existing,
     taken: HashSet<String>,
-    /// What is read, and no overlay may replace.
+    /// Input files, which an overlay must not replace.
     inputs: Vec<PathBuf>,
 }
 
 impl Overlays {
-    /// Makes the folder.
+    /// Creates the folder.
     ///
     /// # Errors
-    /// It cannot be made or written to, or there is an overlay already, and it is to be kept.
+    /// Returns an error if the folder cannot be created or written to, or if it has an overlay that
+    /// must be kept.
     pub(super) fn new(
         folder: &Path,
         images: &[PathBuf],
@@ -52,10 +54,10 @@ impl Overlays {
         })
     }
 
-    /// Draws what was found over the picture and writes it as a PNG of the same name.
+    /// Draws the result over the picture and writes it as a PNG of the same name.
     ///
     /// # Errors
-    /// The file cannot be written, or would replace one of the pictures.
+    /// Returns an error if the file cannot be written or would replace one of the pictures.
     pub(super) fn write(
         &mut self,
         shown: Shown,
@@ -76,7 +78,7 @@ impl Overlays {
     }
 }
 
-/// The picture's name with `.png`, and a number where two pictures have the same.
+/// The picture's name with `.png`, and with a number if two pictures have the same name.
 fn name(path: &Path, taken: &mut HashSet<String>) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut name = format!("{stem}.png");
@@ -89,7 +91,7 @@ fn name(path: &Path, taken: &mut HashSet<String>) -> String {
 }
 
 fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbImage {
-    // Lines that can be seen in a large picture and do not hide a small one.
+    // Lines are visible in a large picture and do not cover a small one.
     let line_px = (f64::from(picture.width().min(picture.height())) / 240.0).clamp(1.2, 12.0);
     let mut canvas = Canvas::on(picture);
     for (index, curve) in report.curves.iter().enumerate() {
@@ -107,8 +109,8 @@ fn draw(picture: RgbImage, report: &Report, mapping: Option<&Mapping>) -> RgbIma
     canvas.picture
 }
 
-/// From the bottom up: polygon, curve, points, control points, and a ring around the first point.
-/// `mapping` is the way from pixels to where the descriptor's points lie, if they do not lie in the picture.
+/// Draws, from the bottom up: polygon, curve, points, control points, and a ring around the first
+/// point. `mapping`: from pixels to the descriptor's points, if those are not in the picture.
 fn draw_curve(
     canvas: &mut Canvas,
     curve: &CurveReport,
@@ -116,7 +118,7 @@ fn draw_curve(
     line_px: f64,
     mapping: Option<&Mapping>,
 ) {
-    // The coefficients of a Fourier series are no places.
+    // The coefficients of a Fourier series are not positions.
     let control_points = match curve.descriptor.basis {
         "fourier" => &[],
         _ => &curve.descriptor.control_points[..],
@@ -150,7 +152,7 @@ fn draw_curve(
     }
 }
 
-/// Where points are seen: those of them that are.
+/// Maps points to the picture; omits those outside its view.
 fn seen(points: &[[f64; 2]], mapping: Option<&Mapping>) -> Vec<[f64; 2]> {
     match mapping {
         None => points.to_vec(),
@@ -158,7 +160,7 @@ fn seen(points: &[[f64; 2]], mapping: Option<&Mapping>) -> Vec<[f64; 2]> {
     }
 }
 
-/// The curve as a chain of short straight lines: two pixels each, as many as a large picture needs at most.
+/// The curve as a polyline with segments of two pixels, but no more than a large picture needs.
 fn sampled(descriptor: &Descriptor, length_px: f64) -> Vec<[f64; 2]> {
     let Some(curve) = descriptor.curve() else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! What is printed about a picture: a JSON object a line for programs, a table for people.
+//! Output about a picture: a JSON object per line for programs, a table for people.
 
 use crate::descriptor_json::{Descriptor, thousandths};
 use crate::trace::frames::Shown;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// All that is known about one picture. The keys are part of what users build on.
+/// Complete result of one picture. Users rely on these keys.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     pub(super) image: String,
@@ -18,7 +18,7 @@ pub(super) struct Report {
     pub(super) height: u32,
     pub(super) curves: Vec<CurveReport>,
     pub(super) crossings: Vec<CrossingReport>,
-    /// What the automatic mask is unsure of.
+    /// Doubts about the automatic mask.
     pub(super) notices: Vec<NoticeReport>,
     pub(super) timing_us: Timing,
 }
@@ -29,27 +29,27 @@ pub(super) struct CurveReport {
     pub(super) track: u32,
     pub(super) status: &'static str,
     pub(super) closed: bool,
-    /// Whether the first and the last point lie where the rope leaves the image.
+    /// True where the rope leaves the image at its first and its last point.
     pub(super) border: [bool; 2],
-    /// How sure it is that it is a rope, whole and in order: 0 to 1.
+    /// Confidence that it is a rope, complete and in order, from 0 to 1.
     pub(super) confidence: f64,
     pub(super) length_px: f64,
     pub(super) width_px: f64,
     pub(super) points: Vec<[f64; 2]>,
-    /// The width at each point.
+    /// Width at each point.
     pub(super) widths_px: Vec<f64>,
-    /// Which of the points something else lies over.
+    /// Indices of the points that something else covers.
     pub(super) hidden: Vec<usize>,
-    /// How long ago it was seen last, in ms: 0 but for a lost rope.
+    /// Time since it was last seen, in ms; 0 unless the rope is lost.
     pub(super) age_ms: f64,
-    /// Its passes over and under itself, from its first point on.
+    /// Sequence of its passes over and under itself, from its first point on.
     pub(super) crossing_sequence: String,
-    /// Whether it comes out straight when its ends are drawn apart; `null`: undecided.
+    /// True if it becomes straight when its ends are pulled apart; `null`: undecided.
     pub(super) pulls_straight: Option<bool>,
     pub(super) descriptor: Descriptor,
 }
 
-/// Where a strand lies over a strand.
+/// A crossing of two strands.
 #[derive(Debug, Serialize)]
 pub(super) struct CrossingReport {
     pub(super) at: [f64; 2],
@@ -58,7 +58,7 @@ pub(super) struct CrossingReport {
     pub(super) confidence: f64,
 }
 
-/// Why the mask may be wrong.
+/// Reason why the mask may be wrong.
 #[derive(Debug, Serialize)]
 pub(super) struct NoticeReport {
     /// A short name, for programs.
@@ -67,7 +67,7 @@ pub(super) struct NoticeReport {
     pub(super) text: String,
 }
 
-/// A place on a rope.
+/// A position on a rope.
 #[derive(Debug, Serialize)]
 pub(super) struct StrandReport {
     pub(super) track: u32,
@@ -75,7 +75,7 @@ pub(super) struct StrandReport {
     pub(super) rho: f64,
 }
 
-/// How long each step took, µs.
+/// Time of each step, in µs.
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Timing {
     pub(super) decode: f64,
@@ -89,7 +89,7 @@ pub(super) struct Timing {
 }
 
 impl Timing {
-    /// To the nanosecond, the clock's own step.
+    /// Rounds to the nanosecond, the resolution of the clock.
     pub(super) fn rounded(self) -> Self {
         Self {
             decode: thousandths(self.decode),
@@ -105,7 +105,8 @@ impl Timing {
 }
 
 impl Report {
-    /// What was seen in a picture, of which the extractor's own begins at `origin`, with a descriptor of each curve.
+    /// Makes the report of a picture, with a descriptor for each curve. The extractor's part of the
+    /// picture begins at `origin`.
     pub(super) fn of(
         shown: &Shown,
         scene: &Scene,
@@ -136,7 +137,7 @@ impl Report {
         output.write_all(b"\n")
     }
 
-    /// At how many crossings a rope is one of the two strands, or both.
+    /// Number of crossings in which the rope is one of the two strands, or both.
     fn crossings_of(&self, track: u32) -> usize {
         let is_one = |crossing: &&CrossingReport| {
             [crossing.over.track, crossing.under.track].contains(&track)
@@ -145,7 +146,7 @@ impl Report {
     }
 }
 
-/// `origin` is where in the picture the extractor's own begins.
+/// Makes the report of a curve. The extractor's part of the picture begins at `origin`.
 fn curve_report(
     scene: &Scene,
     origin: [f32; 2],
@@ -182,7 +183,7 @@ fn curve_report(
 fn crossing_report(scene: &Scene, origin: [f32; 2], crossing: &Crossing) -> CrossingReport {
     let strand = |curve: usize, rho: f32| StrandReport {
         track: scene.curves[curve].track,
-        // To a tenth of a pixel of a rope of a thousand.
+        // A tenth of a pixel on a rope of a thousand pixels.
         rho: (f64::from(rho) * 1e4).round() / 1e4,
     };
     CrossingReport {
@@ -193,7 +194,7 @@ fn crossing_report(scene: &Scene, origin: [f32; 2], crossing: &Crossing) -> Cros
     }
 }
 
-/// A table that grows by a row a rope.
+/// A table that grows by one row per rope.
 pub(super) struct Table {
     table: layout::Table,
     has_heading: bool,
@@ -202,7 +203,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// `unit`: of the fit's errors. `has_colours`: low confidence is yellow.
+    /// `unit`: unit of the fit errors. `has_colours`: low confidence is printed in yellow.
     pub(super) fn new(images: &[PathBuf], unit: &'static str, has_colours: bool) -> Self {
         let names = images
             .iter()
@@ -252,7 +253,7 @@ impl Table {
             return output.write_all(self.table.row(row).as_bytes());
         }
         for curve in &report.curves {
-            // A picture is named once.
+            // A picture's name appears once.
             let [name, size, time] = std::mem::take(&mut first);
             let is_doubted = self.has_colours && confidence::is_low(curve.confidence);
             let paint: Option<layout::Paint> = is_doubted.then_some(layout::yellow);

@@ -1,4 +1,4 @@
-//! The pipeline, handed pictures, with a clock that times its steps.
+//! The pipeline on pictures, with the time of each step.
 
 use crate::descriptor_json::{Descriptor, Measure, Quality};
 use crate::trace::frames::{Input, Shown};
@@ -14,28 +14,28 @@ use lariat_wire::{Centerlines, Unit};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// From picture to picture where no pace is set, ns.
+/// Time between pictures without a given frame rate, ns.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 
-/// The pipeline, made once.
+/// The pipeline, which is made once.
 pub(super) struct Tracer {
     extractor: FrameExtractor,
     curves: CurveFitter,
     settings: settings::Fit,
     masks: Option<Masks>,
-    /// Whether a picture goes on from the one before.
+    /// True if a picture continues the one before.
     is_one_scene: bool,
-    /// When the pictures are exposed.
+    /// Exposure times of the pictures.
     schedule: Schedule,
     exposed_ns: u64,
     centerlines: Box<Centerlines>,
 }
 
 impl Tracer {
-    /// `masks`: the folder that masks are in, if they come from elsewhere.
+    /// Makes the pipeline. `masks`: folder of external masks, if any.
     ///
     /// # Errors
-    /// Settings that make no sense, or files of theirs that cannot be read.
+    /// Returns an error if settings are invalid, or if files that they name cannot be read.
     pub(super) fn new(settings: &Settings, masks: Option<&Path>) -> Result<Self> {
         if settings.extract.mask == Mask::External && masks.is_none() {
             wrong_use!(
@@ -56,22 +56,22 @@ impl Tracer {
         })
     }
 
-    /// What descriptors come in.
+    /// Unit of the descriptors.
     pub(super) fn unit(&self) -> Unit {
         self.curves.unit()
     }
 
-    /// The way to where points lie, for the last picture's size.
+    /// Mapping from pixels to the descriptors' points, for the size of the last picture.
     pub(super) fn mapping(&self) -> Option<&Mapping> {
         self.curves.mapping()
     }
 
-    /// Where the mask of the picture at `path` would be, if masks come from elsewhere.
+    /// Path of the mask for the picture at `path`, if masks are external.
     pub(super) fn mask_of(&self, path: &Path) -> Option<PathBuf> {
         self.masks.as_ref()?.name(path)
     }
 
-    /// The pictures that come are of this input. `is_video`: also those of files are of one scene.
+    /// Begins with the pictures of this input. `is_video`: picture files, too, are one scene.
     pub(super) fn begin(&mut self, input: &mut Input, is_video: bool) {
         let schedule = input.take_schedule();
         self.is_one_scene = is_video || schedule.is_some();
@@ -81,16 +81,16 @@ impl Tracer {
         }
     }
 
-    /// What comes is another scene.
+    /// Forgets the scene, because another one follows.
     fn forget(&mut self) {
         self.extractor.forget();
         self.curves.forget();
     }
 
-    /// The ropes in a picture, which was begun with at a moment.
+    /// Traces the ropes in a picture. `begin`: start time of the work on it.
     ///
     /// # Errors
-    /// The picture or its mask cannot be read, or a rope cannot be fitted.
+    /// Returns an error if the picture or its mask cannot be read, or a rope cannot be fitted.
     pub(super) fn trace(&mut self, shown: &Shown, begin: Instant) -> Result<Report> {
         let about = || shown.name.display().to_string();
         let picture = &shown.picture;
@@ -167,7 +167,7 @@ fn extract<'a>(
     extractor.extract(part, mask, exposed_ns, &mut watch, message)
 }
 
-/// The descriptors of all curves, and what is to be said of those that do not lie on their points.
+/// Returns the descriptors of all curves, and notices about those that do not fit their points.
 fn describe(
     curves: &mut CurveFitter,
     settings: &settings::Fit,
@@ -203,10 +203,10 @@ fn describe(
     Ok((descriptors, coarse))
 }
 
-/// The upper half of levels, in which networks say that a pixel is likelier rope than not.
+/// Start of the upper half of levels, where a network considers a pixel likelier rope than not.
 const LIKELY: u8 = 128;
 
-/// The notices about a mask: its meaning, and the reason if it shows no rope.
+/// Notices about a mask: how it was interpreted, and why it shows no rope.
 fn about_mask(mask: &MaskOf, is_empty: bool) -> impl Iterator<Item = NoticeReport> + use<> {
     let brightest = mask.brightest();
     let faint = (is_empty && (1..LIKELY).contains(&brightest)).then(|| {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Hears a topic of PointCloud2 by rclpy, and says how old its messages were, by their stamps: of the machine's own clock, as they must be. It ends 3 s after the
-last. Usage: hear.py TOPIC (tests/bridge/run starts it).
+"""Receives a PointCloud2 topic by rclpy, and prints the age of its messages by their stamps, which
+must be of this machine's clock. It ends 3 s after the last message. Usage: hear.py TOPIC
+(tests/bridge/run starts it).
 """
 
 import json
@@ -30,7 +31,7 @@ def main():
     ages.sort()
     at = lambda share: round(ages[int(share * (len(ages) - 1))], 1) if ages else None
     print(json.dumps({"count": len(ages), "p50_us": at(0.5), "p99_us": at(0.99), "p999_us": at(0.999), "max_us": at(1)}), flush=True)
-    # rclpy may hang as it ends.
+    # rclpy may hang during shutdown.
     node.destroy_node()
     rclpy.shutdown()
 

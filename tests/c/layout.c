@@ -1,4 +1,5 @@
-// Reads a message in which every number says where it lies (examples/message_of_offsets.rs), field by field.
+// Reads a message in which every number is its own offset (examples/message_of_offsets.rs), field
+// by field.
 
 #include <lariat.h>
 #include <stdio.h>
@@ -94,7 +95,7 @@ int main(void) {
     U64(message->unit, 108);
     for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_rope(&message->ropes[i], 112 + 2408 * i);
     for (uint64_t i = 0; i < LARIAT_MAX_ROPES; i++) read_points(&message->centerlines[i], 112 + LARIAT_MAX_ROPES * 2408 + 3112 * i);
-    // These numbers are a message, and no rope.
+    // These numbers are a message, but not a rope.
     if (lariat_rope_at(reader, LARIAT_MAX_ROPES - 1, UINT64_MAX, &rope) != LARIAT_UNREADABLE
         || lariat_rope_at(reader, LARIAT_MAX_ROPES, UINT64_MAX, &rope) != LARIAT_NO_ROPE
         || lariat_point_at(&message->ropes[0], 0.5, at) != LARIAT_ERROR_UNREADABLE || at[0] == at[0]) {

@@ -1,6 +1,6 @@
-//! Programs in C and C++ against the library, the header and what they are found by, as a user has them: built by the
-//! compiler alone, by pkg-config and by CMake, and run beside the real chain. Without a C compiler nothing of it is tested;
-//! `.ci/run` sees to it that there is one.
+//! Programs in C and C++ with the library, its header and its package files, as a user installs
+//! them. They are built by the compiler alone, by pkg-config and by CMake, and run next to the real
+//! chain. Without a C compiler nothing is tested; `.ci/run` makes sure that there is one.
 
 #[path = "../chain/rig.rs"]
 #[allow(dead_code, reason = "these tests need less of it than the chain's")]
@@ -24,7 +24,8 @@ use rig::Bench;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
 
-/// Whether a program is there. What needs it is left out where not, and that is said.
+/// Returns whether a program is installed. If not, tests that need it are skipped, which is
+/// reported.
 fn has(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     if !there {
@@ -40,14 +41,14 @@ struct Installed {
 }
 
 impl Installed {
-    /// `None` without a C compiler.
+    /// Installs it; `None` without a C compiler.
     fn new() -> Option<Self> {
         if !has("cc") {
             return None;
         }
         let bench = Bench::new();
         let prefix = bench.path("prefix");
-        // Where cargo puts what tests depend on: beside the test itself.
+        // Cargo puts the tests' dependencies next to the test itself.
         let this = std::env::current_exe().expect("a test has a file");
         let built = this.parent().expect("a file has a folder");
         let script = Path::new(ROOT).join("crates/c/install.sh");
@@ -62,7 +63,7 @@ impl Installed {
         Some(installed)
     }
 
-    /// Runs a command in the test's folder and domain, where the installed library is found.
+    /// Runs a command in the test's folder and domain, with the installed library on its paths.
     fn succeeds(&self, command: &mut Command) -> String {
         let Output {
             status,
@@ -80,7 +81,7 @@ impl Installed {
         text.concat()
     }
 
-    /// Builds a program with nothing but the compiler.
+    /// Builds a program with the compiler alone.
     fn compile(&self, compiler: &str, source: &str, program: &str) -> PathBuf {
         let to = self.bench.path(program);
         let standard = if source.ends_with(".cpp") {
@@ -103,14 +104,15 @@ impl Installed {
         to
     }
 
-    /// What pkg-config says a compiler is to be given.
+    /// Compiler flags from pkg-config.
     fn flags(&self, options: &[&str]) -> Vec<String> {
         let mut command = Command::new("pkg-config");
         let said = self.succeeds(command.args(options).args(["--cflags", "--libs", "lariat"]));
         said.split_whitespace().map(String::from).collect()
     }
 
-    /// Runs a program beside the chain, which draws a rope, until it has seen 20 frames: it steers.
+    /// Runs a program next to a chain that draws a rope, until the program has read 20 frames and
+    /// steered.
     fn follows(&self, program: impl AsRef<OsStr>) -> String {
         let chain = self
             .bench
@@ -130,7 +132,7 @@ fn a_loop_in_c_follows_the_rope_with_the_compiler_alone() {
     };
     let program = installed.compile("cc", "examples/c/follow.c", "follow");
     let said = installed.follows(program);
-    // The drawn rope never leaves the image: its middle is within it.
+    // The drawn rope never leaves the image, so its middle is inside.
     let moves = said.lines().filter_map(|line| line.strip_prefix("move "));
     for text in moves {
         let velocity: Vec<f64> = text
@@ -185,7 +187,7 @@ fn the_static_library_needs_nothing_beside_the_program() {
     if !has("pkg-config") {
         return;
     }
-    // Without the shared one there, the linker takes the other.
+    // Without the shared library, the linker uses the static one.
     for file in ["liblariat.so", "liblariat.so.1"] {
         std::fs::remove_file(installed.prefix.join("lib").join(file)).unwrap();
     }
@@ -220,7 +222,7 @@ fn cmake_finds_the_package_in_its_version() {
     );
     installed.succeeds(Command::new("cmake").args(["--build", "build"]));
     installed.follows(installed.bench.path("build/follow_cpp"));
-    // One that is not installed is not found.
+    // A version that is not installed is not found.
     std::fs::write(
         installed.bench.path("CMakeLists.txt"),
         "cmake_minimum_required(VERSION 3.16)\nproject(other C)\nfind_package(lariat 99 REQUIRED)\n",
@@ -264,7 +266,7 @@ fn every_field_of_a_message_is_read_in_its_place() {
     assert_eq!(said.trim(), "0 wrong");
 }
 
-/// Two ropes, of which one is known to be somewhere in space.
+/// Two ropes, one with a known position in 3-D.
 fn ropes_in_space(sequence: u64) -> (Box<Descriptors>, Box<Descriptors3>) {
     let mut image = Box::new(Descriptors::EMPTY);
     let mut space = Box::new(Descriptors3::EMPTY);

@@ -1,4 +1,5 @@
-// Reads a rope that is in space (tests/c/main.rs sends it): not asked for, followed, and one that is nowhere.
+// Reads a rope in 3-D (sent by tests/c/main.rs): without subscribing, after subscribing, and a rope
+// without a position.
 
 #include <lariat.h>
 #include <math.h>
@@ -29,7 +30,7 @@ int main(void) {
     HOLDS(lariat_in_space(reader, rope.track, &in_space) == LARIAT_ERROR_NO_SPACE && in_space == NULL);
     HOLDS(strstr(lariat_error(), "lariat_follow_in_space") != NULL);
     HOLDS(lariat_follow_in_space(reader) == 0);
-    // What was sent before it asked is not there.
+    // Messages sent before the reader subscribed are not available.
     for (int look = 0; look < 1000 && in_space == NULL; look++) {
         HOLDS(lariat_wait(reader, 60000LL * LARIAT_MS) == 1);
         HOLDS(lariat_rope_at(reader, 0, UINT64_MAX, &rope) == LARIAT_FRESH);
@@ -38,7 +39,7 @@ int main(void) {
     HOLDS(in_space != NULL && in_space->track == rope.track.number && in_space->count == 2);
     HOLDS(in_space->place == LARIAT_PLACE_KNOWN && NEAR(in_space->length, 120) && NEAR(in_space->covariances[1][5], 7));
     HOLDS(lariat_point3_at(in_space, 0.25, at) == 0 && NEAR(at[0], 25) && NEAR(at[1], -10) && NEAR(at[2], 475));
-    // The other has no place.
+    // The other rope has no position.
     HOLDS(lariat_rope_at(reader, 1, UINT64_MAX, &rope) == LARIAT_FRESH);
     HOLDS(lariat_in_space(reader, rope.track, &in_space) == LARIAT_ERROR_NO_SPACE && in_space == NULL);
     HOLDS(lariat_point3_at(in_space, 0.25, at) == LARIAT_ERROR_NULL && isnan(at[0]));

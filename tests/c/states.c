@@ -1,5 +1,5 @@
-// What is asked of nothing is an error and NaN, never a number and never a crash; and the evaluation functions answer what
-// they say, on a descriptor made here.
+// Queries of invalid objects return an error and NaN, never a number or a crash. Evaluation
+// functions are checked on a descriptor made here.
 
 #include <lariat.h>
 #include <math.h>
@@ -63,7 +63,8 @@ static void ask_before_the_chain_runs(void) {
 }
 
 static void ask_a_curve(void) {
-    // The parabola (100 ρ, 100 ρ (1 − ρ)): three Bezier points, each of variance 1, as far as the message says.
+    // The parabola (100 ρ, 100 ρ (1 − ρ)): three Bezier points, each of variance 1 according to the
+    // message.
     static lariat_descriptor rope;
     double a[2], matrix[36], shares[3], points[2 * 5], covariance[3], nearest[4];
     rope.basis = LARIAT_BASIS_BEZIER;
@@ -85,7 +86,8 @@ static void ask_a_curve(void) {
     HOLDS(NEAR(nearest[1], 50) && NEAR(nearest[2], 25));
     HOLDS(lariat_nearest(NULL, 50, 35, nearest) == LARIAT_ERROR_NULL && isnan(nearest[3]));
     HOLDS(lariat_covariance_at(&rope, 0, covariance) == 0 && NEAR(covariance[0], 1) && NEAR(covariance[1], 0));
-    // The fit's outer control points are surer than the one between them: these are not its own.
+    // The fit's outer control points are more certain than the one between them, so this covariance
+    // is not the fit's.
     HOLDS(lariat_covariance(&rope, matrix) == 0 && NEAR(matrix[0], 1) && NEAR(matrix[35], 1) && NEAR(matrix[1], 0));
     rope.control_points[1][0] = rope.control_points[1][1] = rope.control_points[2][0] = 0;
     HOLDS(lariat_tangent_at(&rope, 0.5, a) == LARIAT_ERROR_NO_DIRECTION && isnan(a[0]));

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs a program under valgrind, and fails on any finding: a wrong access, a number that was never set, memory or a
-# descriptor that stays behind.
+# Runs a program under valgrind, and fails on any finding: invalid accesses, uninitialized values,
+# leaked memory or file descriptors.
 #
 #     tests/c/valgrind.sh build/follow default 20
 set -eu

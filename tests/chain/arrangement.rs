@@ -1,4 +1,4 @@
-//! Where the stages run, with what priority, and what they cost when there is nothing to do.
+//! Cores and priorities of the stages, and their cost when idle.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -13,7 +13,7 @@ use crate::rig::{Bench, send, wait_until_told_by_signals};
 
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 
-/// The cores that tests may use.
+/// Cores that the tests may use.
 fn cores() -> Vec<usize> {
     let set = sched_getaffinity(None).expect("the kernel says which");
     (0..CpuSet::MAX_CPU)
@@ -21,19 +21,19 @@ fn cores() -> Vec<usize> {
         .collect()
 }
 
-/// A line of `/proc/ID/status`.
+/// Returns a line of `/proc/ID/status`.
 fn status_of(process: &str, name: &str) -> String {
     let status = fs::read_to_string(format!("/proc/{process}/status")).expect("it lives");
     let line = status.lines().find_map(|line| line.strip_prefix(name));
     line.expect("a line of that name").trim().to_owned()
 }
 
-/// Policy and realtime priority of each thread of a process: 0 is the common policy, 1 is FIFO.
+/// Policy and realtime priority of each thread of a process: policy 0 is the normal one, 1 is FIFO.
 fn scheduling(id: i32) -> Vec<(u32, u32)> {
     let threads = fs::read_dir(format!("/proc/{id}/task")).expect("it lives");
     let of_thread = |thread: fs::DirEntry| {
         let stat = fs::read_to_string(thread.path().join("stat")).expect("it lives");
-        // The name, in brackets, may hold spaces; the third field is the first after it.
+        // The name, in parentheses, may contain spaces; the third field is the first one after it.
         let fields: Vec<&str> = stat[stat.rfind(')').expect("a name") + 2..]
             .split(' ')
             .collect();
@@ -99,12 +99,12 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
     if introduction.contains(lacking) {
         assert_eq!(introduction.matches("may not have").count(), 1);
         assert!(found.iter().flatten().all(|thread| *thread == (0, 0)));
-        // Where others may go before them, one core for all would be a trap.
+        // Without priority over other programs, a single core for all stages would be harmful.
         let own = status_of("self", "Cpus_allowed_list:");
         assert!(cores.iter().all(|stage| *stage == own), "{cores:?}");
     } else {
         for (priority, threads) in (7..).zip(&found) {
-            // The one that listens to the chain stays a common one.
+            // The thread that listens to the chain keeps the normal policy.
             let (stage, listens) = threads.split_first().expect("a thread");
             assert_eq!(*stage, (1, priority));
             assert!(
@@ -113,7 +113,7 @@ fn realtime_is_had_or_its_lack_is_said_in_one_sentence() {
             );
         }
         assert!(cores.iter().all(|stage| *stage == cores[0]), "{cores:?}");
-        // The kernel ends what runs on and on.
+        // The kernel ends a thread that runs without a pause.
         for of_stage in &limits {
             let bound = of_stage
                 .lines()
@@ -139,13 +139,14 @@ fn threads_that_decode_pictures_stay_common_ones() {
     let threads = scheduling(chain.ids[0]);
     chain.signal_chain(Signal::INT);
     chain.end();
-    // The stage's own, the one that decodes, and the one that listens to the chain.
+    // The stage's own thread, the decoder's, and the one that listens to the chain.
     assert_eq!(threads.len(), 3, "{threads:?}");
     let common = threads.iter().filter(|thread| **thread == (0, 0));
     assert!(common.count() >= 2, "{threads:?}");
 }
 
-/// The binary where any user may run it, and the command that runs it as one without rights.
+/// Copies the binary to where any user may run it, and returns a command that runs it without
+/// privileges.
 fn as_nobody(bench: &Bench, arguments: &[&str]) -> Command {
     let binary = bench.path("lariat");
     fs::copy(env!("CARGO_BIN_EXE_lariat"), &binary).expect("copied");
@@ -172,7 +173,7 @@ fn a_user_without_rights_gets_one_sentence_and_the_chain() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     assert!(String::from_utf8_lossy(&output.stdout).contains("5 frames received"));
-    // Whoever set limits for this user may have given him all of it.
+    // The limits of this user may allow everything.
     assert!(said.matches("may not have").count() <= 1, "{said}");
     bench.assert_nothing_is_left();
 }
@@ -228,7 +229,7 @@ fn without_frames_no_stage_is_ever_woken() {
     let counts = |stages: &[std::process::Child; 3]| {
         [0, 1, 2].map(|place: usize| sleeps(stages[place].id()))
     };
-    // Once all is set up and the live line has said that nothing comes.
+    // After all is set up and the live line has reported that nothing comes.
     let deadline = Instant::now() + Duration::from_secs(60);
     let mut before = counts(&stages);
     loop {

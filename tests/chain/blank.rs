@@ -1,4 +1,4 @@
-//! What is said of the ropes when a camera gives no image.
+//! Reports about ropes while a camera gives no image.
 
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -12,7 +12,8 @@ use rustix::process::Signal;
 
 use crate::rig::{Bench, send, wait_until_told_by_signals};
 
-/// In the place of capture: frames of a rope as a camera's, one after the other when the one before was answered.
+/// A substitute for capture: sends frames of a rope as a camera would, each after the previous one
+/// was answered.
 struct Camera {
     rope: Box<dyn FrameSource>,
     frames: Writer<[u8]>,
@@ -56,7 +57,7 @@ impl Camera {
         None
     }
 
-    /// The same, until it is answered: stages that are just starting miss what comes too early.
+    /// Does the same until it is answered, because stages that are starting miss early frames.
     fn show_surely(&mut self, is_blank: bool) -> (u64, Message<Descriptors>) {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {

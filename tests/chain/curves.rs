@@ -1,4 +1,4 @@
-//! The curve that the chain is asked for, on the rendered rope.
+//! The requested curve, on the rendered rope.
 
 use crate::rig::Bench;
 
@@ -55,14 +55,16 @@ fn every_basis_and_option_describes_the_rope() {
     }
 }
 
-/// A regression: the first command that a user types warned that its curve did not fit, and changed the length of its vector.
+/// A regression: the first command that a user types warned that its curve did not fit, and changed
+/// the length of its vector.
 #[test]
 fn the_drawn_rope_keeps_its_vector_and_warns_of_nothing() {
     let bench = Bench::new();
     let ended = bench
         .start(&[
             "--lossless",
-            // The demo's own pace: at "max" the machine decides how much time has passed between two frames.
+            // The frame rate of the demo; with "max", the machine decides how much time passes
+            // between two frames.
             "--fps",
             "30",
             "--frames",

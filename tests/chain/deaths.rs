@@ -1,4 +1,4 @@
-//! What happens when a process dies, by a signal it can catch and by one it cannot.
+//! Death of a process, by a signal that it can catch and by one that it cannot.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -29,7 +29,7 @@ fn a_stage_dies(place: usize, signal: Signal, how: &str) {
     let sentence = format!("lariat: {} {how}; the chain was stopped", STAGES[place]);
     assert!(ended.stderr.contains(&sentence), "{}", ended.stderr);
     ids.into_iter().for_each(wait_until_gone);
-    // A sink that was killed can report nothing; every other death is in its report.
+    // A killed sink cannot report; its report shows every other death.
     if STAGES[place] != "sink" || signal == Signal::TERM {
         assert!(
             ended.stdout.contains("exposed → received"),
@@ -92,8 +92,8 @@ fn two_signals_at_once_are_one() {
     let bench = Bench::new();
     let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
     chain.wait_for_frames();
-    // As `timeout -s INT` does, which signals the process and then its group; TERM is delivered first, so that the two do not
-    // merge.
+    // As `timeout -s INT` does, which signals the process and then its group. TERM is delivered
+    // first, so that the two do not merge.
     chain.signal_chain(Signal::TERM);
     chain.signal_chain(Signal::INT);
     let ended = chain.end();
@@ -115,7 +115,7 @@ fn a_chain_that_is_told_to_end_before_it_is_up_ends_in_order() {
         let mut stderr = BufReader::new(process.stderr.take().expect("piped"));
         let mut first = String::new();
         stderr.read_line(&mut first).expect("readable");
-        // The first that is started says so before it is ready.
+        // The first stage that starts prints this before the chain is ready.
         assert!(first.contains("sink: "), "{first}");
         send(process.id() as i32, Signal::INT);
         let mut rest = String::new();
@@ -144,7 +144,7 @@ fn stages_that_somebody_stopped_end_in_order() {
     }
 }
 
-/// The timeline goes into a pipe that nobody reads.
+/// The timeline is written to a pipe that nobody reads.
 #[test]
 fn a_stage_that_does_not_end_is_killed_and_named() {
     let bench = Bench::new();
@@ -153,7 +153,7 @@ fn a_stage_that_does_not_end_is_killed_and_named() {
     let open = File::options().read(true).write(true).open(&pipe);
     let open = open.expect("a pipe");
     fcntl_setpipe_size(&open, 4096).expect("a size");
-    // A timeline of far more than the pipe holds.
+    // The timeline is much larger than the pipe's buffer.
     let frames = ["--fps", "200", "--frames", "200"];
     let chain = bench.start(&[&frames[..], &["--trace", "timeline.json"]].concat());
     let ids = chain.ids;
@@ -203,23 +203,24 @@ fn a_lossless_chain_ends_too_when_a_stage_is_killed() {
     bench.assert_nothing_is_left();
 }
 
-/// A reader of a lossless chain that stands still until the chain has been told to end, and reads on then, until there is no more
-/// after the chain's end: how many messages came, and which numbers the first and the last had.
+/// Runs a reader of a lossless chain. It pauses until the chain is told to end, and then reads
+/// until nothing is left after the end. Returns the number of messages, and the numbers of the
+/// first and the last one.
 ///
-/// `opened`: is told when the chain has the reader.
+/// `opened` is notified when the reader is open.
 fn read_late(domain: &str, opened: &Sender<()>, is_over: &AtomicBool) -> (u64, u64, u64) {
     let domain = Domain::named(domain).expect("a domain");
     let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
     let until = Instant::now() + Duration::from_millis(1500);
     opened.send(()).expect("someone waits");
     while Instant::now() < until {
-        // It takes up its end of the channel, and takes no message.
+        // The reader opens its end of the channel, but takes no message.
         reader.before_poll().expect("a channel");
         thread::sleep(Duration::from_millis(10));
     }
     let (mut came, mut first, mut last) = (0, 0, 0);
     loop {
-        // In this order: what was sent before the end is there after it.
+        // This order matters: messages sent before the end are still available after it.
         let was_over = is_over.load(Ordering::Acquire);
         match reader.next().expect("a channel") {
             Some(message) => {
@@ -284,7 +285,7 @@ fn a_lossless_chain_says_what_a_reader_missed_that_stood_still_to_the_end() {
     let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
     let until = Instant::now() + Duration::from_millis(800);
     while Instant::now() < until {
-        // It takes up its end of the channel, and takes no message.
+        // The reader opens its end of the channel, but takes no message.
         reader.before_poll().expect("a channel");
         thread::sleep(Duration::from_millis(10));
     }
@@ -316,12 +317,12 @@ fn stages_by_hand_are_as_good_citizens() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // The rig works when a descriptor comes.
+    // The rig works once a descriptor comes.
     let domain = lariat_wire::Domain::named(&bench.domain).unwrap();
     let reader = lariat_wire::Receiver::descriptors(&domain, &lariat_wire::Rig::default()).unwrap();
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
     assert!(reader.wait(deadline).unwrap().is_some());
-    // Sink may be slower to come up than what it listens to.
+    // The sink may start more slowly than the stages that it listens to.
     for (stage, process) in &stages {
         let entry = format!("lariat-roster/default.{stage}.{}", process.id());
         let entry = std::path::Path::new("/tmp")
@@ -337,7 +338,7 @@ fn stages_by_hand_are_as_good_citizens() {
     crate::rig::send(killed.id() as i32, Signal::KILL);
     killed.wait().unwrap();
     for (stage, process) in &mut stages {
-        // A signal that comes before a process can be told ends it like any other.
+        // A signal that comes before the handler is installed ends the process like any other.
         crate::rig::wait_until_told_by_signals(process.id());
         crate::rig::send(process.id() as i32, Signal::TERM);
         let ended = process.wait().unwrap();

@@ -1,4 +1,4 @@
-//! Frames that a program of the user's writes.
+//! Frames written by a program of the user.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -14,11 +14,11 @@ use crate::rig::{Bench, Running};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A camera of the user's, which sees the drawn rope.
+/// A user's camera that shows the drawn rope.
 struct Camera {
     rope: Box<dyn FrameSource>,
     writer: FrameWriter,
-    /// Frames so far.
+    /// Number of frames so far.
     shown: u64,
 }
 
@@ -49,7 +49,7 @@ fn reader(bench: &Bench) -> Reader {
     Reader::open_in(Domain::named(&bench.domain).unwrap(), &Rig::default()).unwrap()
 }
 
-/// Shows frames until one is answered that was not before; says which.
+/// Sends frames until a new one is answered, and returns its number.
 fn wait_for_answer(camera: &mut Camera, reader: &mut Reader) -> u64 {
     let end = Instant::now() + PATIENCE;
     while Instant::now() < end {
@@ -84,7 +84,7 @@ fn each_frame_that_a_program_writes_is_seen_counted_and_recorded() {
             "it waits, as the chain has it wait"
         );
         for sequence in 1..=40 {
-            // The camera itself lost two.
+            // The camera itself lost two frames.
             camera.shows(Some(if sequence > 20 {
                 sequence + 2
             } else {
@@ -118,7 +118,7 @@ fn a_program_that_wrote_before_the_chain_came_owes_it_nothing_and_what_is_lost_l
     let mut reader = reader(&bench);
     let first = wait_for_answer(&mut camera, &mut reader);
     assert!(first > 30);
-    // Extract stands still; the program goes on, and is not held up.
+    // Extract is stopped; the program continues without being held up.
     chain.signal_stage(1, Signal::STOP);
     for _ in 0..20 {
         camera.shows(None);
@@ -128,7 +128,7 @@ fn a_program_that_wrote_before_the_chain_came_owes_it_nothing_and_what_is_lost_l
     stop(&bench, chain);
     let frames = &bench.summary("out")["frames"];
     let published = frames["published"].as_u64().unwrap();
-    // More may have been answered than was looked at.
+    // More frames may have been answered than were read.
     let most = camera.shown - 30;
     assert!((last - first..=most).contains(&published), "{frames}");
     let lost = frames["lost"]["capture"].as_u64().unwrap();
@@ -138,7 +138,7 @@ fn a_program_that_wrote_before_the_chain_came_owes_it_nothing_and_what_is_lost_l
     bench.assert_nothing_is_left();
 }
 
-/// A program that writes frames, in a process of its own: this test, run again by the one below.
+/// A program that writes frames in a separate process: this test itself, run by the one below.
 #[test]
 fn a_program_of_its_own() {
     if std::env::var_os("LARIAT_TEST_CAMERA").is_none() {
@@ -150,7 +150,7 @@ fn a_program_of_its_own() {
         writer.loan(64, 64, PixelFormat::Gray8).unwrap().fill(9);
         writer.send(Stamp::default()).unwrap();
         println!("frame {frame}");
-        // As often as they are answered.
+        // Sends at the rate of the answers.
         reader
             .wait(Instant::now() + Duration::from_millis(100))
             .unwrap();
@@ -178,7 +178,8 @@ fn a_program_that_is_killed_leaves_its_place_to_the_next_and_what_readers_have_g
     let mut camera = Camera::open(&bench).unwrap();
     let mut reader = reader(&bench);
     let end = Instant::now() + PATIENCE;
-    // As a rope that was there for a while: one that was seen for a moment only is not said to be lost.
+    // The rope is visible for a while, because one that was visible only for a moment is not
+    // reported as lost.
     for _ in 0..20 {
         wait_for_answer(&mut camera, &mut reader);
     }
@@ -187,7 +188,7 @@ fn a_program_that_is_killed_leaves_its_place_to_the_next_and_what_readers_have_g
         reader.frame().only_rope(Duration::ZERO),
         Seen::Stale(_)
     ));
-    // One that knows that it is blind says so: then the rope is lost.
+    // A camera that knows that it is blind says so, and then the rope is lost.
     camera.writer.send_blank(Stamp::default()).unwrap();
     while !matches!(reader.frame().only_rope(PATIENCE), Seen::Lost(_)) {
         let seen = format!("{}", reader.frame().only_rope(PATIENCE));

@@ -1,4 +1,4 @@
-//! What arrives, and what does not.
+//! Frames that arrive, and frames that do not.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -12,10 +12,10 @@ use serde_json::json;
 
 use crate::rig::Bench;
 
-/// One rope's track and control points, and its centerline's points and widths.
+/// Track and control points of one rope, and the points and widths of its centerline.
 type Shape = (u32, Vec<[f64; 2]>, Vec<[f32; 2]>, Vec<f32>);
 
-/// What the libraries make of the rendered rope, frame by frame.
+/// Results of the libraries for the rendered rope, frame by frame.
 struct Library {
     source: Box<dyn lariat_capture::FrameSource>,
     pixels: Vec<u8>,
@@ -34,7 +34,8 @@ impl Library {
         }
     }
 
-    /// The next frame's number, and the shapes in it, where the chain exposed it at that time.
+    /// Returns the number of the next frame and the shapes in it, for the time at which the chain
+    /// exposed it.
     fn next(&mut self, exposed_ns: u64) -> (u64, Vec<Shape>) {
         let frame = self.source.next().unwrap().expect("without end");
         self.source.write(&mut self.pixels);
@@ -147,7 +148,7 @@ fn every_descriptor_is_the_librarys_own(options: &[&str]) {
     bench.assert_nothing_is_left();
 }
 
-/// The next message, in order.
+/// Waits for the next message, in order.
 pub(crate) fn wait_for_next<P: Payload + ?Sized>(
     reader: &Receiver<P>,
     deadline: Instant,
@@ -185,7 +186,7 @@ fn a_chain_that_cannot_keep_up_counts_exactly_what_it_skips() {
     let bench = Bench::new();
     let mut chain = bench.start(&["--fps", "200", "--frames", "1200", "--out", "out"]);
     chain.wait_for_frames();
-    // Extract stands still for a while; capture does not wait for it.
+    // Extract is stopped for a while; capture does not wait for it.
     chain.signal_stage(1, Signal::STOP);
     let reader_domain = in_domain(&bench);
     let frames =

@@ -1,4 +1,5 @@
-//! `lariat run --fuse`: capture, extract and fit as threads of one process, and all else as ever.
+//! `lariat run --fuse`: capture, extract and fit are threads of one process; everything else is
+//! unchanged.
 
 use rustix::process::Signal;
 

@@ -1,4 +1,4 @@
-//! The whole chain, on the real binary: real processes, real shared memory, and what becomes of them.
+//! The whole chain, on the real binary: real processes, real shared memory, and their ends.
 
 mod arrangement;
 mod blank;

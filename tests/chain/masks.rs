@@ -1,4 +1,4 @@
-//! Masks from another process. It is the template's own loop that makes them here, in a thread.
+//! Masks from another process. Here, the loop of the template makes them in a thread.
 
 use std::fs;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ fn every_frame_of_a_lossless_chain_is_seen_through_its_own_mask() {
     assert_eq!(frames["received"], 60, "{summary}");
     assert_eq!(frames["with_curve"], 60, "{summary}");
     assert_eq!(frames["lost"]["mask"], 0, "{summary}");
-    // The mask's soft edge is as good as the picture itself.
+    // The soft edge of the mask is as good as the picture itself.
     let error = summary["error_px"]["centerline"]["p95"].as_f64().unwrap();
     assert!(error < 0.5, "{summary}");
     bench.assert_nothing_is_left();
@@ -91,7 +91,7 @@ fn without_a_process_that_makes_masks_every_frame_is_skipped_and_counted() {
 
 #[test]
 fn a_later_frames_mask_says_that_an_earlier_ones_will_not_come() {
-    // Nobody would wait for this deadline: what ends the wait is the next frame's mask.
+    // The deadline is far longer than the test; the next frame's mask ends the wait.
     let bench = external(3_600_000_000);
     let domain = Domain::named(&bench.domain).unwrap();
     let delivery = Delivery::Lossless {

@@ -1,4 +1,4 @@
-//! Messages of all stages, on standard error of the chain.
+//! Messages of all stages on the chain's standard error.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -42,7 +42,7 @@ fn messages_and_the_live_line_never_share_a_line_of_the_terminal() {
     }
     assert!(messages > 50, "{messages}");
     assert!(text.contains(" received, "), "the live line was shown");
-    // Each is whole: with stage, channel and number.
+    // Each message is complete: with stage, channel and number.
     assert!(text.contains("frames 10 in hand"), "{text}");
 }
 
@@ -73,7 +73,8 @@ fn what_a_stage_said_before_it_died_comes_before_what_is_said_of_its_end() {
 #[test]
 fn a_chain_whose_standard_error_stands_still_goes_on() {
     let bench = Bench::new();
-    // The pipe of the test is full after 64 kB, and is not read before the chain has ended by itself.
+    // The test's pipe is full after 64 kB, and nothing is read from it before the chain has ended
+    // by itself.
     let arguments = ["-vv", "--fps", "500", "--frames", "1500", "--out", "out"];
     let mut chain = bench.start(&arguments);
     chain.wait_until_it_says("frames received in");

@@ -1,4 +1,4 @@
-//! Where commands write: one rule for all of them.
+//! Output files: one rule for all commands.
 
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt, symlink};
@@ -9,7 +9,8 @@ use rustix::fs::{CWD, FileType, Mode, mknodat};
 
 use crate::rig::Bench;
 
-/// Every command that makes one file, without its name: a picture, a recording, a calibration and points are there.
+/// Every command that makes one file, without the file's name. Its picture, recording, calibration
+/// and points exist.
 const COMMANDS: [&[&str]; 6] = [
     &["export", "a.mcap", "--format", "csv", "--out"],
     &["export", "a.mcap", "--format", "jsonl", "--out"],
@@ -58,7 +59,7 @@ fn bench() -> Bench {
 }
 
 fn run(bench: &Bench, command: &[&str], more: &[&str]) -> Output {
-    // Flags come before what stands behind `--`.
+    // Flags come before the words after `--`.
     let (flags, last) = command.split_at(command.len() - 1);
     match last {
         ["--"] => {
@@ -74,7 +75,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A name that every command takes.
+/// A name that the command accepts.
 fn named(command: &[&str], stem: &str) -> String {
     let ending = match command[0] {
         "pick" | "snapshot" => "png",
@@ -144,7 +145,7 @@ fn a_pipe_is_written_into_a_link_is_followed_and_a_dash_is_standard_output() {
         assert!(kind.is_symlink(), "{command:?}: the link was replaced");
         assert!(fs::read(bench.path(&named(command, "target"))).expect("there") == whole);
     }
-    // By a link, so that a fault of this rule replaces nothing but it.
+    // Through a link, so that an error in this rule replaces only the link.
     symlink("/dev/full", bench.path("full.csv")).expect("a link");
     let full = run(&bench, COMMANDS[0], &["full.csv"]);
     assert_eq!(full.status.code(), Some(1));
@@ -273,7 +274,7 @@ fn what_will_not_be_writable_at_the_end_is_said_before_the_first_frame() {
         assert_eq!(said(&refused).lines().count(), 1, "{}", said(&refused));
         assert!(refused.stdout.is_empty());
     }
-    // A folder that was made in vain is taken away again.
+    // A folder that was created in vain is removed again.
     let failed = bench.run(&["run", "--source", "/dev/video4711", "--out", "new"]);
     assert!(!failed.status.success());
     assert!(!Path::new(&bench.path("new")).exists());
@@ -320,7 +321,7 @@ fn an_old_recording_outlives_a_new_one_that_gets_nothing() {
         "{}",
         said(&waited)
     );
-    // Nor is one that holds nothing in the way of the next.
+    // An empty recording does not block the next one, either.
     assert!(
         !bench
             .run(&[&absent[..], &["new.mcap"]].concat())
@@ -358,7 +359,7 @@ fn unread() -> std::io::PipeWriter {
     std::io::pipe().expect("a pipe").1
 }
 
-/// What a command says that cannot print there, and fails.
+/// Runs a command that cannot print there, and must fail. Returns its error message.
 fn failure(bench: &Bench, command: &[&str], stdout: impl Into<Stdio>) -> String {
     let ended = bench.command(command).stdout(stdout).output();
     let ended = ended.expect("the binary runs");
@@ -367,7 +368,7 @@ fn failure(bench: &Bench, command: &[&str], stdout: impl Into<Stdio>) -> String 
     said
 }
 
-/// Commands that print, each with what it needs.
+/// Commands that print, each with its arguments.
 const PRINTING: [&[&str]; 9] = [
     &["info", "a.mcap"],
     &["export", "a.mcap", "--format", "csv", "--out", "-"],
@@ -386,7 +387,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
     for command in PRINTING {
         let said = failure(&bench, command, unread());
         assert!(!said.contains("panic"), "{command:?}: {said}");
-        // And one that can complain nowhere.
+        // A command that cannot report errors anywhere.
         let mut command = bench.command(command);
         command.stdout(Stdio::null()).stderr(unread());
         assert_eq!(
@@ -395,7 +396,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
             "{command:?}"
         );
     }
-    // What goes into files does all the same.
+    // Files are written nevertheless.
     let plane = [
         "calibrate",
         "plane",
@@ -429,7 +430,7 @@ fn output_that_cannot_be_written_is_said_and_is_no_success() {
         let said = failure(&bench, &[command, more].concat(), full);
         assert!(said.contains("No space left"), "{command:?}: {said}");
     }
-    // What could be written is.
+    // Everything that could be written exists.
     assert!(bench.path("out/summary.json").exists());
     bench.assert_nothing_is_left();
 }

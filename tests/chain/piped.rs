@@ -10,7 +10,7 @@ use crate::rig::Bench;
 const WIDTH: usize = 160;
 const HEIGHT: usize = 120;
 
-/// A frame with a dark rope on a light table, in gray.
+/// A gray frame with a dark rope on a light table.
 fn frame(number: usize) -> Vec<u8> {
     let middle = 50 + number % 20;
     let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
@@ -39,7 +39,7 @@ fn fed(bench: &Bench, arguments: &[&str], bytes: Vec<u8>) -> Output {
         .spawn()
         .expect("the binary runs");
     let mut input = process.stdin.take().expect("piped");
-    // What is refused is not read to its end.
+    // A refused input is not read to its end.
     let writer = std::thread::spawn(move || input.write_all(&bytes));
     let output = process.wait_with_output().expect("it ends");
     let _ = writer.join().expect("no panic");
@@ -107,7 +107,7 @@ fn a_writer_that_stands_still_keeps_nobody_from_stopping_the_chain() {
     command.stdin(Stdio::piped());
     let mut chain = bench.start_command(command);
     let mut input = chain.process.stdin.take().expect("piped");
-    // The fourth frame is only begun.
+    // The fourth frame is incomplete.
     let bytes = video(4);
     input
         .write_all(&bytes[..bytes.len() - 100])

@@ -1,4 +1,4 @@
-//! Stages that are restarted in their place, and settings that change, while the rest of a chain continues.
+//! Stages that restart in place, and settings that change, while the rest of a chain continues.
 
 use std::fs;
 use std::io::Read;
@@ -16,7 +16,7 @@ use crate::rig::{Bench, Running, program, send, wait_until_gone};
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Looks again and again until something is there.
+/// Polls until something is found.
 fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
@@ -28,13 +28,14 @@ fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// A control loop of the bench's rig.
+/// Opens a reader, as a control loop does, on the bench's rig.
 fn reader(bench: &Bench) -> Reader {
     let domain = Domain::named(&bench.domain).unwrap();
     Reader::open_in(domain, &Rig::default()).unwrap()
 }
 
-/// The number and the first point of the only rope in the next frame that shows one after so many were fitted.
+/// Returns the number and the first point of the only rope in the next frame that shows one, after
+/// `fitted` frames.
 fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
     wait_for("a rope", || {
         let frame = reader.latest().unwrap();
@@ -49,7 +50,7 @@ fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
     })
 }
 
-/// What is printed is folded.
+/// The output is wrapped.
 fn assert_same_to_the_bit(check: &Output) {
     let text = String::from_utf8_lossy(&check.stdout);
     let words: Vec<_> = text.split_whitespace().collect();
@@ -64,7 +65,7 @@ fn start(bench: &Bench, more: &[&str]) -> Running {
     bench.start(&[&always, more].concat())
 }
 
-/// The process that a stage has in the bench's domain, if that is another than it was.
+/// Returns the process of a stage in the bench's domain, if it differs from `before`.
 fn another(bench: &Bench, stage: &str, before: i32) -> Option<i32> {
     let folder = format!("/tmp/lariat-{}/lariat-roster", bench.domain);
     let names = fs::read_dir(folder).ok()?.flatten();
@@ -181,7 +182,7 @@ fn a_chain_that_is_told_to_end_before_a_stage_is_back_ends_in_order() {
     let mut chain = start(&bench, &["--fps", "100"]);
     chain.wait_for_frames();
     let mut fit = chain.ids[2];
-    // The next pause is of 0.8 s, and of 1.6 s the one after it.
+    // The next pause is 0.8 s, and the one after it 1.6 s.
     for _ in 0..4 {
         send(fit, Signal::KILL);
         fit = wait_for("fit", || another(&bench, "fit", fit));
@@ -257,7 +258,7 @@ fn files_go_on_where_a_killed_capture_stopped() {
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     let frames = &bench.summary("out")["frames"];
-    // One may have been noted and not sent when it was killed: it is lost, and said to be.
+    // A frame may have been counted but not sent when the stage was killed; it is reported as lost.
     assert_eq!(frames["published"], 60, "{frames}");
     assert!(frames["received"].as_u64().unwrap() >= 58, "{frames}");
     bench.assert_every_frame_is_accounted_for("out");
@@ -291,12 +292,12 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
             })
         })
     };
-    // A reader of a lossless chain is waited for: it is there for as long as it looks.
+    // A lossless chain waits for its readers, so this one exists only while it reads.
     let (degree, _) = wait_for_version(1);
     assert_eq!(degree, 6);
     assert!(set(&["fit.control_points=5"]).status.success());
     assert_eq!(wait_for_version(2).0, 4);
-    // What makes no sense leaves all as it is, and says why.
+    // An invalid change leaves everything as it is, and says why.
     for (change, code, why) in [
         ("fit.control_points=100", 2, "control_points"),
         ("fit.order=6", 2, "write fit.control_points=7"),
@@ -322,7 +323,7 @@ fn settings_change_between_two_frames_and_each_message_says_by_which_it_was_made
     chain.signal_chain(Signal::TERM);
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
-    // The recording has every version, and the same comes out by them.
+    // The recording contains every version, and recomputing with them gives the same results.
     let check = bench.run(&["replay", "run.mcap", "--check"]);
     assert!(check.status.success(), "{check:?}");
     assert_same_to_the_bit(&check);
@@ -397,7 +398,7 @@ fn a_service_manager_hears_that_the_chain_is_up_at_work_and_at_its_end() {
     wait_for_word("STOPPING=1");
     let ended = chain.end();
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
-    // Nobody looks on.
+    // No live status line is shown.
     assert!(!ended.stdout.contains("received, "), "{}", ended.stdout);
     bench.assert_nothing_is_left();
 }
@@ -420,7 +421,7 @@ fn a_stage_is_restarted_when_that_is_asked_for() {
     assert_eq!(ended.status.code(), Some(0), "{}", ended.stderr);
     bench.assert_every_frame_is_accounted_for("out");
     bench.assert_nothing_is_left();
-    // Who computes the recording again goes on after each as the chain did.
+    // The recomputation continues after each restart as the chain did.
     let check = bench.run(&["replay", "run.mcap", "--check"]);
     assert_same_to_the_bit(&check);
     let nobody = bench.run(&["set", "fit.control_points=4"]);
@@ -429,7 +430,7 @@ fn a_stage_is_restarted_when_that_is_asked_for() {
     assert!(text.contains("no chain runs on rig default"), "{text}");
 }
 
-/// A chain of a copy of the binary, so that the copy can be replaced.
+/// Starts a chain from a copy of the binary, so that the copy can be replaced.
 fn start_copy(bench: &Bench) -> Running {
     fs::copy(program(), bench.path("copy")).unwrap();
     let arguments = ["run", "--restart", "on-failure", "--fps", "100"];
@@ -441,7 +442,7 @@ fn stages_are_restarted_from_the_file_that_runs_though_another_took_its_place() 
     let bench = Bench::new();
     let mut chain = start_copy(&bench);
     chain.wait_for_frames();
-    // As dpkg and cargo do: the name is given to another file.
+    // The name is given to another file, as dpkg and cargo do.
     fs::write(bench.path("new"), "not a program").unwrap();
     fs::rename(bench.path("new"), bench.path("copy")).unwrap();
     chain.signal_stage(2, Signal::KILL);
@@ -511,7 +512,7 @@ fn settings_that_a_stage_does_not_start_with_are_taken_back_and_the_answer_says_
         !holds.contains("none.png") && !holds.contains("/dev/null"),
         "{holds}"
     );
-    // Frames come as before, and what does start holds.
+    // Frames come as before, and a change that capture can start with takes effect.
     let mut reader = reader(&bench);
     let (.., seen) = rope_after(&mut reader, 0);
     rope_after(&mut reader, seen.fitted);

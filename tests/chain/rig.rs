@@ -1,4 +1,5 @@
-//! A place to run the binary in: its own domain, so that no test sees another, and nothing left behind unnoticed.
+//! A place to run the binary in. Each has its own domain, so that tests do not see each other and
+//! leftovers are noticed.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -11,7 +12,8 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The tested program: `lariat`, in the tests of `bench/` `lariat-bench`, and in those of `crates/top` the `lariat` next to `lariat-top`.
+/// The tested program: `lariat`; in the tests of `bench/`, `lariat-bench`; and in those of
+/// `crates/top`, the `lariat` next to `lariat-top`.
 pub(crate) fn program() -> PathBuf {
     let own = option_env!("CARGO_BIN_EXE_lariat").or(option_env!("CARGO_BIN_EXE_lariat-bench"));
     let top = option_env!("CARGO_BIN_EXE_lariat-top");
@@ -51,7 +53,7 @@ impl Bench {
         self.command_of(program(), arguments)
     }
 
-    /// A command of a copy of the binary.
+    /// A command that runs a copy of the binary.
     pub(crate) fn command_of(&self, binary: impl AsRef<OsStr>, arguments: &[&str]) -> Command {
         let mut command = Command::new(binary);
         command
@@ -72,7 +74,7 @@ impl Bench {
         self.start_command(self.command(&[&["run"], arguments].concat()))
     }
 
-    /// The same, of a command that was made ready.
+    /// Starts a prepared command in the same way.
     pub(crate) fn start_command(&self, mut command: Command) -> Running {
         let mut process = command
             .stdout(Stdio::piped())
@@ -88,7 +90,7 @@ impl Bench {
             introduction += &line;
         }
         let ids = ["capture", "extract", "fit", "sink"].map(|stage| {
-            // Before it stages may have said something of themselves.
+            // Stages may print messages before it.
             let line = introduction.lines().last().expect("a line");
             if stage == "capture" && line.contains("external →") {
                 return 0;
@@ -112,13 +114,14 @@ impl Bench {
         self.folder.path().join(name)
     }
 
-    /// What `--out FOLDER` wrote.
+    /// Returns the summary that `--out FOLDER` wrote.
     pub(crate) fn summary(&self, folder: &str) -> Value {
         let text = fs::read_to_string(self.path(folder).join("summary.json")).expect("a summary");
         serde_json::from_str(&text).expect("JSON")
     }
 
-    /// What capture sent has arrived, or is counted as lost where it was lost.
+    /// Checks that each frame that capture sent has arrived, or is counted as lost where it was
+    /// lost.
     pub(crate) fn assert_every_frame_is_accounted_for(&self, folder: &str) {
         let frames = &self.summary(folder)["frames"];
         let count = |value: &Value| value.as_u64().expect("a count");
@@ -138,7 +141,7 @@ impl Bench {
         );
     }
 
-    /// Names of files in shared memory and in the transport's folder that belong to this domain.
+    /// Returns the names of files of this domain in shared memory and in the transport's folder.
     pub(crate) fn left_behind(&self) -> Vec<String> {
         let mut found = Vec::new();
         for entry in fs::read_dir("/dev/shm").expect("shared memory").flatten() {
@@ -172,41 +175,41 @@ impl Drop for Bench {
     }
 }
 
-/// A chain that runs.
+/// A running chain.
 pub(crate) struct Running {
     pub(crate) process: Child,
     stderr: BufReader<std::process::ChildStderr>,
-    /// What it said before the stages were up.
+    /// Its output before the stages were up.
     pub(crate) introduction: String,
-    /// capture (0 if frames come from elsewhere), extract, fit, sink.
+    /// Process ids of capture (0 if frames come from elsewhere), extract, fit, sink.
     pub(crate) ids: [i32; 4],
 }
 
-/// How a chain ended.
+/// Result of a chain that has ended.
 pub(crate) struct Ended {
     pub(crate) status: ExitStatus,
-    /// What it said before the stages were up.
+    /// Its output before the stages were up.
     pub(crate) introduction: String,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
 
 impl Running {
-    /// Waits until the sink has said that frames arrived.
+    /// Waits until the sink reports that frames have arrived.
     pub(crate) fn wait_for_frames(&mut self) {
-        // On a busy machine its first line may say that none has.
+        // On a loaded machine, its first line may report none.
         self.wait_until(|said| {
             said.strip_suffix(" received, ")
                 .is_some_and(|said| !said.ends_with(" 0"))
         });
     }
 
-    /// Waits until the sink has said so.
+    /// Waits until the sink prints these words.
     pub(crate) fn wait_until_it_says(&mut self, words: &str) {
         self.wait_until(|said| said.ends_with(words));
     }
 
-    /// Waits until what the sink has said is as it should be.
+    /// Waits until the sink's output meets a condition.
     fn wait_until(&mut self, is_so: impl Fn(&str) -> bool) {
         let stdout = self.process.stdout.as_mut().expect("piped");
         let mut text = String::new();
@@ -221,7 +224,7 @@ impl Running {
         }
     }
 
-    /// Reads messages until one has these words.
+    /// Reads messages until one contains these words.
     pub(crate) fn wait_for_message(&mut self, words: &str) {
         let mut line = String::new();
         while !line.contains(words) {
@@ -239,7 +242,7 @@ impl Running {
         send(self.ids[place], signal);
     }
 
-    /// Waits for its end, reading what it says meanwhile.
+    /// Waits for the end, and reads the output meanwhile.
     pub(crate) fn end(mut self) -> Ended {
         let mut stdout = self.process.stdout.take().expect("piped");
         let (out, err) = std::thread::scope(|scope| {

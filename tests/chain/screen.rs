@@ -1,11 +1,12 @@
-//! A real terminal, which tmux plays. Without tmux the tests that need one say so and do nothing; `.ci/run` installs it.
+//! A real terminal, provided by tmux. Without tmux, the tests that need it say so and are skipped;
+//! `.ci/run` installs it.
 
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use crate::rig::{Bench, program};
 
-/// A terminal of 80 columns and 24 rows in which a shell runs.
+/// A terminal of 80 columns and 24 rows with a shell in it.
 pub(crate) struct Screen {
     socket: String,
 }
@@ -44,7 +45,7 @@ impl Screen {
 
     pub(crate) fn tmux(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new("tmux");
-        // -u: it may draw whatever characters there are.
+        // -u allows it to draw all characters.
         command.args(["-u", "-L", &self.socket]).args(arguments);
         command.env("LC_ALL", "C.UTF-8").env_remove("TMUX");
         command
@@ -55,7 +56,7 @@ impl Screen {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Waits until the screen is as it should be.
+    /// Waits until the screen meets a condition.
     pub(crate) fn wait_for(&self, what: &str, is_so: impl Fn(&str) -> bool) -> String {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {

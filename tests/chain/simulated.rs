@@ -26,7 +26,7 @@ fn a_controller_moves_the_rope_by_what_it_sees() {
     let began = Instant::now();
     let mut seen: Vec<[f64; 2]> = Vec::new();
     let mut count = 0;
-    // Upwards, both, until the middle of the rope is 15 px higher.
+    // Both grippers move up until the middle of the rope is 15 px higher.
     let is_there = |seen: &[[f64; 2]]| {
         let rise = seen.first().zip(seen.last());
         rise.is_some_and(|(first, last)| first[1] - last[1] > 15.0)
@@ -85,11 +85,11 @@ fn the_visible_rope_is_seen_where_it_is() {
     bench.assert_nothing_is_left();
 }
 
-/// The rope by its colour, without the grippers' jaws.
+/// Finds the rope by its color, without the grippers' jaws.
 const BLUE: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
 
-/// The mean distance of points from a line, point by point.
+/// Mean distance of points from a line, for each point.
 fn beside(points: &[[f32; 3]], line: &[[f32; 3]]) -> f32 {
     let far = |p: &[f32; 3], q: &[f32; 3]| {
         let square = |k: usize| (p[k] - q[k]) * (p[k] - q[k]);
@@ -127,7 +127,7 @@ fn a_lifted_rope_is_seen_in_space_where_it_is_and_lifted_further_by_command() {
             let (Some((_, line)), [rope]) = (line, message.curves()) else {
                 continue;
             };
-            // Each point within what a depth camera is sure to, at three quarters of a metre.
+            // Each point is within the accuracy of a depth camera at three quarters of a meter.
             let off_mm = beside(rope.points(), line);
             assert!(off_mm < 2.5, "{off_mm}");
             compared += 1;

@@ -1,5 +1,5 @@
-//! What sink knows survives it: another goes on where it was killed, every message is received or lost, and of a chain that is
-//! killed whole the last report is there.
+//! The sink's knowledge survives its death. A new sink continues where the old one was killed, and
+//! every message counts as received or lost. If the whole chain is killed, the last report remains.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -15,7 +15,7 @@ use rustix::process::Signal;
 
 use crate::rig::{Bench, send, wait_until_gone};
 
-/// A sink as the chain starts it, this process being the chain.
+/// A sink started as the chain does, with this process in the role of the chain.
 struct Sink {
     process: Child,
     said: BufReader<File>,
@@ -62,7 +62,7 @@ impl Sink {
         self.process.wait().expect("waited for");
     }
 
-    /// Tells it what the stages sent, and to end; returns the last that it shows.
+    /// Sends it the stages' counts and tells it to end; returns its last output.
     fn end(mut self, counts: &str) -> String {
         let mut stdin = self.process.stdin.take().expect("piped");
         stdin.write_all(counts.as_bytes()).expect("it listens");
@@ -75,7 +75,7 @@ impl Sink {
     }
 }
 
-/// Sends messages of these numbers, as slowly as the channel holds them.
+/// Sends messages with these numbers, no faster than the channel can hold them.
 fn send_frames(writer: &Writer<Descriptors>, numbers: impl IntoIterator<Item = u64>) {
     for number in numbers {
         let now = now_ns();
@@ -121,7 +121,7 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     first.kill();
     send_frames(&writer, 101..=150);
 
-    // It is killed before anything has come, and the third goes on all the same.
+    // It is killed before anything has arrived, and the third sink continues nevertheless.
     Sink::start(&bench, &handover).kill();
     let mut third = Sink::start(&bench, &handover);
     send_frames(&writer, 151..=200);
@@ -136,11 +136,12 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
         (&summary["finished"], &frames["published"]),
         (&true.into(), &200.into())
     );
-    // The service keeps the newest for who comes late.
+    // The service keeps the newest message for late readers.
     let received = frames["received"].as_u64().expect("a count");
     assert!((150..=151).contains(&received), "{frames}");
     assert_eq!(lost["sink"].as_u64(), Some(200 - received), "{frames}");
-    // Of the first sink's hundred each was timed; of the third's the first was not, as it may have waited.
+    // Each of the first sink's hundred messages was timed. The third sink's first message was not,
+    // because it may have waited.
     let total = fs::read_to_string(bench.path("report/total.hgrm")).expect("a histogram");
     let count = total.lines().find(|line| line.starts_with("#[Max"));
     let count = count.and_then(|line| line.rsplit('=').next());
@@ -157,7 +158,7 @@ fn a_chain_that_is_killed_leaves_its_last_report() {
     let chain = bench.start(&[&["--fps", "100"], &out[..]].concat());
     let ids = chain.ids;
     let deadline = Instant::now() + Duration::from_secs(120);
-    // The timeline comes after the report.
+    // The timeline is written after the report.
     while !bench.path("timeline.json").exists() {
         assert!(
             Instant::now() < deadline,
@@ -188,7 +189,7 @@ fn a_chain_that_is_killed_leaves_its_last_report() {
     let timeline = fs::read(bench.path("timeline.json")).expect("a timeline");
     serde_json::from_slice::<serde_json::Value>(&timeline).expect("whole");
 
-    // It is kept, as any other.
+    // The report is kept like any other.
     let again = bench.run(&[&["run", "--frames", "3"], &out[..]].concat());
     assert_eq!(again.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&again.stderr).contains("--force"));

@@ -1,4 +1,4 @@
-//! Sources that are no good, and those that are odd but good.
+//! Unusable sources, and unusual but usable ones.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use image::{GrayImage, Luma, Rgb, RgbImage};
 
 use crate::rig::Bench;
 
-/// Runs the chain on a source that cannot be used; returns what it said.
+/// Runs the chain on an unusable source, and returns its output.
 fn refused(bench: &Bench, source: &str) -> String {
     let output = bench.run(&["run", "--source", source, "--fps", "max"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -16,7 +16,7 @@ fn refused(bench: &Bench, source: &str) -> String {
     said
 }
 
-/// Runs the chain on a source; returns how many frames came, and how many with a curve.
+/// Runs the chain on a source. Returns the number of frames, and the number of frames with a curve.
 fn accepted(bench: &Bench, source: &str) -> (u64, u64) {
     let output = bench.run(&[
         "run",
@@ -254,7 +254,7 @@ fn what_was_recorded_is_seen_again_as_it_was() {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    // At its own pace, and of a part as fast as it goes.
+    // The whole recording at its own pace, and a part of it as fast as possible.
     let whole = ["--source", "run.mcap", "--lossless", "--out", "whole"];
     let part = [
         "--source",
@@ -281,7 +281,7 @@ fn what_was_recorded_is_seen_again_as_it_was() {
         let summary = bench.summary(folder);
         assert_eq!(summary["frames"]["received"].as_u64(), Some(count));
         assert_eq!(summary["frames"]["lost"]["source"].as_u64(), Some(0));
-        // The truth came along, and the curves are where it is.
+        // The truth is recorded, too, and the curves are close to it.
         let error = summary["error_px"]["centerline"]["mean"].as_f64();
         assert!(error.is_some_and(|error| error < 0.3), "{summary}");
     }

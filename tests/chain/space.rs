@@ -1,5 +1,5 @@
-//! Ropes in space: pictures and depth images of drawn ropes in folders, or pictures for two rigs, through the chains' processes, to a
-//! reader in space.
+//! Ropes in 3-D: pictures and depth images of drawn ropes in folders, or pictures for two rigs,
+//! pass through the chains' processes to a reader of 3-D shapes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,7 +20,7 @@ fn eye() -> Eye {
     Eye::above(305.0, SIZE, 500.0, 15.0, 30.0)
 }
 
-/// A lifted rope, what the two cameras see of it, and their calibrations, in the bench's folder.
+/// Draws a lifted rope for two cameras and writes their calibrations, in the bench's folder.
 fn drawn(bench: &Bench) -> LiftedRope {
     let options = LiftOptions {
         length_mm: 500.0,
@@ -52,7 +52,7 @@ fn drawn(bench: &Bench) -> LiftedRope {
     rope
 }
 
-/// What a second camera sees of it, and its calibration.
+/// Draws the rope for a second camera and writes its calibration.
 fn drawn_again(bench: &Bench, rope: &LiftedRope) {
     let second = eye().verging([100.0, 0.0, 0.0], 500.0);
     let [width, height] = SIZE.map(|side| side as u32);
@@ -86,7 +86,7 @@ const SOURCE: [&str; 7] = [
     "camera.yaml",
 ];
 
-/// The newest frame in which a rope is fresh, judged as asked; fails after some seconds.
+/// Waits for a frame with a fresh rope that meets a condition; fails after some seconds.
 fn wait_for(reader: &mut Reader, mut is_it: impl FnMut(&Seen) -> bool) {
     let deadline = Instant::now() + Duration::from_secs(20);
     loop {
@@ -107,7 +107,7 @@ fn reader(bench: &Bench) -> Reader {
     Reader::open_in(domain, &Rig::default()).expect("a reader")
 }
 
-/// Both end well, and leave nothing.
+/// Ends the chain and the reader, and checks that nothing is left.
 fn end(bench: &Bench, chain: Running, reader: Reader) {
     chain.signal_chain(Signal::INT);
     let ended = chain.end();
@@ -140,7 +140,7 @@ fn a_lifted_rope_comes_out_where_it_is() {
         let Seen::Fresh(rope) = seen else {
             return false;
         };
-        // What was sent before this reader asked is not there.
+        // Messages sent before this reader's first request are not available.
         let Ok(shape) = rope.in_space() else {
             return false;
         };
@@ -168,7 +168,7 @@ fn a_lifted_rope_comes_out_where_it_is() {
         }
         true
     });
-    // Who looks in sees it, too.
+    // A viewer sees it, too.
     let domain = Domain::named(&bench.domain).expect("a domain");
     let mut gatherer = Gatherer::new(&domain, Some(Rig::default()));
     wait_for(&mut reader, |_| {
@@ -302,7 +302,7 @@ fn a_lifted_rope_comes_out_where_two_cameras_see_it() {
         let Ok(shape) = rope.in_space() else {
             return false;
         };
-        // A pixel of these small pictures is 8 mm of depth.
+        // A pixel of these small pictures corresponds to 8 mm of depth.
         let off = shape.points::<60>().map(|point| {
             let away = axis.iter().map(|&on| far(on, point));
             away.fold(f64::MAX, f64::min)
@@ -314,7 +314,7 @@ fn a_lifted_rope_comes_out_where_two_cameras_see_it() {
         assert!(said.measured > 60 && said.measured <= 120);
         true
     });
-    // Without its partner this rig goes on, and says so.
+    // Without its partner, this rig continues and says so.
     right.signal_chain(Signal::INT);
     assert!(right.end().status.success());
     wait_for(&mut reader, |seen| {

@@ -1,4 +1,4 @@
-//! `lariat topic`: looking in at a chain that runs.
+//! `lariat topic`: inspects a running chain.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -12,7 +12,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The JSON objects that a command prints, one a line.
+/// JSON objects that a command prints, one per line.
 fn objects(bench: &Bench, arguments: &[&str]) -> Vec<Value> {
     let output = bench.run(&[&["topic"], arguments].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -105,7 +105,7 @@ fn a_chain_is_listed_measured_and_echoed_by_whoever_asks() {
     bench.assert_nothing_is_left();
 }
 
-/// A command that goes on, and its lines.
+/// Starts a command that does not end by itself; returns it with its output.
 fn follow(bench: &Bench, arguments: &[&str]) -> (Child, BufReader<std::process::ChildStdout>) {
     let mut command = bench.command(&[&["topic"], arguments].concat());
     let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -125,7 +125,7 @@ fn a_channel_that_is_full_says_so_and_a_closed_pipe_or_a_signal_ends_a_reader() 
     let bench = Bench::new();
     let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
     chain.wait_for_frames();
-    // Extract reads frames too, and four can.
+    // Extract reads frames too, and at most four readers can.
     let mut readers: Vec<_> = (0..3)
         .map(|_| follow(&bench, &["echo", "frames"]))
         .collect();
@@ -141,7 +141,7 @@ fn a_channel_that_is_full_says_so_and_a_closed_pipe_or_a_signal_ends_a_reader() 
         let is_interrupted = number == 0;
         if is_interrupted {
             send(reader.id() as i32, Signal::INT);
-            // Its pipe must not be full when it wants to end.
+            // The pipe must not be full when the command wants to end.
             std::thread::spawn(move || lines.lines().count());
         } else {
             drop(lines);
@@ -166,14 +166,14 @@ fn who_follows_a_channel_goes_with_the_chain_and_comes_back_with_the_next_howeve
     let ended_ns = lariat_wire::now_ns();
     let mut said = BufReader::new(echo.stderr.take().expect("piped"));
     assert!(next(&mut said).contains("waiting for it"));
-    // A reader that had stayed would be in the way of another delivery.
+    // If the reader had stayed, it would prevent another delivery.
     let again = bench.start(&["--lossless", "--fps", "100", "--duration", "60"]);
     assert!(next(&mut said).contains("--lossless: it waits for this reader too"));
     let is_new = |line: String| {
         let message: Value = serde_json::from_str(&line).expect("JSON");
         message["trace"]["exposed_ns"].as_u64() > Some(ended_ns)
     };
-    // What the first chain sent last is in the pipe before it.
+    // The first chain's last messages are ahead of it in the pipe.
     assert!((0..5000).any(|_| is_new(next(&mut lines))));
     wait_until_told_by_signals(echo.id());
     send(echo.id() as i32, Signal::INT);

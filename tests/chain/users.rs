@@ -1,6 +1,6 @@
-//! Two users on one machine: each has a domain of their own, and nobody stands in another's way.
+//! Two users on one machine: each has a separate domain, and neither blocks the other.
 //!
-//! Only root can be two users: elsewhere these tests say that they were left out.
+//! Only root can act as two users; otherwise these tests report that they were skipped.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
@@ -13,24 +13,24 @@ use rustix::process::{Signal, geteuid};
 
 use crate::rig::Bench;
 
-/// Two users whom no other test has, if this process may become others.
+/// Two users that no other test has, if this process may become other users.
 fn users() -> Option<[u32; 2]> {
     if !geteuid().is_root() {
         eprintln!("left out: only root can run lariat as two users");
         return None;
     }
-    // Below 65,536, as containers have no more.
+    // Below 65,536, which is the limit in containers.
     let first = 40_000 + std::process::id() % 5_000;
     Some([first, first + 10_000])
 }
 
-/// A user's bench: in the domain that a user has who says nothing of domains.
+/// A bench for a user, in the default domain of that user.
 fn bench_of(user: u32) -> Bench {
     let mut bench = Bench::new();
     bench.domain = user.to_string();
     let everyone = fs::Permissions::from_mode(0o777);
     fs::set_permissions(bench.folder.path(), everyone).expect("its own folder");
-    // Where cargo put it, others may not be allowed to look.
+    // Other users may not have access to cargo's folder.
     fs::copy(env!("CARGO_BIN_EXE_lariat"), bench.path("lariat")).expect("copied");
     bench
 }
@@ -56,7 +56,7 @@ fn two_users_run_the_same_rig_at_once_and_neither_sees_the_other() {
     for chain in &mut chains {
         chain.wait_for_frames();
     }
-    // A shell without XDG_RUNTIME_DIR and one with it are the same user.
+    // Shells with and without XDG_RUNTIME_DIR belong to the same user.
     for (bench, chain) in benches.iter().zip(&chains) {
         for runtime in [None, Some("/run/user/1")] {
             let mut command = command_of(bench, &["topic", "list", "--json"]);
@@ -86,7 +86,7 @@ fn a_file_that_another_user_put_into_a_domain_is_named_and_removed_by_root() {
         let mut command = command_of(&bench, &["run", "--source", "rendered", "--frames", "3"]);
         command.output().expect("the binary runs")
     };
-    // The transport's own file, made beforehand, held all that joined.
+    // The transport's own file, made beforehand, blocked everybody who joined.
     let name = format!(
         "lariat_{}_9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt",
         bench.domain
@@ -177,7 +177,7 @@ fn the_domain_of_another_user_is_refused_with_whose_it_is_and_what_to_do() {
         assert!(said.contains(word), "{word}: {said}");
     }
 
-    // What nobody is in any more is removed as it is said there.
+    // A domain that nobody uses any more is removed by the command in the message.
     let minute_ago = SystemTime::now() - Duration::from_secs(60);
     for entry in fs::read_dir(&folder).expect("there").flatten() {
         let file = fs::File::open(entry.path()).expect("root's");
@@ -194,7 +194,7 @@ fn the_domain_of_another_user_is_refused_with_whose_it_is_and_what_to_do() {
     let ran = run();
     assert!(ran.status.success(), "{}", text(&ran));
 
-    // Nor can root enter a user's own: its files would be in that user's way.
+    // Root cannot enter a user's domain either, because root's files would block that user.
     let mut command = roots.command(&["topic", "list"]);
     command.env("LARIAT_DOMAIN", &bench.domain);
     let refused = command.output().expect("the binary runs");

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Kills processes of lariat at system calls drawn by seed, and looks what that breaks.
+"""Kills processes of lariat at system calls selected by a seed, and checks what breaks.
 
     cargo build --release -p lariat -p lariat-wire --bins --example join_and_leave
     tests/kills/kills.py [--binary target/release/lariat] [--reader …] [--kills 200] [--seed 1] [--domain kills]
                          [--restart on-failure] KIND...
 
-KIND is what is killed: `reader` (alone in its domain), `beside` (a reader beside a chain that runs), `stages` (a chain: each of its
-processes at its own call of this number, the recorder's among them), `launcher` (the chain's first process alone). After each
-kill another process joins, which has 2 s, then leaves; nothing may be left in /dev/shm and in the domain's folder then, and the chain
-beside must go on. Needs strace. One line a KIND; the exit code is 1 if anything broke."""
+KIND selects the process to kill: `reader` (alone in its domain), `beside` (a reader next to a
+running chain), `stages` (each process of a chain at its own call of this number, including the
+recorder), `launcher` (only the chain's first process). After each kill, another process joins
+within 2 s and leaves. Then nothing may be left in /dev/shm and in the domain's folder, and the
+other chain must continue. Needs strace. Prints one line per KIND; the exit code is 1 if anything
+broke."""
 
 import argparse
 import os
@@ -23,7 +25,7 @@ import time
 from pathlib import Path
 
 PATIENCE_S = 2.0
-# What the processes wait in or what neither makes nor removes anything.
+# Calls in which processes wait, or that neither create nor remove anything.
 HARMLESS = {"brk", "clock_nanosleep", "rt_sigaction", "rt_sigprocmask", "rt_sigreturn", "rt_sigsuspend", "sigaltstack",
             "mprotect", "wait4", "gettid", "getpid", "exit_group", "execve", "set_robust_list", "rseq", "arch_prctl",
             "prlimit64", "set_tid_address", "getrandom", "sched_getaffinity"}
@@ -34,7 +36,7 @@ def shared(domain):
 
 
 def kept(domain):
-    """The files of the domain's folder, without its empty folders and its locks."""
+    """Files in the domain's folder, without empty folders and locks."""
     files = Path(f"/tmp/lariat-{domain}").rglob("*")
     return {path.name for path in files if not path.is_dir() and not path.name.endswith(".lock")}
 
@@ -56,7 +58,7 @@ class Rounds:
         self.scratch = tempfile.mkdtemp(prefix="kills-")
         self.environment = dict(os.environ, LARIAT_DOMAIN=args.domain)
         self.restart = ["--restart", args.restart]
-        # A process that is killed at a call is killed there each time that it is restarted.
+        # A process that is killed at a call is killed there again after each restart.
         Path(self.scratch, "lariat.toml").write_text("[run]\nmax_restarts = 3\n")
 
     def reader(self):
@@ -70,7 +72,7 @@ class Rounds:
         return shared(self.domain) | kept(self.domain)
 
     def run(self, command, limit_s):
-        """Whether it ended in time, and how; what it started ends with it."""
+        """Exit code and error output, or a timeout; child processes end with it."""
         child = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                  stderr=subprocess.PIPE, start_new_session=True, cwd=self.scratch)
         try:
@@ -82,7 +84,7 @@ class Rounds:
             return None, "no end"
 
     def calls(self, command, follow):
-        """The system calls that it makes, with how many of each its busiest process makes."""
+        """System calls of the command, with their maximum number in any of its processes."""
         trace = Path(self.scratch, "calls")
         self.run(["strace", *follow, "-o", str(trace), *command], 30)
         count = {}
@@ -102,7 +104,7 @@ class Rounds:
         for recording in Path(self.scratch).glob("kills*.mcap"):
             recording.unlink()
         self.run(["strace", *follow, "-qq", "-o", "/dev/null", "-e", f"inject={call}:signal=KILL:when={when}", *command], 15)
-        # A chain's processes outlive their launcher by moments.
+        # The processes of a chain briefly outlive their launcher.
         until = time.monotonic() + 5
         while any(self.domain in text for text in environments()) and time.monotonic() < until:
             time.sleep(0.01)

@@ -1,9 +1,9 @@
-//! Control polygons as Foxglove is told to draw them over the image.
+//! Control polygons that Foxglove draws over the image.
 
 use lariat_record::Decoder;
 use lariat_wire::Centerlines;
 
-/// The points of each line and of what lies on it, in lariat's pixels.
+/// Points of each line and of its markers, in lariat's pixels.
 fn polygons(cdr: &[u8]) -> Vec<Vec<[f64; 2]>> {
     let mut from = Decoder::new(cdr).expect("a message");
     assert_eq!(from.value::<u32>(), Ok(0), "circles");
@@ -22,7 +22,7 @@ fn polygons(cdr: &[u8]) -> Vec<Vec<[f64; 2]>> {
     (0..count).map(polygon).collect()
 }
 
-/// Each rope's polygon is there, and begins and ends where its centerline does.
+/// Checks that each rope's polygon exists, and begins and ends where its centerline does.
 pub(crate) fn assert_polygons_end_where_ropes_do(cdr: &[u8], seen: &Centerlines) {
     let polygons = polygons(cdr);
     assert!(!polygons.is_empty());

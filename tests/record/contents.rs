@@ -1,4 +1,4 @@
-//! What is in a recording.
+//! Contents of a recording.
 
 use lariat_capture::{RenderOptions, Source};
 use lariat_extract::{Extractor, Image, PixelFormat};
@@ -49,7 +49,8 @@ fn a_lossless_recording_holds_every_frame_and_all_that_was_made_of_it() {
     bench.assert_nothing_is_left();
 }
 
-/// Every frame, centerline, truth and descriptor is what the libraries make of the rendered rope.
+/// Checks that every frame, centerline, truth and descriptor is the libraries' result for the
+/// rendered rope.
 fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {
     let mut source = lariat_capture::open(&Source::Rendered(RenderOptions::default())).unwrap();
     let mut extractor = Extractor::new(lariat_extract::Options::default()).unwrap();
@@ -199,7 +200,7 @@ fn a_recorder_by_itself_is_there_before_the_rig_and_across_its_restart() {
         assert_eq!(recording.count(topic), 80, "{topic}");
     }
     assert_eq!(recording.losses().dropped_frames, 0);
-    // The settings of both runs, as their stages said them.
+    // Settings of both runs, as announced by their stages.
     let settings: Vec<String> = recording
         .attachments
         .iter()
@@ -223,7 +224,7 @@ fn a_recorder_by_itself_ends_when_as_much_is_recorded_as_was_asked() {
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
     assert!(ended.status.success(), "{said}");
     let recording = Recording::read(&bench.path("own.mcap"));
-    // What waited beside the last frame is in it, too.
+    // Messages that waited together with the last frame are included, too.
     assert!((20..25).contains(&recording.count("frames")), "{said}");
     chain.signal_chain(Signal::INT);
     assert!(chain.end().status.success());

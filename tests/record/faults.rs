@@ -1,4 +1,4 @@
-//! What becomes of a recording, and of the chain, when something goes wrong.
+//! Effects of faults on a recording and on the chain.
 
 use std::time::{Duration, Instant};
 
@@ -7,14 +7,14 @@ use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use crate::recording::Recording;
 use crate::rig::{Bench, Ended, Running, send};
 
-/// The recorder's process.
+/// Process id of the recorder.
 fn recorder(chain: &Running) -> i32 {
     let mut words = chain.introduction.split_whitespace();
     words.find(|word| *word == "recorder");
     words.next().and_then(|id| id.parse().ok()).expect("an id")
 }
 
-/// Waits until a file has so many bytes: more than a chunk, say.
+/// Waits until a file has this many bytes, for instance more than a chunk.
 fn wait_for_bytes(bench: &Bench, name: &str, bytes: u64) {
     let deadline = Instant::now() + Duration::from_secs(30);
     while std::fs::metadata(bench.path(name)).map_or(0, |file| file.len()) < bytes {
@@ -23,7 +23,7 @@ fn wait_for_bytes(bench: &Bench, name: &str, bytes: u64) {
     }
 }
 
-/// The chain went on to its end, and says at the end that its recording did not.
+/// Checks that the chain continued to its end, and then reported that its recording did not.
 fn assert_only_the_recording_suffered(bench: &Bench, ended: &Ended, how: &str, frames: u64) {
     assert_eq!(ended.status.code(), Some(1), "{}", ended.stderr);
     let sentence = format!("the recorder {how}; the chain continues without it");
@@ -95,7 +95,7 @@ fn where_no_longer_file_may_be_the_recording_is_closed_well_and_the_chain_goes_o
         let flags = ["--fps", "100", "--frames", "300", "--out", "out"];
         let record = ["--record", "run.mcap"];
         let mut chain = bench.start(&[&flags[..], &record, delivery].concat());
-        // About fifty frames more than there may be now.
+        // About fifty frames more than the current size.
         let most = 50_000_000;
         let limit = Rlimit {
             current: Some(most),
@@ -115,7 +115,7 @@ fn where_no_longer_file_may_be_the_recording_is_closed_well_and_the_chain_goes_o
         let recording = Recording::read(&bench.path("run.mcap"));
         assert!(recording.is_closed);
         let bytes = std::fs::metadata(bench.path("run.mcap")).unwrap().len();
-        // All but the last of what there may be is used.
+        // The file uses all of its limit except the last part.
         assert!(bytes <= most && bytes > most - 6_000_000, "{bytes}");
         assert!(recording.count("image") > 40);
     }
@@ -127,7 +127,7 @@ fn what_the_recorder_misses_or_has_no_room_for_is_counted_exactly() {
     let bench = Bench::new();
     let frames = FRAMES.to_string();
     let flags = ["--fps", "300", "--frames", &frames, "--out", "out"];
-    // Room for one image.
+    // Space for one image.
     let record = [
         "--record",
         "run.mcap",
@@ -138,7 +138,7 @@ fn what_the_recorder_misses_or_has_no_room_for_is_counted_exactly() {
     ];
     let mut chain = bench.start(&[&flags[..], &record].concat());
     chain.wait_for_frames();
-    // The recorder stands still while frames go by.
+    // The recorder is stopped while frames pass.
     let recorder = recorder(&chain);
     send(recorder, Signal::STOP);
     crate::rings::wait_for_descriptors(&bench, 100);

@@ -1,16 +1,17 @@
 #!/bin/sh
-# Records onto a disk that fills up: a small tmpfs. The chain must go on, the file must be closed well, and a sentence said.
+# Records onto a disk that fills up: a small tmpfs. The chain must continue, the file must be closed
+# properly, and the fault must be reported.
 #
 #     tests/record/full_disk.sh [LARIAT [PYTHON]]
 #
-# As root, or as anyone who may have a user namespace. LARIAT: the binary (default: target/release/lariat). PYTHON: reads the
-# recordings too, if it is given (see read.py).
+# Needs root, or the right to create a user namespace. LARIAT: the binary (default:
+# target/release/lariat). PYTHON: if given, also reads the recordings (see read.py).
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
 lariat=$(realpath "${1:-${CARGO_TARGET_DIR:-$here/../../target}/release/lariat}")
 python=${2:-}
 if [ "${LARIAT_FULL_DISK:-}" != inside ]; then
-    # In a mount namespace of its own, so that nothing stays whatever happens.
+    # A separate mount namespace, so that nothing is left whatever happens.
     if [ "$(id -u)" = 0 ]; then
         LARIAT_FULL_DISK=inside exec unshare -m "$0" "$lariat" "$python"
     fi
@@ -33,7 +34,7 @@ for delivery in "" --lossless; do
     [ $code = 1 ] || fail "the exit code is $code"
     grep -q 'run.mcap ends here, and all before it is in it: the disk is full' "$said" || fail "the recorder did not say why"
     grep -q 'the recorder failed .*; the chain continues without it' "$said" || fail "the chain did not say so"
-    # The magic at the end: the file was closed.
+    # The magic number at the end: the file was closed.
     [ "$(tail -c 8 "$disk/run.mcap" | od -An -c | tr -d ' ')" = '211MCAP0\r\n' ] || fail "the file was not closed"
     size=$(stat -c %s "$disk/run.mcap")
     [ "$size" -gt 15000000 ] || fail "only $size bytes of the disk were used"
@@ -41,7 +42,7 @@ for delivery in "" --lossless; do
     echo "full disk, ${delivery:-newest wins}: $size bytes, closed well; the chain went on"
     rm "$disk/run.mcap"
 done
-# The disk fills up by others while the ring is written; the ring goes on.
+# Other files fill the disk while the ring is written; the ring continues.
 "$lariat" run --fps 60 --duration 6s >/dev/null 2>&1 &
 chain=$!
 "$lariat" record --out "$disk/last.mcap" --ring 2s 2>"$said" &

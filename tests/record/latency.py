@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What recording adds to the chain's latency: the same chain with and without it, round after round, in one run.
+"""Measures the latency that recording adds to the chain: the same chain with and without it, in
+alternation, in one run.
 
     tests/record/latency.py LARIAT [--folder DIR] [--rounds N] [--seconds N] [-- FLAGS OF LARIAT RUN]
 
-Prints the medians of p50 and p99 over the rounds, and the median of the ratios within each round; fails if a recording has
-dropped anything. Raw 640x480 RGB at 60 frames/s unless the flags say otherwise. For a machine on which nothing else runs.
+Prints the medians of p50 and p99 over the rounds, and the median of the ratios within each round.
+Fails if a recording has dropped anything. Uses raw 640x480 RGB at 60 frames/s unless flags set
+something else. Run it on an otherwise idle machine.
 """
 
 import argparse
@@ -17,7 +19,7 @@ import tempfile
 
 
 def latencies(lariat, folder, flags):
-    """p50 and p99 of one run, and what it said."""
+    """p50 and p99 of one run, and its output."""
     report = os.path.join(folder, "report")
     command = [lariat, "run", "--force", "--out", report, *flags]
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=folder)
@@ -44,7 +46,7 @@ def main():
         for number in range(asked.rounds):
             file = os.path.join(folder, "run.mcap")
             pair = [([], without), (["--record", file], recorded)]
-            # Neither of them is always the first.
+            # The two take turns at being first.
             for more, into in pair if number % 2 == 0 else reversed(pair):
                 figures, said = latencies(lariat, folder, flags + more)
                 into.append(figures)

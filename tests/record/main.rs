@@ -1,6 +1,7 @@
-//! Recordings, on the real binary: what is in them, and what becomes of them and of the chain when something goes wrong.
+//! Recordings, on the real binary: their contents, and the effects of faults on them and on the
+//! chain.
 
-// Of the chain's own tests; not all of it is needed here.
+// Shared with the chain's tests; not all of it is needed here.
 #[allow(dead_code)]
 #[path = "../chain/rig.rs"]
 mod rig;

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Reads a recording with the field's own packages: every topic with their decoders, and what is in it against itself.
+"""Reads a recording with the standard Python packages: decodes every topic with them, and checks
+that the contents are consistent.
 
     read.py FILE.mcap [FRAMES]
 
-Checks that every message decodes by the schema in the file, that each topic has as many as it must, that times can be undone
-to the bit, that each frame's centerline lies on its truth and its curve on its centerline, and that an image shows the rope
-where the centerline says; with depth, that the curve in space lies on its points, and that every ellipsoid has a volume. FRAMES:
-how many there must be. Needs requirements.txt. Recordings of a rendered rope only.
+Checks that every message decodes by the schema in the file, that each topic has the right number of
+messages, and that times can be restored to the bit. Each frame's centerline must lie on its truth
+and its curve on its centerline, and the image must show the rope where the centerline is. With
+depth, the 3-D curve must lie on its points, and every ellipsoid must have a volume. FRAMES:
+expected number of frames. Needs requirements.txt. Only for recordings of a rendered rope.
 """
 
 import collections
@@ -30,7 +32,7 @@ def check(holds, what):
 
 
 def read(path):
-    """Every message of every topic, decoded; the metadata, and the attachments' names."""
+    """All decoded messages by topic, the metadata, and the names of the attachments."""
     topics = collections.defaultdict(list)
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
@@ -53,7 +55,7 @@ def points(of):
 
 
 def bezier(control, count):
-    """Points of a Bezier curve at even parameters."""
+    """Points of a Bezier curve at equal parameter steps."""
     n = len(control) - 1
     t = numpy.linspace(0, 1, count)[:, None]
     k = numpy.arange(n + 1)
@@ -62,7 +64,7 @@ def bezier(control, count):
 
 
 def spline(control, degree, inner, count):
-    """Points of a clamped B-spline at even parameters (de Boor's algorithm)."""
+    """Points of a clamped B-spline at equal parameter steps (de Boor's algorithm)."""
     knots = numpy.concatenate([numpy.zeros(degree + 1), inner, numpy.ones(degree + 1)])
     points = []
     for t in numpy.linspace(0, 1, count):
@@ -77,13 +79,13 @@ def spline(control, degree, inner, count):
 
 
 def along(shape, control, count):
-    """Points of an open rope's curve at even parameters."""
+    """Points of an open rope's curve at equal parameter steps."""
     check(shape.basis in (BEZIER, B_SPLINE), f"the curve's basis is {shape.basis}")
     return bezier(control, count) if shape.basis == BEZIER else spline(control, shape.degree, shape.knots, count)
 
 
 def distances(points, line):
-    """How far each point is from a line of many short pieces."""
+    """Distance of each point from a polyline of many short segments."""
     a, b = line[:-1], line[1:]
     way = b - a
     t = ((points[:, None] - a) * way).sum(2) / numpy.maximum((way**2).sum(1), 1e-12)
@@ -92,7 +94,7 @@ def distances(points, line):
 
 
 def pixels(message):
-    """The picture of an image message, RGB."""
+    """The picture of an image message as RGB."""
     if hasattr(message, "format"):
         return numpy.asarray(Image.open(io.BytesIO(bytes(message.data))).convert("RGB"), float)
     check(message.encoding == "rgb8", f"an image of a rendered rope is rgb8, not {message.encoding}")
@@ -113,7 +115,7 @@ def check_times(topics, rig, about):
 
 
 def check_geometry(topics, rig):
-    """Each frame's truth, centerline, curve and image against each other."""
+    """Compares each frame's truth, centerline, curve and image."""
     by = lambda topic: {d.trace.sequence: d for _, d in topics[f"/{rig}/{topic}"]}
     truths, seen, shapes = by("truth"), by("centerlines"), by("descriptors")
     images = {m.sequence: d for m, d in topics[f"/{rig}/image"]}
@@ -140,7 +142,7 @@ def check_geometry(topics, rig):
 
 
 def check_space(topics, rig):
-    """Each frame's depth image, and its rope in space against itself."""
+    """Checks each frame's depth image, and the consistency of its 3-D rope."""
     depths = {m.sequence: d for m, d in topics[f"/{rig}/depth_image"]}
     known = 0
     for message, ropes in topics[f"/{rig}/descriptors3"]:
@@ -171,7 +173,8 @@ def check_space(topics, rig):
 
 
 def check_annotations(topics, rig):
-    """What is drawn over the image is the centerline, from the pixel's corner."""
+    """Checks that the drawing over the image is the centerline, measured from the pixel's
+    corner."""
     seen = {m.log_time: d for m, d in topics[f"/{rig}/centerlines"]}
     for message, drawn in topics[f"/{rig}/annotations/ropes"]:
         for line, curve in zip(drawn.points, seen[message.log_time].curves, strict=True):
@@ -188,7 +191,7 @@ def main():
     check(count["frames"] == frames, f"there are {count['frames']} frames, not {frames}")
     wanted = ["truth", "centerlines", "descriptors", "annotations/ropes", "annotations/control_points"]
     wanted += ["image"] if about["images"] != "none" else []
-    # A recording whose disk was full ends without its last count.
+    # A recording on a full disk ends without its last count.
     losses = topics[f"/{rig}/losses"][-1][1] if f"/{rig}/losses" in topics else None
     dropped = {"truth": losses.dropped_truth, "image": losses.dropped_frames} if losses else {}
     if losses and losses.capture + losses.extract + losses.fit + losses.dropped_centerlines + losses.dropped_descriptors == 0:

@@ -13,21 +13,21 @@ pub(crate) struct Message {
     pub(crate) cdr: Vec<u8>,
 }
 
-/// All that is in a file.
+/// Contents of a file.
 #[derive(Default)]
 pub(crate) struct Recording {
-    /// By topic, in the order of the file.
+    /// Messages by topic, in the order of the file.
     pub(crate) topics: BTreeMap<String, Vec<Message>>,
-    /// What is attached: names and contents.
+    /// Names and contents of the attachments.
     pub(crate) attachments: Vec<(String, Vec<u8>)>,
-    /// What it says of itself.
+    /// Metadata.
     pub(crate) about: BTreeMap<String, String>,
-    /// Whether it was closed, with an index.
+    /// True if the file was closed, with an index.
     pub(crate) is_closed: bool,
 }
 
 impl Recording {
-    /// Reads a file, up to where it ends.
+    /// Reads a file up to its end.
     pub(crate) fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).expect("a file");
         let mut recording = Self {
@@ -37,7 +37,7 @@ impl Recording {
         let options = mcap::read::Options::IgnoreEndMagic.into();
         let records = mcap::read::ChunkFlattener::new_with_options(&bytes, options);
         let mut names = BTreeMap::new();
-        // A file that was not closed ends in what is no record.
+        // A file that was not closed ends with an invalid record.
         for record in records.expect("a recording").map_while(Result::ok) {
             match record {
                 Raw::Channel(channel) => {
@@ -56,7 +56,7 @@ impl Recording {
                     recording.attachments.push(attachment);
                 }
                 Raw::Metadata(metadata) => recording.about.extend(metadata.metadata),
-                // What follows is the index.
+                // The index follows.
                 Raw::DataEnd(_) => break,
                 _ => {}
             }
@@ -75,7 +75,7 @@ impl Recording {
         self.of(topic).len() as u64
     }
 
-    /// What was lost in all.
+    /// Total losses.
     pub(crate) fn losses(&self) -> Losses {
         let mut losses = Losses::default();
         let last = self.of("losses").last().expect("losses");
@@ -83,7 +83,7 @@ impl Recording {
         losses
     }
 
-    /// Frames that are in it with their images, or counted as not in it.
+    /// Number of frames that are recorded with their images, or counted as missing.
     pub(crate) fn frames_accounted_for(&self) -> u64 {
         self.count("image") + self.losses().dropped_frames
     }

@@ -1,4 +1,4 @@
-//! The last seconds, kept in memory and written when asked for.
+//! The last seconds, kept in memory and written on request.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -10,7 +10,7 @@ use rustix::process::Signal;
 use crate::recording::Recording;
 use crate::rig::{Bench, send};
 
-/// Waits until so many descriptors have been sent.
+/// Waits until this many descriptors have been sent.
 pub(crate) fn wait_for_descriptors(bench: &Bench, count: u64) {
     let domain = Domain::named(&bench.domain).unwrap();
     let reader = Receiver::descriptors(&domain, &Rig::default()).unwrap();
@@ -23,7 +23,7 @@ pub(crate) fn wait_for_descriptors(bench: &Bench, count: u64) {
     while next() < first + count {}
 }
 
-/// Waits until a process is among those that run on the rig.
+/// Waits until a process is registered on the rig.
 pub(crate) fn wait_until_announced(bench: &Bench, id: u32) {
     let deadline = Instant::now() + Duration::from_secs(30);
     let folder = format!("/tmp/lariat-{}/lariat-roster", bench.domain);
@@ -34,7 +34,7 @@ pub(crate) fn wait_until_announced(bench: &Bench, id: u32) {
     }
 }
 
-/// A recorder of its own, which ends with the test however that ends.
+/// A separate recorder, which ends with the test in any case.
 pub(crate) struct Own(pub(crate) Child);
 
 impl Own {
@@ -51,7 +51,7 @@ impl Own {
 
 impl Drop for Own {
     fn drop(&mut self) {
-        // It has ended already where the test went well.
+        // If the test succeeded, it has ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -73,7 +73,7 @@ fn the_last_seconds_are_written_by_signal_and_by_command_and_recording_goes_on()
     assert!(line().contains("keeping the last 0.5 s in memory, 512 MB at most"));
     let mut files = Vec::new();
     for by_signal in [true, false] {
-        // More than the ring keeps.
+        // More than the ring holds.
         wait_for_descriptors(&bench, 100);
         if by_signal {
             send(recorder.0.id() as i32, Signal::USR1);
@@ -91,7 +91,7 @@ fn the_last_seconds_are_written_by_signal_and_by_command_and_recording_goes_on()
     let recordings = [0, 1].map(|i| Recording::read(&bench.path(&files[i])));
     for recording in &recordings {
         assert!(recording.is_closed);
-        // As many as a busy machine has made of fifty.
+        // As many as a loaded machine has made of fifty.
         let images = recording.of("image");
         let lasted_ns = images[images.len() - 1].log_ns - images[0].log_ns;
         assert!(lasted_ns <= 500_000_000, "{lasted_ns}");

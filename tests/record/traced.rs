@@ -1,4 +1,4 @@
-//! `lariat trace` of the frames of a recording: what the chain made of them.
+//! `lariat trace` on the frames of a recording gives the same results as the chain.
 
 use std::fs;
 
@@ -11,10 +11,11 @@ use crate::rig::Bench;
 
 const FRAMES: &str = "66";
 
-/// A table seen at a slant.
+/// A table seen at an angle.
 const PLANE: &str = "homography = [[0.5, 0.1, 20], [0.02, 0.6, 10], [1e-5, 4e-4, 1]]\n";
 
-/// A rope, held by grippers, over which a hand comes and goes; its frames as pictures too.
+/// Records a rope held by grippers, with a hand that covers it for a while; also exports its frames
+/// as pictures.
 fn covered_rope() -> Bench {
     let bench = Bench::new();
     let hand = "[simulation]\nhand_at_s = 0.7\nhand_for_s = 0.5\n[sink]\nlive = false\n";
@@ -27,7 +28,7 @@ fn covered_rope() -> Bench {
     bench
 }
 
-/// What a command printed that went well.
+/// Runs a command that must succeed, and returns its output.
 fn said(bench: &Bench, arguments: &[&str]) -> String {
     let output = bench.run(arguments);
     let complaint = String::from_utf8_lossy(&output.stderr);
@@ -35,7 +36,7 @@ fn said(bench: &Bench, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The descriptors that the chain made of a source.
+/// Runs the chain on a source, and returns its descriptors.
 fn run(bench: &Bench, source: &str, file: &str, flags: &[&str]) -> Vec<Box<Descriptors>> {
     let words = ["run", "--source", source, "--record", file];
     said(bench, &[&words, flags].concat());
@@ -48,7 +49,7 @@ fn run(bench: &Bench, source: &str, file: &str, flags: &[&str]) -> Vec<Box<Descr
     decoded.collect()
 }
 
-/// What `trace` printed of each frame, and what its chain sent, are the same.
+/// Checks that `trace` prints for each frame what its chain sent.
 fn compare(bench: &Bench, sent: &[Box<Descriptors>], trace: &[&str]) {
     let printed = said(bench, &[&["trace", "--json"], trace].concat());
     let printed: Vec<Value> = (printed.lines())
@@ -68,7 +69,7 @@ fn compare(bench: &Bench, sent: &[Box<Descriptors>], trace: &[&str]) {
     }
 }
 
-/// All numbers of a curve, to the last digit that `trace` prints.
+/// All numbers of a curve, rounded as `trace` prints them.
 fn of_chain(curve: &Descriptor) -> Vec<f64> {
     let plain = [curve.rms, curve.max, curve.residual_variance, curve.length];
     let rest = [curve.condition, curve.max / curve.width];
@@ -83,7 +84,7 @@ fn of_chain(curve: &Descriptor) -> Vec<f64> {
         .collect()
 }
 
-/// The same numbers, as printed.
+/// The same numbers from the printed report.
 fn of_trace(curve: &Value) -> Vec<f64> {
     let descriptor = &curve["descriptor"];
     let number = |value: &Value| value.as_f64().unwrap();
@@ -125,7 +126,7 @@ fn a_trace_of_a_video_is_what_the_chain_sends() {
         assert!(curves().filter(|curve| curve.hidden > 5).count() > 10);
         let pictures = ["--video", "--fps", "60", "frames"];
         compare(&bench, &sent, &[flags, &pictures].concat());
-        // The recording of the first chain has its own moments, and the same images.
+        // The first chain's recording has its own times, but the same images.
         let words = ["--lossless", "--force"];
         let sent = run(&bench, "rope.mcap", "again.mcap", &[&words, flags].concat());
         compare(&bench, &sent, &[flags, &["rope.mcap"]].concat());

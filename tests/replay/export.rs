@@ -84,7 +84,7 @@ fn a_video_and_pictures_show_the_frames_again() {
     assert_eq!(picture.dimensions(), (144, 108));
     assert!(names.pop().is_some());
 
-    // Both are sources again.
+    // Both can be used as sources again.
     for source in ["rope.y4m", "frames"] {
         let out = format!("of-{source}");
         let run = [

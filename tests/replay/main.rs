@@ -1,4 +1,4 @@
-//! Recordings computed again, exported and told of, on the real binary.
+//! Recordings recomputed, exported and described, on the real binary.
 
 mod export;
 
@@ -9,11 +9,11 @@ use lariat_record::{Entry, Recording, Span};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The recording that results are held against, whatever changes in the code. How to renew it when they are meant to change
-/// stands in CONTRIBUTING.
+/// The reference recording for results, whatever changes in the code. CONTRIBUTING says how to
+/// renew it after intended changes.
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recordings/rope.mcap");
 
-/// A folder to run the binary in, and a domain of its own.
+/// A folder to run the binary in, and a separate domain.
 struct Place {
     folder: TempDir,
 }
@@ -29,7 +29,7 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// Where the transport keeps its files.
+    /// Name of the transport's domain.
     fn domain(&self) -> String {
         let name = self.folder.path().file_name().unwrap().to_string_lossy();
         let plain = name.chars().filter(char::is_ascii_alphanumeric);
@@ -46,7 +46,7 @@ impl Place {
             .unwrap()
     }
 
-    /// What was printed by a command that went well.
+    /// Runs a command that must succeed, and returns its output.
     fn printed(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let complaint = String::from_utf8_lossy(&output.stderr);
@@ -54,7 +54,7 @@ impl Place {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// What was complained about by one that did not.
+    /// Runs a command that must fail, and returns its error message.
     fn complaint(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let printed = String::from_utf8_lossy(&output.stdout);
@@ -90,7 +90,7 @@ fn the_golden_recording_comes_out_the_same() {
     );
 }
 
-/// Frames in which something crosses.
+/// Number of frames with a crossing.
 fn crossings(path: &str) -> usize {
     let recording = Recording::open(Path::new(path)).unwrap();
     let mut messages = recording.messages(Span::default()).unwrap();
@@ -117,7 +117,7 @@ fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
         (&20.into(), &"bits".into())
     );
     let said = place.printed(&["replay", "run.mcap", "--check"]);
-    // Sentences are broken where a terminal ends.
+    // Sentences are wrapped to the width of a terminal.
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         said.contains("computed again are the same to the bit"),
@@ -149,7 +149,7 @@ fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
 fn a_recording_that_was_cut_off_is_checked_up_to_there() {
     let place = Place::new();
     let golden = std::fs::read(GOLDEN).unwrap();
-    // Without its index.
+    // Without the index.
     let data_end = golden.len() - 2000;
     std::fs::write(place.path("cut.mcap"), &golden[..data_end]).unwrap();
     let output = place.run(&["replay", "cut.mcap", "--check"]);
@@ -218,7 +218,7 @@ fn a_settings_file_beside_a_recording_is_not_the_recording_s() {
     place.printed(&["replay", GOLDEN, "--check"]);
 }
 
-/// A recorded number changed: the check says which, and that it is no success.
+/// With one recorded number changed, the check names it and fails.
 #[test]
 fn a_check_that_finds_a_difference_fails_and_shows_it() {
     let place = Place::new();
@@ -234,7 +234,7 @@ fn a_check_that_finds_a_difference_fails_and_shows_it() {
     assert!(said.contains("rope 1, point 3, x: recorded"), "{said}");
 }
 
-/// The recording written again, with point 3 of frame 7 a hundredth of a pixel to the right.
+/// Rewrites the recording with point 3 of frame 7 moved a hundredth of a pixel to the right.
 fn changed(path: &Path) -> Vec<u8> {
     use lariat_record::Record;
     let bytes = std::fs::read(path).unwrap();
@@ -277,7 +277,7 @@ fn every_json_object_has_the_version_of_its_keys() {
         &["devices", "--json"],
         &["doctor", "--json"],
     ];
-    // Some of them say that there is something to do.
+    // Some of them report that something needs to be done.
     let printed = commands.map(|words| String::from_utf8(place.run(words).stdout).unwrap());
     let whole = printed.iter().map(String::as_str);
     for text in whole.chain(exported.lines()) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What `lariat ros2` costs, in percent of a core: idle, when nobody listens, and while rclpy listens to a rendered rope's topics at 30/s. All its threads together,
-by the kernel's own count; the machine's load beside it.
+"""Cost of `lariat ros2`, in percent of a core: idle, without subscribers, and while rclpy
+subscribes to a rendered rope's topics at 30/s. Includes all its threads, by the kernel's own count,
+and prints the machine's load next to it.
 
     tests/ros2/cpu.py [SECONDS]     60 each, if not said; in an environment with rclpy, as tests/ros2/run makes them. LARIAT and LARIAT_ROS2 name the programs
 """
@@ -27,7 +28,7 @@ PICTURES = ["image/compressed", "overlay/compressed"]
 
 
 def listen(topics):
-    """The process that listens, and does nothing with what it hears."""
+    """Subscribes to the topics and ignores the messages, in a separate process."""
     from importlib import import_module
 
     import rclpy
@@ -43,7 +44,7 @@ def listen(topics):
 
 
 def spent(pid):
-    """Seconds that the process's threads have had, and how often they were woken."""
+    """CPU time of the process's threads in seconds, and their number of wake-ups."""
     run_ns = woken = 0
     for task in os.listdir(f"/proc/{pid}/task"):
         run_ns += int(open(f"/proc/{pid}/task/{task}/schedstat").read().split()[0])
@@ -81,7 +82,7 @@ def main():
     for topics in (["points"], SHAPES, PICTURES[:1], PICTURES):
         listener = subprocess.Popen([sys.executable, __file__, "listen", *topics])
         measure(", ".join(topics), bridge.pid, seconds)
-        # rclpy may hang as it ends.
+        # rclpy may hang during shutdown.
         end(listener, signal.SIGKILL)
         time.sleep(2)
     end(bridge)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What other nodes of a ROS 2 graph publish, as `lariat ros2` takes it into a rig: rclpy's images, masks, gripper velocities and
-calibrations, and what comes back of them over ROS.
+"""Input of `lariat ros2` from other nodes of a ROS 2 graph: rclpy's images, masks, gripper
+velocities and calibrations, and the results that return over ROS.
 
-Each part has a chain and a bridge of its own. No time is asserted; latencies are printed beside those of a bare rclpy node that answers
-images of the same size with points of the same size. Usage: incoming.py IMAGES (tests/ros2/run starts it; LARIAT and LARIAT_ROS2 name
-the programs).
+Each part has a separate chain and bridge. No time is asserted. Latencies are printed next to those
+of a bare rclpy node that answers images of the same size with points of the same size. Usage:
+incoming.py IMAGES (tests/ros2/run starts it; LARIAT and LARIAT_ROS2 name the programs).
 """
 
 import json
@@ -38,12 +38,12 @@ Y, X = np.mgrid[0:HEIGHT, 0:WIDTH]
 
 
 def rope(phase):
-    """Where a rope lies that swings."""
+    """Pixels of a swinging rope."""
     return (abs(Y - (240 + 80 * np.sin(X / 90 + phase))) < 7) & (X > 80) & (X < 560)
 
 
 def picture(phase):
-    """The rope, dark red on light gray."""
+    """A picture of the rope, dark red on light gray."""
     image = np.full((HEIGHT, WIDTH, 3), 200, np.uint8)
     image[rope(phase)] = (160, 40, 30)
     return image
@@ -89,7 +89,7 @@ ENCODINGS = {
 
 
 def png(pixels):
-    """A PNG of these pixels, in color or not, of 8 or 16 bits."""
+    """A PNG of these pixels, in color or gray, of 8 or 16 bits."""
     chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
     color = 2 if pixels.ndim == 3 else 0
     rows = b"".join(b"\0" + row.astype(row.dtype.newbyteorder(">")).tobytes() for row in pixels)
@@ -109,7 +109,7 @@ def stamp_of(message):
 
 
 def image(pixels, encoding="rgb8", stamp_ns=None, **lies):
-    """An image of these pixels; `lies` is what it says of itself that is not so."""
+    """An image of these pixels; `lies` are false values for its fields."""
     message = Image(width=WIDTH, height=HEIGHT, encoding=encoding, step=pixels[0].size)
     message.data = array("B", np.ascontiguousarray(pixels).tobytes())
     for name, value in lies.items():
@@ -124,18 +124,19 @@ def file(pixels, stamp_ns=None):
 
 
 def xy(cloud):
-    """The points' places, of a rope that is seen."""
+    """Positions of the points of a visible rope."""
     rows = np.frombuffer(bytes(cloud.data), np.uint8).reshape(-1, cloud.point_step)
     return rows[:, :8].copy().view(np.float32)
 
 
 def apart(points, others):
-    """How far the points lie from the nearest of the others, on average: ends differ by some pixels, as colors are blurred."""
+    """Mean distance of the points from the nearest of the others: ends differ by some pixels,
+    because colors are blurred."""
     return np.mean([np.linalg.norm(others - point, axis=1).min() for point in points])
 
 
 class Rig:
-    """A chain, a bridge, and a node that hears what they say."""
+    """A chain, a bridge, and a node that receives their messages."""
 
     names = 0
 
@@ -159,7 +160,7 @@ class Rig:
     def publisher(self, kind, name, qos=SENSOR):
         publisher = self.node.create_publisher(kind, name, qos)
         self.until(lambda: publisher.get_subscription_count() > 0, f"a listener to {name}")
-        # The other side may know of it a moment later.
+        # The other side may discover it a moment later.
         self.spin(0.5)
         return publisher
 
@@ -180,7 +181,7 @@ class Rig:
         return self.log.read()
 
     def values(self):
-        """What diagnostics say a while from now."""
+        """Diagnostics, after a short wait."""
         self.spin(0.5)
         seen = len(self.health)
         self.until(lambda: len(self.health) > seen + 1, "diagnostics")
@@ -203,7 +204,8 @@ class Rig:
 
 
 def images(count):
-    """Images of each kind become frames with the stamp that they came with; what is none is counted and said; all are accounted for."""
+    """Images of each kind become frames with their original stamp. Invalid ones are counted and
+    reported; all are accounted for."""
     with Rig(["--source", "external"], ["--image", "/camera/image_raw"]) as rig:
         publisher = rig.publisher(Image, "/camera/image_raw")
         published = 0
@@ -215,7 +217,7 @@ def images(count):
             rig.spin(1 / FPS)
             return stamp_of(message)
 
-        # The chain is up when the first points come.
+        # The chain is up when the first points arrive.
         while not rig.points:
             publish(image(picture(0)))
             assert published < 1000, rig.said()
@@ -244,7 +246,7 @@ def images(count):
         ahead = publish(image(plain, stamp_ns=time.time_ns() + 3600 * 10**9))
         unstamped = publish(image(plain, stamp_ns=0))
         assert unstamped == 0
-        # Another publisher counts from 1 again, and is no gap.
+        # Another publisher counts from 1 again, which is not a gap.
         rig.node.destroy_publisher(publisher)
         publisher = rig.publisher(Image, "/camera/image_raw")
         stamps = [publish(image(picture(0.05 * i))) for i in range(count)]
@@ -255,7 +257,7 @@ def images(count):
         assert ahead in rig.points, "an image from the future keeps its stamp on the way back"
         received = int(values["frames received"])
         gone = {key: int(value) for key, value in values.items() if key.startswith("lost a")}
-        # What was read before anybody listened to points is in no book.
+        # Frames that were read before anybody subscribed to the points are not counted.
         assert gone["lost at the source"] == lost + no, (gone, lost, no)
         print(f"images: {published} published = {taken} taken + {lost} lost on the way + {no} refused; {received} received back, {gone}")
         said = rig.said()
@@ -266,7 +268,7 @@ def images(count):
 
 
 def files():
-    """Compressed images are read, and what is none is counted."""
+    """Compressed images are read, and invalid ones are counted."""
     with Rig(["--source", "external"], ["--image", "/camera/image_raw/compressed", "--reliable-images"]) as rig:
         publisher = rig.publisher(CompressedImage, "/camera/image_raw/compressed", RELIABLE)
         broken = file(picture(0))
@@ -284,7 +286,8 @@ def files():
 
 
 def jpegs():
-    """The pictures of one rig, JPEGs, are the frames of another: the same rope with the same stamps."""
+    """The JPEG pictures of one rig are the frames of another: the same rope with the same
+    stamps."""
     with Rig(["--source", "rendered", "--fps", "10"], []) as one:
         with Rig(["--source", "external"], ["--image", f"/lariat/{one.name}/image/compressed"]) as other:
             both = lambda: one.spin(0.05) or [stamp for stamp in other.points if stamp in one.points]
@@ -297,7 +300,7 @@ def jpegs():
 
 
 def masks():
-    """A mask is its image's by the stamp, whichever comes first: the images here show nothing."""
+    """Masks are matched to images by stamp, whichever comes first; the images here show nothing."""
     settings = tempfile.NamedTemporaryFile("w", suffix=".toml")
     settings.write('[extract]\nmask = "external"\nmask_deadline_us = 200000\n')
     settings.flush()
@@ -332,7 +335,8 @@ def masks():
 
 
 def stopped():
-    """A bridge that was stopped for a while (Ctrl-Z) goes on when it is let, though its transport does not."""
+    """A bridge that was stopped for a while (Ctrl-Z) continues when resumed, although its transport
+    does not."""
     with Rig(["--source", "external"], ["--image", "/camera/image_raw"]) as rig:
         publisher = rig.publisher(Image, "/camera/image_raw")
 
@@ -347,7 +351,7 @@ def stopped():
             rig.bridge.send_signal(signal.SIGSTOP)
             rig.spin(0.5)
             rig.bridge.send_signal(signal.SIGCONT)
-            # What was under way is done.
+            # The messages in flight have been processed.
             rig.spin(1)
         rig.points.clear()
         rig.until(come, "points after a stop")
@@ -355,7 +359,7 @@ def stopped():
 
 
 def truth(rig):
-    """The simulated rope's ends, as it truly lies."""
+    """True positions of the simulated rope's ends."""
     echo = [LARIAT, "topic", "echo", "truth", "--once", "--json", "--rig", rig.name]
     message = json.loads(subprocess.run(echo, check=True, capture_output=True, text=True, timeout=30).stdout)
     points = message["curves"][0]["points"]
@@ -363,7 +367,8 @@ def truth(rig):
 
 
 def grippers():
-    """Each gripper goes as its own topic says, for as long as it says so; what is old or no number moves nothing."""
+    """Each gripper follows its own topic as long as commands arrive; old or invalid values move
+    nothing."""
     with Rig(["--source", "simulated"], ["--gripper", "/left/cmd_vel", "--gripper", "/right/cmd_vel"]) as rig:
         topics = [rig.publisher(TwistStamped, f"/{side}/cmd_vel") for side in ("left", "right")]
 
@@ -394,7 +399,7 @@ def grippers():
 
 
 def calibration():
-    """The camera's calibration becomes the chain's, and is in the camera_info of the rig."""
+    """The camera's calibration becomes the chain's, and appears in the camera_info of the rig."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "camera.yaml"
         with Rig(["--source", "external"], ["--image", "/camera/image_raw", "--camera-info", "/camera/camera_info", "--calibration-out", str(path)]) as rig:
@@ -431,7 +436,8 @@ def calibration():
 
 
 def parameters():
-    """The chain's settings are the node's parameters: what is set the chain takes or refuses, and what is changed elsewhere is seen."""
+    """The chain's settings are the node's parameters: the chain accepts or refuses changes, and
+    changes made elsewhere become visible."""
     with Rig(["--source", "rendered"], []) as rig:
         client = AsyncParameterClient(rig.node, f"/lariat_{rig.name}")
         rig.until(client.services_are_ready, "parameter services")
@@ -466,7 +472,8 @@ def parameters():
 
 
 def latency(count):
-    """From publish() to the callback with the points, and the same of a bare rclpy node that answers as many bytes with as many."""
+    """Latency from publish() to the callback with the points, and the same for a bare rclpy node
+    that exchanges as many bytes."""
     arrays = [array("B", picture(0.05 * i).tobytes()) for i in range(FPS)]
 
     def measured(rig, received, name):
@@ -482,7 +489,7 @@ def latency(count):
             while (left := due - time.monotonic()) > 0:
                 rig.executor.spin_once(timeout_sec=left)
         rig.spin(0.5)
-        # The first second warms up.
+        # The first second is for warming up.
         stamps = list(sent)[FPS:]
         ages = sorted((received[stamp][0] - sent[stamp]) / 1e6 for stamp in stamps if stamp in received)
         assert ages, f"nothing came back over {name}"
@@ -499,12 +506,12 @@ def latency(count):
         try:
             bare.wait(timeout=10)
         except subprocess.TimeoutExpired:
-            # rclpy may hang as it ends.
+            # rclpy may hang during shutdown.
             bare.kill()
 
 
 def bare():
-    """Answers each image with as many points as lariat says of a rope."""
+    """Answers each image with as many points as lariat sends for a rope."""
     rclpy.init()
     node = rclpy.create_node("bare")
     publisher = node.create_publisher(PointCloud2, "/bare/points", SENSOR)

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What other nodes of a ROS 2 graph receive from `lariat ros2`, held against what `lariat topic echo --json` says of the same frames.
+"""Compares the messages that other nodes of a ROS 2 graph receive from `lariat ros2` with the
+output of `lariat topic echo --json` for the same frames.
 
-`points`, `endpoints`, `path/<rope>`, `markers` and `diagnostics` by rclpy over Fast DDS; `descriptors`, whose package rclpy has
-only in a workspace, by Cyclone DDS, its type made of the `.msg` files themselves. Every field is compared, and each frame between a
-topic's first and last must have come. Then some pictures, which take a debug build longer than a frame: their size, type and stamp.
-Usage: peer.py RIG MESSAGES (tests/ros2/run starts it, with the chain and the bridge).
+`points`, `endpoints`, `path/<rope>`, `markers` and `diagnostics` by rclpy over Fast DDS;
+`descriptors`, whose package rclpy has only in a workspace, by Cyclone DDS, with a type made from
+the `.msg` files. Every field is compared, and each frame between a topic's first and last must have
+arrived. Then some pictures, which take a debug build longer than a frame: their size, type and
+stamp. Usage: peer.py RIG MESSAGES (tests/ros2/run starts it, with the chain and the bridge).
 """
 
 import json
@@ -32,7 +34,7 @@ SCHEMAS = File(__file__).resolve().parents[2] / "crates/record/schemas"
 STATUS = {"ok": 1, "partial": 2, "lost": 3, "doubtful": 4}
 BASIS = {"bezier": 1, "bspline": 2}
 FIT = {"not judged": 0, "good": 1, "coarse": 2}
-# Nine of ten points of a plane lie within so many standard deviations.
+# Nine of ten points in a plane are within this many standard deviations.
 DEVIATIONS = math.sqrt(-2 * math.log(0.1))
 PICTURES = 20
 POINT = struct.Struct("<fffIffBB2x")
@@ -47,7 +49,8 @@ def near(a, b, what, tolerance=1e-6):
 
 
 def curve(rope, rho):
-    """The point of a rope's B-spline at `rho`, by de Boor's algorithm, or of its Bezier curve, which has no inner knots."""
+    """Point of a rope's B-spline at `rho`, by de Boor's algorithm, or of its Bezier curve, which
+    has no inner knots."""
     degree, points = rope["degree"], rope["control_points"]
     knots = [0.0] * (degree + 1) + rope.get("knots", []) + [1.0] * (degree + 1)
     assert len(knots) == len(points) + degree + 1
@@ -161,7 +164,7 @@ def markers(message, meant):
 
 
 def descriptors(message, meant):
-    """Every field that there is in JSON, and those that JSON says in words."""
+    """Compares every field in the JSON, including those that JSON shows as words."""
     for name, value in meant["trace"].items():
         assert getattr(message.trace, name) == value, name
     assert (message.width, message.height, message.unit) == (meant["width"], meant["height"], 1)
@@ -185,7 +188,7 @@ def descriptors(message, meant):
 
 
 def dds_type(name):
-    """A type of Cyclone DDS, as the `.msg` file says."""
+    """A type for Cyclone DDS, made from the `.msg` file."""
     from cyclonedds.idl import IdlStruct, types
 
     if name in dds_type.made:
@@ -239,7 +242,7 @@ def main():
     threading.Thread(target=lambda: said.extend(map(json.loads, echo.stdout)), daemon=True).start()
     rclpy.init()
     node = rclpy.create_node("peer")
-    # On a busy machine rclpy, which makes an object of each marker, is late by seconds.
+    # On a loaded machine, rclpy is late by seconds, because it makes an object of each marker.
     qos = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
     received, first = {}, []
     topics = {"points": (PointCloud2, points), "endpoints": (PoseArray, endpoints), "path/rope_0": (Path, path), "markers": (MarkerArray, markers)}
@@ -276,7 +279,7 @@ def main():
     exposed = {meant["trace"]["exposed_ns"]: sequence for sequence, meant in frames.items()}
 
     def sequence_of(message):
-        """The frame is the one exposed then: clocks may have been moved by a little since."""
+        """Finds the frame exposed at that time: clocks may have been adjusted slightly since."""
         then = stamp_ns(message) - offset
         known = min(exposed, key=lambda ns: abs(ns - then))
         return exposed[known] if abs(known - then) < 2_000_000 else None
@@ -314,7 +317,7 @@ def compare_all(name, came, compare, frames, ages):
         except AssertionError as error:
             raise AssertionError(f"{name}, frame {sequence}: {error}") from error
     first, last = min(came), max(came)
-    # A rope that is not to be steered by has no path.
+    # A rope that should not be steered by has no path.
     due = [sequence for sequence, meant in frames.items() if compare is not path or steered_by(meant)]
     missing = [sequence for sequence in due if first < sequence < last and sequence not in came]
     ages.sort()

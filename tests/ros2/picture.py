@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""The picture of the markers in docs/ros2.md: what rclpy receives of a rig's `markers` and `points`, drawn over the frame of the same stamp.
+"""Picture of the markers in docs/ros2.md: the `markers` and `points` that rclpy receives from a
+rig, drawn over the frame of the same stamp.
 
     lariat run --source rendered --rig cell & lariat ros2 --rig cell &
     pip install pillow; tests/ros2/picture.py cell docs/ros2-markers.webp     # in an environment with rclpy, as tests/ros2/run makes them
 
-Every marker is drawn as it says itself, by its type, place, size and colour, and nothing is known here of ropes.
+Every marker is drawn by its own type, position, size and color; this script knows nothing about
+ropes.
 """
 
 import io
@@ -19,9 +21,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
-# Drawn so many times larger, and made smaller again: smooth edges.
+# Factor of supersampling, for smooth edges.
 FINE = 4
-# The picture is so many times as large as what the rig sees, and shows the ropes with so much around, in pixels.
+# Scale of the picture relative to the rig's view, and margin around the ropes in pixels.
 LARGE, MARGIN = 2, 60
 PAUSE_S, LONGEST_S = 2, 60
 
@@ -31,7 +33,7 @@ def stamp(header):
 
 
 def received(rig):
-    """A frame, its markers and its points."""
+    """Receives a frame, its markers and its points."""
     rclpy.init()
     node = rclpy.create_node("picture")
     came = {}
@@ -61,7 +63,7 @@ def color(c):
 
 
 class Drawing:
-    """A picture, seen straight from above, of one metre or pixel as so many of its own."""
+    """A picture seen straight from above, with this many of its pixels per meter or pixel."""
 
     def __init__(self, picture, scale):
         self.scale = scale
@@ -69,7 +71,7 @@ class Drawing:
         self.picture = picture.convert("RGBA").resize(self.size, Image.Resampling.BICUBIC)
 
     def layer(self, draw):
-        """Draws with transparent colours upon what is there."""
+        """Draws with transparent colors over the existing content."""
         layer = Image.new("RGBA", self.size)
         draw(ImageDraw.Draw(layer))
         self.picture.alpha_composite(layer)

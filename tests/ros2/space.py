@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Ropes in space as other nodes of a ROS 2 graph receive them from `lariat ros2`, held against what `lariat topic echo descriptors3 --json` says
-of the same frames, and against the rope that was drawn.
+"""Compares 3-D ropes that other nodes of a ROS 2 graph receive from `lariat ros2` with the output
+of `lariat topic echo descriptors3 --json` for the same frames, and with the drawn rope.
 
-`points`, `endpoints`, `path/<rope>` and `markers` by rclpy, `descriptors3` by Cyclone DDS; every field, each frame between a topic's
-first and last. In the camera's axes, and in a robot's. Usage: space.py MESSAGES (tests/ros2/run starts it; LARIAT and LARIAT_ROS2 name the
-programs).
+`points`, `endpoints`, `path/<rope>` and `markers` by rclpy, `descriptors3` by Cyclone DDS; every
+field, and each frame between a topic's first and last. Both in the camera's axes and in a robot's.
+Usage: space.py MESSAGES (tests/ros2/run starts it; LARIAT and LARIAT_ROS2 name the programs).
 """
 
 import json
@@ -31,13 +31,13 @@ WIDTH, HEIGHT, FOCAL, RADIUS_MM, TABLE_MM = 424, 240, 305.0, 6.0, 510.0
 PICTURES = 8
 CAMERA = f"image_width: {WIDTH}\nimage_height: {HEIGHT}\ncamera_matrix: [305, 0, 211.5, 0, 305, 119.5, 0, 0, 1]\ndistortion_coefficients: [0, 0, 0, 0]\n"
 DEPTH = f"image_width: {WIDTH}\nimage_height: {HEIGHT}\nnoise_mm_at_1m: 3.6\nrange_mm: [200, 1500]\n"
-# Above the table, looking down: x as the camera's, z up.
+# Above the table, looking down: x is the camera's, z points up.
 POSE = "rotation: [1, 0, 0, 0]\ntranslation_mm: [0, 0, 510]\n"
 ROBOT = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]]), np.array([0, 0, 510.0])
 PLACE = {"known": 1}
 POINT = struct.Struct("<fffIfffB3x")
 FIELDS = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("rope", 12, 6), ("rho", 16, 7), ("width", 20, 7), ("sigma", 24, 7), ("status", 28, 2)]
-# Nine of ten points of three dimensions lie within so many standard deviations.
+# Nine of ten points in three dimensions are within this many standard deviations.
 DEVIATIONS = 2.5002777
 
 
@@ -48,7 +48,7 @@ def axis(phase):
 
 
 def draw(folder):
-    """What the colour camera and a depth camera in its place see of it."""
+    """Draws the rope for the color camera and for a depth camera at the same place."""
     y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
     rays = np.stack([(x - 211.5) / FOCAL, (y - 119.5) / FOCAL], axis=-1)
     for name in ("color", "depth"):
@@ -67,7 +67,7 @@ def draw(folder):
 
 
 def turned(q):
-    """The axes that a quaternion makes of x, y and z, as columns."""
+    """The axes to which a quaternion rotates x, y and z, as columns."""
     x, y, z, w = q.x, q.y, q.z, q.w
     return np.array(
         [
@@ -103,7 +103,7 @@ def sure(meant):
 
 
 class Compared:
-    """What is held of each topic, in this frame of reference."""
+    """Comparisons for each topic, in this frame of reference."""
 
     def __init__(self, frame_id):
         self.frame_id = frame_id
@@ -183,7 +183,7 @@ class Compared:
 
 
 def part(folder, count, chain, bridge, frame_id, axes):
-    """One rig: all topics, compared; then the points beside the rope that was drawn."""
+    """Tests one rig: compares all topics, and then the points with the drawn rope."""
     depth = ["--depth-images", str(folder / "depth"), "--depth", str(folder / "depth.yaml"), "--calibration", str(folder / "camera.yaml")]
     source = ["--source", str(folder / "color"), "--loop", "--fps", "20"]
     with Rig([*source, *depth, *chain], bridge) as rig:
@@ -198,7 +198,7 @@ def part(folder, count, chain, bridge, frame_id, axes):
             "path/rope_0": (Path, held.path),
             "markers": (MarkerArray, held.markers),
         }
-        # On a busy machine rclpy, which makes an object of each marker, is late by seconds.
+        # On a loaded machine, rclpy is late by seconds, because it makes an object of each marker.
         qos = QoSProfile(depth=500, reliability=ReliabilityPolicy.RELIABLE)
         received = {name: [] for name in topics}
         for name, (kind, _) in topics.items():
@@ -221,7 +221,7 @@ def part(folder, count, chain, bridge, frame_id, axes):
             for at, message in received[name]:
                 then = stamp_ns(message) - offset
                 known = min(exposed, key=lambda ns: abs(ns - then))
-                # Clocks may have been moved by a little since.
+                # Clocks may have been adjusted slightly since.
                 if abs(known - then) < 2_000_000:
                     came[exposed[known]] = message
                     ages.append((at - frames[exposed[known]]["trace"]["fitted_ns"]) / 1e6)

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""How long a chain is without descriptors when a stage is killed, and is restarted in its place.
+"""Measures the time without descriptors when a stage is killed and restarts in place.
 
     cargo build --release -p lariat -p lariat-wire --bins --example traces
     tests/soak/restarts.py [--binary target/release/lariat] [--kills 100] [--seed 1] [KIND...]
 
-KIND is what is killed with SIGKILL, at moments drawn by seed: `capture` (of a rendered rope), `files` (capture of a recording),
-`folder` (of a folder of pictures), `extract`, `fit`, `sink`. Measured on the monotonic clock, from before the kill to the moment
-that stands in the first descriptor whose trace tells of the new process as when it was fitted; of sink, which makes none, to the
-moment its entry among the stages is there, which it writes when it is ready. Prints a row a KIND and its histogram: how many are
-within what is asked for, how long the new process had a core until then and how long it waited for one, which is what others on
-the machine cost, and the machine's load. On a machine that others use, `chrt --fifo 5 tests/soak/restarts.py` is what it takes by
-itself. The exit code is 1 if a stage did not come back."""
+KIND is killed with SIGKILL at times selected by a seed: `capture` (of a rendered rope), `files`
+(capture of a recording), `folder` (of a folder of pictures), `extract`, `fit`, `sink`. The time is
+measured on the monotonic clock, from before the kill to the fit time in the first descriptor whose
+trace names the new process. The sink makes no descriptors; its time ends when its entry among the
+stages appears, which it writes when it is ready. Prints a row per KIND and its histogram: the
+number within the target, and the time that the new process had a core and waited for one, which is
+the cost of other programs. Also prints the machine's load. On a shared machine,
+`chrt --fifo 5 tests/soak/restarts.py` shows the time without this cost. The exit code is 1 if a
+stage did not come back."""
 
 import argparse
 import os
@@ -24,7 +26,7 @@ from pathlib import Path
 
 from rig import Chain, Traces, at, command, wipe
 
-# Within what each is to be back.
+# Target times for the return of each.
 TARGET_MS = {"capture": 300, "files": 300, "folder": 300, "extract": 200, "fit": 100, "sink": 100}
 LIMIT_S = 20
 
@@ -36,11 +38,12 @@ class Rounds:
         self.domain, self.kills, self.pause_s, self.fps = args.domain, args.kills, args.pause, args.fps
         self.random = random.Random(args.seed)
         self.scratch = Path(tempfile.mkdtemp(prefix="restarts-"))
-        # The pause before a stage is restarted doubles with each within this window: each here is the first.
+        # The pause before a restart doubles with each one within this window; here, each restart is
+        # the first.
         Path(self.scratch, "lariat.toml").write_text("[run]\nmax_restarts = 100\nrestart_window_s = 0.3\n")
 
     def film(self):
-        """A recording of two seconds, and its pictures."""
+        """Makes a recording of two seconds, and its pictures."""
         film = self.scratch / "film.mcap"
         if not film.exists():
             command(self.binary, self.domain, self.scratch, "run", "--quiet", "--frames", "200", "--lossless", "--fps", "100",
@@ -52,8 +55,8 @@ class Rounds:
         return film
 
     def measure(self, kind):
-        """The times of all kills, in ms, None for one that did not come back; of each new process, how long it had a core by then
-        and how long it waited for one."""
+        """Times of all kills in ms, None for a stage that did not come back; for each new process,
+        the time until then that it had a core and that it waited for one."""
         stage, words = kind, ["--source", "rendered"]
         if kind in ("files", "folder"):
             stage = "capture"
@@ -96,7 +99,7 @@ class Rounds:
 
 
 def scheduled(pid):
-    """How long a process's first thread has had a core, and has waited for one, in ms."""
+    """Time that a process's first thread has had a core and has waited for one, in ms."""
     try:
         run, waited, _ = Path(f"/proc/{pid}/schedstat").read_text().split()
     except (OSError, ValueError):
@@ -105,7 +108,7 @@ def scheduled(pid):
 
 
 def histogram(times):
-    """Bars of a width that grows with the time."""
+    """Histogram with bins that widen with the time."""
     edges = [0, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 500, 1000, 1e9]
     lines = []
     for low, high in zip(edges, edges[1:]):

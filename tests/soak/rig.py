@@ -1,4 +1,5 @@
-"""A chain in a domain of its own, looked at and meddled with from outside: what the scripts beside this one share."""
+"""A chain in its own domain, inspected and disturbed from outside; shared by the scripts in this
+folder."""
 
 import os
 import re
@@ -13,7 +14,7 @@ STAGES = ("capture", "extract", "fit", "sink")
 
 
 def command(binary, domain, folder, *words, limit_s=15):
-    """Runs a command of lariat in a domain; its exit code is None where it took too long."""
+    """Runs a command of lariat in a domain; its exit code is None after a timeout."""
     try:
         return subprocess.run([str(binary), *words], env=dict(os.environ, LARIAT_DOMAIN=domain), cwd=folder, capture_output=True,
                               text=True, stdin=subprocess.DEVNULL, timeout=limit_s)
@@ -22,7 +23,7 @@ def command(binary, domain, folder, *words, limit_s=15):
 
 
 class Line:
-    """What the reader `traces` says of a frame."""
+    """A frame as reported by the reader `traces`."""
 
     def __init__(self, text):
         numbers = [int(number) for number in text.split()]
@@ -32,7 +33,7 @@ class Line:
 
 
 class Traces:
-    """The reader `traces`, and what it saw."""
+    """The reader `traces` and its frames."""
 
     def __init__(self, program, environment):
         self.lines = []
@@ -48,7 +49,8 @@ class Traces:
                 self.news.notify_all()
 
     def first(self, what, limit_s):
-        """The first frame from now on of which `what` holds, and when it was in Python's hands; None after so long."""
+        """The next frame that satisfies `what`, and the time when Python had it; None after a
+        timeout."""
         until = time.monotonic() + limit_s
         with self.news:
             at = max(len(self.lines) - 1, 0)
@@ -66,7 +68,7 @@ class Traces:
 
 
 class Chain:
-    """`lariat run` with these words."""
+    """`lariat run` with these arguments."""
 
     def __init__(self, binary, domain, folder, words):
         self.binary, self.domain, self.folder = str(binary), domain, Path(folder)
@@ -94,11 +96,11 @@ class Chain:
         return "\n".join(text for _, text in self.said)
 
     def count(self, sentence):
-        """How many lines match."""
+        """Number of matching lines."""
         return sum(bool(re.search(sentence, text)) for _, text in self.said)
 
     def parts(self):
-        """Its parts that live, by name."""
+        """Its live parts, by name."""
         parts = {}
         children = Path(f"/proc/{self.child.pid}/task/{self.child.pid}/children").read_text().split()
         for pid in map(int, children):
@@ -113,14 +115,14 @@ class Chain:
         return parts
 
     def entry(self, stage, pid):
-        """The entry of a stage that is ready, if it is another process than this."""
+        """The entry of a ready stage, if its process is not this one."""
         for path in Path(f"/tmp/lariat-{self.domain}/lariat-roster").glob(f"default.{stage}.*"):
             if path.suffix != f".{pid}":
                 return path
         return None
 
     def end(self, limit_s=90):
-        """Ends it in order, and returns its exit code; None where it did not end."""
+        """Ends the chain in order and returns its exit code; None if it did not end."""
         self.child.send_signal(signal.SIGTERM)
         try:
             code = self.child.wait(limit_s)
@@ -132,7 +134,7 @@ class Chain:
 
 
 def shared(domain):
-    """Its files in shared memory, with the bytes that they take."""
+    """The domain's files in shared memory, with their sizes in bytes."""
     found = {}
     for path in Path("/dev/shm").glob(f"lariat_{domain}_*"):
         try:
@@ -143,7 +145,7 @@ def shared(domain):
 
 
 def kept(domain):
-    """The files of its folder, without empty folders."""
+    """Files in the domain's folder, without empty folders."""
     return [str(path) for path in Path(f"/tmp/lariat-{domain}").rglob("*") if not path.is_dir()]
 
 
@@ -154,5 +156,5 @@ def wipe(domain):
 
 
 def at(ordered, share):
-    """The value at a share of ordered ones."""
+    """The value at this share of a sorted list."""
     return ordered[min(int(share * len(ordered)), len(ordered) - 1)]

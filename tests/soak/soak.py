@@ -1,32 +1,36 @@
 #!/usr/bin/env python3
-"""A chain that is left alone for an hour while all goes wrong that can, every few seconds something else.
+"""Runs an unattended chain for an hour, with a different fault every few seconds.
 
     tests/soak/soak.py [--seconds 3600] [--seed 1] [--binary target/release/lariat] [--json FILE]
 
-A rendered rope at 120 frames/s, whose true centerline is known, with a recorder that keeps the last seconds in memory and writes
-them when told, the settings file watched, and eight readers: `traces` and two of `control_loop` in Rust, three of `lariat topic`;
-`--c` and `--python` name programs in other languages (examples/c/follow.c and examples/python/control_loop.py, built and installed
-by whoever runs this, the library where it is found), else their place is taken by `control_loop`, and that is said. Every
-`--every` seconds a fault, drawn by seed:
+A rendered rope at 120 frames/s with a known centerline. A recorder keeps the last seconds in memory
+and writes them on request, the settings file is watched, and there are eight readers: `traces` and
+two of `control_loop` in Rust, three of `lariat topic`, and two more. `--c` and `--python` name
+programs for these in other languages (examples/c/follow.c and examples/python/control_loop.py,
+built and installed by the user with the library in its search path). Without them, `control_loop`
+takes their place, which is reported. Every `--every` seconds there is a fault, selected by a seed:
 
   kill      a part (a stage or the recorder) is killed with SIGKILL
   stop      a stage is stopped for 3 s
   hang      a stage is stopped until the chain kills it (hang_s = 5)
-  set       `lariat set` of something; now and then of something that makes no sense
+  set       `lariat set` of a setting; now and then of an invalid one
   restart   `lariat restart` of a stage
-  edit      the settings file is edited; now and then so that it makes no sense
+  edit      the settings file is edited; now and then so that it is invalid
   reader    a reader is killed
   flush     the recorder is told to write what it holds
-  disk      the same, onto a disk that is full
+  disk      the same, onto a full disk
   shm       /dev/shm is full for 3 s, and a stage is killed meanwhile
-  clock     the clock of the day goes an hour ahead for 3 s (only with --clock: it is the whole machine's)
+  clock     the wall clock is an hour ahead for 3 s (only with --clock, because it affects the whole
+            machine)
 
-/dev/shm and the disk are small ones of the script's own, in a mount namespace; where it may not have one, `disk` and `shm` are
-left out, and that is said. Before the first fault is a minute without (a tenth of the time, if that is less), and after the last.
+/dev/shm and the disk are small ones in a mount namespace of the script; without one, `disk` and
+`shm` are skipped, which is reported. There is a minute without faults before the first one (a tenth
+of the run, if that is less), and after the last one.
 
-A run without faults shows as many frames of the same rope afterwards, as fast as they go: how far its curves are from the rope is
-what is compared with. What must hold at the end is a row each of the table, memory and files by the medians of the first and the
-last third of the moments between faults; the exit code is 1 if one does not."""
+Afterwards, a run without faults shows as many frames of the same rope as fast as possible. Its
+distances between curves and rope are the reference. Each requirement is a row of the final table.
+Memory and files are compared by the medians of the first and the last third of the moments between
+faults. The exit code is 1 if a requirement is violated."""
 
 import argparse
 import json
@@ -44,7 +48,8 @@ from pathlib import Path
 from rig import STAGES, Chain, Traces, at, command, kept, shared, wipe
 
 FAULTS = {"kill": 5, "stop": 2, "hang": 1, "set": 3, "restart": 3, "edit": 2, "reader": 3, "flush": 1, "disk": 1, "shm": 1}
-# All leave the curve as near to the rope as it is, so that errors can be compared with those of a run without.
+# None of these changes moves the curve away from the rope, so errors can be compared with those of
+# a run without.
 CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.tolerance=0.05", "fit.tolerance=0.06",
            "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
 REFUSED = ["fit.control_points=100", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]
@@ -66,13 +71,13 @@ stiffness = {stiffness}
 # An order that is chosen depends on when a rope was seen.
 control_points = 11
 """
-# How long after a fault the chain may still be at it.
+# Time after a fault during which the chain may still be affected.
 CALM_AFTER_S = 2.0
 MB = 1 << 20
 
 
 def in_namespace(args):
-    """Starts this script again where /dev/shm is its own, if it may."""
+    """Restarts this script with its own /dev/shm, if allowed."""
     if "LARIAT_SOAK_OWN" in os.environ:
         return os.environ["LARIAT_SOAK_OWN"] == "1"
     for unshare in (["unshare", "--mount"], ["unshare", "--mount", "--map-root-user"]):
@@ -88,7 +93,7 @@ def in_namespace(args):
 
 
 class Readers:
-    """Eight of them; one that ended is started again."""
+    """Eight readers; one that has ended is started again."""
 
     def __init__(self, chain, traces, args):
         loop = str(Path(args.control_loop).resolve())
@@ -113,7 +118,7 @@ class Readers:
                                                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
 
     def look(self, killed=None):
-        """Starts those again that ended; one that was not killed should not have."""
+        """Restarts readers that have ended; only the killed one should have."""
         for name, child in list(self.children.items()):
             if child.poll() is None:
                 continue
@@ -137,7 +142,7 @@ class Soak:
         if owns:
             subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={args.disk_mb}m", "none", self.disk], check=True)
         self.traces = str(Path(args.traces).resolve())
-        # Windows of the monotonic clock in which something was amiss.
+        # Windows of the monotonic clock with a disturbance.
         self.amiss, self.made, self.problems = [], {}, []
         self.killed = dict.fromkeys((*STAGES, "recorder"), 0)
         self.renewed, self.samples = 0, []
@@ -152,7 +157,8 @@ class Soak:
         return SETTINGS.format(fps=self.args.fps, stiffness=stiffness)
 
     def command(self, *words):
-        """A command of lariat, where the settings file, which may make no sense, is not its own."""
+        """Runs a command of lariat outside the chain's folder, because the settings file there may
+        be invalid."""
         return command(self.main.binary, self.args.domain, self.scratch, *words)
 
     def run(self):
@@ -190,7 +196,8 @@ class Soak:
     has_ended = False
 
     def without_faults(self, frames):
-        """What a run without faults says of the same ropes: as many frames, as fast as they go."""
+        """Figures of a run without faults: the same ropes and number of frames, as fast as
+        possible."""
         chain = self.chain("without", "--frames", str(frames), "--fps", "max", "--lossless")
         chain.child.wait()
         return json.loads(Path(chain.folder, "out", "summary.json").read_text())
@@ -198,7 +205,7 @@ class Soak:
     # The faults.
 
     def part(self, parts=STAGES):
-        """One that lives, and its process."""
+        """A live part, and its process."""
         there = self.main.parts()
         name = self.random.choice([part for part in parts if part in there] or list(there))
         return name, there[name]
@@ -257,7 +264,7 @@ class Soak:
         if self.random.random() < 0.3:
             file.write_text(self.settings() + "solver = \"guess\"\n")
             return "nonsense"
-        # The first restarts capture, and changes nothing in a rendered rope's picture.
+        # The first change restarts capture, and does not alter the picture of a rendered rope.
         stiffness, solver = self.random.choice([0.1, 0.1, 0.2]), self.random.choice(["qr", "pinv", "cholesky"])
         file.write_text(self.settings(stiffness) + f"solver = \"{solver}\"\n")
         return f"stiffness {stiffness}, {solver}"
@@ -304,10 +311,10 @@ class Soak:
         time.sleep(3)
         time.clock_settime(time.CLOCK_REALTIME, day + time.monotonic() - clock)
 
-    # What is looked at.
+    # Measurements.
 
     def sample(self):
-        """Memory, descriptors and files, once a second."""
+        """Samples memory, file descriptors and files once a second."""
         while not self.has_ended and self.main.child.poll() is None:
             try:
                 parts = dict(self.main.parts(), chain=self.main.child.pid)
@@ -349,16 +356,18 @@ class Soak:
             f"({', '.join(f'{link} {count}' for link, count in lost.items() if count)}); "
             f"{sum(frames['at_restart'].values())} at restarts")
         said = {part: self.main.count(rf"{part} was killed by signal (9|7) .*it is restarted") for part in self.killed}
-        # Without shared memory a stage falls by itself, too, and is started again and again until there is some.
+        # Without shared memory a stage also fails by itself, and restarts repeatedly until there is
+        # some.
         fell = self.main.count("failed with exit code .*it is restarted")
         row("every restart said", all(said[part] >= count for part, count in self.killed.items()),
             ", ".join(f"{part} {said[part]} of {count}" for part, count in self.killed.items()) + f"; {fell} fell by themselves")
         truth = self.without_faults(frames["published"])
-        # A count that goes back would mean that a stage restarted by itself.
+        # A decreasing count would mean that the run started over.
         row("one run", all(a.fitted < b.fitted for a, b in zip(lines, lines[1:])), f"{len(lines)} frames seen, their numbers rise")
         for kind in ("centerline", "curve"):
             usual, now = (of["error_px"][kind] for of in (truth, summary))
-            # The worst of some million points is one frame's: whether 120 or 140 points are asked for moves it by a third.
+            # The maximum over some million points depends on one frame: 120 or 140 points change it
+            # by a third.
             allowed = {"mean": 1.25, "p95": 1.25, "p999": 1.25, "max": 2}
             row(f"{kind} on the rope", all(now[key] <= times * usual[key] + 0.01 for key, times in allowed.items()),
                 "px " + ", ".join(f"{key} {now[key]:.3f} ({usual[key]:.3f} without faults)" for key in allowed))
@@ -366,8 +375,8 @@ class Soak:
         row("one rope", ropes <= len(lines) / 1000, f"{ropes} of {len(lines)} frames with another number of ropes")
         calm = [sample for sample in self.samples if self.is_calm(sample["at"])]
         third = len(calm) // 3
-        # What a part frees when its settings change it keeps for the next time; one that is started beside readers that are there
-        # knows more of them than the first did.
+        # A part keeps the memory that a change of settings frees. A part that starts when readers
+        # exist knows more of them than the first one did.
         for name, of, slack in (
             ("memory", lambda sample: sample["rss"], 16),
             ("open descriptors", lambda sample: sample["open"], 16),
@@ -417,19 +426,19 @@ class Soak:
 
 
 def fill(folder, ballast):
-    """Takes all room that is left but a few kilobytes."""
+    """Fills the remaining space except a few kilobytes."""
     room = os.statvfs(folder)
     with open(ballast, "wb") as file:
         os.posix_fallocate(file.fileno(), 0, max(room.f_bavail * room.f_frsize - 16384, 4096))
 
 
 def middle(values):
-    """The median of those that are there."""
+    """Median of the values that exist."""
     return at(sorted(value for value in values if value is not None), 0.5)
 
 
 def resident(pid):
-    """The memory of its own that a process has, in MB: what it shares is counted by itself."""
+    """Private memory of a process, in MB; shared memory is counted separately."""
     fields = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines() if ":" in line)
     return int(fields["RssAnon"].split()[0]) / 1024
 

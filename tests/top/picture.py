@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""A terminal's screen as an SVG picture, with its colours: the picture of `lariat top` in the README.
+"""Converts a terminal's screen to an SVG picture with its colors: the picture of `lariat top` in
+the README.
 
     lariat run --fps 60 --rig arm --basis bspline --control-points 13 --realtime &
     tmux -u new-session -d -x 80 -y 27 'lariat top'; sleep 10
     tmux capture-pane -ep | tests/top/picture.py > docs/top.svg
 
-Braille, blocks and frames are drawn as shapes, so that the picture is the same whatever fonts there are.
+Braille, blocks and frames are drawn as shapes, so that the picture is the same with any fonts.
 """
 
 import re
@@ -15,21 +16,21 @@ from xml.sax.saxutils import escape
 CELL = (8.4, 17.0)
 MARGIN = 14.0
 BACKGROUND, FOREGROUND = "#14161b", "#d0d4dc"
-# The sixteen colours of a terminal; 8 to 15 are the bright ones.
+# The sixteen colors of a terminal; 8 to 15 are the bright ones.
 PALETTE = [
     "#14161b", "#e06c75", "#8cc265", "#e5c07b", "#6ca4ef", "#c678dd", "#4fc1c9", "#d0d4dc",
     "#737b8c", "#f0858e", "#a5d97f", "#f0d399", "#86b8ff", "#d99af0", "#70d8df", "#ffffff",
 ]
-# How much of the ground a bar covers.
+# Share of the background that a bar covers.
 BARS = {"█": 1, "░": 0.35}
-# Where a frame's line leaves its cell: right, down, left, up.
+# Directions in which a frame's line leaves its cell: right, down, left, up.
 FRAME = {"─": "rl", "│": "du", "┌": "rd", "┐": "dl", "└": "ru", "┘": "lu"}
-# The dots of U+2800 by their bits: column and row.
+# Dots of U+2800 by their bits: column and row.
 DOTS = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3)]
 
 
 def cells(text):
-    """Each row as a list of (character, colour, bold)."""
+    """Each row as a list of (character, color, bold)."""
     colour, bold = FOREGROUND, False
     rows = []
     for line in text.rstrip("\n").split("\n"):
@@ -38,7 +39,8 @@ def cells(text):
             if character:
                 row.append((character, colour, bold))
                 continue
-            # 38;5;n is colour n, of which ratatui uses the first sixteen; what else there is are grounds, all plain here.
+            # 38;5;n is color n; ratatui uses the first sixteen. Other codes are backgrounds, which
+            # are all plain here.
             for indexed, code in re.findall(r"38;5;(\d+)|(\d+)", codes or "0"):
                 if indexed:
                     colour = PALETTE[int(indexed) % 16]
@@ -57,7 +59,7 @@ def cells(text):
 
 
 def shape(character, colour, x, y):
-    """A character that is drawn and not written; None for any other."""
+    """SVG of a character that is drawn as a shape; None for any other."""
     width, height = CELL
     if "\u2800" <= character <= "\u28ff":
         bits = ord(character) - 0x2800
@@ -84,7 +86,7 @@ def shape(character, colour, x, y):
 
 
 def drawn(row, y):
-    """A row: shapes where there are shapes, and runs of bars and of text of one style between them."""
+    """SVG of a row: shapes, and between them runs of bars and of text in one style."""
     parts, run = [], None
 
     def write():
@@ -98,7 +100,7 @@ def drawn(row, y):
         elif run:
             start, text, colour, bold = run
             weight = ' font-weight="bold"' if bold else ""
-            # Word by word, so that a font of another width moves none far from its column.
+            # Word by word, so that fonts of other widths keep each word near its column.
             for word in re.finditer(r"\S+(?: \S+)*", text):
                 x = MARGIN + (start + word.start()) * CELL[0]
                 width = len(word[0]) * CELL[0]

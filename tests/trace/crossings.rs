@@ -1,10 +1,10 @@
-//! Crossings, and what a rope's own make of it.
+//! Crossings, and the sequence of a rope's own crossings.
 
 use tempfile::TempDir;
 
 use super::{keys, lines, points, rope_picture, save, trace};
 
-/// A flat loop: the rope comes from the left, turns back over itself and goes on to the right.
+/// A flat loop: the rope comes from the left, turns back over itself and continues to the right.
 fn looped(t: f64) -> [f64; 2] {
     let a = std::f64::consts::TAU * (1.4 * t - 0.2);
     [
@@ -30,7 +30,7 @@ fn a_crossing_has_its_two_strands_and_a_loop_pulls_straight() {
     for strand in ["over", "under"] {
         assert_eq!(crossing[strand]["track"], curve["track"]);
         rhos.push(crossing[strand]["rho"].as_f64().unwrap());
-        // There the curve is, but for the distance of two of its points.
+        // The curve passes there, within the distance of two of its points.
         let at = &points(&curve["points"])[(rhos[rhos.len() - 1] * 119.0).round() as usize];
         let crossing: [f64; 2] = serde_json::from_value(crossing["at"].clone()).unwrap();
         let apart = (at[0] - crossing[0]).hypot(at[1] - crossing[1]);

@@ -10,7 +10,7 @@ use image::{GrayImage, Rgb, RgbImage};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The binary, in a folder of its own, so that no settings file is found.
+/// Runs the binary in an empty folder, so that it finds no settings file.
 fn trace(folder: &TempDir, args: &[&str]) -> Command {
     let mut command = assert_cmd::cargo::cargo_bin_cmd!("lariat");
     command.current_dir(folder).arg("trace").args(args);
@@ -81,7 +81,7 @@ fn points(value: &Value) -> Vec<[f64; 2]> {
     serde_json::from_value(value.clone()).unwrap()
 }
 
-/// How far `p` is from the wave, carried on by half the rope's width: its tips are round.
+/// Distance of `p` from the wave, extended by half the rope's width because its tips are round.
 fn distance_to_wave(p: [f64; 2]) -> f64 {
     (-40..=2040)
         .map(|i| wave(f64::from(i) / 2000.0))
@@ -89,7 +89,7 @@ fn distance_to_wave(p: [f64; 2]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The only line for the only picture, the wave.
+/// The only output line for the only picture, the wave.
 fn the_waves_line() -> Value {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
@@ -194,7 +194,8 @@ fn the_descriptor_is_what_lariat_fit_makes_of_the_points() {
     )
     .unwrap();
     let fit = fitter.fit(&points(&curve["points"])).unwrap();
-    // Both are printed to a thousandth of a pixel, and control points move by more than the points do.
+    // Both are printed to a thousandth of a pixel, and control points amplify differences of the
+    // points.
     for (ours, theirs) in fit.control_points.iter().flatten().zip(
         points(&curve["descriptor"]["control_points"])
             .iter()
@@ -236,7 +237,7 @@ fn a_picture_taken_sideways_is_traced_upright() {
     image::imageops::rotate270(&wave_picture())
         .save(&path)
         .unwrap();
-    // An EXIF note, "turn me right" (orientation 6), behind the start of the image.
+    // EXIF data "turn me right" (orientation 6), after the start of the image.
     let mut note = b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08".to_vec();
     note.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0]);
     let lying = std::fs::read(&path).unwrap();
@@ -252,7 +253,7 @@ fn a_picture_taken_sideways_is_traced_upright() {
 #[test]
 fn a_large_picture_is_no_trouble() {
     let folder = TempDir::new().unwrap();
-    // Grey keeps the test quick; a rope of 5,000 px in 48 million pixels.
+    // Gray keeps the test fast; a rope of 5,000 px in 48 million pixels.
     let mut picture = GrayImage::from_pixel(8000, 6000, image::Luma([200]));
     for x in 1500..6500 {
         for y in 2990..3010 {
@@ -359,7 +360,7 @@ fn the_overlay_shows_the_curve_over_the_picture() {
     let args = ["wave.png", "wave.jpg", "--overlay", "new/over"];
     assert!(trace(&folder, &args).output().unwrap().status.success());
     let read = |name: &str| image::open(folder.path().join(name)).unwrap().into_rgb8();
-    // Two pictures of one name do not replace each other.
+    // Two pictures of the same name do not overwrite each other.
     for overlay in [read("new/over/wave.png"), read("new/over/wave-2.png")] {
         assert_eq!(overlay.dimensions(), picture.dimensions());
     }
@@ -397,7 +398,7 @@ fn no_overlay_replaces_a_picture() {
 #[test]
 fn a_video_keeps_the_direction_of_a_rope_that_turns_and_single_pictures_do_not() {
     let folder = TempDir::new().unwrap();
-    // One end goes from the top left half around to the bottom right, 22 px a picture.
+    // One end moves from the top left halfway around to the bottom right, 22 px per picture.
     let end_at = |step: u32, t: f64| {
         let angle = (225.0 + 15.0 * f64::from(step)).to_radians();
         let from_center = 85.0 * (1.0 - 2.0 * t);

@@ -1,4 +1,4 @@
-//! Masks from elsewhere, in a folder.
+//! External masks in a folder.
 
 use image::imageops::{FilterType, blur, resize};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage};
@@ -11,7 +11,7 @@ use super::{TABLE, distance_to_wave, lines, points, save, trace, wave_picture};
 fn a_mask_from_a_folder_is_taken_in_the_place_of_ones_own() {
     let folder = TempDir::new().unwrap();
     std::fs::create_dir(folder.path().join("masks")).unwrap();
-    // Nothing tells this rope from its table but the mask.
+    // Only the mask distinguishes this rope from its table.
     save(&folder, "table.jpg", &RgbImage::from_pixel(320, 240, TABLE));
     let mask = wave_picture();
     let white = |pixel: &Rgb<u8>| if pixel.0[0] < 130 { 255 } else { 0 };
@@ -125,7 +125,7 @@ fn a_mask_that_is_missing_or_of_another_size_is_named() {
     );
 }
 
-/// A folder with the wave's picture, and one for masks.
+/// A folder with the wave's picture, and an empty one for masks.
 fn wave_without_masks() -> TempDir {
     let folder = TempDir::new().unwrap();
     save(&folder, "wave.png", &wave_picture());
@@ -146,7 +146,7 @@ fn wave_mask() -> GrayImage {
     GrayImage::from_fn(320, 240, |x, y| Luma([level(x, y)]))
 }
 
-/// What is traced with this mask, and what is said on standard error.
+/// Returns the trace with this mask, and the messages on standard error.
 fn traced(name: &str, mask: impl Into<DynamicImage>) -> (Value, String) {
     let folder = wave_without_masks();
     mask.into()

@@ -1,4 +1,4 @@
-//! Only the ropes that lie where `--at` says.
+//! Only the ropes selected by `--at`.
 
 use tempfile::TempDir;
 

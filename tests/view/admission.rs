@@ -1,4 +1,4 @@
-//! Who is let in, what they get, and that what is sent by others harms nobody.
+//! Access to the page: who gets it and with what rights, and that input from others is harmless.
 
 use std::fs::{self, Permissions};
 use std::io::Write;
@@ -80,7 +80,7 @@ fn other_sites_and_other_names_are_refused_and_a_token_opens() {
     open.end();
 }
 
-/// Root alone can be two users: elsewhere this says that it was left out.
+/// Only root can act as two users; otherwise this test reports that it was skipped.
 #[test]
 fn another_user_of_this_machine_needs_the_token() {
     if !geteuid().is_root() {
@@ -88,10 +88,10 @@ fn another_user_of_this_machine_needs_the_token() {
         return;
     }
     let bench = Bench::new();
-    // Whom no other test has, below 65,536, as containers have no more.
+    // A user that no other test has, below 65,536, which is the limit in containers.
     let user = 30_000 + std::process::id() % 5_000;
     fs::set_permissions(bench.folder.path(), Permissions::from_mode(0o777)).expect("its folder");
-    // Where cargo put it, others may not be allowed to look.
+    // Other users may not have access to cargo's folder.
     fs::copy(env!("CARGO_BIN_EXE_lariat"), bench.path("lariat")).expect("copied");
     let mut command = bench.command_of(bench.path("lariat"), &["view", "--port", "0", "-v"]);
     command.env_remove("LARIAT_DOMAIN").uid(user).gid(user);
@@ -104,7 +104,7 @@ fn another_user_of_this_machine_needs_the_token() {
     );
     let own = viewing.url.trim_end_matches('/').to_owned();
     assert!(Page::open(&viewing.url, Some(&own), PROTOCOL).is_err());
-    // However many connections others hold, the owner comes in.
+    // The owner is admitted however many connections others hold.
     let silent: Vec<_> = (0..100)
         .map(|_| TcpStream::connect(viewing.host()))
         .collect();
@@ -136,7 +136,8 @@ fn what_is_no_request_harms_nobody_else() {
     chain.wait_for_frames();
     let viewing = Viewing::start(&bench, &["--rig", "cell"]);
     let mut page = Page::of(&viewing);
-    // One that says nothing, one that stops in the middle, nonsense, and one that never reads.
+    // A client that is silent, one that stops in the middle, one that sends nonsense, and one that
+    // never reads.
     let silent = TcpStream::connect(viewing.host()).expect("it listens");
     let mut half = TcpStream::connect(viewing.host()).expect("it listens");
     half.write_all(b"GET / HT").expect("sent");
@@ -148,7 +149,7 @@ fn what_is_no_request_harms_nobody_else() {
         page.ask();
         page.moment();
     }
-    // A flood ends the connection that makes it.
+    // A flood closes the connection that sends it.
     let mut flood = Page::of(&viewing);
     let is_ended = (0..100_000).any(|_| flood.0.send(Message::text("{}")).is_err());
     assert!(is_ended);

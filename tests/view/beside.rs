@@ -1,4 +1,4 @@
-//! The command: where it listens, and the page beside a chain.
+//! The command: its listening address, and the page next to a chain.
 
 use std::net::TcpStream;
 

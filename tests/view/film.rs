@@ -1,4 +1,4 @@
-//! A recording in the place of a chain.
+//! A recording instead of a chain.
 
 use serde_json::Value;
 use tungstenite::Message;
@@ -24,7 +24,7 @@ fn of_a_recording_any_frame_is_had_as_it_was_recorded() {
         .map(|line| serde_json::from_str(line).expect("JSON"))
         .collect();
     assert_eq!(recorded.len() as u64, frames);
-    // On, back, over some, and to the end.
+    // Forward, back, a jump, and to the end.
     for place in [0, 1, 0, frames / 2, frames - 1] {
         let wish = format!(r#"{{"type":"frame","place":{place},"width":4000}}"#);
         page.0.send(Message::text(wish)).expect("sent");

@@ -1,4 +1,5 @@
-// Foxglove's own client receives every channel, and its own readers of ROS 2 messages decode each by the schema that came with it.
+// Foxglove's own client receives every channel, and its own readers of ROS 2 messages decode each
+// message by the schema that came with it.
 
 import assert from "node:assert/strict";
 import foxglove from "@foxglove/ws-protocol";

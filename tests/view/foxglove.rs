@@ -19,7 +19,7 @@ use crate::viewing::Viewing;
 /// A client that has subscribed to channels.
 struct Client {
     socket: WebSocket<MaybeTlsStream<TcpStream>>,
-    /// A subscription's number is its topic's place plus 100.
+    /// Topics; a subscription's number is its topic's index plus 100.
     topics: Vec<String>,
 }
 
@@ -50,7 +50,7 @@ impl Client {
         }
     }
 
-    /// A channel's next message.
+    /// Returns the next message of any channel.
     fn next(&mut self) -> (String, Bytes) {
         loop {
             let Message::Binary(bytes) = self.socket.read().expect("a message in time") else {
@@ -125,7 +125,7 @@ fn control_points_in_millimetres_lie_over_the_picture() {
         wanted.contains(&topic)
     });
     let mut lines = Box::new(Centerlines::EMPTY);
-    // A moment has the one before the other, if it has it.
+    // Within a moment, the first message precedes the second, if it has one.
     loop {
         let (topic, message) = client.next();
         if topic == wanted[0] {

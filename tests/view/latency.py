@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""What an open page adds to the chain's latency: the same chain with and without one, round after round, in one run.
+"""Measures the latency that an open page adds to the chain: the same chain with and without one, in
+alternation, in one run.
 
     tests/view/latency.py LARIAT [--rounds N] [--seconds N] [--load N] [--browser chromium] [-- FLAGS OF LARIAT RUN]
 
-The page is a client that takes each frame and asks at once for the next, as a browser on another machine does; with --browser it is
-one on this machine, which draws with the same cores. Prints the medians of p50 and p99 over the rounds, and the median of the ratios
-within each round, and how often the page was sent a status. For a machine on which nothing else runs: --load adds busy programs.
+The page is a client that takes each frame and immediately requests the next, as a browser on
+another machine does. With --browser, it is a browser on this machine, which draws with the same
+cores. Prints the medians of p50 and p99 over the rounds, the median of the ratios within each
+round, and how many statuses the page received. Run it on an otherwise idle machine; --load adds
+busy programs.
 """
 
 import argparse
@@ -22,7 +25,7 @@ import threading
 
 
 class Page:
-    """A WebSocket that asks for one frame after the other."""
+    """A WebSocket that requests one frame after the other."""
 
     def __init__(self, port):
         self.frames = self.statuses = 0
@@ -39,7 +42,7 @@ class Page:
 
     def ask(self):
         text = b'{"type":"next","width":1280}'
-        # A client's bytes are masked: here with zeros.
+        # A client must mask its bytes: here with zeros.
         self.socket.sendall(bytes([0x81, 0x80 | len(text), 0, 0, 0, 0]) + text)
 
     def run(self):
@@ -71,7 +74,7 @@ def free_port():
 
 
 def latencies(lariat, folder, flags, view, browser):
-    """p50 and p99 of one run, and how many frames and statuses the page was sent."""
+    """p50 and p99 of one run, and the number of frames and statuses that the page received."""
     report = os.path.join(folder, "report")
     command = [lariat, "run", "--force", "--out", report, *flags]
     server = page = shown = None
@@ -117,7 +120,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for number in range(asked.rounds):
             pair = [(False, without), (True, viewed)]
-            # Neither of them is always the first.
+            # The two take turns at being first.
             for view, into in pair if number % 2 == 0 else reversed(pair):
                 figures, shown = latencies(lariat, folder, flags, view, asked.browser)
                 into.append(figures)

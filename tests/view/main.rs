@@ -1,7 +1,7 @@
-//! `lariat view`: the page of a chain that runs, as a browser gets it: files, moments, status; who is refused; and what it leaves
-//! alone. A browser itself looks at it in `tests/view/run`.
+//! `lariat view`: the page of a running chain as a browser gets it: files, moments, status, access
+//! rights, and what it leaves alone. `tests/view/run` tests it with a real browser.
 
-// Of the chain's own tests; not all of it is needed here.
+// Shared with the chain's tests; not all of it is needed here.
 #[allow(dead_code)]
 #[path = "../chain/rig.rs"]
 mod rig;

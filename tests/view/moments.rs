@@ -1,4 +1,4 @@
-//! Moments and status of a chain that runs, also while it ends and begins; and what a page costs it.
+//! Moments and status of a running chain, also while it ends and starts, and the cost of a page.
 
 use rustix::process::Signal;
 use serde_json::Value;
@@ -7,7 +7,7 @@ use crate::page::{self, PATIENCE, Page, assert_curves_lie_on_the_rope};
 use crate::rig::Bench;
 use crate::viewing::Viewing;
 
-/// How many readers the channels of a rig have: frames, centerlines, descriptors.
+/// Number of readers of a rig's channels: frames, centerlines, descriptors.
 fn readers(bench: &Bench, rig: &str) -> Vec<u64> {
     let output = bench.run(&["topic", "list", "--json"]);
     let all: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -68,7 +68,7 @@ fn without_a_page_nothing_is_read_and_a_page_that_asks_for_nothing_has_no_pictur
     assert_eq!(readers(&bench, "cell"), alone);
     let mut page = Page::of(&viewing);
     page.status(|status| status["fps"].as_f64().is_some());
-    // It is told how the rig is, and no frame is copied for it.
+    // The page gets the rig's status, and no frame is copied for it.
     assert_eq!(readers(&bench, "cell"), [alone[0], alone[1], alone[2] + 1]);
     page.ask();
     page.moment();

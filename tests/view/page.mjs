@@ -1,5 +1,7 @@
-// The page in a browser: it is up within a second, the picture moves, the curve lies on the rope, pause, history and keys work, a click makes a mask, four make
-// the table's plane, it goes on when the rig or the server is restarted, and, asked for it, neither browser nor server grows in ten minutes.
+// The page in a browser: it is up within a second, the picture moves, and the curve lies on the
+// rope. Pause, history and keys work, a click makes a mask, and four clicks make the table's plane.
+// It continues when the rig or the server is restarted. On request, it also checks that neither
+// browser nor server grows in ten minutes.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -35,7 +37,7 @@ await holds("the state is live", async () => (await text("state")) === "live");
 await page.keyboard.press(" ");
 await holds("it is paused", async () => (await text("state")) === "paused");
 
-// Both files of the frame that is shown.
+// Both files of the displayed frame.
 const downloads = [];
 page.on("download", (download) => downloads.push(download));
 await page.keyboard.press("s");
@@ -45,7 +47,8 @@ const saved = Object.fromEntries(await Promise.all(downloads.map(async (download
 const said = JSON.parse(saved.json);
 assert.deepEqual([...saved.png.subarray(1, 4)], [..."PNG"].map((c) => c.charCodeAt(0)));
 
-// Where the curve is said to be the canvas has its colour; and with the picture alone, the rope's.
+// Where the curve is reported, the canvas has the curve's color; with the picture alone, the
+// rope's.
 const toggle = async (...layers) => {
   for (const layer of layers) await page.click(`[data-layer=${layer}]`);
   await page.waitForTimeout(200);
@@ -70,7 +73,7 @@ await toggle("curve");
 assert.ok(await share(([r, , b]) => b > r + 30) > 0.9, "the rope is where the curve is said to be");
 await toggle("curve", ...others);
 
-// Back, on, and to the newest.
+// Back, forward, and to the newest.
 const paused = said.number;
 await page.keyboard.press("ArrowLeft");
 await holds("one frame back", async () => (await frame()) < paused);
@@ -98,7 +101,7 @@ await page.click("text=Hide the mask");
 await page.keyboard.press("f");
 await page.keyboard.press("End");
 
-// Four points make the table's plane, which is drawn over the picture, used, and kept.
+// Four points make the table's plane, which is drawn over the picture, used, and saved.
 await page.keyboard.press("c");
 const corners = [[80, 60], [560, 60], [600, 440], [40, 440]];
 for (const pixel of corners) {
@@ -112,7 +115,7 @@ for (const pixel of corners) {
 const plane = page.locator("#tuning section", { hasText: "Table's plane" });
 await holds("the points are judged", async () => (await plane.textContent()).includes("Four points determine the plane"));
 assert.deepEqual(await plane.locator("input").evaluateAll((all) => all.map((one) => one.valueAsNumber)), [0, 0, 297, 0, 297, 210, 0, 210]);
-// At the first corner a line of the grid crosses another: its colour, between the arms of the mark.
+// At the first corner, two grid lines cross: checks for their color between the arms of the mark.
 const isGrid = () => page.evaluate(([[ax, ay], [bx, by]]) => {
   const canvas = document.getElementById("canvas");
   const scale = Math.min(canvas.width / 640, canvas.height / 480);
@@ -142,7 +145,7 @@ await page.keyboard.press("End");
 await page.keyboard.press("f");
 await holds("ropes are in millimetres", async () => (await text("ropes")).includes("mm"));
 
-// The server is restarted: the page goes on, and may change things as before.
+// The server restarts: the page continues, and may change settings as before.
 const port = new URL(address).port;
 await view.end();
 await holds("the page says that the server is gone", async () => (await text("state")).includes("server is gone"));
@@ -154,7 +157,7 @@ await page.click("text=Automatic");
 await holds("and changes settings", async () => (await text("tuning")).includes("nothing has changed"));
 await page.keyboard.press("f");
 
-// The rig is restarted.
+// The rig restarts.
 await rig.end();
 await holds("the page says what to start", async () => (await text("obstacle")).includes("lariat run --rig cell"));
 rig = await chain(lariat, "--seed", "5");

@@ -1,4 +1,4 @@
-//! What a page says to the server, and hears.
+//! A page's messages to the server, and the answers.
 
 use std::net::TcpStream;
 use std::time::Duration;
@@ -12,11 +12,11 @@ use tungstenite::{Message, WebSocket};
 use crate::rig::{Bench, Running};
 use crate::viewing::Viewing;
 
-/// Longer than anything here takes.
+/// Longer than any step of these tests.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 pub(crate) const PROTOCOL: &str = "lariat.view.v1";
 
-/// A page's WebSocket, with what it is made to say of where it comes from.
+/// A page's WebSocket, with a given origin.
 pub(crate) struct Page(pub(crate) WebSocket<MaybeTlsStream<TcpStream>>);
 
 impl Page {
@@ -48,7 +48,7 @@ impl Page {
         self.0.send(Message::text(next)).expect("sent");
     }
 
-    /// The next moment: what was said of it, and its picture. Status is passed over.
+    /// Returns the next moment: its description and its picture. Status messages are skipped.
     pub(crate) fn moment(&mut self) -> (Value, Vec<u8>) {
         loop {
             if let Message::Binary(bytes) = self.0.read().expect("a message in time") {
@@ -58,7 +58,7 @@ impl Page {
         }
     }
 
-    /// The mask that the next moment comes with.
+    /// Returns the mask of the next moment.
     pub(crate) fn mask(&mut self) -> Vec<u8> {
         loop {
             if let Message::Binary(bytes) = self.0.read().expect("a message in time") {
@@ -67,7 +67,7 @@ impl Page {
         }
     }
 
-    /// What is said to a wish, or why it is refused. What else comes is passed over.
+    /// Returns the answer to a wish, or the reason for its refusal. Other messages are skipped.
     pub(crate) fn wish(&mut self, wish: Value) -> Result<Value, String> {
         self.0
             .send(Message::text(asked(1, wish).to_string()))
@@ -86,7 +86,7 @@ impl Page {
         }
     }
 
-    /// The next status for which this holds. Moments are passed over.
+    /// Returns the next status that meets a condition. Moments are skipped.
     pub(crate) fn status(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
         loop {
             if let Message::Text(text) = self.0.read().expect("a message in time") {
@@ -99,7 +99,7 @@ impl Page {
     }
 }
 
-/// A chain with our own page, which has been shown a moment.
+/// Starts a chain and its own page, which has received a moment.
 pub(crate) fn shown(bench: &Bench, flags: &[&str]) -> (Running, Viewing, Page) {
     let mut chain = bench.start(&[&["--rig", "cell", "--seed", "3"], flags].concat());
     chain.wait_for_frames();
@@ -111,14 +111,14 @@ pub(crate) fn shown(bench: &Bench, flags: &[&str]) -> (Running, Viewing, Page) {
     (chain, viewing, page)
 }
 
-/// Ends both.
+/// Ends the chain and the page.
 pub(crate) fn end(chain: Running, viewing: Viewing) {
     viewing.end();
     chain.signal_chain(Signal::INT);
     assert!(chain.end().status.success());
 }
 
-/// A moment's message: what was said of it, its picture, and the mask in it.
+/// Splits a moment's message into its description, its picture, and its mask.
 pub(crate) fn parts(bytes: &[u8]) -> (Value, Vec<u8>, Vec<u8>) {
     let (said, rest) = bytes.split_first_chunk().expect("a length");
     let (jpeg, rest) = rest.split_first_chunk().expect("a length");
@@ -128,14 +128,15 @@ pub(crate) fn parts(bytes: &[u8]) -> (Value, Vec<u8>, Vec<u8>) {
     (said, jpeg.to_vec(), mask.to_vec())
 }
 
-/// A wish as the page says it.
+/// Formats a wish as the page does.
 pub(crate) fn asked(id: u64, mut wish: Value) -> Value {
     wish["type"] = "ask".into();
     wish["id"] = id.into();
     wish
 }
 
-/// Every rope of a moment has a curve, nine of ten points of which are on the rendered rope, which is much bluer than its table.
+/// Checks that every rope of a moment has a curve with nine of ten points on the rendered rope,
+/// which is much bluer than its table.
 pub(crate) fn assert_curves_lie_on_the_rope(said: &Value, jpeg: &[u8]) {
     let picture = image::load_from_memory(jpeg).expect("a JPEG").into_rgb8();
     let (right, bottom) = (picture.width() - 1, picture.height() - 1);

@@ -1,4 +1,5 @@
-//! The table's plane: points that were clicked become the chain's plane, and curves in millimetres are drawn where the rope is.
+//! The table's plane: clicked points become the chain's plane, and curves in millimeters are drawn
+//! where the rope is.
 
 use std::time::Instant;
 
@@ -9,13 +10,13 @@ use crate::page::{PATIENCE, Page, assert_curves_lie_on_the_rope, end, shown};
 use crate::rig::Bench;
 use crate::viewing::Viewing;
 
-/// Pixels of the rendered rope's pictures and where they would be on a table that is seen at a slant, in mm.
+/// Pixels of the rendered rope's pictures, and their positions on a table seen at an angle, in mm.
 const POINTS: [[f64; 4]; 5] = [
     [160.0, 80.0, 0.0, 0.0],
     [480.0, 80.0, 200.0, 0.0],
     [600.0, 440.0, 200.0, 100.0],
     [40.0, 440.0, 0.0, 100.0],
-    // The diagonals meet here.
+    // Intersection of the diagonals.
     [320.0, 210.909, 100.0, 50.0],
 ];
 const SIZE: [u32; 2] = [640, 480];
@@ -29,7 +30,7 @@ fn wish(name: &str, of: &[[f64; 4]]) -> Value {
     json!({"wish": name, "points": points(of), "size": SIZE})
 }
 
-/// Has the command make a plane's file of four of them.
+/// Makes a plane's file from four of them with the command.
 pub(crate) fn make_plane(bench: &Bench, file: &str, more: &[&str]) {
     let four = POINTS[..4]
         .iter()
@@ -49,7 +50,7 @@ pub(crate) fn make_plane(bench: &Bench, file: &str, more: &[&str]) {
     assert!(made.status.success(), "{made:?}");
 }
 
-/// The next moment whose lengths are in this unit.
+/// Returns the next moment with lengths in this unit.
 fn moment_in(page: &mut Page, unit: &str) -> (Value, Vec<u8>) {
     let deadline = Instant::now() + PATIENCE;
     loop {
@@ -77,12 +78,12 @@ fn points_that_were_clicked_become_the_chains_plane_and_can_be_kept() {
     }
     assert!(judged["most_mm"].as_f64().expect("mm") < 0.01);
     let lines = judged["grid"]["lines"].as_array().expect("lines");
-    // The corner (0, 0) is seen where it was clicked: two lines go through it.
+    // The corner (0, 0) appears where it was clicked: two lines pass through it.
     let through = |line: &&Value| {
         let points = line.as_array().expect("points").windows(2);
         let far =
             |point: &Value| [0, 1].map(|axis| point[axis].as_f64().expect("px") - POINTS[0][axis]);
-        // By the distance from the corner to each piece of the line.
+        // Uses the distance from the corner to each segment of the line.
         points.into_iter().any(|ends| {
             let ([ax, ay], [bx, by]) = (far(&ends[0]), far(&ends[1]));
             let (dx, dy) = (bx - ax, by - ay);
@@ -138,7 +139,7 @@ fn what_is_no_plane_is_refused_and_nothing_is_written() {
     other["size"] = json!([641, 480]);
     let refused = page.wish(other).expect_err("refused");
     assert!(refused.contains("another size"), "{refused}");
-    // One that does not say that it is our own page may look, and not write.
+    // A client that does not prove to be lariat's own page may read but not write.
     let mut foreign = Page::of(&viewing);
     foreign.ask();
     foreign.moment();
@@ -147,7 +148,7 @@ fn what_is_no_plane_is_refused_and_nothing_is_written() {
         .wish(wish("write_plane", &POINTS))
         .expect_err("refused");
     assert!(refused.contains("may not change"), "{refused}");
-    // A file of this name that the chain does not go by is not this page's to overwrite.
+    // The page must not overwrite a file of this name that the chain does not use.
     let refused = page
         .wish(wish("write_plane", &POINTS))
         .expect_err("refused");
@@ -163,7 +164,7 @@ fn curves_in_millimetres_are_drawn_on_the_rope() {
     let yaml = "image_width: 640\nimage_height: 480\nK: [600, 0, 320, 0, 600, 240, 0, 0, 1]\nD: [-0.2, 0.05, 0, 0]\n";
     std::fs::write(bench.path("camera.yaml"), yaml).expect("written");
     make_plane(&bench, "table.toml", &["--calibration", "camera.yaml"]);
-    // Paths begin where the chain was started, not where the page is served.
+    // Paths are relative to the folder where the chain was started, not to the page's.
     let lens = ["--calibration", "camera.yaml"];
     for (flags, unit) in [
         (&["--plane", "table.toml"][..], "mm"),

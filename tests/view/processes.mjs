@@ -1,20 +1,20 @@
-// lariat's processes, for the tests beside this file.
+// lariat's processes, for the tests in this folder.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-/** Those that run: a test that fails takes them along. */
+/** Running processes, which end with a failed test. */
 const running = new Set();
-/** Where they are started: what a chain writes is not to lie anywhere else. */
+/** Folder that they are started in, so that a chain writes its files nowhere else. */
 export const folder = mkdtempSync(join(tmpdir(), "lariat-view-"));
 process.on("exit", () => {
   running.forEach((one) => one.kill("SIGTERM"));
   rmSync(folder, { recursive: true, force: true });
 });
 
-/** Starts lariat, and waits until it has said something; what it says then is the answer. */
+/** Starts lariat, and waits for output that matches `until`; `found` is the match. */
 export async function start(lariat, words, until) {
   const started = spawn(lariat, words, { cwd: folder, stdio: ["ignore", "pipe", "pipe"] });
   running.add(started);
@@ -43,7 +43,7 @@ export async function start(lariat, words, until) {
 export const chain = (lariat, ...words) => start(lariat, ["run", "--rig", "cell", ...words], /→/);
 export const page = (lariat, port = 0) => start(lariat, ["view", "--rig", "cell", "--port", `${port}`], /http:\S+/);
 
-/** Waits until something holds. */
+/** Waits until a condition holds. */
 export async function holds(what, test, patience_ms = 20_000) {
   const until = Date.now() + patience_ms;
   for (;;) {

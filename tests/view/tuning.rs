@@ -1,4 +1,4 @@
-//! What a page changes: colours that are picked, settings, and pictures that are dropped.
+//! Changes by a page: picked colors, settings, and dropped pictures.
 
 use serde_json::json;
 use tungstenite::Message;
@@ -25,7 +25,7 @@ fn a_page_picks_a_colour_and_changes_settings_that_can_be_kept() {
     assert!((1_000..40_000).contains(&white), "{white} pixels are rope");
     let at = |i: usize| on_rope[i].as_f64().expect("a number").round() as u32;
     assert_eq!(mask.get_pixel(at(0), at(1)).0, [255]);
-    // On the table there is none.
+    // There is no rope on the table.
     let table = page.wish(json!({"wish": "pick", "number": said["number"], "at": [[2, 2]]}));
     assert!(table.is_err(), "{table:?}");
     let old = page.wish(json!({"wish": "pick", "number": 0, "at": []}));

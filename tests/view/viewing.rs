@@ -1,4 +1,4 @@
-//! A `lariat view` that runs, and plain requests to it.
+//! A running `lariat view`, and plain requests to it.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,10 +8,10 @@ use rustix::process::Signal;
 
 use crate::rig::{Bench, send};
 
-/// A `lariat view` that runs.
+/// A running `lariat view`.
 pub(crate) struct Viewing {
     pub(crate) process: Child,
-    /// `http://HOST:PORT/`, perhaps with a token.
+    /// `http://HOST:PORT/`, possibly with a token.
     pub(crate) url: String,
 }
 
@@ -21,7 +21,7 @@ impl Viewing {
         Self::start_command(bench.command(&arguments)).0
     }
 
-    /// The same, of a command that was made ready; and what it says from then on.
+    /// Starts a prepared command in the same way; also returns its further output.
     pub(crate) fn start_command(mut command: Command) -> (Self, BufReader<ChildStderr>) {
         let command = command.stderr(Stdio::piped());
         let mut process = command.spawn().expect("the binary runs");
@@ -30,7 +30,7 @@ impl Viewing {
         (Self { process, url }, said)
     }
 
-    /// What stands between `http://` and the path.
+    /// Returns the part between `http://` and the path.
     pub(crate) fn host(&self) -> &str {
         host(&self.url)
     }
@@ -41,7 +41,7 @@ impl Viewing {
     }
 }
 
-/// Also of a test that fails.
+/// Also cleans up after a failed test.
 impl Drop for Viewing {
     fn drop(&mut self) {
         let _ = self.process.kill();

@@ -1,12 +1,13 @@
-#![allow(unsafe_code)] // One ioctl, to tell a v4l2loopback device what it is fed.
-//! Feeds a v4l2loopback device with a rendered rope as Motion JPEG, as a USB camera sends it:
+#![allow(unsafe_code)] // One ioctl, which tells a v4l2loopback device the format that it is fed.
+//! Feeds a rendered rope to a v4l2loopback device as Motion JPEG, as a USB camera sends it:
 //!
 //!     vivid-feeder DEVICE WIDTHxHEIGHT FPS [without-tables] [damaged=N]
 //!     vivid-feeder DEVICE WIDTHxHEIGHT FPS depth=DEVICE code=CODE
 //!
-//! `without-tables`: the Huffman tables are left out, which is how many cameras save bytes. `damaged=N`: of every Nth frame
-//! only half is there. `depth`: a lifted rope at rest instead, in colour (`RGB3`), and before a depth camera 15 mm to the right of that one on
-//! a second device, in the pixel format `code`: `Z16`, or `Y16`. Goes on until it is killed.
+//! `without-tables`: leaves out the Huffman tables, as many cameras do to save bytes. `damaged=N`:
+//! cuts every Nth frame in half. `depth`: shows a lifted rope at rest instead, in color (`RGB3`). A
+//! depth camera 15 mm to the right of the color camera shows it on a second device, in the pixel
+//! format `code`: `Z16` or `Y16`. The program runs until it is killed.
 
 use std::error::Error;
 use std::fs::File;
@@ -19,10 +20,11 @@ use lariat_capture::{RenderOptions, Source};
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
 use rustix::ioctl::{Updater, ioctl, opcode};
 
-/// Frames that are drawn before the first is fed, to be fed round and round: drawing takes longer than a frame.
+/// Number of frames that are drawn in advance and then fed repeatedly, because drawing takes longer
+/// than a frame.
 const FRAMES: usize = 20;
 
-/// `v4l2_format` with a `v4l2_pix_format`, in words.
+/// `v4l2_format` with a `v4l2_pix_format`, as words.
 type Format = [u64; 26];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -45,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let frames = frames(width, height, fps, without_tables)?;
     let mut device = File::options().read(true).write(true).open(device)?;
-    // The most that a frame can have; a JPEG has no rows.
+    // Maximum size of a frame; a JPEG has no rows.
     set_format(&device, b"MJPG", [width, height], [0, 4 * width * height])?;
     eprintln!("feeding");
     let began = Instant::now();
@@ -65,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A lifted rope before two cameras.
+/// Feeds a lifted rope in front of two cameras.
 fn feed_in_space(
     devices: [&str; 2],
     code: &str,
@@ -157,7 +159,7 @@ fn frames(
     Ok(frames)
 }
 
-/// A JPEG without its segments of Huffman tables, which are the standard's own.
+/// Removes the segments of Huffman tables, which are the standard's own, from a JPEG.
 fn without_huffman_tables(jpeg: &[u8]) -> Vec<u8> {
     const HUFFMAN_TABLES: u8 = 0xc4;
     const START_OF_SCAN: u8 = 0xda;
@@ -177,7 +179,7 @@ fn without_huffman_tables(jpeg: &[u8]) -> Vec<u8> {
     out
 }
 
-/// `bytes`: of a row and of a frame.
+/// Sets the format. `[row_bytes, bytes]`: sizes of a row and of a frame.
 fn set_format(
     device: &File,
     code: &[u8; 4],
@@ -196,7 +198,8 @@ fn set_format(
     format[1] = pair(width, height);
     format[2] = pair(u32::from_le_bytes(*code), FIELD_NONE);
     format[3] = pair(row_bytes, bytes);
-    // SAFETY: VIDIOC_S_FMT's argument is a v4l2_format, of 208 bytes and without a pointer for this type.
+    // SAFETY: the argument of VIDIOC_S_FMT is a v4l2_format of 208 bytes, without a pointer for
+    // this type.
     unsafe {
         ioctl(
             device,

@@ -1,13 +1,13 @@
-# What runs in the virtual machine: functions for the rows, which `run` appends. busybox's shell.
-# Each row prints what it saw between `@@row NAME` and `@@done`; `run` judges it.
+# Code for the virtual machine: functions for the rows, which `run` appends. The shell is busybox's.
+# Each row prints its output between `@@row NAME` and `@@done`; `run` judges it.
 
 export LC_ALL=C
 control() { v4l2-ctl -d "${camera:-/dev/video0}" -c "$1"; }
 
-# The pids of all of lariat's processes, in order: another set later means that one has died.
+# Sorted pids of all of lariat's processes; if they change later, one has died.
 pids() { pidof lariat | tr ' ' '\n' | sort -n | tr '\n' ' '; }
 
-# Resident memory (kB) and open descriptors of each of lariat's processes.
+# Resident memory (kB) and open file descriptors of each of lariat's processes.
 usage() {
     for pid in $(pids); do
         echo "@@usage $1 $pid $(tr '\0' ' ' </proc/$pid/cmdline | cut -d ' ' -f 2) \
@@ -15,7 +15,7 @@ $(sed -n 's/^VmRSS:[^0-9]*\([0-9]*\).*/\1/p' /proc/$pid/status) $(ls /proc/$pid/
     done
 }
 
-# The whole chain with these flags, and its summary.
+# Runs the whole chain with these flags, and prints its summary.
 chain() {
     rm -rf out
     timeout -s KILL "${limit:-60}" lariat run --out out --duration "${seconds:-10}s" "$@" 2>&1
@@ -23,7 +23,7 @@ chain() {
     echo "@@summary $(tr -d '\n' <out/summary.json)"
 }
 
-# The whole chain, and some seconds after all of it is there a fault: `faulted SECONDS COMMAND FLAGS…`.
+# Runs the whole chain, with a fault some seconds after it is up: `faulted SECONDS COMMAND FLAGS…`.
 faulted() {
     delay=$1 command=$2
     shift 2
@@ -42,7 +42,7 @@ faulted() {
     wait
 }
 
-# The calibrations of a camera and of the depth camera 15 mm to the right of it, both of this size.
+# Writes the calibrations of a camera and of the depth camera 15 mm to its right, both of this size.
 calibrate() {
     for name in camera depth; do
         cat >$name.yaml <<END
@@ -60,7 +60,7 @@ range_mm: [200, 1500]
 END
 }
 
-# One picture, and a line with its checksum; two that are the same have the same.
+# Takes one picture and prints a line with its checksum, which is equal for equal pictures.
 picture() {
     name=$1
     shift
@@ -69,7 +69,8 @@ picture() {
     echo "@@picture $name $(md5sum <"$name.png")"
 }
 
-# What the camera shows: black lines of ten pixels on white, which lariat takes for ropes; or, still, bars in all colours.
+# Test patterns of the camera: black lines of ten pixels on white, which lariat treats as ropes; or
+# still bars in all colors.
 ropes() { control test_pattern=19; control osd_text_mode=2; control contrast=128; control brightness=128; }
 bars() { control test_pattern=0; control osd_text_mode=2; control gain_automatic=0; }
 
@@ -82,7 +83,7 @@ row() {
     camera=/dev/video0
     "$@"
     echo "@@done"
-    # Whatever a row has set is no matter of the next one.
+    # Settings of a row must not affect the next one.
     for name in percentage_of_dropped_buffers wrap_sequence_number wrap_timestamp timestamp_source; do
         control $name=0 >/dev/null 2>&1
     done

@@ -1,4 +1,4 @@
-//! A film, the extractors that see it, and what they took.
+//! A film, the extractors that process it, and their timings.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -7,10 +7,10 @@ use anyhow::Result;
 use lariat_bench::{Picture, ReadPass, Samples};
 use lariat_extract::{Extractor, Mask, Options, Scene, Step};
 
-/// Turns that a table has at least.
+/// Minimum number of turns per table.
 const FEWEST_TURNS: usize = 3;
 
-/// The steps that are timed, and the whole after them.
+/// The steps that are timed. Index [`WHOLE`] holds the total after them.
 pub(crate) const STEPS: [Step; 5] = [
     Step::Follow,
     Step::Mask,
@@ -20,46 +20,47 @@ pub(crate) const STEPS: [Step; 5] = [
 ];
 pub(crate) const WHOLE: usize = STEPS.len();
 
-/// What extractions took: the steps and the whole.
+/// Timings of extractions: each step and the whole.
 #[derive(Default)]
 pub(crate) struct Times {
-    /// In nanoseconds.
+    /// Times in nanoseconds.
     pub(crate) ns: [Samples; WHOLE + 1],
-    /// Over the read of the same frame just before.
+    /// Times divided by the time of the preceding read of the same frame.
     pub(crate) over_read: [Samples; WHOLE + 1],
 }
 
 impl Times {
-    /// Median of the whole, in nanoseconds.
+    /// Median time of the whole extraction, in nanoseconds.
     pub(crate) fn whole_ns(&self) -> f64 {
         self.ns[WHOLE].median()
     }
 
-    /// Median of the whole over the read.
+    /// Median of the whole extraction's time divided by the read time.
     pub(crate) fn whole_over_read(&self) -> f64 {
         self.over_read[WHOLE].median()
     }
 }
 
-/// A film, and what was measured on it.
+/// A film and its measurements.
 pub(crate) struct Case {
     pub(crate) name: String,
     film: Vec<Picture>,
-    /// One for each picture of the film, or none.
+    /// One mask per picture of the film, or empty.
     masks: Vec<Picture>,
     forgetful: Extractor,
     mindful: Extractor,
     pub(crate) read_ns: Samples,
     pub(crate) cold: Times,
     pub(crate) tracked: Times,
-    /// Area of the ropes found in a frame, cold, in pixels.
+    /// Area of the ropes found in a frame by the cold extractor, in square pixels.
     pub(crate) rope_px2: Samples,
-    /// How many were found.
+    /// Number of ropes found in a frame.
     pub(crate) ropes: Samples,
 }
 
 impl Case {
-    /// A case of a film whose frames are of one size, with the extractor's default options.
+    /// Creates a case with the extractor's default options. All frames of `film` must have one
+    /// size.
     pub(crate) fn new(name: impl Into<String>, film: Vec<Picture>) -> Result<Self> {
         Self::with(name, film, Options::default())
     }
@@ -90,7 +91,7 @@ impl Case {
         })
     }
 
-    /// A case whose pictures come with masks made elsewhere.
+    /// Creates a case whose pictures come with external masks.
     pub(crate) fn masked(
         name: impl Into<String>,
         film: Vec<Picture>,
@@ -103,18 +104,18 @@ impl Case {
         })
     }
 
-    /// Pixels of a frame.
+    /// Number of pixels in a frame.
     pub(crate) fn pixels(&self) -> f64 {
         let pixels = |picture: &Picture| picture.size().iter().product::<usize>() as f64;
         self.film.first().map_or(0.0, pixels)
     }
 
-    /// Bytes of a frame.
+    /// Number of bytes in a frame.
     pub(crate) fn bytes(&self) -> f64 {
         self.film.first().map_or(0, |p| p.bytes().len()) as f64
     }
 
-    /// Once through the film.
+    /// Runs once through the film.
     fn turn(&mut self, read: &ReadPass) -> Result<()> {
         self.mindful.reset();
         for (k, frame) in self.film.iter().enumerate() {
@@ -143,7 +144,7 @@ impl Case {
     }
 }
 
-/// Lets the cases take turns for that long; returns how many turns each had.
+/// Measures the cases in turns for at least `time`. Returns the number of turns of each case.
 pub(crate) fn measure(cases: &mut [Case], time: Duration) -> Result<usize> {
     let read = ReadPass::default();
     for case in &mut *cases {
@@ -159,13 +160,13 @@ pub(crate) fn measure(cases: &mut [Case], time: Duration) -> Result<usize> {
     Ok(turns)
 }
 
-/// What an extraction found.
+/// The result of an extraction.
 struct Found {
     ropes: usize,
     area_px2: f64,
 }
 
-/// A picture, and its mask if it has one.
+/// A picture and its mask, if any.
 type Frame<'a> = (&'a Picture, Option<&'a Picture>);
 
 fn see<'a>(

@@ -1,4 +1,4 @@
-//! The normal case, step by step, and the same film in every pixel format.
+//! The normal case step by step, and the same film in every pixel format.
 
 use anyhow::{Context, Result};
 use lariat_bench::{Picture, Table, converted, micros, multiple, times};
@@ -8,7 +8,7 @@ use lariat_extract::{Mask, Options, PixelFormat, pick};
 use crate::Effort;
 use crate::case::{Case, Times, WHOLE, measure};
 
-/// Frames of the film: 1.3 s.
+/// Frames of the film (1.3 s).
 const FRAMES: u64 = 40;
 const FORMATS: [PixelFormat; 9] = [
     PixelFormat::Rgb8,
@@ -32,7 +32,8 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
             Case::new(format!("{format:?}"), frames)
         })
         .collect::<Result<Vec<_>>>()?;
-    // The same bytes as the first, the rope told by its colour instead of by its difference from the table.
+    // The first case's bytes again, segmented by the rope's color instead of its difference from
+    // the table.
     let told = film.iter().map(|f| converted(f, PixelFormat::Rgb8));
     let told: Vec<Picture> = told.collect::<Option<_>>().context("RGB stays RGB")?;
     let options = Options::default().mask(Mask::Hsv(pick(&told[0].image(), &[])?.ranges));

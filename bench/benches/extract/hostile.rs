@@ -1,4 +1,4 @@
-//! Pictures made to be slow: what an extraction costs at most, as a multiple of the normal case.
+//! Adversarial pictures: the worst-case cost of an extraction, as a multiple of the normal case.
 
 use anyhow::{Context, Result};
 use lariat_bench::{Picture, Table, micros, multiple, times};
@@ -9,7 +9,7 @@ use crate::Effort;
 use crate::case::{Case, Times, measure};
 use lariat_bench::paint::{HEIGHT, Noise, WIDTH, eight_ropes, picture, ten_crossings};
 
-/// The same picture again and again, so that "tracked" is measured too.
+/// Repetitions of the same picture, so that "tracked" is measured too.
 const REPEATS: usize = 4;
 
 pub(crate) fn run(effort: &Effort) -> Result<()> {
@@ -60,20 +60,20 @@ const PICTURES: [(&str, Draw); 17] = [
     ("ten crossings", ten_crossings),
     ("eight ropes", eight_ropes),
     ("half is rope", half),
-    // As much as a mask may cover; the longest thinning.
+    // The largest area that a mask may cover, and so the longest thinning.
     ("a block of 59%", block),
     ("chess board, 1 px", || chess_board(1)),
     ("chess board, 20 px", || chess_board(20)),
     ("salt and pepper, 50%", || salt(50)),
-    // As many runs as a mask may have.
+    // The largest number of runs that a mask may have.
     ("salt and pepper, 6%", || salt(6)),
     ("salt and pepper, 1%", || salt(1)),
-    // As many strands as the width holds.
+    // The largest number of strands that fit the width.
     ("stripes, 8 of 18 px", || picture(|x, _| share(x % 18 < 8))),
     ("net, 6 of 36 px", net),
 ];
 
-/// The rope's own color, and all colors.
+/// HSV ranges of the rope's own color (`BLUE`) and of every color (`ALL`).
 const BLUE: HsvRange = HsvRange {
     hue_deg: [190.0, 250.0],
     saturation: [0.3, 1.0],
@@ -94,7 +94,7 @@ const BY_COLOR: [(&str, Draw, HsvRange); 6] = [
     ("by color, a net", net, BLUE),
 ];
 
-/// With a mask from elsewhere that has what is darker than the table.
+/// Cases with an external mask that marks everything darker than the table.
 const WITH_MASKS: [(&str, Draw); 5] = [
     ("with a mask, a block of 59%", block),
     ("with a mask, a disc of 240 px", disc),
@@ -103,7 +103,7 @@ const WITH_MASKS: [(&str, Draw); 5] = [
     ("with a mask, a net", net),
 ];
 
-/// The mask of what is darker than the table, for [`WITH_MASKS`].
+/// Returns the mask of everything darker than the table, for [`WITH_MASKS`].
 fn dark(picture: &Picture) -> Result<Picture> {
     let reds = picture.bytes().iter().step_by(3);
     let levels: Vec<u8> = reds.map(|&red| if red < 133 { 255 } else { 0 }).collect();
@@ -111,7 +111,7 @@ fn dark(picture: &Picture) -> Result<Picture> {
     Picture::new(picture.size(), PixelFormat::Gray8, levels.len(), write).context("a byte a pixel")
 }
 
-/// The middle of a picture.
+/// Returns the central sixteenth of a picture.
 fn sixteenth(picture: &Picture) -> Result<Picture> {
     let ([width, height], bytes) = (picture.size(), picture.bytes());
     let rows = bytes
@@ -149,12 +149,13 @@ fn arm() -> Result<Picture> {
     picture(|x, y| depth_in_arm(x, y).clamp(0.0, 1.0))
 }
 
-/// The same arm, as one that the light comes round: it is black from ten pixels within its sides on.
+/// Draws the arm of [`arm`] with light rims: it is black only from ten pixels inside its edges on.
 fn rimmed_arm() -> Result<Picture> {
     picture(depth_in_arm)
 }
 
-/// How deep a pixel lies in an arm that comes from a corner, with a hand and four fingers, in pixels.
+/// Returns a pixel's depth inside an arm with a hand and four fingers that reaches in from a
+/// corner, in pixels.
 fn depth_in_arm(x: usize, y: usize) -> f64 {
     let within = |half: f64, from: [f64; 2], to: [f64; 2]| {
         let [along, off] = [0, 1].map(|k| (to[k] - from[k], [x, y][k] as f64 - from[k]));
@@ -169,7 +170,7 @@ fn depth_in_arm(x: usize, y: usize) -> f64 {
     (0..4).map(finger).fold(forearm.max(hand), f64::max)
 }
 
-/// Whether a pixel is of a keyboard, and whether of a gap between its keys.
+/// Returns whether a pixel belongs to a keyboard, and whether it belongs to a gap between its keys.
 fn on_keyboard(x: usize, y: usize) -> (bool, bool) {
     let is_inside = (60..580).contains(&x) && (140..340).contains(&y);
     let is_between = is_inside && ((x - 60) % 26 < 3 || (y - 140) % 25 < 3);
@@ -204,7 +205,7 @@ fn chess_board(side: usize) -> Result<Picture> {
     picture(|x, y| share((x / side + y / side) % 2 == 1))
 }
 
-/// Pixels of rope strewn over the table.
+/// Scatters rope-colored pixels over the table, on `percent` of its area.
 fn salt(percent: u64) -> Result<Picture> {
     let mut noise = Noise(7);
     let strewn: Vec<bool> = (0..WIDTH * HEIGHT)

@@ -1,15 +1,23 @@
-//! Cost of an extraction, next to a pass that only reads the frame: `cargo bench --manifest-path bench/Cargo.toml --bench extract`.
+//! Cost of an extraction, next to a pass that only reads the frame.
 //!
-//! The floor, "read", sums the bytes of the same frame by the widest loads of the machine. For each frame in turn, on one
-//! thread, three things are timed: the floor; an extraction by an extractor that was told to forget the past (cold);
-//! one by an extractor that has seen the frames before (tracked; a film's first frame is left out). Before each of them
-//! the frame is read once more, untimed, so that all three find its bytes where a stage finds them that runs right
-//! after the camera's writer: in the second-level cache, as far as they fit. Frames lie on a cache line, as the chain's
-//! do. The cases of a table take turns, film by film, until the table's time is used; the first turn is not counted.
-//! Figures are medians over frames and turns; "÷ read" is the median of
-//! the ratios to the read of the same frame in the same turn, other ratios are of two medians of one table.
+//! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench extract`. `-- --quick` uses a
+//! tenth of the time. `-- --dataset DIR`, or the environment variable `LARIAT_MBEST`, adds
+//! photographs.
 //!
-//! `-- --quick` uses a tenth of the time; `-- --dataset DIR`, or the environment's `LARIAT_MBEST`, adds photographs.
+//! Three things are timed for each frame, on one thread:
+//!
+//! - "read", the floor, sums the frame's bytes with the machine's widest loads.
+//! - "cold" is an extraction whose extractor was reset before.
+//! - "tracked" is an extraction whose extractor has seen the previous frames. A film's first frame
+//!   is left out.
+//!
+//! The frame is read once more, untimed, before each of them. All three then find its bytes where a
+//! stage finds them that runs right after the camera's writer: in the second-level cache, as far as
+//! they fit. Frames are aligned to a cache line, as in the chain.
+//!
+//! The cases of a table take turns, film by film, until the table's time is used up. The first turn
+//! is not counted. Figures are medians over frames and turns. "÷ read" is the median of the ratios
+//! to the read of the same frame in the same turn. Other ratios divide two medians of one table.
 
 mod case;
 mod formats;
@@ -26,32 +34,33 @@ use clap::Parser;
 use lariat_bench::{Picture, rendered};
 use lariat_capture::RenderOptions;
 
-/// Times extraction, step by step, beside a pass that only reads the frame
+/// Time extraction step by step, next to a pass that only reads the frame
 #[derive(Parser)]
 struct Args {
-    /// A tenth of the time, for a first look
+    /// Use a tenth of the time, for a quick estimate
     #[arg(long)]
     quick: bool,
-    /// Photographs: a folder with `images` in it, or of such folders [default: $LARIAT_MBEST, else none]
+    /// Folder of photographs: one with an `images` folder in it, or one of such folders [default:
+    /// $LARIAT_MBEST, else none]
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
-    /// Given by `cargo bench`
+    /// Passed by `cargo bench`
     #[arg(long, hide = true)]
     bench: bool,
 }
 
-/// How much is measured.
+/// Amount of measuring.
 struct Effort {
     quick: bool,
 }
 
 impl Effort {
-    /// The time for a table.
+    /// Returns the time for a table, given its full time in seconds.
     fn time(&self, seconds: f64) -> Duration {
         Duration::from_secs_f64(if self.quick { 0.1 * seconds } else { seconds })
     }
 
-    /// The first frames of a film, as many as are asked for, or a quarter.
+    /// Returns the first `frames` frames of a film, or a quarter of them with `--quick`.
     fn film(&self, options: RenderOptions, frames: u64) -> Result<Vec<Picture>> {
         let frames = if self.quick { frames / 4 } else { frames };
         let options = RenderOptions {

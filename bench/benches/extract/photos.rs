@@ -1,4 +1,5 @@
-//! Photographs, each a scene of its own, beside what mBEST's authors' program took for the same pictures.
+//! Photographs, each a scene of its own, next to the times of the mBEST authors' program on the
+//! same pictures.
 
 use std::path::Path;
 

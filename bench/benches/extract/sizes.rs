@@ -1,4 +1,4 @@
-//! Larger pictures: cold, time goes by the pixel; tracked, by the rope's area.
+//! Larger pictures: cold time grows with the number of pixels, tracked time with the rope's area.
 
 use anyhow::Result;
 use lariat_bench::{Table, micros, multiple};
@@ -7,9 +7,10 @@ use lariat_capture::RenderOptions;
 use crate::Effort;
 use crate::case::{Case, Times, measure};
 
-/// Frames of each film: 50 MB at the largest size.
+/// Frames of each film (50 MB at the largest size).
 const FRAMES: u64 = 8;
-/// Width, height, width of the rope: the same rope, and one that grows with the picture.
+/// Width and height of the picture and width of the rope, px. The rope keeps its default width or
+/// is scaled with the picture.
 const SIZES: [(u32, u32, f64); 5] = [
     (640, 480, 12.0),
     (1280, 720, 12.0),

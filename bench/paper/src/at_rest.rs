@@ -1,5 +1,5 @@
-//! In time: how much the descriptor of a rope that lies still trembles, by family and order, with and without the
-//! filter.
+//! Temporal noise: how much the descriptor of a motionless rope jitters, by family and order, with
+//! and without the filter.
 
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
@@ -14,16 +14,17 @@ use crate::figure::Figure;
 use crate::shapes::POINTS;
 use crate::{Effort, PaperError};
 
-/// Control points of the descriptors: of the Bezier curves those of order 2, 4, 6, 8, 10 and 12.
+/// Numbers of control points of the descriptors: those of Bezier curves of order 2, 4, 6, 8, 10 and
+/// 12.
 const COUNTS: [usize; 6] = [3, 5, 7, 9, 11, 13];
-/// The count of order 8, as an index.
+/// Index of order 8 (nine control points) in [`COUNTS`].
 const NINE: usize = 3;
-/// The first frames, in which extractor and filter settle.
+/// Initial frames that are left out, in which extractor and filter settle.
 const SETTLING: usize = 20;
 const FRAME_NS: u64 = 1_000_000_000 / 30;
-/// The acceleration that a rope which hardly moves is taken to have, px/s².
+/// Assumed acceleration of a rope that hardly moves, px/s².
 const CALM_PX_S2: f64 = 10.0;
-/// Points along a curve where its own trembling is measured.
+/// Number of points along a curve at which its own jitter is measured.
 const CURVE_POINTS: usize = 50;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,21 +54,21 @@ impl Family {
     }
 }
 
-/// How much one family trembles, in the mean over ropes: root mean square distance from the mean place, px.
+/// Jitter of one family: root mean square distance from the mean position, averaged over ropes, px.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     family: Family,
-    /// Control points as fitted, by their count.
+    /// Jitter of the fitted control points, by entry of [`COUNTS`].
     fitted_px: Vec<f64>,
-    /// The same, filtered.
+    /// Jitter of the filtered control points.
     filtered_px: Vec<f64>,
-    /// Filtered by a filter that is told that the rope hardly moves.
+    /// Jitter of the control points when the filter assumes [`CALM_PX_S2`].
     calmed_px: Vec<f64>,
-    /// The curve itself as fitted.
+    /// Jitter of the fitted curve itself.
     curve_px: Vec<f64>,
 }
 
-/// How much descriptors of ropes at rest tremble.
+/// Jitter of the descriptors of ropes at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AtRest {
     rows: Vec<Row>,
@@ -81,7 +82,7 @@ impl AtRest {
         let mut films = Vec::new();
         for rope in 0..effort.ropes_at_rest as u64 {
             let film = film(seed.wrapping_mul(1000).wrapping_add(rope), effort)?;
-            // A rope that is not seen in most frames tells nothing of trembling.
+            // A rope that is missing from most frames says nothing about jitter.
             if film.len() > effort.frames_at_rest / 2 && film.len() > SETTLING + 2 {
                 films.push(film);
             }
@@ -260,14 +261,14 @@ impl AtRest {
     }
 }
 
-/// The points of a rope at rest, frame by frame, as the extractor sees them one after the other.
+/// Returns the points of a rope at rest as extracted from successive frames.
 fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
     let [width, height] = effort.size_px;
     let mut source = open(&Source::Rendered(RenderOptions {
         seed,
         width: width as u32,
         height: height as u32,
-        // A fortieth of the picture, as in the default size.
+        // A fortieth of the picture's height, as in the default size.
         rope_px: (height as f64 / 40.0).max(5.0),
         frame_interval_s: 0.0,
         frames: Some(effort.frames_at_rest as u64),
@@ -296,7 +297,8 @@ fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
     Ok(film)
 }
 
-/// How much control points, filtered control points and the curve tremble in a film.
+/// Returns the jitter in a film of the control points, of those filtered by default and as calm,
+/// and of the curve.
 fn tremble(film: &[Vec<[f64; 2]>], fitter: &mut Fitter) -> Result<[f64; 4], PaperError> {
     let space = fitter.curve_space()?;
     let default = FilterOptions::default();
@@ -326,7 +328,7 @@ fn tremble(film: &[Vec<[f64; 2]>], fitter: &mut Fitter) -> Result<[f64; 4], Pape
     Ok([&fitted, &filtered, &calmed, &curve].map(|places| about_mean_px(places)))
 }
 
-/// Root mean square distance of points from their mean places in time.
+/// Returns the root mean square distance of points from their mean positions over time.
 fn about_mean_px(frames: &[Vec<[f64; 2]>]) -> f64 {
     let count = frames.first().map_or(0, Vec::len);
     let squares = (0..count).flat_map(|j| {

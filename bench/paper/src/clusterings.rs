@@ -1,4 +1,4 @@
-//! Figure 1 of the paper: four clusterings, and the skeleton, on the same pictures.
+//! Figure 1 of the paper: four clusterings and the skeleton on the same pictures.
 
 mod drawing;
 
@@ -11,37 +11,39 @@ use crate::polyline::{apart_px, from_line_px};
 use crate::shapes::{POINTS, Shape, Shapes};
 use crate::{PaperError, Picture};
 
-/// A point this many widths off the true point of the same ρ is one that was put in another place of the line.
+/// Maximum distance between a curve's points and the true points of the same ρ, in rope widths.
+/// Beyond it the order is wrong.
 const WRONG_WIDTHS: f64 = 2.0;
-/// Methods whose distances differ by less than this factor are alike.
+/// Ratio of two methods' distances below which they count as equal.
 const ALIKE: f64 = 1.1;
-/// Frames of the same picture before the time of a warm one is taken: as many as it takes to follow a rope.
+/// Frames of the same picture before the warm time is measured: as many as tracking needs to start.
 const SETTLING: usize = 4;
-/// Frames whose time is taken, and for how long at most, s.
+/// Number of frames whose warm time is measured, and the time limit for all of a picture's frames,
+/// s.
 const WARM_FRAMES: usize = 9;
 const WARM_S: f64 = 0.4;
 
-/// What one method made of one picture.
+/// The result of one method on one picture.
 #[derive(Debug, Clone, PartialEq)]
 struct Outcome {
     picture: String,
-    /// Of each point from the centerline that is taken for true, px; of none if nothing was seen.
+    /// Distance of each point from the reference centerline, px. Empty if no rope was found.
     distances_px: Vec<f64>,
     right_order: bool,
     cold_us: f64,
     warm_us: f64,
-    /// The curves, as they are to be drawn.
+    /// The curves to draw.
     curves: Vec<Vec<[f64; 2]>>,
 }
 
-/// One method, on all pictures.
+/// One method on all pictures.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     name: &'static str,
     outcomes: Vec<Outcome>,
 }
 
-/// All methods.
+/// The results of all methods.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Clusterings {
     rows: Vec<Row>,
@@ -49,7 +51,7 @@ pub(crate) struct Clusterings {
     has_truth: bool,
 }
 
-/// What the paper calls them.
+/// Returns the paper's name of a method.
 fn title(name: &str) -> &str {
     match name {
         KMEANS => "k-means (KMS)",
@@ -60,7 +62,7 @@ fn title(name: &str) -> &str {
     }
 }
 
-/// The same where there is little room.
+/// Returns a short name of a method.
 fn short(name: &str) -> String {
     match name {
         KMEANS => "k-means".to_owned(),
@@ -73,7 +75,7 @@ const SKELETON: &str = "skeleton";
 const KMEANS: &str = "kmeans";
 
 impl Row {
-    /// The median, over the pictures, of the mean distance.
+    /// Returns the median over the pictures of the mean distance.
     fn off_px(&self) -> f64 {
         let means = self
             .outcomes
@@ -82,7 +84,7 @@ impl Row {
         median(means)
     }
 
-    /// Quantiles of all distances, and the largest.
+    /// Returns the 95th percentile and the maximum of all distances.
     fn tail_px(&self) -> [f64; 2] {
         let all = || {
             self.outcomes
@@ -135,7 +137,7 @@ impl Clusterings {
         self.rows.iter().filter(|row| row.name != SKELETON)
     }
 
-    /// Whether k-means is the best of the four, as the paper says.
+    /// States whether k-means is the best of the four, as the paper claims.
     fn finding(&self) -> String {
         let mut by_distance: Vec<&Row> = self.clusterings().collect();
         by_distance.sort_by(|a, b| a.off_px().total_cmp(&b.off_px()));
@@ -169,7 +171,7 @@ impl Clusterings {
             .map(|row| format!("{} {}", title(row.name), row.right()))
             .collect();
         text += &format!(
-            " The order is right in so many of {}: {}",
+            " The order is right in this many of {}: {}",
             count(self.pictures, "picture", "pictures"),
             list(&orders)
         );
@@ -199,7 +201,7 @@ impl Clusterings {
     }
 }
 
-/// Extracts a picture as the first and as one of many, and holds the curves against the ropes.
+/// Extracts a picture cold and then warm, and compares the curves with the ropes.
 fn look(
     extractor: &mut Extractor,
     picture: &Picture,

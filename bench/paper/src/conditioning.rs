@@ -1,4 +1,5 @@
-//! Why 8 and not 20: condition number and noise gain against order, and where noise overtakes the model's error.
+//! Why order 8 and not 20: condition number and noise gain by order, and the order at which noise
+//! exceeds the model's error.
 
 mod figures;
 
@@ -12,47 +13,47 @@ use crate::random::of_stream;
 use crate::shapes::{POINTS, Shapes};
 
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=24;
-/// Noise of each coordinate of each point, px.
+/// Standard deviations of the noise of each coordinate of each point, px.
 const SIGMAS_PX: [f64; 3] = [0.1, 0.3, 1.0];
-/// Which of them the sentences are about.
+/// Index of the noise that the findings are about.
 const MAIN: usize = 1;
-/// Draws of noise that the gain is checked by.
+/// Number of noise samples that check the gain.
 const DRAWS: usize = 400;
 
-/// What one order does to noise, and to the shapes.
+/// Effect of one order on noise and on the shapes.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     order: usize,
     condition: f64,
     gain: f64,
-    /// Of the cubic B-spline of as many control points.
+    /// Condition number and noise gain of the cubic B-spline with as many control points.
     bspline: Option<[f64; 2]>,
     /// Median distance of the curve from exact points, px.
     model_px: f64,
-    /// The same, kind by kind of ropes.
+    /// The same distance for each kind of rope.
     kinds_px: Vec<f64>,
 }
 
 impl Row {
-    /// How far noise moves the least certain control point, px.
+    /// Displacement of the least certain control point by noise, px.
     fn noise_px(&self, sigma_px: f64) -> f64 {
         std::f64::consts::SQRT_2 * self.gain * sigma_px
     }
 
-    /// How far noise moves the curve, in the mean along it, px: `σ √(2 (n + 1) / N)`.
+    /// Mean displacement of the curve by noise, px: `σ √(2 (n + 1) / N)`.
     fn curve_noise_px(&self, sigma_px: f64) -> f64 {
         sigma_px * (2.0 * (self.order + 1) as f64 / POINTS as f64).sqrt()
     }
 }
 
-/// How far noise of a standard deviation moves something of a row, px.
+/// Displacement in px of part of a row's curve by noise of the given standard deviation.
 type NoiseOf = fn(&Row, f64) -> f64;
 
-/// Conditions, gains and errors by order.
+/// Condition numbers, gains and errors by order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Conditioning {
     rows: Vec<Row>,
-    /// The gain of order 8 as noise that was drawn has it.
+    /// Gain of order 8 measured with random noise.
     drawn_gain: f64,
     kinds: Vec<&'static str>,
     shapes: usize,
@@ -102,7 +103,7 @@ impl Conditioning {
         self.rows.iter().find(|row| row.order == order)
     }
 
-    /// The order of the least sum of the model's error and the noise's, as `noise` has it.
+    /// Returns the order with the least root sum of squares of the model's error and `noise`.
     fn best(&self, noise: impl Fn(&Row) -> f64) -> Option<usize> {
         self.best_of(|row| row.model_px.hypot(noise(row)))
     }
@@ -113,7 +114,7 @@ impl Conditioning {
         best.map(|row| row.order)
     }
 
-    /// The first order at which noise is more than the model's error.
+    /// Returns the first order at which noise exceeds the model's error.
     fn overtaken(&self, noise: impl Fn(&Row) -> f64) -> Option<usize> {
         let first = self.rows.iter().find(|row| noise(row) > row.model_px);
         first.map(|row| row.order)
@@ -189,7 +190,7 @@ impl Conditioning {
     }
 }
 
-/// The gain of order 8 by noise that is drawn.
+/// Measures the gain of order 8 with random noise.
 fn drawn_gain(seed: u64) -> Result<f64, PaperError> {
     let mut fitter = fitter(Basis::Bezier { order: 8 })?;
     let mut random = of_stream(seed, 70_000);
@@ -246,7 +247,7 @@ mod tests {
                 .starts_with("High orders are no worse")
         );
         assert!(level.total_finding().contains("not yet too much"));
-        // With no model that gets better, noise overtakes nothing.
+        // If the model does not improve with the order, noise never exceeds its error.
         assert!(
             conditioning(1.0, 1.0)
                 .total_finding()
@@ -260,7 +261,8 @@ mod tests {
             .unwrap()
             .last()
             .noise_gain();
-        // 400 draws of two coordinates: 2.5 % standard deviation, of the largest of a few.
+        // 400 draws of two coordinates: a standard deviation of 2.5 %, for the largest of several
+        // values.
         assert!((drawn_gain(1).unwrap() / foretold - 1.0).abs() < 0.12);
     }
 }

@@ -1,4 +1,5 @@
-//! Computational efficiency, which the paper claims and does not show: what a fit takes, by order and solver.
+//! Computational efficiency, which the paper claims but does not show: the time of a fit by order
+//! and solver.
 
 use lariat_fit::{Basis, Fitter, Options, Rho, Solver};
 use lariat_plot::spread::median;
@@ -12,14 +13,15 @@ use crate::shapes::{POINTS, Shapes};
 use crate::{Effort, PaperError};
 
 const ORDERS: [usize; 10] = [1, 2, 4, 6, 8, 10, 12, 16, 20, 24];
-/// A measurement lasts this long at least, so that the clock's own steps are no part of it.
+/// Minimum duration of a measurement, s, so that the clock's resolution does not matter.
 const BATCH_S: f64 = 3e-4;
 
-/// How a fit is computed.
+/// The way a fit is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Solver(Solver),
-    /// ρ measured along the points, so that all algebra is done for each fit: the paper's "at every iteration".
+    /// Measures ρ along the points, so that all algebra is repeated for each fit: the paper's "at
+    /// every iteration".
     Recomputed,
 }
 
@@ -40,7 +42,7 @@ impl Way {
         }
     }
 
-    /// Nothing for an order that the solver refuses.
+    /// Returns `None` for an order that the solver refuses.
     fn fitter(self, order: usize) -> Option<Fitter> {
         let options = Options::default()
             .basis(Basis::Bezier { order })
@@ -56,7 +58,7 @@ impl Way {
 /// Times of fits.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cost {
-    /// By way, order by order, µs; NaN where it is refused.
+    /// Times by way and order, µs. NaN if the solver refuses the order.
     fits_us: Vec<(Way, Vec<f64>)>,
     extraction_us: f64,
 }
@@ -97,7 +99,7 @@ impl Cost {
         let share = eight / self.extraction_us;
         let growth = eight / two;
         let verdict = if share < 0.05 {
-            "The burden of higher orders that the paper fears is none"
+            "Higher orders do not cost more time, contrary to the paper's concern"
         } else {
             "Higher orders cost, as the paper fears"
         };
@@ -166,7 +168,7 @@ impl Cost {
     }
 }
 
-/// The median time of one call over some rounds, µs.
+/// Returns the median time of one call over `rounds` rounds, µs.
 pub(crate) fn median_us(
     rounds: usize,
     mut call: impl FnMut() -> Result<(), PaperError>,
@@ -180,7 +182,7 @@ pub(crate) fn median_us(
         }
         let took_s = began.elapsed().as_secs_f64();
         if took_s < BATCH_S && calls < 1 << 20 {
-            // Not enough calls yet: this one was to warm up.
+            // The batch was too short: it serves as a warm-up.
             calls = if took_s * 8.0 < BATCH_S {
                 4 * calls
             } else {

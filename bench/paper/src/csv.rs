@@ -5,9 +5,9 @@ use std::fmt::Write;
 /// A table with a header, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Csv {
-    /// The file's name, with its ending.
+    /// File name with its extension.
     pub name: &'static str,
-    /// What is in it.
+    /// Content of the file.
     pub text: String,
     columns: usize,
 }
@@ -23,7 +23,7 @@ impl Csv {
         }
     }
 
-    /// Adds a row, as long as the header.
+    /// Adds a row, which must be as long as the header.
     pub(crate) fn row(&mut self, cells: &[Cell]) {
         debug_assert_eq!(cells.len(), self.columns, "{}", self.name);
         for (i, cell) in cells.iter().enumerate() {
@@ -38,11 +38,11 @@ impl Csv {
 
 /// One value.
 pub(crate) enum Cell<'a> {
-    /// Words.
+    /// A text.
     Text(&'a str),
-    /// A number to six digits; a missing one is left empty.
+    /// A number with six significant digits. NaN is left empty.
     Number(f64),
-    /// A whole number.
+    /// An integer.
     Count(usize),
 }
 
@@ -85,7 +85,7 @@ fn six_digits(number: f64) -> String {
     if size != 0.0 && !(1e-4..1e9).contains(&size) {
         return format!("{number:.5e}");
     }
-    // Digits behind the point that make six in all.
+    // As many decimal places as give six digits in all.
     let whole = if size < 1.0 {
         0
     } else {

@@ -1,4 +1,4 @@
-//! The families of curves that are compared, and how far a fit is off.
+//! The families of curves that are compared, and the error of a fit.
 
 use lariat_fit::{Basis, Curve, Fit, Fitter, Knots, Options};
 
@@ -9,7 +9,8 @@ use crate::shapes::POINTS;
 /// The orders that the paper compares.
 pub(crate) const PAPERS: [usize; 4] = [2, 4, 6, 8];
 
-/// A cubic B-spline of so many control points (of two to three: of the degree that they allow).
+/// Returns a cubic B-spline with this many control points. With two or three, its degree is the
+/// highest that they allow.
 pub(crate) fn bspline(control_points: usize) -> Basis {
     Basis::BSpline {
         degree: 3.min(control_points - 1),
@@ -18,12 +19,12 @@ pub(crate) fn bspline(control_points: usize) -> Basis {
     }
 }
 
-/// A fitter of N points, everything but the basis at its default.
+/// Creates a fitter for N points with default options except for the basis.
 pub(crate) fn fitter(basis: Basis) -> Result<Fitter, PaperError> {
     Ok(Fitter::new(Options::default().basis(basis).points(POINTS))?)
 }
 
-/// The curve of a fit.
+/// Returns the curve of a fit.
 pub(crate) fn curve(fit: &Fit) -> Result<Curve<'_>, PaperError> {
     Ok(Curve::new(
         fit.basis,
@@ -33,8 +34,8 @@ pub(crate) fn curve(fit: &Fit) -> Result<Curve<'_>, PaperError> {
     )?)
 }
 
-/// Root of the mean squared distance between the curve and `reference` at the same even steps of ρ, px: what the
-/// paper's Q is made of.
+/// Returns the root mean square distance between the curve and `reference` at the same even steps
+/// of ρ, px. The paper's Q is the sum of these squared distances.
 pub(crate) fn off_at_rho_px(fit: &Fit, reference: &[[f64; 2]]) -> Result<f64, PaperError> {
     let curve = curve(fit)?;
     let steps = (reference.len() - 1) as f64;
@@ -45,7 +46,7 @@ pub(crate) fn off_at_rho_px(fit: &Fit, reference: &[[f64; 2]]) -> Result<f64, Pa
     Ok((squares.sum::<f64>() / reference.len() as f64).sqrt())
 }
 
-/// `count` points along the curve, at even steps of ρ.
+/// Returns `count` points along the curve at even steps of ρ.
 pub(crate) fn sampled(fit: &Fit, count: usize) -> Result<Vec<[f64; 2]>, PaperError> {
     let curve = curve(fit)?;
     let steps = (count - 1) as f64;

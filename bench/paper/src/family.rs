@@ -1,7 +1,8 @@
-//! The families of curves at an equal number of parameters: the paper's, those it allows, and the rivals it names.
+//! The families of curves at an equal number of parameters: the paper's, those it allows, and the
+//! rivals it names.
 //!
-//! What is counted is numbers: two for each control point, and one for each weight of a rational curve but one, as only
-//! their ratios matter.
+//! Each control point counts as two numbers. Each weight of a rational curve counts as one, except
+//! one weight, as only their ratios matter.
 
 use lariat_fit::{Basis, Fit, Fitter, Options};
 
@@ -9,7 +10,7 @@ use crate::PaperError;
 use crate::curves::{bspline, curve};
 use crate::shapes::POINTS;
 
-/// The numbers of the paper's best order: nine control points.
+/// Parameters of the paper's best order: nine control points of two numbers each.
 pub(crate) const PAPERS_NUMBERS: usize = 18;
 
 /// A way to describe a centerline by few numbers.
@@ -18,9 +19,10 @@ pub(crate) enum Family {
     Bezier,
     BSpline,
     Rational,
-    /// A Fourier series once around the rope and straight back to its beginning, as for a contour.
+    /// A Fourier series once along the rope and straight back to its start, as for a contour.
     Fourier,
-    /// A Fourier series along the rope and back on it: of cosines alone, without a leap.
+    /// A Fourier series along the rope and back along it. It consists of cosines alone, without a
+    /// jump.
     Cosines,
     FeaturePoints,
     CenterOfMass,
@@ -49,7 +51,7 @@ impl Family {
         }
     }
 
-    /// Whether the paper names it as what its method is better than.
+    /// Returns whether the paper names this family as inferior to its method.
     pub(crate) fn is_rival(self) -> bool {
         matches!(
             self,
@@ -57,7 +59,8 @@ impl Family {
         )
     }
 
-    /// Its largest curves of at most so many numbers, and how many they are; nothing if it has none so small.
+    /// Returns the family's largest basis with at most `numbers` parameters, and their actual
+    /// number. Returns `None` if even its smallest basis has more.
     fn basis(self, numbers: usize) -> Option<(Basis, usize)> {
         let points = numbers / 2;
         let two_each = |basis: Basis| (basis, 2 * basis.control_points());
@@ -75,7 +78,7 @@ impl Family {
             }
             Self::Cosines => {
                 let harmonics = points.checked_sub(1)?;
-                // The sines of a way there and back are not free.
+                // The sines of a series along the rope and back are not free parameters.
                 (1..=15)
                     .contains(&harmonics)
                     .then_some((Basis::Fourier { harmonics }, 2 * points))
@@ -88,17 +91,17 @@ impl Family {
     }
 }
 
-/// A family's curves of one size, to be fitted.
+/// A family's curves of one size, ready to be fitted.
 pub(crate) struct Fitting {
     pub(crate) family: Family,
-    /// How many numbers describe a curve.
+    /// Number of parameters of a curve.
     pub(crate) numbers: usize,
     fitter: Fitter,
     there_and_back: Vec<[f64; 2]>,
 }
 
 impl Fitting {
-    /// The family's largest curves of at most so many numbers.
+    /// Creates a fitting for the family's largest curves with at most `numbers` parameters.
     pub(crate) fn of(family: Family, numbers: usize) -> Result<Option<Self>, PaperError> {
         let Some((basis, numbers)) = family.basis(numbers) else {
             return Ok(None);
@@ -117,12 +120,13 @@ impl Fitting {
     }
 
     pub(crate) fn fit(&mut self, points: &[[f64; 2]]) -> Result<&Fit, PaperError> {
-        // The weights of a rational curve begin at the last rope's otherwise.
+        // Otherwise the weights of a rational curve would start at those of the last rope.
         self.fitter.forget();
         self.fit_again(points)
     }
 
-    /// As [`fit`](Self::fit), the rope being the last one moved: as a camera sees it.
+    /// Fits like [`fit`](Self::fit), but starts from the previous fit, as for a rope that moves in
+    /// front of a camera.
     pub(crate) fn fit_again(&mut self, points: &[[f64; 2]]) -> Result<&Fit, PaperError> {
         if self.family != Family::Cosines {
             return Ok(self.fitter.fit(points)?);
@@ -133,7 +137,8 @@ impl Fitting {
         Ok(self.fitter.fit(&self.there_and_back)?)
     }
 
-    /// Root of the mean squared distance of the points of `reference` from the last fit's curve, px.
+    /// Returns the root mean square distance of the points of `reference` from the last fit's
+    /// curve, px.
     pub(crate) fn off_px(&self, reference: &[[f64; 2]]) -> Result<f64, PaperError> {
         let curve = curve(self.fitter.last())?;
         let rho = |i: usize| match self.family {
@@ -146,7 +151,7 @@ impl Fitting {
 }
 
 impl Fitting {
-    /// Points along the last fit's curve, one at the ρ of each of N points.
+    /// Returns N points along the last fit's curve, one at the ρ of each of the N points.
     pub(crate) fn sampled(&self) -> Result<Vec<[f64; 2]>, PaperError> {
         let curve = curve(self.fitter.last())?;
         let rho = |i: usize| match self.family {

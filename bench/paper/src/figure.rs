@@ -1,34 +1,34 @@
-//! A figure as the page shows it: drawing, words, table, and the numbers behind it.
+//! A figure as shown on the page: drawing, text, table, and the numbers behind it.
 
 use crate::Csv;
 
-/// A part of the page.
+/// A section of the page.
 #[derive(Debug, Clone)]
 pub(crate) struct Section {
     pub(crate) heading: &'static str,
-    /// What it is about, and what the paper says of it.
+    /// The topic of the section and the paper's statement about it.
     pub(crate) text: String,
     pub(crate) figures: Vec<Figure>,
 }
 
-/// One figure.
+/// A figure.
 #[derive(Debug, Clone)]
 pub(crate) struct Figure {
-    /// The paper's number for the first three.
+    /// Figure number. The first three figures keep the paper's numbers.
     pub(crate) number: usize,
     pub(crate) title: String,
     pub(crate) svg: String,
-    /// What is drawn, in words.
+    /// Description of the drawing.
     pub(crate) shows: String,
-    /// What was found: made from the numbers of this run.
+    /// The findings, generated from the numbers of this run.
     pub(crate) found: String,
     pub(crate) table: Option<Table>,
-    /// What its numbers depend on beside the parameters of the whole page.
+    /// Parameters of the figure in addition to those of the whole page.
     pub(crate) parameters: String,
     pub(crate) csv: Csv,
 }
 
-/// A table: the first column names the row, the others are numbers or words.
+/// A table. The first column names the row; the others hold numbers or text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Table {
     pub(crate) head: Vec<String>,

@@ -12,7 +12,8 @@ use crate::orders::Orders;
 use crate::overlay::{self, Drawn, Panel, Stroke};
 use crate::shapes::{Shape, Shapes};
 
-/// The figure, on the shown rope whose error at order 8 is the most usual; nothing if no picture was kept.
+/// Makes the figure from the pictured rope with the most typical error at order 8. Returns `None`
+/// if no picture was kept.
 pub(crate) fn figure(shapes: &Shapes, orders: &Orders) -> Result<Option<Figure>, PaperError> {
     let Some(shape) = orders.typical(shapes).map(|index| &shapes.all[index]) else {
         return Ok(None);
@@ -80,9 +81,9 @@ fn finding(shape: &Shape, picture: &Picture, fits: &[(usize, Fit)]) -> String {
     let outside = points.map_or(0, |points| points.iter().filter(is_outside).count());
     let place = match outside {
         0 => "All control points of order 8 lie within the picture.".to_owned(),
-        1 => "Of order 8, one of the nine control points lies outside the picture.".to_owned(),
+        1 => "At order 8, one of the nine control points lies outside the picture.".to_owned(),
         n => format!(
-            "Of order 8, {n} of the nine control points lie outside the picture: they are no places on the rope."
+            "At order 8, {n} of the nine control points lie outside the picture: they are not points on the rope."
         ),
     };
     format!(

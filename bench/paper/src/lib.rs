@@ -1,10 +1,10 @@
-//! The experiments of F. Chen, *Bezier-based Regression Feature Descriptor for Deformable Linear Objects*
-//! (arXiv 2312.16502), repeated with numbers where it has pictures, and carried on where it stops.
+//! The experiments of F. Chen, *Bezier-based Regression Feature Descriptor for Deformable Linear
+//! Objects* (arXiv 2312.16502), repeated with numbers where the paper has pictures, and extended.
 //!
-//! [`repeat`] draws ropes whose centerlines are known (or takes [`Picture`]s of others), looks at them with the extractor, fits
-//! them, and returns a [`Report`]: one page of HTML with its figures inside, and the numbers behind each figure as CSV.
-//! It writes no file and asks for nothing but the time that things take. The same seed gives the same numbers, but for
-//! those times.
+//! [`repeat`] draws ropes with known centerlines, or takes [`Picture`]s of others. It runs the
+//! extractor on them and fits the ropes that it finds. It returns a [`Report`]: one HTML page with
+//! embedded figures, and the numbers behind each figure as CSV. It writes no files, and its only
+//! external input is the clock. The same seed gives the same numbers, apart from measured times.
 //!
 //! ```
 //! use lariat_paper::{Effort, Options, Ropes, repeat};
@@ -16,21 +16,25 @@
 //! # Ok::<(), lariat_paper::PaperError>(())
 //! ```
 //!
-//! One experiment is one module; each makes plain numbers first and from them its table, its drawing and the sentences
-//! that say what was found.
-//!
 //! # How it works
 //!
-//! `bench/paper`, by `lariat paper`. What each equation and claim of the paper is here: docs/paper.md (`docs/paper.md`).
+//! `lariat paper` runs this crate, `bench/paper`. `docs/paper.md` maps each equation and claim of
+//! the paper to the code.
 //!
-//! One experiment is one module (`clusterings`, `fits`, `orders`, `robustness/`, `cost`, `rivals`, `conditioning`, `ordering`, `at_rest`).
-//! Each runs to plain numbers, and from these alone makes its figure, its CSV and the sentences of its caption, so that a
-//! caption cannot say what the numbers do not: tests hand in numbers of both outcomes. `shapes` are the ropes they all share,
-//! drawn or seen in pictures; `family` the curves at an equal number of parameters. `bench/plot` is the style of all charts
-//! (colors, dashes, markers, legends above the plot) and of the page (HTML without script and without anything to fetch),
-//! `overlay` curves over a picture. All randomness is splitmix64 by the seed, a stream for each experiment, so that two runs
-//! differ in their times alone. What a disturbance does to a curve is measured from the same curve without it: the model's own
-//! error, larger for most ropes, would hide it.
+//! Each experiment is one module (`clusterings`, `fits`, `orders`, `robustness/`, `cost`, `rivals`,
+//! `conditioning`, `ordering`, `at_rest`). It first computes plain numbers. From these alone it
+//! makes its figure, its CSV and the sentences of its caption, so a caption cannot contradict the
+//! numbers. Tests pass in numbers of both outcomes.
+//!
+//! - `shapes` holds the ropes that all experiments share, drawn or seen in pictures.
+//! - `family` holds the curves at an equal number of parameters.
+//! - `bench/plot` is the style of all charts (colors, dashes, markers, legends above the plot) and
+//!   of the page (HTML without scripts or external resources).
+//! - `overlay` draws curves over a picture.
+//!
+//! All randomness is splitmix64 from the seed, with one stream per experiment, so two runs differ
+//! only in their times. The effect of a disturbance is measured against the same curve without it.
+//! The model's own error is larger for most ropes and would hide the effect.
 
 mod at_rest;
 mod clusterings;

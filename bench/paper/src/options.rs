@@ -1,4 +1,4 @@
-//! What is asked of a report, and what can be wrong.
+//! Options of a report, and its errors.
 
 use lariat_capture::SourceError;
 use lariat_drawn::scenes::SceneError;
@@ -12,14 +12,14 @@ use thiserror::Error;
 
 use crate::Picture;
 
-/// What a report is made from, beside pictures.
+/// Parameters of a report, apart from pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Which of all ropes and noises. Default: 1.
+    /// Seed of all ropes and noise. Default: 1.
     pub seed: u64,
-    /// How much of each experiment is made. Default: [`Effort::default`].
+    /// Extent of each experiment. Default: [`Effort::default`].
     pub effort: Effort,
-    /// The machine that times are measured on, in words; printed among the parameters.
+    /// Description of the machine that times are measured on. It is printed among the parameters.
     pub machine: Option<String>,
 }
 
@@ -33,27 +33,27 @@ impl Default for Options {
     }
 }
 
-/// How much of each experiment is made: the more, the less chance is in its numbers.
+/// Extent of each experiment: larger values leave less to chance.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Effort {
-    /// Width and height of drawn pictures, px; 160 at least.
+    /// Width and height of drawn pictures, px. Minimum: 160.
     pub size_px: [usize; 2],
-    /// Ropes that are drawn and fitted.
+    /// Number of ropes that are drawn and fitted.
     pub shapes: usize,
-    /// The first pictures of these, on which the clusterings are compared.
+    /// Number of pictures, the first of these ropes, on which the clusterings are compared.
     pub pictures: usize,
-    /// Pictures of each kind of light.
+    /// Number of pictures for each kind of light.
     pub lights: usize,
-    /// Ropes at rest.
+    /// Number of ropes at rest.
     pub ropes_at_rest: usize,
-    /// Frames of each.
+    /// Frames of each rope at rest.
     pub frames_at_rest: usize,
-    /// Measurements of each time, of which the median is taken.
+    /// Repetitions of each timing. The median is reported.
     pub rounds: usize,
 }
 
 impl Default for Effort {
-    /// Under a minute on two slow cores.
+    /// Returns an effort that takes under a minute on two slow cores.
     fn default() -> Self {
         Self {
             size_px: [640, 480],
@@ -68,7 +68,8 @@ impl Default for Effort {
 }
 
 impl Effort {
-    /// As little as shows everything once, in some seconds: for a first look, and for tests.
+    /// Returns the least effort that shows everything once, in some seconds: for a first look and
+    /// for tests.
     pub fn least() -> Self {
         Self {
             size_px: [240, 180],
@@ -82,60 +83,61 @@ impl Effort {
     }
 }
 
-/// What the experiments are made on.
+/// The ropes of the experiments.
 pub enum Ropes<'a> {
-    /// Ropes that are drawn by the seed, so that the truth is known.
+    /// Ropes drawn from the seed, with known ground truth.
     Drawn,
-    /// Those in pictures, each read when it is needed; or why one cannot be, as a sentence.
+    /// Ropes in pictures. Each picture is read when it is needed; an error is a sentence that says
+    /// why one could not be read.
     Pictured(&'a mut dyn Iterator<Item = Result<Picture, String>>),
 }
 
-/// Why there is no report.
+/// Errors that prevent a report.
 #[derive(Debug, Error)]
 pub enum PaperError {
-    /// No open rope was seen in any picture.
+    /// No open rope was found in any picture.
     #[error(
         "no open rope that is wholly seen was found in the {pictures}: choose pictures of one rope whose both ends are seen, \
          and see what `lariat trace` says of them", pictures = count(*.pictures, "picture", "pictures")
     )]
     NoRope {
-        /// How many were looked at.
+        /// Number of pictures searched.
         pictures: usize,
     },
-    /// A picture that cannot be had, and why.
+    /// A picture could not be obtained, for the given reason.
     #[error("{0}")]
     Picture(String),
-    /// A picture that the extractor does not take.
+    /// The extractor rejected a picture.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The extractor's options.
+    /// The extractor's options are invalid.
     #[error(transparent)]
     Extraction(#[from] OptionsError),
-    /// A rope that cannot be drawn.
+    /// A rope could not be drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A film that cannot be drawn.
+    /// A film could not be drawn.
     #[error(transparent)]
     Film(#[from] SourceError),
-    /// A curve that cannot be fitted at all.
+    /// The fitter could not be created.
     #[error(transparent)]
     Fitter(#[from] FitterError),
-    /// Points that cannot be fitted.
+    /// Points could not be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// An invalid curve.
+    /// A curve is invalid.
     #[error(transparent)]
     Curve(#[from] CurveError),
-    /// A filter's options.
+    /// A filter's options are invalid.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// A filter's curves.
+    /// A filter cannot use the curve space.
     #[error(transparent)]
     Space(#[from] CurveSpaceError),
-    /// A filter's measurement.
+    /// A filter rejected a measurement.
     #[error(transparent)]
     Update(#[from] UpdateError),
-    /// A filter's answer.
+    /// A filter could not predict.
     #[error(transparent)]
     Predict(#[from] PredictError),
     /// A drawing failed.

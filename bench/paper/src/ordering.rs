@@ -1,4 +1,4 @@
-//! What ordering and arc length do to the fit: uneven steps, and points in a wrong order.
+//! Effect of ordering and arc length on the fit: uneven steps, and points in a wrong order.
 
 mod figures;
 
@@ -13,18 +13,19 @@ use crate::random::{of_stream, shuffle};
 use crate::shapes::{POINTS, Shapes};
 use lariat_portable::SplitMix64;
 
-/// The largest step between neighbours by the least.
+/// Ratios of the largest to the smallest step between neighbors.
 const RATIOS: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
-/// Where a sentence is about.
+/// Index of the ratio that the findings are about.
 const A_RATIO: usize = 2;
 const BASIS: Basis = Basis::Bezier { order: 8 };
 
-/// How steps are uneven.
+/// The way that steps are uneven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Unevenness {
-    /// They grow along the rope and shrink again, as where a rope runs away from the camera or a clustering is denser.
+    /// Steps grow along the rope and shrink again, as for a rope that recedes from the camera or a
+    /// clustering that is denser in places.
     Drifting,
-    /// Each is another, as between the centers of a clustering.
+    /// Each step is random, as between the centers of a clustering.
     Jittered,
 }
 
@@ -38,7 +39,7 @@ impl Unevenness {
         }
     }
 
-    /// Where the points are along the rope: from 0 to 1.
+    /// Returns the positions of the points along the rope, from 0 to 1.
     fn places(self, ratio: f64, random: &mut SplitMix64) -> Vec<f64> {
         let begin = random.unit();
         let steps: Vec<f64> = (0..POINTS - 1)
@@ -60,17 +61,17 @@ impl Unevenness {
     }
 }
 
-/// Whether ρ is measured.
+/// Even and measured ρ.
 const RHOS: [(Rho, &str); 2] = [(Rho::Even, "ρ even"), (Rho::Measured, "ρ measured")];
 
-/// Ways to have points in a wrong order.
+/// Ways to put points in a wrong order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Disorder {
     None,
     Reversed,
-    /// Every tenth point changes places with its neighbour.
+    /// Every tenth point is swapped with its neighbor.
     Neighbours,
-    /// The middle third is gone through backwards, as a loop can be at a crossing.
+    /// The middle third is reversed, as can happen to a loop at a crossing.
     LoopBackwards,
     /// The second half comes first.
     HalvesExchanged,
@@ -113,13 +114,13 @@ impl Disorder {
     }
 }
 
-/// What uneven steps and wrong orders do.
+/// Effect of uneven steps and wrong orders.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ordering {
-    /// Unevenness, whether ρ was measured (an index of `RHOS`), and errors ratio by ratio.
+    /// Unevenness, index into `RHOS`, and errors by ratio.
     steps: Vec<(Unevenness, usize, Vec<Spread>)>,
-    /// Disorder, index of `RHOS`, distance of the rope from the curve, and how far its control points are from those
-    /// of the right order.
+    /// Disorder, index into `RHOS`, distance of the rope from the curve, and distance of the
+    /// control points from those of the right order.
     orders: Vec<(Disorder, usize, Spread, f64)>,
     shapes: usize,
 }
@@ -166,7 +167,7 @@ impl Ordering {
         let verdict = if drift[0] > 1.1 * drift[1] {
             "ρ has to be the arc length, as the paper's equation 2 says, and not the point's number"
         } else {
-            "Whether ρ is measured makes no difference here"
+            "Measuring ρ makes no difference here"
         };
         format!(
             "{verdict}: steps that drift along the rope, the largest {} times the least, move the curve by {} with even ρ \

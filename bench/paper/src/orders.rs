@@ -1,4 +1,4 @@
-//! Figure 3 of the paper: the error of fits of rising order.
+//! Figure 3 of the paper: the error of fits of increasing order.
 
 use lariat_fit::Basis;
 use lariat_plot::words::{count, digits, list, percent, px};
@@ -12,17 +12,17 @@ use crate::shapes::{POINTS, Shape, Shapes};
 
 /// The orders of figure 3.
 const ORDERS: std::ops::RangeInclusive<usize> = 1..=12;
-/// A finding holds if it does in this share of the shapes.
+/// Share of the shapes for which a finding must hold.
 const HOLDS: f64 = 0.95;
 
-/// How far the fits of one shape are off, by order.
+/// Errors of the fits of one shape, by order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
     shape: String,
     kind: &'static str,
-    /// Of the points that were fitted, at their ρ: `√(Q/N)` of the paper, by order from 1 on.
+    /// Distance from the fitted points at their ρ, `√(Q/N)` in the paper, by order from 1 on.
     residual_px: Vec<f64>,
-    /// Of the centerline that errors are measured against, at the same ρ.
+    /// Distance from the reference centerline at the same ρ.
     off_px: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ impl Orders {
         Spread::of(self.rows.iter().map(|row| row.residual_px[order - 1]))
     }
 
-    /// The medians of one kind of ropes, order by order.
+    /// Returns the medians of one kind of rope, by order.
     fn of_kind(&self, kind: &str) -> Vec<[f64; 2]> {
         let of = |order: usize| {
             let rows = self.rows.iter().filter(|row| row.kind == kind);
@@ -69,7 +69,7 @@ impl Orders {
         median(self.rows.iter().map(|row| row.off_px[order - 1]))
     }
 
-    /// The shape whose error at order 8 is the median: to be shown.
+    /// Returns the pictured shape whose error at order 8 is closest to the median.
     pub(crate) fn typical(&self, shapes: &Shapes) -> Option<usize> {
         let middle = self.spread(8).median;
         let shown = (0..self.rows.len()).filter(|&i| shapes.all[i].picture.is_some());
@@ -77,7 +77,7 @@ impl Orders {
         shown.min_by(|&a, &b| off(a).total_cmp(&off(b)))
     }
 
-    /// What the paper says of figure 3, and whether it holds here.
+    /// Returns the paper's statement about figure 3 and whether it holds here.
     pub(crate) fn finding(&self) -> String {
         let medians = PAPERS.map(|order| self.spread(order).median);
         let falls = medians.windows(2).all(|pair| pair[1] < pair[0]);
@@ -128,7 +128,7 @@ impl Orders {
         sentence
     }
 
-    /// That what is drawn could not be otherwise, and what could.
+    /// Says which part of the result is inevitable and which is a finding.
     fn caveat(&self) -> String {
         let eight = [self.spread(8).median, self.median_off(8)];
         let mut text = "Each order contains all lower ones, so that least squares cannot do worse with more of them: that \
@@ -257,7 +257,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// As many shapes as rows are given, each with the error of each order.
+    /// Makes one shape per row of `errors`, which holds the error of each order.
     fn orders(errors: &[[f64; 12]]) -> Orders {
         Orders {
             rows: errors

@@ -1,4 +1,4 @@
-//! Curves and points drawn over pictures, panel beside panel.
+//! Curves and points drawn over pictures, in panels side by side.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use crate::{PaperError, Picture};
 
 /// Width of a whole figure, in its own units.
 const WIDTH: f64 = 734.0;
-/// Between panels, and room above each for its title.
+/// Gap between panels, and height for the title above each.
 const APART: f64 = 14.0;
 const TITLE: f64 = 22.0;
 
@@ -16,29 +16,30 @@ const TITLE: f64 = 22.0;
 #[derive(Debug, Clone)]
 pub(crate) struct Stroke {
     pub(crate) points: Vec<[f64; 2]>,
-    /// As CSS has it.
+    /// CSS color.
     pub(crate) color: &'static str,
-    /// In units of the figure, which is 734 wide.
+    /// Stroke width in units of the figure, which is 734 wide.
     pub(crate) width: f64,
-    /// As SVG has it; empty for a line without gaps.
+    /// SVG dash pattern. Empty for a solid line.
     pub(crate) dashes: &'static str,
     pub(crate) drawn: Drawn,
 }
 
-/// What is drawn of a shape.
+/// The way a shape is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Drawn {
     Line,
-    /// Dots as wide as the stroke at its points.
+    /// Dots at the shape's points, as wide as the stroke.
     Dots,
-    /// The same, white inside.
+    /// Rings: dots with a white inside.
     Rings,
 }
 
 /// The part of a picture that panels show, in the picture's pixels: left, top, width, height.
 pub(crate) type View = [f64; 4];
 
-/// The whole picture and `beyond`, a share of its sides, around it.
+/// Returns a view of the whole picture with a margin around it. The margin is `beyond` times the
+/// side.
 pub(crate) fn around(picture: &Picture, beyond: f64) -> View {
     let sides = [picture.width as f64, picture.height as f64];
     let [left, top] = sides.map(|side| -0.5 - beyond * side);
@@ -46,7 +47,8 @@ pub(crate) fn around(picture: &Picture, beyond: f64) -> View {
     [left, top, width, height]
 }
 
-/// A part of the shape of the whole picture, no larger than that, that holds all points and `margin_px` around them.
+/// Returns a view with the picture's aspect ratio, no larger than the picture, that contains all
+/// points and `margin_px` around them.
 pub(crate) fn close_up<'a>(
     picture: &Picture,
     points: impl Iterator<Item = &'a [f64; 2]>,
@@ -71,16 +73,16 @@ pub(crate) fn close_up<'a>(
     [from[0], from[1], size[0], size[1]]
 }
 
-/// One picture with shapes over it.
+/// A picture with shapes over it.
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     pub(crate) title: String,
-    /// Which of the pictures.
+    /// Index of the picture.
     pub(crate) picture: usize,
     pub(crate) strokes: Vec<Stroke>,
 }
 
-/// Panels in rows of `columns`, each of the same part of its picture.
+/// Draws panels in rows of `columns`. All show the same part of their picture.
 pub(crate) fn draw(
     label: &str,
     pictures: &[&Picture],

@@ -1,4 +1,4 @@
-//! Pictures: what is looked at, and how it is shown behind a drawing.
+//! Pictures: the input of the extractor, and the background of a drawing.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -8,32 +8,33 @@ use lariat_extract::{Image, ImageError, PixelFormat};
 
 use crate::PaperError;
 
-/// The longest side of a picture behind a drawing: enough for half of a page's width.
+/// Longest side of a background picture: enough for half the page's width.
 const SHOWN_PX: u32 = 480;
-/// Levels between two shades of a shown picture: a camera's noise disappears in them, and a PNG of it is small.
+/// Levels between two shades of a background picture. Quantization hides a camera's noise and keeps
+/// the PNG small.
 const SHADE_STEP: u8 = 6;
 
-/// How much of the darkness is left.
+/// Share of the darkness that is kept.
 const PALENESS: f32 = 0.55;
 
 /// A picture: red, green and blue of each pixel, row by row, without padding.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
-    /// What it is called in the report.
+    /// Name of the picture in the report.
     pub name: String,
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Rows.
+    /// Height in pixels.
     pub height: usize,
     /// `3 × width × height` bytes.
     pub rgb: Vec<u8>,
 }
 
 impl Picture {
-    /// As the extractor takes it.
+    /// Returns the picture as an image for the extractor.
     ///
     /// # Errors
-    /// Its size is not what its bytes say, or larger than the extractor takes.
+    /// Its size does not match its bytes, or is larger than the extractor accepts.
     pub(crate) fn image(&self) -> Result<Image<'_>, ImageError> {
         Image::new(
             &self.rgb,
@@ -57,7 +58,8 @@ impl Picture {
         ))
     }
 
-    /// A small PNG of it as a `data:` URI, in few and pale shades, so that what is drawn on it stands out.
+    /// Returns a small PNG as a `data:` URI, in few pale shades, so that drawings over it stand
+    /// out.
     pub(crate) fn data_uri(&self) -> Result<String, PaperError> {
         let (width, height) = (self.width as u32, self.height as u32);
         let whole =

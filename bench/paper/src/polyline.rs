@@ -1,6 +1,6 @@
 //! Centerlines as lists of points.
 
-/// The point at a share `u` (0 to 1) of a list of evenly spaced points.
+/// Returns the point at a share `u` (0 to 1) of a list of evenly spaced points.
 pub(crate) fn at(points: &[[f64; 2]], u: f64) -> [f64; 2] {
     let last = points.len().saturating_sub(1);
     let place = u.clamp(0.0, 1.0) * last as f64;
@@ -10,7 +10,7 @@ pub(crate) fn at(points: &[[f64; 2]], u: f64) -> [f64; 2] {
     [0, 1].map(|k| points[below][k] + share * (points[above][k] - points[below][k]))
 }
 
-/// `count` points in even steps.
+/// Returns `count` points at even steps.
 pub(crate) fn even(points: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     (0..count)
         .map(|i| at(points, i as f64 / (count - 1) as f64))
@@ -21,13 +21,13 @@ pub(crate) fn apart_px(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Root of the mean squared distance between points of the same number.
+/// Returns the root mean square distance between corresponding points of two lists of equal length.
 pub(crate) fn rms_apart_px(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(&a, &b)| apart_px(a, b).powi(2)).sum();
     (sum / a.len().min(b.len()) as f64).sqrt()
 }
 
-/// Distance of a point from the nearest point of a line.
+/// Returns the distance of a point from the nearest point of a line.
 pub(crate) fn from_line_px(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
     let to_segment = |ends: &[[f64; 2]]| {
         let along = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
@@ -45,7 +45,7 @@ pub(crate) fn from_line_px(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Root of the mean squared distance of points from the nearest points of a line.
+/// Returns the root mean square distance of points from the nearest points of a line.
 pub(crate) fn rms_from_line_px(points: &[[f64; 2]], line: &[[f64; 2]]) -> f64 {
     let sum: f64 = points.iter().map(|&p| from_line_px(p, line).powi(2)).sum();
     (sum / points.len() as f64).sqrt()

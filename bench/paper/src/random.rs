@@ -1,20 +1,21 @@
-//! Random numbers by a seed: the same report again from the same number.
+//! Random numbers from a seed: the same number gives the same report.
 
 use lariat_portable::SplitMix64;
 
-/// The `stream`-th sequence of a seed: neighbouring seeds and streams have nothing in common.
+/// Returns the `stream`-th sequence of a seed. Sequences of neighboring seeds and streams are
+/// unrelated.
 pub(crate) fn of_stream(seed: u64, stream: u64) -> SplitMix64 {
     let start = SplitMix64::new(seed).next_u64();
     SplitMix64::new(start ^ stream.wrapping_mul(0xD6E8_FEB8_6659_FD93))
 }
 
-/// A whole number from 0 to just below `end`, which is not 0.
+/// Returns an integer from 0 to `end` - 1. `end` must not be 0.
 pub(crate) fn below(random: &mut SplitMix64, end: usize) -> usize {
     // The bias of a remainder is below end / 2⁶⁴.
     (random.next_u64() % end as u64) as usize
 }
 
-/// `items` in any order.
+/// Shuffles `items`.
 pub(crate) fn shuffle<T>(items: &mut [T], random: &mut SplitMix64) {
     for last in (1..items.len()).rev() {
         items.swap(last, below(random, last + 1));

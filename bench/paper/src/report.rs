@@ -1,4 +1,4 @@
-//! The page: all experiments one after the other, their figures, and every parameter.
+//! The page: all experiments in order, their figures, and every parameter.
 
 mod page;
 
@@ -17,22 +17,22 @@ use crate::robustness::{Lights, Missing, Noise, Outliers};
 use crate::shapes::{self, POINTS, Shapes};
 use crate::{Csv, Options, PaperError, Ropes};
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Report {
-    /// One page that needs nothing else to be read.
+    /// The page, a single self-contained HTML file.
     pub html: String,
     /// The numbers behind each figure.
     pub csvs: Vec<Csv>,
-    /// What was found, figure by figure: the first sentence of each caption.
+    /// The findings, figure by figure: the first sentence of each caption.
     pub findings: Vec<String>,
 }
 
-/// Repeats the paper's experiments. `progress` is told what is being done.
+/// Repeats the paper's experiments. `progress` receives a description of each step.
 ///
 /// # Errors
-/// Pictures in which no rope is seen; else only what the libraries refuse, which they do for no seed and no effort of
-/// this crate's own.
+/// Returns [`PaperError::NoRope`] if no rope is found in any picture. Other errors come from the
+/// libraries. No seed and no predefined effort of this crate causes them.
 pub fn repeat(
     options: &Options,
     ropes: Ropes<'_>,
@@ -143,10 +143,10 @@ fn sections(
     ]
 }
 
-/// The figure's number and the first sentence of what it says.
+/// Returns the figure's number and the first sentence of its finding.
 fn finding(figure: &Figure) -> String {
     let found = &figure.found;
-    // A sentence ends where the next one begins, not at a decimal point.
+    // A period and a space end a sentence. A decimal point does not.
     let end = found
         .match_indices(". ")
         .map(|(at, _)| at + 1)
@@ -175,7 +175,7 @@ fn introduction(shapes: &Shapes) -> String {
     )
 }
 
-/// Everything that the numbers depend on.
+/// Returns every parameter that the numbers depend on.
 fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)> {
     let effort = &options.effort;
     let mut rows = vec![
@@ -189,7 +189,7 @@ fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)>
         ("measured against", shapes.measure().to_owned()),
         (
             "curves",
-            "Bezier of order 8 where nothing else is said; least squares by pinv; ρ even; no ridge, no pinned ends".to_owned(),
+            "Bezier of order 8 unless noted otherwise; least squares by pinv; ρ even; no ridge, no pinned ends".to_owned(),
         ),
     ];
     if shapes.has_truth {
@@ -209,7 +209,7 @@ fn parameters(options: &Options, shapes: &Shapes) -> Vec<(&'static str, String)>
             (
                 "at rest",
                 format!(
-                    "{} ropes, {} frames each; filters at their defaults but for the acceleration where it is said",
+                    "{} ropes, {} frames each; filters at their defaults, except for the acceleration where noted",
                     effort.ropes_at_rest, effort.frames_at_rest
                 ),
             ),
@@ -266,10 +266,10 @@ mod tests {
             let mut lines = csv.text.lines();
             let columns = lines.next().unwrap().split(',').count();
             assert!(lines.clone().count() > 0, "{}", csv.name);
-            // No name has a comma in these.
+            // No name in these files contains a comma.
             assert!(lines.all(|line| line.split(',').count() == columns || line.contains('"')));
         }
-        // Nothing is fetched: all that looks like an address is a namespace.
+        // Nothing is fetched: every address on the page is a namespace.
         let addresses = report.html.matches("http").count();
         assert_eq!(
             addresses,
@@ -287,7 +287,7 @@ mod tests {
                 continue;
             }
             assert_eq!(a, b);
-            // Conditions depend on the order alone.
+            // Condition numbers depend on the order alone.
             if a.name != "figure-10-conditioning.csv" {
                 assert_ne!(a.text, other.text, "{}", a.name);
             }

@@ -11,10 +11,11 @@ use crate::random::of_stream;
 use crate::shapes::{GENTLE, Shapes};
 use crate::{Effort, PaperError};
 
-/// Numbers that describe a curve, at most.
+/// Range of the number of parameters of a curve.
 const NUMBERS: std::ops::RangeInclusive<usize> = 2..=32;
 
-/// A fit is faster if it takes less than this share: times of a fraction of a microsecond vary from run to run.
+/// Ratio of two times below which a fit counts as faster. Times below a microsecond vary from run
+/// to run.
 const FASTER: f64 = 0.8;
 
 /// A family at one size.
@@ -30,16 +31,16 @@ struct Entry {
     family: Family,
     numbers: usize,
     off_px: f64,
-    /// On ropes that bend gently, where there are such.
+    /// Error on gently bent ropes, if there are any.
     gentle_px: f64,
-    /// With noise of 1 px on every coordinate.
+    /// Error with noise of 1 px on every coordinate.
     noisy_px: f64,
-    /// How much a pixel of noise moves the least certain of its points, px.
+    /// Displacement of the family's least certain point per pixel of noise, px.
     gain: f64,
     fit_us: f64,
 }
 
-/// Errors of all families by the numbers that they take.
+/// Errors of all families by number of parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rivals {
     rows: Vec<(Family, Vec<Size>)>,

@@ -1,4 +1,4 @@
-//! Robustness, which the paper claims and does not show: noise, missing points, outliers, light.
+//! Robustness, which the paper claims but does not show: noise, missing points, outliers, light.
 
 mod light;
 mod missing;
@@ -12,7 +12,7 @@ pub(crate) use outliers::Outliers;
 
 use lariat_plot::Spread;
 
-/// The median at each step of a sweep.
+/// Returns the median at each step of a sweep.
 fn medians(spreads: &[Spread]) -> Vec<f64> {
     spreads.iter().map(|spread| spread.median).collect()
 }

@@ -1,4 +1,4 @@
-//! The ropes that the experiments are made on: drawn ones, whose centerlines are known, or those seen in pictures.
+//! The ropes of the experiments: drawn ropes with known centerlines, or ropes seen in pictures.
 
 use lariat_capture::{RenderOptions, Source, open};
 use lariat_drawn::scenes::{self, Class, SceneError, Still};
@@ -13,8 +13,8 @@ use crate::{Effort, PaperError, Picture};
 
 /// Points of a centerline: the paper's N.
 pub(crate) const POINTS: usize = 120;
-/// The kinds of drawn ropes, in turn. The gentle ones are those that `lariat` shows by itself; they bend by less than a
-/// turn. The others wind.
+/// Kinds of drawn ropes, used in turn. The gentle ones are the ropes that `lariat` renders by
+/// default; they bend by less than a full turn. The others wind.
 const KINDS: [(Option<Class>, &str); 5] = [
     (None, GENTLE),
     (Some(Class::Crossings0), "no crossing"),
@@ -23,37 +23,41 @@ const KINDS: [(Option<Class>, &str); 5] = [
     (Some(Class::Crossings3), "three crossings"),
 ];
 pub(crate) const GENTLE: &str = "gentle";
-/// How often another seed is tried where no rope of a class fits into the picture, and which is the next.
+/// Number of seeds to try when no rope of a class fits the picture, and the increment between them.
 const TRIALS: usize = 16;
 const NEXT_SEED: u64 = 50_000;
-/// Pictures of others are kept to be shown and compared up to so many bytes in all, but for the first.
+/// Limit on the bytes of given pictures that are kept for display and comparison. The first is
+/// always kept.
 const KEPT_BYTES: usize = 100_000_000;
-/// A gentle rope's motion repeats after this many seconds: any moment of it is a shape.
+/// Period of a gentle rope's motion, s. Each moment of it gives a shape.
 const MOTION_S: f64 = 60.0;
-/// A centerline this many widths off the truth, in the mean at the same ρ, went another way than the rope.
+/// Minimum mean distance from the truth at the same ρ at which a centerline counts as following
+/// another path, in rope widths.
 const ASTRAY_WIDTHS: f64 = 1.0;
 
-/// One rope.
+/// A rope.
 #[derive(Debug, Clone)]
 pub(crate) struct Shape {
-    /// Which it is, in words.
+    /// Description of the rope.
     pub(crate) name: String,
     /// The kind of rope: one of the drawn kinds, or `picture`.
     pub(crate) kind: &'static str,
-    /// N points of the centerline that errors are measured against, at even steps of arc length.
+    /// N points of the reference centerline, which errors are measured against, at even steps of
+    /// arc length.
     pub(crate) reference: Vec<[f64; 2]>,
     /// The same centerline in finer steps.
     pub(crate) dense: Vec<[f64; 2]>,
-    /// N points as the extractor saw them, from the same end on; nothing if it saw another rope than there is.
+    /// N extracted points, in the direction of `reference`. `None` if the extractor found another
+    /// rope than the true one.
     pub(crate) seen: Option<Vec<[f64; 2]>>,
-    /// Its width, px.
+    /// Width of the rope, px.
     pub(crate) width_px: f64,
-    /// Its picture, as an index.
+    /// Index of the rope's picture, if it is kept.
     pub(crate) picture: Option<usize>,
 }
 
 impl Shape {
-    /// The points to be fitted: as seen if they were.
+    /// Returns the points to fit: the extracted ones if there are any, otherwise the reference.
     pub(crate) fn points(&self) -> &[[f64; 2]] {
         self.seen.as_deref().unwrap_or(&self.reference)
     }
@@ -63,17 +67,18 @@ impl Shape {
 #[derive(Debug, Clone)]
 pub(crate) struct Shapes {
     pub(crate) all: Vec<Shape>,
-    /// The pictures that are kept, to be shown.
+    /// The pictures that are kept for display.
     pub(crate) pictures: Vec<Picture>,
-    /// Whether `reference` is the truth; else it is what the extractor saw.
+    /// True if `reference` is the ground truth, false if it is the extractor's result.
     pub(crate) has_truth: bool,
-    /// Ropes or pictures in which the extractor did not see what there is, or no open rope that is wholly seen.
+    /// Number of drawn ropes that the extractor did not find correctly, or of pictures without a
+    /// fully visible open rope.
     pub(crate) unseen: usize,
-    /// Median time of an extraction without any knowledge from before, µs.
+    /// Median time of an extraction without tracking, µs.
     pub(crate) extraction_us: f64,
 }
 
-/// Draws ropes and looks at them.
+/// Draws ropes and extracts them.
 pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
     let mut shapes = Shapes::empty(true);
     let mut extractor = TimedExtractor::new()?;
@@ -109,7 +114,7 @@ pub(crate) fn drawn(seed: u64, effort: &Effort) -> Result<Shapes, PaperError> {
     Ok(shapes)
 }
 
-/// A picture of one rope whose centerline is known.
+/// A picture of one rope with a known centerline.
 struct Drawing {
     picture: Picture,
     dense: Vec<[f64; 2]>,
@@ -133,7 +138,8 @@ fn winding(class: Class, kind: &str, seed: u64, effort: &Effort) -> Result<Drawi
     })
 }
 
-/// A picture of a class and the seed that it has: that which was asked for, or the next that has a rope which fits.
+/// Draws a picture of a class. Returns it with its seed: the given one, or the next whose rope fits
+/// the picture.
 pub(crate) fn still(
     class: Class,
     seed: u64,
@@ -142,7 +148,7 @@ pub(crate) fn still(
     let mut seed = seed;
     for _ in 0..TRIALS {
         match scenes::draw(class, seed, width, height) {
-            // By an even number, as in one class two neighbouring seeds are of one rope.
+            // The increment is even because in one class two neighboring seeds show the same rope.
             Err(SceneError::NoRoom { .. }) => seed = seed.wrapping_add(NEXT_SEED),
             drawn => return Ok((drawn?, seed)),
         }
@@ -158,12 +164,12 @@ fn gentle(kind: &str, seed: u64, effort: &Effort) -> Result<Drawing, PaperError>
         height: height as u32,
         rope_px: (height as f64 / 40.0).max(5.0),
         frame_interval_s: of_stream(seed, 0).uniform(0.0, MOTION_S),
-        // Two steps for one of the N points.
+        // Two steps for each of the N points' steps.
         truth_points: 2 * POINTS as u32 - 1,
         ..RenderOptions::default()
     };
     let mut source = open(&Source::Rendered(options))?;
-    // The first frame is of the moment 0, the second of the moment that was drawn.
+    // The first frame shows time 0, the second the chosen moment.
     source.next()?;
     let mut rgb = vec![0; 3 * width * height];
     if source.next()?.is_some() {
@@ -189,7 +195,7 @@ fn gentle(kind: &str, seed: u64, effort: &Effort) -> Result<Drawing, PaperError>
     })
 }
 
-/// Looks at pictures of ropes: every open one that is wholly seen.
+/// Extracts every fully visible open rope from given pictures.
 pub(crate) fn pictured(
     pictures: &mut dyn Iterator<Item = Result<Picture, String>>,
     effort: &Effort,
@@ -246,7 +252,7 @@ impl Shapes {
         }
     }
 
-    /// The kinds of ropes, in turn, each once.
+    /// Returns each kind of rope once, in order of appearance.
     pub(crate) fn kinds(&self) -> Vec<&'static str> {
         let mut kinds: Vec<&'static str> = Vec::new();
         for shape in &self.all {
@@ -257,7 +263,7 @@ impl Shapes {
         kinds
     }
 
-    /// What errors are measured against, in words.
+    /// Describes the reference that errors are measured against.
     pub(crate) fn measure(&self) -> &'static str {
         if self.has_truth {
             "the drawn rope's true centerline"
@@ -267,13 +273,13 @@ impl Shapes {
     }
 }
 
-/// A rope as the extractor saw it.
+/// A rope as extracted.
 pub(crate) struct ExtractedRope {
     pub(crate) points: Vec<[f64; 2]>,
     width_px: f64,
 }
 
-/// The extractor, looking at each picture as if it were the first.
+/// An extractor that treats each picture as the first, and measures the time.
 pub(crate) struct TimedExtractor {
     extractor: Extractor,
     times_us: Vec<f64>,
@@ -288,7 +294,7 @@ impl TimedExtractor {
         })
     }
 
-    /// The points of every open rope in the picture that is wholly seen.
+    /// Returns the points of every fully visible open rope in the picture.
     pub(crate) fn look(&mut self, picture: &Picture) -> Result<Vec<ExtractedRope>, PaperError> {
         let image = picture.image()?;
         self.extractor.reset();
@@ -312,7 +318,7 @@ impl TimedExtractor {
     }
 }
 
-/// `seen` from the reference's first end on, if it goes the reference's way.
+/// Returns `seen` in the direction of `reference`, or `None` if it is `astray_px` or more away.
 pub(crate) fn along(
     seen: &[[f64; 2]],
     reference: &[[f64; 2]],

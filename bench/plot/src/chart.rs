@@ -1,8 +1,9 @@
-//! The style of all charts: one drawing routine for all of them, so that they look alike.
+//! The common style of all charts, drawn by one routine.
 //!
-//! Colors are those of Okabe and Ito (*Color Universal Design*, 2008), which are told apart also by those who see fewer
-//! colors; lines differ by dash and marker too, for print in grey. The library places on whole pixels: charts are drawn
-//! [`FINE`] times as large as they are meant, and scaled by whoever shows them.
+//! Colors are those of Okabe and Ito (*Color Universal Design*, 2008), which people with color
+//! vision deficiency can tell apart. Lines also differ in dash and marker, for print in gray. The
+//! plotting library rounds positions to whole pixels, so charts are drawn [`FINE`] times larger
+//! than intended and scaled down when displayed.
 
 mod axis;
 mod legend;
@@ -17,21 +18,21 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use thiserror::Error;
 
-/// Pixels of the drawing for one of the page.
+/// Pixels of the drawing per pixel of the page.
 const FINE: i32 = 4;
 /// Width of a figure, px of the page.
 const WIDTH_PX: i32 = 760;
-/// Size of letters, px of the page.
+/// Font size, px of the page.
 const LETTER_PX: i32 = 13;
-/// The library divides sizes of letters by this.
+/// The plotting library divides font sizes by this factor.
 const LIBRARY_SCALE: f64 = 1.24;
-/// Room on both sides of a chart's title.
+/// Height of a chart's title, px of the page.
 const TITLE_PX: i32 = 22;
-/// Room below a chart for ticks and label.
+/// Height below a chart for ticks and label, px of the page.
 const BELOW_PX: i32 = 42;
 const MARGIN_PX: i32 = 10;
 
-/// From the numbers of the axes to pixels of the drawing.
+/// Maps values of the axes to pixels of the drawing.
 type Place<'a> = &'a dyn Fn([f64; 2]) -> (i32, i32);
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -45,31 +46,31 @@ const FAINT: RGBColor = RGBColor(240, 240, 240);
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("the figure '{figure}' cannot be drawn: {why}")]
 pub struct PlotError {
-    /// Which.
+    /// Name of the figure.
     pub figure: &'static str,
-    /// What the plotting library said.
+    /// Error message of the plotting library.
     pub why: String,
 }
 
-/// One chart: two axes and what is drawn between them.
+/// A chart: two axes and the marks between them.
 #[derive(Debug, Clone)]
 pub struct Chart {
-    /// What it is about, where a figure has several.
+    /// Title of the chart, for figures with several charts.
     pub title: String,
-    /// The level axis.
+    /// The horizontal axis.
     pub x: Axis,
-    /// The upright axis.
+    /// The vertical axis.
     pub y: Axis,
-    /// What is drawn, the first below the others.
+    /// Marks, drawn in this order: later ones cover earlier ones.
     pub marks: Vec<Mark>,
     /// Height without title and legend, px of the page.
     pub height_px: i32,
-    /// Room for the labels left of it, px of the page.
+    /// Width of the space for labels on the left, px of the page.
     pub left_px: i32,
 }
 
 impl Chart {
-    /// An empty chart without a title.
+    /// Creates an empty chart without a title.
     pub fn new(x: Axis, y: Axis) -> Self {
         Self {
             title: String::new(),
@@ -81,7 +82,7 @@ impl Chart {
         }
     }
 
-    /// The same with a title.
+    /// Sets the title.
     pub fn titled(mut self, title: &str) -> Self {
         title.clone_into(&mut self.title);
         self
@@ -94,14 +95,15 @@ impl Chart {
     }
 }
 
-/// Draws charts beside each other, `columns` in a row, as one SVG without a size of its own. `figure` names it in an error.
+/// Draws charts side by side, `columns` in a row, as one SVG without a fixed size. `figure` names
+/// it in an error.
 ///
 /// # Errors
-/// What the plotting library refuses.
+/// Fails if the plotting library does.
 pub fn draw(figure: &'static str, charts: &[Chart], columns: i32) -> Result<String, PlotError> {
     let width = WIDTH_PX * FINE;
     let each = width / columns;
-    // Charts of one row have their axes side by side: the tallest legend counts.
+    // The axes of one row's charts are aligned, so the tallest legend determines the height.
     let heads: Vec<i32> = charts
         .iter()
         .map(|chart| legend::height_px(chart, each / FINE) + title_px(chart))
@@ -142,7 +144,7 @@ pub fn draw(figure: &'static str, charts: &[Chart], columns: i32) -> Result<Stri
     Ok(without_size(&svg))
 }
 
-/// Where a chart goes, in pixels of the drawing.
+/// Position of a chart, in pixels of the drawing.
 #[derive(Clone, Copy)]
 struct Spot {
     left: i32,
@@ -194,7 +196,7 @@ fn draw_one(root: &Area, chart: &Chart, place: Spot) -> Result<(), String> {
     let mut context = builder
         .build_cartesian_2d(x.ruler(), y.ruler())
         .map_err(said)?;
-    // The library's own corner of the plot, to map by.
+    // The library's own plotting area, used to map coordinates.
     let plot = context.plotting_area().clone();
     let at = |p: [f64; 2]| plot.map_coordinate(&(x.place(p[0]), y.place(p[1])));
     draw_minor(root, chart, &at).map_err(said)?;
@@ -218,7 +220,7 @@ fn draw_one(root: &Area, chart: &Chart, place: Spot) -> Result<(), String> {
     Ok(())
 }
 
-/// Faint lines between the ticks of logarithmic axes.
+/// Draws faint lines between the ticks of logarithmic axes.
 fn draw_minor(root: &Area, chart: &Chart, at: Place) -> Drawn {
     let (x, y) = (&chart.x, &chart.y);
     let upright = x
@@ -246,7 +248,7 @@ fn letters(color: RGBColor, bold: bool) -> TextStyle<'static> {
     FontDesc::new(FontFamily::SansSerif, size, style).color(&color)
 }
 
-/// Leaves the size to the page: an SVG with a `viewBox` alone is as wide as it is given room.
+/// Removes the size from an SVG. With a `viewBox` alone, it fills the width that the page gives it.
 fn without_size(svg: &str) -> String {
     let Some((head, rest)) = svg.split_once("viewBox") else {
         return svg.to_owned();

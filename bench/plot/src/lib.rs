@@ -1,6 +1,7 @@
-//! Charts as SVG, and pages of HTML that hold them: one style for all of lariat's reports.
+//! Charts as SVG, and HTML pages that contain them: one style for all of lariat's reports.
 //!
-//! Numbers go in ([`Spread`] says how some are spread), text comes out; nothing is read, written or fetched.
+//! The input is numbers ([`Spread`] summarizes their distribution), the output is text. Nothing is
+//! read, written or fetched.
 //!
 //! ```
 //! use lariat_plot::{Axis, Chart, LineStyle, draw, page};

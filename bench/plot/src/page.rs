@@ -1,5 +1,5 @@
-//! The page that charts stand in: one file, readable on a screen and on paper, without scripts and without anything to
-//! fetch.
+//! The page that contains the charts: one file, readable on screen and on paper, without scripts or
+//! external resources.
 
 mod tags;
 
@@ -7,7 +7,7 @@ pub use tags::check_tags;
 
 const STYLE: &str = include_str!("page/page.css");
 
-/// A page of this title around a body, which is HTML and goes in as it is.
+/// Returns a page with this title. `body` is HTML and is inserted unchanged.
 pub fn page(title: &str, body: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -17,7 +17,7 @@ pub fn page(title: &str, body: &str) -> String {
     )
 }
 
-/// Text as HTML and SVG have it.
+/// Escapes text for HTML and SVG.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,24 +1,25 @@
-//! How a number is spread over many shapes: its median, quartiles, and where nine tenths of it lie.
+//! The distribution of a number over many shapes: its median, quartiles, and the range of nine
+//! tenths.
 
-/// Quantiles of some numbers; NaN of none.
+/// Quantiles of some numbers. NaN if there are none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// How many numbers.
+    /// Number of values.
     pub count: usize,
-    /// The 5 % quantile.
+    /// 5 % quantile.
     pub p5: f64,
-    /// The lower quartile.
+    /// Lower quartile.
     pub p25: f64,
-    /// The median.
+    /// Median.
     pub median: f64,
-    /// The upper quartile.
+    /// Upper quartile.
     pub p75: f64,
-    /// The 95 % quantile.
+    /// 95 % quantile.
     pub p95: f64,
 }
 
 impl Spread {
-    /// Of these numbers, those that are not finite left out.
+    /// Computes the quantiles of all finite values in `numbers`.
     pub fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = numbers.into_iter().filter(|x| x.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
@@ -33,8 +34,10 @@ impl Spread {
     }
 }
 
-/// The `share` quantile of sorted numbers, which may be infinite: between the two nearest, by the rule of most programs (Hyndman and
-/// Fan's seventh). NaN of none.
+/// Returns the `share` quantile of sorted numbers, which may be infinite. NaN if there are none.
+///
+/// Interpolates between the two nearest numbers by the rule that most programs use, Hyndman and
+/// Fan's seventh.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
@@ -49,7 +52,7 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + part * (sorted[above] - sorted[below])
 }
 
-/// The mean; NaN of no numbers.
+/// Returns the mean. NaN if there are no numbers.
 pub fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0usize);
     for number in numbers {
@@ -59,7 +62,7 @@ pub fn mean(numbers: impl IntoIterator<Item = f64>) -> f64 {
     sum / count as f64
 }
 
-/// The median of some numbers; NaN of none.
+/// Returns the median. NaN if there are no finite numbers.
 pub fn median(numbers: impl IntoIterator<Item = f64>) -> f64 {
     Spread::of(numbers).median
 }

@@ -1,6 +1,6 @@
-//! Numbers as sentences have them.
+//! Numbers formatted for sentences.
 
-/// To three digits: 0.0123, 1.23, 123, 1.2·10⁵.
+/// Formats a number with three significant digits: 0.0123, 1.23, 123, 1.2·10⁵.
 pub fn digits(number: f64) -> String {
     let size = number.abs();
     if !number.is_finite() {
@@ -32,7 +32,7 @@ fn power_of_ten(number: f64) -> String {
     format!("{mantissa}·10{}", raised(power))
 }
 
-/// A whole number as an exponent.
+/// Formats an integer as an exponent.
 pub fn raised(power: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     power
@@ -45,12 +45,12 @@ pub fn raised(power: i32) -> String {
         .collect()
 }
 
-/// Pixels: "0.123 px".
+/// Formats a number of pixels: "0.123 px".
 pub fn px(number: f64) -> String {
     format!("{} px", digits(number))
 }
 
-/// A time in the unit that suits it, of microseconds.
+/// Formats a time given in microseconds in a suitable unit.
 pub fn time(us: f64) -> String {
     if us < 1.0 {
         format!("{} ns", digits(1e3 * us))
@@ -63,7 +63,7 @@ pub fn time(us: f64) -> String {
     }
 }
 
-/// A share as whole percents, "all" and "none" only if it is.
+/// Formats a share as whole percents. Says "all" or "none" only if it is exactly that.
 pub fn percent(share: f64) -> String {
     let whole = 100.0 * share;
     if !share.is_finite() {
@@ -77,12 +77,12 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// How many, with the right form of the noun.
+/// Formats a count with the right form of the noun.
 pub fn count(number: usize, one: &str, many: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { many })
 }
 
-/// "a", "a and b", "a, b and c".
+/// Joins items: "a", "a and b", "a, b and c".
 pub fn list(items: &[String]) -> String {
     match items {
         [] => "none".to_owned(),

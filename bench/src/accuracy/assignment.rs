@@ -1,13 +1,15 @@
-//! Which curve is which rope: the pairing with the largest sum of scores.
+//! Assignment of curves to ropes: the pairing with the largest sum of scores.
 
-/// For each row of `scores` the column paired with it, none twice, so that the scores' sum is largest. Every row has
-/// the same number of columns. Pairs of score 0 are left unpaired.
+/// Returns for each row of `scores` the column paired with it, so that the sum of scores is
+/// largest. No column is paired twice. Every row has the same number of columns. Pairs of score 0
+/// are left unpaired.
 ///
-/// The Hungarian method, row by row along shortest augmenting paths (Jonker and Volgenant, 1987).
+/// Uses the Hungarian method, row by row along shortest augmenting paths (Jonker and Volgenant,
+/// 1987).
 pub(super) fn best(scores: &[Vec<f64>]) -> Vec<Option<usize>> {
     let columns = scores.first().map_or(0, Vec::len).max(scores.len());
     let cost = |row: usize, column: usize| -scores[row].get(column).unwrap_or(&0.0);
-    // The row that holds each column. The last entry is the row that is being placed.
+    // The row assigned to each column. The last entry is the row that is being placed.
     let (seeking, mut row_of) = (columns, vec![None; columns + 1]);
     let (mut of_rows, mut of_columns) = (vec![0.0; scores.len()], vec![0.0; columns + 1]);
     for row in 0..scores.len() {
@@ -86,7 +88,7 @@ mod tests {
             free.map(|c| row[c] + exhaustive(rest, taken | 1 << c))
                 .fold(alone, f64::max)
         }
-        // Scores of no pattern, from a linear congruence.
+        // Pseudorandom scores from a linear congruential generator.
         let mut state = 12_345_u64;
         let mut score = || {
             state = state

@@ -1,4 +1,5 @@
-//! Where drawing and label disagree, by what lies there: so that a lost point of DICE names its cause.
+//! Classification of the pixels where drawing and label disagree, so that lost DICE can be
+//! attributed to causes.
 
 use lariat_extract::{Crossing, Curve};
 
@@ -7,25 +8,26 @@ use super::labels::Labels;
 use super::overlap::Overlap;
 use super::spline::Sample;
 
-/// What lies where drawing and label disagree. The first that fits is the cause.
+/// Cause of a disagreement between drawing and label. The first that applies is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// A labelled pixel that no curve is near to: a piece of rope was not found, or a corner was cut.
+    /// A labeled pixel far from every curve: a fragment of rope was missed, or a corner was cut.
     Lost,
-    /// Rope in both, but another one: which is on top, a wrong connection, or the edge between the two.
+    /// Rope in both, but different ropes: the strand order, a wrong connection, or the edge between
+    /// the two.
     Order,
-    /// Within a width of a tip: it ends too early or too late, or is not square.
+    /// Within a width of a tip: the tip is too early, too late, or not square.
     Tip,
     /// Within a width and a half of a crossing.
     Crossing,
-    /// Where the rope bends with a radius below twice its width.
+    /// A bend of the rope with a radius below twice its width.
     Bend,
-    /// Along an even stretch of rope: the width, or a middle off the middle.
+    /// Along a smooth stretch of rope: a wrong width, or a centerline off center.
     Side,
 }
 
 impl Cause {
-    /// All of them, in their order.
+    /// All causes, in order of precedence.
     pub(super) const ALL: [Cause; 6] = [
         Cause::Lost,
         Cause::Order,
@@ -35,7 +37,7 @@ impl Cause {
         Cause::Side,
     ];
 
-    /// One word for tables.
+    /// Returns a one-word name for tables.
     pub(super) fn name(self) -> &'static str {
         match self {
             Cause::Lost => "lost",
@@ -48,19 +50,20 @@ impl Cause {
     }
 }
 
-/// Pixels in which drawing and label disagree.
+/// Number of pixels in which drawing and label disagree, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Disagreement {
-    /// For each cause, in the order of [`Cause::ALL`]: labelled as the rope and not drawn.
+    /// Pixels labeled as the rope but not drawn, in the order of [`Cause::ALL`].
     pub(super) lacking: [usize; 6],
-    /// Likewise: drawn as the rope and not labelled.
+    /// Pixels drawn as the rope but not labeled, in the order of [`Cause::ALL`].
     pub(super) excess: [usize; 6],
-    /// The length of the curves where an edge's disagreement counts as [`Cause::Side`], in pixels.
+    /// Length of the curves along which a disagreement of an edge counts as [`Cause::Side`], in
+    /// pixels.
     pub(super) side_px: f64,
 }
 
 impl Disagreement {
-    /// Adds another image's.
+    /// Adds another image's counts.
     pub(super) fn add(&mut self, other: &Self) {
         for (sum, part) in self.lacking.iter_mut().zip(other.lacking) {
             *sum += part;
@@ -71,8 +74,8 @@ impl Disagreement {
         self.side_px += other.side_px;
     }
 
-    /// How far the drawn edge lies outside of the labelled one along even stretches (negative: inside), in the mean of
-    /// both edges, in pixels.
+    /// Returns how far the drawn edge is outside the labeled one along smooth stretches, as the
+    /// mean of both edges, in pixels. Negative values are inside.
     pub(super) fn edge_bias_px(&self) -> f64 {
         let side = Cause::Side as usize;
         let surplus = self.excess[side] as f64 - self.lacking[side] as f64;
@@ -80,17 +83,17 @@ impl Disagreement {
     }
 }
 
-/// What was found in an image.
+/// Results of an extraction.
 pub(super) struct Found<'a> {
     pub(super) curves: &'a [Curve],
     pub(super) crossings: &'a [Crossing],
-    /// The curves' samples.
+    /// Samples of the curves.
     pub(super) splines: &'a [Vec<Sample>],
-    /// The curves drawn.
+    /// The curves drawn as labels.
     pub(super) drawn: &'a Labels,
 }
 
-/// Sorts the pixels in which the ropes' label and the curves paired with them disagree.
+/// Classifies the pixels in which the ropes' labels and the curves paired with them disagree.
 pub(super) fn sort(label: &Labels, found: &Found, overlap: &Overlap) -> Disagreement {
     let near = coverage::near(label, found.splines);
     let mut sorted = Disagreement::default();
@@ -125,7 +128,7 @@ pub(super) fn sort(label: &Labels, found: &Found, overlap: &Overlap) -> Disagree
     sorted
 }
 
-/// The sample nearest to `at`; of at least one.
+/// Returns the index of the sample nearest to `at`. `samples` must not be empty.
 fn nearest(samples: &[Sample], at: [f64; 2]) -> usize {
     let off2 = |s: &Sample| (s.at[0] - at[0]).powi(2) + (s.at[1] - at[1]).powi(2);
     let nearest = samples.iter().enumerate();
@@ -133,7 +136,7 @@ fn nearest(samples: &[Sample], at: [f64; 2]) -> usize {
     nearest.map_or(0, |(index, _)| index)
 }
 
-/// What lies at each sample of curve `index`, of those causes that are places.
+/// Returns, for each sample of curve `index`, the cause that its position suggests.
 fn places(found: &Found, index: usize) -> Vec<Cause> {
     let (curve, samples) = (&found.curves[index], &found.splines[index]);
     let to_tip = |s: &Sample| match curve.closed {
@@ -162,7 +165,8 @@ fn places(found: &Found, index: usize) -> Vec<Cause> {
     places
 }
 
-/// The radius of the circle through the sample and those half a width before and behind it, in pixels.
+/// Returns the radius of the circle through a sample and those half a width before and after it, in
+/// pixels.
 fn radius_px(samples: &[Sample], index: usize) -> f64 {
     let reach = (samples[index].half_px.round() as usize).max(2);
     let before = samples[index.saturating_sub(reach)].at;
@@ -174,11 +178,11 @@ fn radius_px(samples: &[Sample], index: usize) -> f64 {
     );
     let chord = (behind[0] - before[0]).hypot(behind[1] - before[1]);
     let doubled_area = (a[0] * b[1] - a[1] * b[0]).abs();
-    // Heron: R = abc / (4·area).
+    // Circumradius: R = abc / (4·area).
     a[0].hypot(a[1]) * b[0].hypot(b[1]) * chord / (2.0 * doubled_area).max(f64::MIN_POSITIVE)
 }
 
-/// The length of those pieces of a curve that begin at a [`Cause::Side`].
+/// Returns the total length of the segments that start at a sample with [`Cause::Side`].
 fn side_length(samples: &[Sample], places: &[Cause]) -> f64 {
     let pieces = samples.windows(2).zip(places);
     pieces

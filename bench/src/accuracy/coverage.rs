@@ -1,22 +1,24 @@
-//! What of the ropes no curve follows, and what of the curves follows no rope.
+//! The share of the ropes that no curve follows, and the share of the curves that follow no rope.
 
 use super::labels::Labels;
 use super::spline::Sample;
 use super::strip::{self, Ends};
 
-/// How far beyond half a width a true pixel may lie from a curve, and a curve from the true mask, in pixels.
+/// Tolerance in pixels: of a labeled pixel's distance from a curve, beyond half a width, and of a
+/// curve's distance from the labels.
 pub(super) const TOLERANCE_PX: f64 = 2.0;
 
 /// Shares from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Coverage {
-    /// Of the labelled pixels: those farther than half a width + 2 px from every curve.
+    /// Share of the labeled pixels that are farther than half a width + 2 px from every curve.
     pub(super) missed: f64,
-    /// Of the curves' samples, about a pixel apart: those with no labelled pixel within 2 px.
+    /// Share of the curves' samples, about a pixel apart, that are more than 2 px from every
+    /// labeled pixel.
     pub(super) stray: f64,
 }
 
-/// Compares the curves, whatever their connections, with the ropes, whichever they are.
+/// Compares the curves with the labels. Connections and the identity of ropes are ignored.
 pub(super) fn coverage(label: &Labels, splines: &[Vec<Sample>]) -> Coverage {
     let near = near(label, splines);
     let is_missed = |(&rope, &near): (&u8, &bool)| rope != 0 && !near;
@@ -41,7 +43,7 @@ pub(super) fn coverage(label: &Labels, splines: &[Vec<Sample>]) -> Coverage {
     }
 }
 
-/// For each pixel whether it is within half a width + 2 px of a curve.
+/// Returns for each pixel whether it is within half a width + 2 px of a curve.
 pub(super) fn near(label: &Labels, splines: &[Vec<Sample>]) -> Vec<bool> {
     let mut near = vec![false; label.ropes.len()];
     let size = (label.width, label.height);
@@ -77,7 +79,8 @@ mod tests {
         assert_eq!(coverage(&label, &[through(&whole)]), none);
         let half = curve(&[[10.0, 20.0], [35.0, 20.0], [60.0, 20.0]], 9.0);
         let found = coverage(&label, &[through(&half)]);
-        // Of 101 columns those from 67 on are out of reach of a tip at 60 in every row, 65 in some.
+        // Of 101 columns, those from 67 on are out of reach of a tip at 60 in every row, and those
+        // from 65 on in some rows.
         assert!((0.43..0.46).contains(&found.missed), "{found:?}");
         assert_eq!(found.stray, 0.0);
         assert_eq!(coverage(&label, &[]).missed, 1.0);
@@ -89,7 +92,7 @@ mod tests {
         let label = draw(&[half], &[], (120, 40));
         let long = curve(&[[10.0, 20.0], [60.0, 20.0], [110.0, 20.0]], 9.0);
         let found = coverage(&label, &[through(&long)]);
-        // 101 samples, of which those from 63 to 110 have nothing within 2 px.
+        // Of 101 samples, those from 63 to 110 have no labeled pixel within 2 px.
         assert!((found.stray - 48.0 / 101.0).abs() < 1e-9, "{found:?}");
         assert_eq!(found.missed, 0.0);
     }

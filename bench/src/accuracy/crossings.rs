@@ -1,8 +1,9 @@
-//! The order of the strands at each crossing, held against what an eye saw.
+//! The order of the strands at each crossing, compared with human judgment.
 //!
-//! A list of crossings names for each its picture, its place and the direction of the upper strand. A set with any line
-//! in the list has all of its crossings in it. What was found belongs to the nearest line within a width and a half;
-//! its order is right when its upper strand runs nearer to the upper one's direction than its lower strand does.
+//! A list names for each crossing its picture, its position and the direction of the upper strand.
+//! If a set has any line in the list, the list has all of its crossings. A detected crossing is
+//! matched to the nearest line within a width and a half. Its order is right if its upper strand is
+//! closer to the listed direction than its lower strand.
 
 use std::fmt::Write;
 use std::fs;
@@ -13,44 +14,46 @@ use lariat_extract::{Crossing, Curve};
 
 use super::measure::Measured;
 
-/// What was found may lie this far from where the eye put it, in widths: along a flat crossing both are guesses.
+/// Maximum distance between a detected crossing and its listed position, in widths. At an acute
+/// crossing, both positions are approximate.
 const NEAR: f32 = 1.5;
-/// Directions are taken over this far to each side, in widths: right at a flat crossing there is no difference.
+/// Distance to each side over which directions are measured, in widths. Directly at an acute
+/// crossing the directions are equal.
 const CHORD: f32 = 1.5;
-/// Where bins of confidence begin.
+/// Lower bounds of the confidence bins.
 const BINS: [f32; 3] = [0.0, 0.5, 0.9];
 
-/// One crossing as an eye saw it.
+/// A crossing as judged by eye.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LabelledCrossing {
     /// Set and picture: `S1/img000`.
     image: String,
     at: [f32; 2],
-    /// The upper strand's direction, modulo 180°.
+    /// Direction of the upper strand, modulo 180°.
     over_deg: f32,
-    /// Whether the eye was sure of the order.
+    /// True if the judgment is certain.
     sure: bool,
 }
 
-/// How found crossings compare with seen ones.
+/// Comparison of detected with listed crossings.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Score {
     right: usize,
     wrong: usize,
-    /// Found, but the eye does not know the order.
+    /// Detected, but their order could not be judged by eye.
     unsure: usize,
     missed: usize,
     invented: usize,
-    /// How far found ones lie from where they were seen.
+    /// Distances between detected and listed positions.
     off_px: Vec<f32>,
-    /// For each bin of confidence how many there are, and how many of them are right.
+    /// Number of crossings in each bin of confidence, and how many of them are right.
     bins: [(usize, usize); BINS.len()],
-    /// The wrong, missed and invented ones, in words.
+    /// Descriptions of the wrong, missed and invented crossings.
     remarks: Vec<String>,
 }
 
-/// The list that belongs to a data set: `labels/NAME-crossings.csv` of this crate, where NAME is the data set's folder or
-/// the one it lies in.
+/// Returns the list that belongs to a data set: `labels/NAME-crossings.csv` of this crate, where
+/// NAME is the data set's folder or its parent.
 pub(super) fn list_for(dataset: &Path) -> Option<PathBuf> {
     let whole = fs::canonicalize(dataset).ok()?;
     let names = whole.ancestors().take(2).filter_map(Path::file_name);
@@ -60,10 +63,10 @@ pub(super) fn list_for(dataset: &Path) -> Option<PathBuf> {
     lists.find(|list| list.is_file())
 }
 
-/// Reads a list: `image,x,y,over_deg,sure` in its first line, then a line for each crossing.
+/// Reads a list. Its first line is `image,x,y,over_deg,sure`, followed by a line for each crossing.
 ///
 /// # Errors
-/// The file cannot be read, or a line has no such five values.
+/// The file cannot be read, or a line does not have these five values.
 pub(super) fn load(path: &Path) -> Result<Vec<LabelledCrossing>> {
     let shown = path.display();
     let text = fs::read_to_string(path)
@@ -98,7 +101,7 @@ fn parse(line: &str) -> Option<LabelledCrossing> {
     })
 }
 
-/// The table of all sets that are in the list; nothing when none is.
+/// Returns the table of all sets that are in the list. Empty if there are none.
 pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[LabelledCrossing]) -> String {
     let mut out = String::new();
     let mut bins = [(0, 0); BINS.len()];
@@ -146,7 +149,7 @@ pub(super) fn table(sets: &[(&str, Vec<Measured>)], seen: &[LabelledCrossing]) -
     out
 }
 
-/// Compares a set; nothing when the list does not know it.
+/// Compares a set. Returns `None` if the list does not contain it.
 fn score(set: &str, images: &[Measured], seen: &[LabelledCrossing]) -> Option<Score> {
     let of_set = |s: &&LabelledCrossing| s.image.split('/').next() == Some(set);
     seen.iter().find(of_set)?;
@@ -227,14 +230,15 @@ impl Score {
     }
 }
 
-/// The direction of the curve around `rho`, in degrees.
+/// Returns the direction of the curve around `rho`, in degrees.
 fn direction_deg(curve: &Curve, rho: f32) -> f32 {
     let away = CHORD * curve.width_px / curve.length_px.max(1.0);
     let [a, b] = [rho - away, rho + away].map(|rho| at(curve, rho));
     (b[1] - a[1]).atan2(b[0] - a[0]).to_degrees()
 }
 
-/// The point at normalized arc length `rho`, at the tips of an open curve beyond them.
+/// Returns the point at normalized arc length `rho`. Beyond the ends of an open curve, returns its
+/// tip.
 fn at(curve: &Curve, rho: f32) -> [f32; 2] {
     let n = curve.points.len();
     let (rho, intervals) = if curve.closed {
@@ -253,7 +257,8 @@ mod tests {
     use super::*;
     use crate::accuracy::drawing::tests::{crossing, curve};
 
-    /// A level rope and a steep one, which cross at (120, 80), the level one on top.
+    /// Returns a horizontal and a steep rope that cross at (120, 80), with the horizontal one on
+    /// top.
     fn cross() -> ([Curve; 2], Crossing) {
         let level = curve(&[[20.0, 80.0], [120.0, 80.0], [220.0, 80.0]], 10.0);
         let steep = curve(&[[120.0, 10.0], [120.0, 80.0], [120.0, 150.0]], 10.0);

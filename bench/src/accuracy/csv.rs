@@ -1,11 +1,11 @@
-//! One line for each image, with all that was measured, as comma-separated values (RFC 4180).
+//! All measurements as comma-separated values (RFC 4180), one line per image.
 
 use std::time::Duration;
 
 use super::causes::Cause;
 use super::measure::Measured;
 
-/// The head and a line for each image of each set.
+/// Returns the header and a line for each image of each set.
 pub(super) fn table(sets: &[(&str, Vec<Measured>)]) -> String {
     let mut head: Vec<String> = "set,image,ropes,curves,crossings,dice,rope_dice,missed,stray,label_px,length_px,width_px,\
                                  mask_ms,skeleton_ms,graph_ms,points_ms,extract_ms,decode_ms,edge_bias_px"
@@ -68,7 +68,7 @@ fn line(set: &str, image: &Measured) -> Vec<String> {
     line
 }
 
-/// A name as one field, whatever is in it.
+/// Returns a name as one field, quoted if necessary.
 fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))

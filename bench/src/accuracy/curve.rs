@@ -1,4 +1,4 @@
-//! How far the curve that the chain would send is from the points that it is fitted to.
+//! Distance between the curve that the chain would send and the points it is fitted to.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use lariat_fit::{Basis, Fitter, Line, SteadySize, Tolerance};
 
 use super::photo;
 
-/// Frames a second of a film whose pictures have no times.
+/// Frames per second assumed for a film whose pictures lack times.
 const FPS: u64 = 30;
 
-/// A curve beside its points.
+/// Errors of a curve fitted to its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fitted {
     control_points: usize,
@@ -22,14 +22,15 @@ pub(super) struct Fitted {
     is_good: bool,
 }
 
-/// The fitters of open and of closed ropes.
+/// Fitters for open and for closed ropes.
 pub(super) struct Curves {
     fitters: [Fitter; 2],
     points: Vec<[f64; 2]>,
 }
 
 impl Curves {
-    /// Fitters as the chain chooses them, or Bezier curves of N control points; closed ropes get (N − 1) / 2 harmonics.
+    /// Creates fitters as the chain chooses them, or for Bezier curves of N control points. Closed
+    /// ropes then get (N − 1) / 2 harmonics.
     pub(super) fn new(control_points: Option<u16>) -> Result<Self> {
         let points = Options::default().points;
         let options = |closed| {
@@ -50,7 +51,7 @@ impl Curves {
         })
     }
 
-    /// The curve of a rope that is seen for the first time.
+    /// Fits the curve of a rope that is seen for the first time.
     pub(super) fn fit(&mut self, curve: &Curve) -> Result<Fitted> {
         self.fit_steady(curve, &mut SteadySize::default(), 0)
     }
@@ -79,7 +80,7 @@ impl Curves {
     }
 }
 
-/// The figures of each set of curves.
+/// Returns the figures of each set of curves.
 pub(super) fn table<'a>(sets: impl IntoIterator<Item = (&'a str, Vec<Fitted>)>) -> String {
     let mut table = Table::new(&[
         "the curve, px",
@@ -121,7 +122,8 @@ pub(super) fn table<'a>(sets: impl IntoIterator<Item = (&'a str, Vec<Fitted>)>) 
     table.to_string()
 }
 
-/// Prints the figures of a film, given as a folder of pictures, in which each rope's curve keeps its size.
+/// Prints the figures of a film, given as a folder of pictures. Each rope's curve keeps its size
+/// over time.
 ///
 /// # Errors
 /// A picture cannot be read.

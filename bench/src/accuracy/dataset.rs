@@ -1,32 +1,33 @@
-//! The sets of a data set and the pairs of photograph and label in them.
+//! The sets of a data set and their pairs of photograph and label.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-/// Photographs of one kind.
+/// A set of photographs.
 #[derive(Debug, PartialEq)]
 pub(super) struct Set {
-    /// The folder's name.
+    /// Name of the folder.
     pub(super) name: String,
-    /// In the order of their names.
+    /// Pairs in the order of their names.
     pub(super) pairs: Vec<Pair>,
 }
 
 /// A photograph and its label.
 #[derive(Debug, PartialEq)]
 pub(super) struct Pair {
-    /// The files' common name, without its ending.
+    /// The files' common name without its extension.
     pub(super) name: String,
     pub(super) image: PathBuf,
     pub(super) label: PathBuf,
 }
 
-/// The sets in `folder`: itself, when it holds `images` and `labels`, else each folder in it that does.
+/// Returns the sets in `folder`: itself if it holds `images` and `labels`, otherwise each folder in
+/// it that does.
 ///
 /// # Errors
-/// There is no such folder, no set in it, a set without a picture, or a picture without a label.
+/// The folder does not exist or contains no set, a set is empty, or a picture lacks its label.
 pub(super) fn find(folder: &Path) -> Result<Vec<Set>> {
     let mut folders = vec![folder.to_owned()];
     folders.extend(entries(folder)?);
@@ -66,7 +67,7 @@ fn set(folder: &Path) -> Result<Set> {
     if pairs.is_empty() {
         bail!("{} holds no picture (PNG or JPEG)", images.display());
     }
-    // The folder may be named as `.` or `..`.
+    // The folder may be given as `.` or `..`.
     let whole = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let name = whole.file_name().unwrap_or(whole.as_os_str());
     Ok(Set {
@@ -75,7 +76,7 @@ fn set(folder: &Path) -> Result<Set> {
     })
 }
 
-/// What is in a folder, in the order of the names.
+/// Returns the contents of a folder, ordered by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let about = || format!("cannot list the folder {}", folder.display());
     let listed = fs::read_dir(folder).with_context(about)?;

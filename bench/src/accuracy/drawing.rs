@@ -1,4 +1,5 @@
-//! Ropes drawn from their points and widths, as labels are: each pixel belongs to one rope or to the table.
+//! Ropes drawn from their points and widths in the form of labels: each pixel belongs to one rope
+//! or to the table.
 
 use lariat_extract::{Crossing, Curve};
 
@@ -6,21 +7,21 @@ use super::labels::Labels;
 use super::spline::{self, Sample};
 use super::strip::{self, Ends};
 
-/// How ropes are drawn, for whoever reads the figures.
+/// Explanation of the drawing rule, printed with the figures.
 pub(super) const RULE: &str = "\
 Drawn: a pixel is a rope's when its centre lies within half a width of the centripetal Catmull-Rom spline through the
 points, the widths interpolated likewise; the ends are cut off square at the tips. Where two ropes cover a pixel it goes
 to the one on top at their nearest reported crossing, as labels have it (to the one whose middle is nearer, if none is
 reported). Labels that come from a colour threshold hold no truth for the width: DICE ranks how well it is drawn.";
 
-/// The picture of `curves`: rope i has the number i + 1. From the 256th on they are left out.
+/// Draws `curves`: rope i has the number i + 1. Curves from the 256th on are left out.
 pub(super) fn draw(
     curves: &[Curve],
     crossings: &[Crossing],
     (width, height): (usize, usize),
 ) -> Labels {
     let mut drawn = Labels::empty(width, height);
-    // How far from its owner's middle each pixel lies, in half widths.
+    // Distance of each pixel from its owner's centerline, in half widths.
     let mut owned = vec![f64::INFINITY; width * height];
     for (index, curve) in curves.iter().enumerate().take(255) {
         let samples = beyond_the_border(spline::through(curve), curve);
@@ -47,7 +48,8 @@ pub(super) fn draw(
     drawn
 }
 
-/// The upper of two ropes at their crossing that is nearest to `at`, if they cross.
+/// Returns the upper of two ropes at the crossing of both that is nearest to `at`, or `None` if
+/// they do not cross.
 fn top(crossings: &[Crossing], ropes: (usize, usize), at: [f64; 2]) -> Option<usize> {
     let off = |c: &Crossing| (f64::from(c.at[0]) - at[0]).hypot(f64::from(c.at[1]) - at[1]);
     crossings
@@ -57,7 +59,7 @@ fn top(crossings: &[Crossing], ropes: (usize, usize), at: [f64; 2]) -> Option<us
         .map(|c| c.over)
 }
 
-/// A rope that leaves the image goes on straight, so that its square end is out of sight.
+/// Extends a rope that leaves the image straight ahead, so that its square end is out of sight.
 fn beyond_the_border(mut samples: Vec<Sample>, curve: &Curve) -> Vec<Sample> {
     let on = |tip: Sample, inner: Sample| {
         let along = [tip.at[0] - inner.at[0], tip.at[1] - inner.at[1]];
@@ -81,7 +83,7 @@ fn beyond_the_border(mut samples: Vec<Sample>, curve: &Curve) -> Vec<Sample> {
 pub(in crate::accuracy) mod tests {
     use super::*;
 
-    /// An open rope of one width through `points`.
+    /// Returns an open rope of constant width through `points`.
     pub(in crate::accuracy) fn curve(points: &[[f64; 2]], width_px: f64) -> Curve {
         let steps = points.windows(2);
         let mut curve = Curve::default();
@@ -96,7 +98,7 @@ pub(in crate::accuracy) mod tests {
         curve
     }
 
-    /// One at the middles of both ropes.
+    /// Returns a crossing at the middle of both ropes.
     pub(in crate::accuracy) fn crossing(at: [f32; 2], over: usize, under: usize) -> Crossing {
         let mut crossing = Crossing::default();
         (crossing.at, crossing.over, crossing.under) = (at, over, under);
@@ -111,7 +113,7 @@ pub(in crate::accuracy) mod tests {
 
     #[test]
     fn a_straight_rope_is_a_rectangle_with_square_ends() {
-        // Columns 10 to 50 and the rows whose centres are within 4.4 of row 20.
+        // Columns 10 to 50, and the rows whose centers are within 4.4 of row 20.
         let drawn = draw(
             &[curve(&[[10.0, 20.0], [30.0, 20.0], [50.0, 20.0]], 8.8)],
             &[],

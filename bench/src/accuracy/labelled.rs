@@ -1,4 +1,4 @@
-//! Labelled photographs for others than the accuracy's own tables.
+//! Labeled photographs for other modules.
 
 use std::path::Path;
 
@@ -10,30 +10,30 @@ use super::labels::Labels;
 use super::spline::through;
 use super::{dataset, photo, whole};
 
-/// A photograph, and what its label says of curves.
+/// A photograph and its label.
 pub(crate) struct Labelled {
     pub(crate) photo: DynamicImage,
     label: Labels,
 }
 
 impl Labelled {
-    /// The label as a mask: white for rope.
+    /// Returns the label as a mask: white for rope.
     pub(crate) fn mask(&self) -> Vec<u8> {
         let ropes = self.label.ropes.iter();
         ropes.map(|&rope| if rope == 0 { 0 } else { 255 }).collect()
     }
 
-    /// For each curve whether it is a labelled rope, whole.
+    /// Returns for each curve whether it is one whole labeled rope.
     pub(crate) fn is_whole(&self, curves: &[Curve]) -> Vec<bool> {
         let splines: Vec<_> = curves.iter().map(through).collect();
         whole::curves(&self.label, curves, &splines)
     }
 }
 
-/// All labelled photographs of a folder of sets, one after the other.
+/// Returns all labeled photographs of a folder of sets.
 ///
 /// # Errors
-/// The folder holds no set. Of the photographs: one, or its label, cannot be read.
+/// The folder holds no set. An item is an error if the photograph or its label cannot be read.
 pub(crate) fn photographs(folder: &Path) -> Result<impl Iterator<Item = Result<Labelled>>> {
     let pairs = dataset::find(folder)?.into_iter().flat_map(|set| set.pairs);
     let read = |pair: &dataset::Pair| {

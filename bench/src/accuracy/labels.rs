@@ -1,4 +1,4 @@
-//! A picture of which rope each pixel belongs to.
+//! A picture that assigns each pixel to a rope or to the table.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use image::DynamicImage;
 
 use super::photo;
 
-/// For each pixel, row by row: 0, the table, or the number of a rope.
+/// The rope number of each pixel, row by row. 0 is the table.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Labels {
     pub(super) width: usize,
@@ -16,7 +16,7 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// A picture of the table alone.
+    /// Returns a picture of the table alone.
     pub(super) fn empty(width: usize, height: usize) -> Self {
         let ropes = vec![0; width * height];
         Self {
@@ -29,11 +29,11 @@ impl Labels {
     /// Reads a label picture.
     ///
     /// # Errors
-    /// It cannot be read, or is not 8-bit grey.
+    /// The picture cannot be read, or is not 8-bit gray.
     pub(super) fn load(path: &Path) -> Result<Self> {
         let DynamicImage::ImageLuma8(picture) = photo::load(path)? else {
             bail!(
-                "{} is no label: its pixels must be 8-bit grey, 0 for the table and 1… for the ropes",
+                "{} is not a label: its pixels must be 8-bit grey, 0 for the table and 1… for the ropes",
                 path.display()
             );
         };
@@ -45,7 +45,7 @@ impl Labels {
         })
     }
 
-    /// The numbers of the ropes, in ascending order.
+    /// Returns the numbers of the ropes in ascending order.
     pub(super) fn numbers(&self) -> Vec<u8> {
         let mut is_seen = [false; 256];
         for &rope in &self.ropes {
@@ -54,12 +54,12 @@ impl Labels {
         (1..=255).filter(|&n| is_seen[usize::from(n)]).collect()
     }
 
-    /// How many pixels belong to ropes.
+    /// Returns the number of pixels that belong to ropes.
     pub(super) fn area(&self) -> usize {
         self.ropes.iter().filter(|&&rope| rope != 0).count()
     }
 
-    /// The rope at column x, row y; the table outside of the picture.
+    /// Returns the rope at column x, row y. Outside the picture, returns 0.
     pub(super) fn at(&self, x: i64, y: i64) -> u8 {
         let inside = (0..self.width as i64).contains(&x) && (0..self.height as i64).contains(&y);
         if inside {

@@ -17,65 +17,65 @@ use super::spline;
 use super::whole;
 use crate::mask::Mask;
 
-/// What an image took.
+/// Times for one image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Times {
-    /// Reading and decoding the file: no part of the extraction.
+    /// Reading and decoding the file. Not part of the extraction.
     pub(super) decode: Duration,
     /// Mask, skeleton, graph, points.
     pub(super) steps: [Duration; 4],
 }
 
 impl Times {
-    /// From the image to its curves.
+    /// Returns the time from the image to its curves.
     pub(super) fn extract(&self) -> Duration {
         self.steps.iter().sum()
     }
 }
 
-/// Everything that is said of one image.
+/// All measurements of one image.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Measured {
     pub(super) name: String,
-    /// How many ropes the label has.
+    /// Number of ropes in the label.
     pub(super) ropes: usize,
     pub(super) curves: Vec<Curve>,
     pub(super) crossings: Vec<Crossing>,
-    /// The mean over the ropes, and each labelled rope's own.
+    /// Mean DICE over the ropes, and that of each labeled rope.
     pub(super) dice: f64,
     pub(super) rope_dice: Vec<f64>,
     pub(super) coverage: Coverage,
-    /// Whether each curve is a labelled rope, whole.
+    /// For each curve, true if it is one whole labeled rope.
     pub(super) is_whole: Vec<bool>,
-    /// Whether extraction said that it is unsure of the picture.
+    /// True if the extraction reported that it is unsure of the picture.
     pub(super) has_notice: bool,
     pub(super) disagreement: Disagreement,
-    /// Labelled pixels.
+    /// Number of labeled pixels.
     pub(super) area: usize,
     pub(super) times: Times,
 }
 
 impl Measured {
-    /// Whether more or fewer ropes were found than there are.
+    /// Returns whether the number of curves differs from the number of ropes.
     pub(super) fn is_miscounted(&self) -> bool {
         self.curves.len() != self.ropes
     }
 
-    /// Whether every rope has a whole curve of its own, and no curve is left over.
+    /// Returns whether every rope has a whole curve of its own and no curve is left over.
     pub(super) fn is_right(&self) -> bool {
         !self.is_miscounted() && self.is_whole.iter().all(|&is_whole| is_whole)
     }
 }
 
-/// An extractor for photographs that have nothing to do with each other.
+/// An extractor for unrelated photographs.
 pub(super) struct Bench {
     extractor: Extractor,
     prepared: (usize, usize),
 }
 
 impl Bench {
-    /// One with the default options but for these two: with the default ones, too, the figures are those of lariat as it
-    /// comes.
+    /// Creates an extractor with default options apart from these two. If they have their defaults
+    /// too, the figures are those of an unconfigured lariat.
     pub(super) fn new(method: Method, mask: Mask) -> Result<Self> {
         Ok(Self {
             extractor: Extractor::new(Options::default().method(method).mask(mask.into()))?,
@@ -83,7 +83,7 @@ impl Bench {
         })
     }
 
-    /// Extracts a photograph and compares what is found with its label.
+    /// Extracts a photograph and compares the result with its label.
     ///
     /// # Errors
     /// A file cannot be read, or the two differ in size.
@@ -112,7 +112,7 @@ impl Bench {
         Ok(measured)
     }
 
-    /// As [`measure`](Self::measure), of pictures in memory.
+    /// Does the same as [`measure`](Self::measure) for pictures in memory.
     pub(super) fn extract(&mut self, photo: &DynamicImage, label: &Labels) -> Result<Measured> {
         let size = (label.width, label.height);
         let rgb;
@@ -126,7 +126,7 @@ impl Bench {
         };
         let image = Image::new(bytes, size.0, size.1, channels * size.0, format)?;
         if self.prepared != size {
-            // So that the first photograph's time is no other than the rest's.
+            // Otherwise the first photograph would take longer than the rest.
             self.extractor.prepare(size.0, size.1);
             self.prepared = size;
         }
@@ -147,7 +147,8 @@ impl Bench {
     }
 }
 
-/// The extractor forgets before each image, so that nothing is followed.
+/// Returns the index of a step in [`Times::steps`]. `Follow` counts as mask: the extractor is reset
+/// before each image, so it never tracks.
 fn index(step: Step) -> usize {
     match step {
         Step::Follow | Step::Mask => 0,
@@ -157,7 +158,7 @@ fn index(step: Step) -> usize {
     }
 }
 
-/// Compares what was found with the label.
+/// Compares the result with the label.
 fn compare(label: &Labels, curves: Vec<Curve>, crossings: Vec<Crossing>, times: Times) -> Measured {
     let splines: Vec<_> = curves.iter().map(spline::through).collect();
     let drawn = draw(&curves, &crossings, (label.width, label.height));
@@ -191,7 +192,7 @@ pub(in crate::accuracy) mod tests {
     use crate::accuracy::drawing::tests::curve;
     use image::{Rgb, RgbImage};
 
-    /// Dark ropes on a light table, and their label.
+    /// Returns a picture of dark ropes on a light table, and its label.
     pub(in crate::accuracy) fn picture(curves: &[Curve]) -> (DynamicImage, Labels) {
         let label = draw(curves, &[], (240, 160));
         let photo = RgbImage::from_fn(240, 160, |x, y| {

@@ -1,18 +1,20 @@
-//! DICE of each rope: twice the pixels that label and drawing share, by the sum of both (Dice, 1945).
+//! DICE of each rope: twice the pixels that label and drawing share, divided by the sum of both
+//! (Dice, 1945).
 
 use super::assignment;
 use super::labels::Labels;
 
-/// How the drawn ropes overlap the labelled ones.
+/// Overlap of the drawn ropes with the labeled ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Overlap {
-    /// For each labelled rope its number, the index of the curve that is taken for it, and their DICE.
+    /// Number of each labeled rope, index of the curve assigned to it, and their DICE.
     pub(super) ropes: Vec<(u8, Option<usize>, f64)>,
-    /// The mean over the ropes, where a label without a curve and a curve without a label count as 0.
+    /// Mean over the ropes. A label without a curve and a curve without a label count as 0.
     pub(super) dice: f64,
 }
 
-/// Pairs the `curves` ropes drawn (number i + 1 for index i) with those of the label, both of the same size.
+/// Pairs the `curves` drawn ropes (number i + 1 for index i) with those of the label. Both pictures
+/// have the same size.
 pub(super) fn overlap(label: &Labels, drawn: &Labels, curves: usize) -> Overlap {
     let numbers = label.numbers();
     let mut shared = vec![[0usize; 256]; 256];
@@ -37,7 +39,7 @@ pub(super) fn overlap(label: &Labels, drawn: &Labels, curves: usize) -> Overlap 
         .collect();
     let all = numbers.len().max(curves);
     let sum: f64 = ropes.iter().map(|rope| rope.2).sum();
-    // No rope where none is: nothing is wrong.
+    // No rope was expected and none was found: a perfect result.
     let dice = if all == 0 { 1.0 } else { sum / all as f64 };
     Overlap { ropes, dice }
 }
@@ -48,7 +50,7 @@ mod tests {
     use crate::accuracy::drawing::draw;
     use crate::accuracy::drawing::tests::curve;
 
-    /// A label with a rectangle: columns 10 to 50, rows 16 to 24.
+    /// Returns a label with a rectangle: columns 10 to 50, rows 16 to 24.
     fn rectangle() -> Labels {
         let mut label = Labels::empty(60, 40);
         for y in 16..=24 {

@@ -1,9 +1,12 @@
-//! What was found, drawn over the photographs: pictures to look at.
+//! Results drawn over the photographs, for visual inspection.
 //!
-//! The photograph is darkened. White: the label's outline. Grey: the drawn edges. Coloured from red at the first tip to
-//! violet at the last: the curve, so that a wrong connection shows as a jump of colour (on the contact sheet the whole
-//! rope, for only that is seen there). At a crossing the strand on top
-//! is white, over a black stretch of the lower one; what the extractor is unsure of (confidence below a half) is ringed.
+//! - The photograph is darkened.
+//! - White: the label's outline. Gray: the drawn edges.
+//! - The curve is colored from red at the first tip to violet at the last, so a wrong connection
+//!   shows as a jump in color. On the contact sheet the whole rope is colored, because only that is
+//!   visible there.
+//! - At a crossing, the strand on top is white over a black stretch of the lower one. A ring marks
+//!   a crossing whose order is uncertain (confidence below a half).
 
 use std::path::Path;
 
@@ -20,21 +23,22 @@ use super::spline::{self, Sample};
 use super::whole_file;
 use crate::enlarged::Enlarged;
 
-/// Pixels of an overlay for one of the photograph, along each side.
+/// Pixels of an overlay per pixel of the photograph, along each side.
 const SCALE: u32 = 2;
 
 const OUTLINE: [u8; 3] = [255, 255, 255];
 const EDGE: [u8; 3] = [120, 120, 120];
 
-/// The width of a picture on the contact sheet, in pixels.
+/// Width of a picture on the contact sheet, in pixels.
 const THUMBNAIL_PX: u32 = 224;
 /// Pictures in a row of the contact sheet.
 const COLUMNS: u32 = 10;
 
-/// Writes `folder/NAME.png` for each image and `folder/contact.png`, all of them in the same order.
+/// Writes `folder/NAME.png` for each image, and `folder/contact.png` with all of them in the same
+/// order.
 ///
 /// # Errors
-/// A photograph cannot be read any more, or the folder cannot be written to.
+/// A photograph cannot be read again, or the folder cannot be written to.
 pub(super) fn write_set(folder: &Path, pairs: &[Pair], images: &[Measured]) -> Result<()> {
     let mut thumbnails = Vec::new();
     for (pair, measured) in pairs.iter().zip(images) {
@@ -54,7 +58,7 @@ fn write(path: &Path, picture: &RgbImage) -> Result<()> {
     whole_file::write(path, &png)
 }
 
-/// The thumbnails in rows, each in a cell as high as the highest.
+/// Arranges the thumbnails in rows. Each cell is as high as the highest thumbnail.
 fn sheet(thumbnails: &[RgbImage]) -> RgbImage {
     let cell = thumbnails.iter().map(RgbImage::height).max().unwrap_or(1);
     let count = thumbnails.len() as u32;
@@ -67,7 +71,7 @@ fn sheet(thumbnails: &[RgbImage]) -> RgbImage {
     sheet
 }
 
-/// The photograph, small, with the curves as wide as their ropes.
+/// Returns a thumbnail of the photograph with curves as wide as their ropes.
 fn thumbnail(photo: &RgbImage, measured: &Measured) -> RgbImage {
     let mut canvas = Enlarged::new(photo, SCALE);
     for curve in &measured.curves {
@@ -100,7 +104,8 @@ fn overlay(photo: &RgbImage, label: &Labels, measured: &Measured) -> RgbImage {
     canvas.canvas.picture
 }
 
-/// The borders between the label's ropes and all else, a canvas pixel wide, on the ropes' side.
+/// Draws the borders between the label's ropes and everything else, one canvas pixel wide, on the
+/// ropes' side.
 fn outline(picture: &mut RgbImage, label: &Labels) {
     let at = |x: u32, y: u32| label.at(i64::from(x / SCALE), i64::from(y / SCALE));
     for y in 0..picture.height() {
@@ -119,7 +124,7 @@ fn outline(picture: &mut RgbImage, label: &Labels) {
     }
 }
 
-/// Both edges, half a width to the sides of the curve.
+/// Draws both edges, half a width to the sides of the curve.
 fn edges(canvas: &mut Enlarged, samples: &[Sample]) {
     for side in [-1.0, 1.0] {
         for pair in samples.windows(2) {
@@ -134,7 +139,7 @@ fn edges(canvas: &mut Enlarged, samples: &[Sample]) {
     }
 }
 
-/// The lower strand black through the crossing, the upper one white over it.
+/// Draws the lower strand in black through the crossing, and the upper one in white over it.
 fn mark(canvas: &mut Enlarged, crossing: &Crossing, curves: &[Curve], splines: &[Vec<Sample>]) {
     let strands = [
         (crossing.under, crossing.under_rho, [0, 0, 0]),
@@ -163,7 +168,7 @@ fn mark(canvas: &mut Enlarged, crossing: &Crossing, curves: &[Curve], splines: &
     }
 }
 
-/// Red, yellow, green, blue, violet: along a rope from its first tip (0) to its last (1).
+/// Returns red, yellow, green, blue, violet: along a rope from its first tip (0) to its last (1).
 pub(super) fn hue(rho: f64) -> [u8; 3] {
     let sixth = 5.0 * rho.clamp(0.0, 1.0);
     [5.0, 3.0, 1.0].map(|offset| {
@@ -191,7 +196,8 @@ mod tests {
         let at = |x: u32, y: u32| drawn.get_pixel(SCALE * x, SCALE * y).0;
         assert!(at(40, 50)[0] > 200 && at(40, 50)[2] < 50);
         assert!(at(200, 50)[2] > 200 && at(200, 50)[1] < 50);
-        // Along the rope the curve's own edges lie upon the label's outline; at its tips that shows.
+        // Along the rope the curve's own edges cover the label's outline. It is visible only at the
+        // tips.
         assert!(drawn.pixels().any(|pixel| pixel.0 == OUTLINE));
         assert_eq!(at(100, 20), [126, 123, 120]);
     }

@@ -7,10 +7,11 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use image::{DynamicImage, ImageDecoder, ImageReader};
 
-/// Reads a PNG or JPEG, whatever its name says, turned as its EXIF orientation asks (as every viewer shows it).
+/// Reads a PNG or JPEG, independent of its file name. Applies its EXIF orientation, as every viewer
+/// does.
 ///
 /// # Errors
-/// There is no such file, it is no picture, or it is damaged.
+/// The file does not exist, is not a picture, or is damaged.
 pub(super) fn load(path: &Path) -> Result<DynamicImage> {
     let shown = path.display();
     let unread = || format!("cannot open the picture {shown}");
@@ -20,7 +21,7 @@ pub(super) fn load(path: &Path) -> Result<DynamicImage> {
         .with_context(unread)?;
     let about = || format!("cannot read {shown} as a PNG or JPEG picture");
     let mut decoder = reader.into_decoder().with_context(about)?;
-    // A damaged note beside the pixels does not spoil them.
+    // Damaged metadata does not invalidate the pixels.
     let orientation = decoder.orientation().ok();
     let mut picture = DynamicImage::from_decoder(decoder).with_context(about)?;
     if let Some(orientation) = orientation {

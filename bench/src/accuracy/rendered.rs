@@ -1,7 +1,10 @@
-//! Curves against drawn ropes, whose centerlines are known: a table with a row for each class of picture.
+//! Curves compared with drawn ropes, whose centerlines are known: a table with a row for each class
+//! of picture.
 //!
-//! Every picture is a scene of its own to a fresh extractor with default options (but for the method that was asked for). A picture whose ropes are miscounted
-//! or wrongly connected is in every column all the same: what was missed is measured by its distance from what was seen.
+//! Every picture is given to a reset extractor as a scene of its own, with default options apart
+//! from the chosen method. A picture whose ropes are miscounted or wrongly connected still counts
+//! in every column. Points of a missed rope are measured by their distance from the curves that
+//! were found.
 
 mod overlay;
 mod table;
@@ -14,39 +17,40 @@ use anyhow::{Context, Result, bail};
 use lariat_drawn::scenes::{self, Class, Score, SeenCrossing, SeenCurve, Still, score};
 use lariat_extract::{Extractor, Image, Method, Options, PixelFormat, Scene};
 
-/// Which pictures are drawn.
+/// Selection of pictures to draw.
 #[derive(clap::Args)]
 #[group(id = "drawn")]
 pub(crate) struct Args {
-    /// Drawn ropes with known truth: a row for each class of picture
+    /// Draw ropes with known ground truth: one row per class of picture
     #[arg(long)]
     rendered: bool,
-    /// This class alone (may be given several times)
+    /// Draw only this class (repeatable)
     #[arg(long, value_name = "NAME", requires = "rendered")]
     class: Vec<Class>,
-    /// Pictures of each class
+    /// Number of pictures of each class
     #[arg(long, value_name = "N", default_value_t = 50, requires = "rendered")]
     seeds: u64,
     /// Seed of the first picture
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rendered")]
     seed: u64,
-    /// Size of the pictures
+    /// Size of the pictures in pixels
     #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = crate::command::size, requires = "rendered")]
     size: [usize; 2],
 }
 
-/// One picture's result.
+/// Result of one picture.
 struct Measured {
     class: Class,
     seed: u64,
     /// Median true width.
     width_px: f64,
     score: Score,
-    /// Curves that may be no ropes, as extraction says itself: they are no part of the score.
+    /// Number of curves that the extraction itself marks as doubtful. They are not part of the
+    /// score.
     doubtful: usize,
 }
 
-/// Draws, extracts, scores, and prints the table.
+/// Draws the pictures, extracts and scores them, and prints the table.
 ///
 /// # Errors
 /// A picture does not fit the size, or a file cannot be written.

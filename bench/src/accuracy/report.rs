@@ -1,4 +1,4 @@
-//! The table that is printed.
+//! The printed table.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -7,10 +7,10 @@ use super::causes::{Cause, Disagreement};
 use super::drawing::RULE;
 use super::measure::Measured;
 
-/// How many of the worst images are named.
+/// Number of worst images named.
 const WORST: usize = 5;
 
-/// Figures for each set, and for all together when there are several.
+/// Returns the figures of each set, and of all sets together if there are several.
 pub(super) fn table(sets: &[(&str, Vec<Measured>)]) -> String {
     let mut rows: Vec<(&str, Vec<&Measured>)> = sets
         .iter()
@@ -173,7 +173,7 @@ mod tests {
                 .map(str::to_owned)
                 .collect::<Vec<_>>()
         };
-        // Images, and how many have a wrong count.
+        // Images, and those with a wrong count.
         assert_eq!([&row("one")[1], &row("one")[4]], ["1", "0"]);
         assert_eq!([&row("two")[1], &row("two")[4]], ["2", "1"]);
         assert_eq!([&row("all")[1], &row("all")[4]], ["3", "1"]);

@@ -1,23 +1,24 @@
-//! The curve through a centerline's points: a centripetal Catmull-Rom spline (Yuksel, Schaefer and Keyser, 2011),
-//! evaluated by the pyramid of Barry and Goldman (1988), about a pixel apart. The widths run along as a third
-//! coordinate with the same knots.
+//! The curve through a centerline's points: a centripetal Catmull-Rom spline (Yuksel, Schaefer and
+//! Keyser, 2011), evaluated about every pixel by the pyramid of Barry and Goldman (1988). Half the
+//! width is a third coordinate with the same knots.
 
 use lariat_extract::Curve;
 
-/// A spline's samples are at most this far apart, in pixels: a chord then strays from a bend of radius r by 1/(8r).
+/// Maximum distance between a spline's samples, in pixels. A chord then deviates from a bend of
+/// radius r by 1/(8r).
 const STEP_PX: f64 = 1.0;
 
-/// A place on a rope.
+/// A sample of a rope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub(super) at: [f64; 2],
-    /// Half the rope's width there, in pixels.
+    /// Half the rope's width at the sample, in pixels.
     pub(super) half_px: f64,
-    /// Where along the rope, as normalized arc length from 0 to 1.
+    /// Normalized arc length of the sample, from 0 to 1.
     pub(super) rho: f64,
 }
 
-/// Samples along the whole curve, tip to tip; a closed one ends where it began.
+/// Samples the whole curve from tip to tip. A closed curve ends where it starts.
 pub(super) fn through(curve: &Curve) -> Vec<Sample> {
     let knots: Vec<[f64; 3]> = curve
         .points
@@ -34,7 +35,7 @@ pub(super) fn through(curve: &Curve) -> Vec<Sample> {
         if curve.closed {
             knots[i.rem_euclid(count as i64) as usize]
         } else if i < 0 {
-            // A phantom beyond the tip, mirrored at it: the spline starts as straight as it can.
+            // A phantom point, mirrored beyond the tip: the spline starts as straight as possible.
             mirrored(knots[1], knots[0])
         } else if i > last {
             mirrored(knots[count - 2], knots[count - 1])
@@ -65,12 +66,13 @@ fn mirrored(p: [f64; 3], at: [f64; 3]) -> [f64; 3] {
     [2.0 * at[0] - p[0], 2.0 * at[1] - p[1], at[2]]
 }
 
-/// Distance in the plane.
+/// Returns the distance in the plane.
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-/// The spline from the second point (`share` 0) to the third (`share` 1), of points that are so far from each other.
+/// Evaluates the spline between the second point (`share` 0) and the third (`share` 1). `far`
+/// measures the distance between points.
 pub(crate) fn between(
     p: [[f64; 3]; 4],
     far: fn([f64; 3], [f64; 3]) -> f64,
@@ -78,7 +80,8 @@ pub(crate) fn between(
 ) -> [f64; 3] {
     let mut t = [0.0; 4];
     for i in 1..4 {
-        // Centripetal: the knots' steps are roots of the chords. Points that coincide still need a step.
+        // Centripetal: the knot intervals are square roots of the chords. Coincident points still
+        // need an interval.
         t[i] = t[i - 1] + far(p[i - 1], p[i]).sqrt().max(1e-6);
     }
     let at = t[1] + share * (t[2] - t[1]);

@@ -1,28 +1,29 @@
-//! The pixels along a curve and where each lies against it: the geometry that drawing and coverage share.
+//! The pixels along a curve and their position relative to it: geometry shared by drawing and
+//! coverage.
 
 use super::spline::Sample;
 
-/// Where a pixel's centre lies against the stretch of a curve that was found for it.
+/// Position of a pixel's center relative to a nearby segment of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
     pub(super) pixel: usize,
-    /// From the curve, in pixels.
+    /// Distance from the curve, in pixels.
     pub(super) distance_px: f64,
     /// Half the width there, in pixels.
     pub(super) half_px: f64,
 }
 
-/// How a curve's ends reach.
+/// Shape of a curve's ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ends {
-    /// Cut off square, as a rope is.
+    /// Cut off square, like a rope.
     Flat,
-    /// Whatever is within the width of the tip.
+    /// Rounded: includes everything within the width around the tip.
     Round,
 }
 
-/// Calls `hit` for the pixels within half a width + `margin_px` of the curve: once for each piece of the curve that
-/// has the pixel abreast, so that a pixel may come several times.
+/// Calls `hit` for the pixels within half a width + `margin_px` of the curve. It is called once for
+/// each segment that has the pixel abreast, so a pixel may occur several times.
 pub(super) fn each(
     (width, height): (usize, usize),
     samples: &[Sample],
@@ -33,7 +34,7 @@ pub(super) fn each(
     let Some((&last, front)) = samples.split_last() else {
         return;
     };
-    // A closed curve's last sample is its first: the piece before the first is the last one.
+    // A closed curve's last sample equals its first, so the last segment precedes the first.
     let first = samples[0].at;
     let is_closed = (last.at[0] - first[0]).hypot(last.at[1] - first[1]) < 1e-6;
     let mut before = front.last().filter(|_| is_closed).map(|s| s.at);
@@ -49,7 +50,7 @@ pub(super) fn each(
         let span = |axis: usize, size: usize| {
             let low = a.at[axis].min(b.at[axis]) - reach;
             let high = a.at[axis].max(b.at[axis]) + reach;
-            // Casts of floats saturate, so that far outside is the border.
+            // Float casts saturate, so coordinates far outside become the border.
             low.ceil().max(0.0) as usize..((high.floor() + 1.0).max(0.0) as usize).min(size)
         };
         for y in span(1, height) {
@@ -75,8 +76,8 @@ pub(super) fn each(
     }
 }
 
-/// Whether a pixel, `from_joint` away from a joint, has left the piece from `before` to the joint: with that it lies in
-/// the wedge on the outside of the bend.
+/// Returns whether a pixel at offset `from_joint` from a joint is past the end of the segment from
+/// `before` to the joint. It is then in the wedge on the outside of the bend.
 fn is_past(before: [f64; 2], joint: [f64; 2], from_joint: [f64; 2]) -> bool {
     let came = [joint[0] - before[0], joint[1] - before[1]];
     came[0] * from_joint[0] + came[1] * from_joint[1] > 0.0

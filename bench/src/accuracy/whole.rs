@@ -1,4 +1,5 @@
-//! Whether each labelled rope has a curve of its own, whole, and how true the curves' confidence of that is.
+//! Tests whether each labeled rope has one whole curve of its own, and how well the curves'
+//! confidence predicts it.
 
 use std::fmt::Write;
 
@@ -11,13 +12,16 @@ use super::spline::Sample;
 use crate::reliability::Reliability;
 use crate::right::{WHOLE, share_near};
 
-/// Of a rope's pixels every so many-th is looked at.
+/// Step between the rope pixels that are tested.
 const PIXELS: usize = 7;
-/// A curve's width is taken for one between these: of others hardly anything is known.
+/// Range that curve widths are clamped to, px. Widths outside are unreliable.
 const WIDTHS_PX: [f64; 2] = [3.0, 60.0];
 
-/// For each curve whether it is a rope of the label, whole: it covers 93 % of the rope's pixels (within half a width + 2 px, at least
-/// 4) and lies on it for as much of its length (within 1.1 widths, at least 5 px). No two are the same rope.
+/// Returns for each curve whether it is one whole rope of the label. No two curves are the same
+/// rope.
+///
+/// A whole curve covers 93 % of the rope's pixels (within half a width + 2 px, at least 4 px). As
+/// much of its length is on the rope (within 1.1 widths, at least 5 px).
 pub(super) fn curves(label: &Labels, curves: &[Curve], splines: &[Vec<Sample>]) -> Vec<bool> {
     let lines: Vec<(f64, Vec<[f64; 2]>)> = (curves.iter().zip(splines))
         .map(|(curve, samples)| {
@@ -51,7 +55,8 @@ fn pixels(label: &Labels, rope: u8) -> Vec<[f64; 2]> {
     places.step_by(PIXELS).collect()
 }
 
-/// How many pictures of each set are right, how many wrong ones are silent, and how true all curves' confidence is.
+/// Returns how many pictures of each set are right, how many wrong ones are silent, and how
+/// reliable the confidence of all curves is.
 pub(super) fn table(sets: &[(&str, Vec<Measured>)]) -> String {
     let percent = 100.0 * WHOLE;
     let mut out = format!(
@@ -111,7 +116,7 @@ mod tests {
             whole(&label, &[bar(10.0, 110.0), bar(112.0, 210.0)]),
             [false, false]
         );
-        // It covers the rope, and runs on over the table.
+        // The curve covers the rope, but continues over the table.
         assert_eq!(whole(&label, &[bar(10.0, 235.0)]), [false]);
         assert_eq!(
             whole(&label, &[bar(10.0, 210.0), bar(11.0, 209.0)])

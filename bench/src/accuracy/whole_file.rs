@@ -1,14 +1,14 @@
-//! Files that are written whole or not at all: under another name first, then put in place.
+//! Atomic file writes: to a temporary name first, then renamed.
 
 use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
-/// Writes `bytes` to `path`, whose folder is made if there is none.
+/// Writes `bytes` to `path`. Creates its folder if necessary.
 ///
 /// # Errors
-/// The folder cannot be made or written to.
+/// The folder cannot be created or written to.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let about = || format!("cannot write {}", path.display());
     let folder = match path.parent() {
@@ -16,7 +16,7 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
         _ => Path::new("."),
     };
     std::fs::create_dir_all(folder).with_context(about)?;
-    // As readable as any file the user makes, where a temporary file is the user's alone.
+    // The same permissions as any file of the user. A temporary file is private by default.
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

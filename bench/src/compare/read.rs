@@ -1,4 +1,4 @@
-//! Figures out of a `summary.json`: that of a bench, or that of one run.
+//! Reads the figures from a `summary.json` of a bench or of a single run.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::latency::KIND;
 
-/// What a summary is of.
+/// The kind of a summary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Bench,
@@ -22,7 +22,7 @@ impl Kind {
         }
     }
 
-    /// Where the noise is known from.
+    /// Describes the source of the noise estimate.
     pub(super) fn noise(self) -> &'static str {
         match self {
             Self::Bench => "the spread of the rounds",
@@ -39,7 +39,7 @@ pub(super) struct Summary {
     pub(super) measured: Vec<Measured>,
 }
 
-/// One figure, and between which values it lies by its noise.
+/// A figure and the range of its noise.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Measured {
     pub(super) id: String,
@@ -47,14 +47,14 @@ pub(super) struct Measured {
     pub(super) value: f64,
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Rounds that show the noise.
+    /// Number of rounds that show the noise.
     pub(super) rounds: usize,
-    /// Whether it is lariat's, and not the machine's or a rival's.
+    /// True for a figure of lariat, false for one of the machine or a rival.
     pub(super) ours: bool,
     pub(super) more_is_better: bool,
-    /// The least share that matters.
+    /// Minimum relative change that counts.
     pub(super) least_change: f64,
-    /// The least difference that can be seen.
+    /// Minimum difference that can be resolved.
     pub(super) resolution: f64,
 }
 
@@ -65,13 +65,14 @@ impl Measured {
     }
 }
 
-/// The noise of a single run's percentile is worked out, not seen in rounds.
+/// Round count of a single run, whose noise is computed instead of observed.
 const SINGLE: usize = usize::MAX;
-/// With fewer rounds nothing is known of the noise.
+/// Minimum number of rounds. With fewer, the noise is unknown.
 const LEAST_ROUNDS: usize = 3;
 
-/// The least difference that can be told, by the figure's unit: 0.5 µs is what two stamps differ by; 0.2 % of a core, a
-/// tenth of a MB and a ms are what the kernel's own books leave open; a lost frame is a lost frame.
+/// Returns the minimum resolvable difference, by the figure's unit. It is 0.5 µs because of the
+/// clock stamps. It is 0.2 % of a core, a tenth of a MB and a ms because of the kernel's
+/// accounting. Every lost frame counts.
 fn resolution(figure: &str) -> f64 {
     match figure {
         "lost" => 0.5,
@@ -83,7 +84,7 @@ fn resolution(figure: &str) -> f64 {
     }
 }
 
-/// Reads a summary; of a folder, the one in it.
+/// Reads a summary from a file or from the folder that contains it.
 pub(super) fn summary(path: &Path) -> Result<Summary> {
     let file = if path.is_dir() {
         path.join("summary.json")
@@ -107,7 +108,7 @@ fn parse(text: &str) -> Result<Summary> {
     } else {
         bail!("it has neither the keys of `lariat bench` nor those of `lariat run`");
     };
-    // The second version of a run's keys has more of them.
+    // The second version of a run's summary has additional keys.
     let newest = match kind {
         Kind::Bench => 1,
         Kind::Run => 2,
@@ -121,7 +122,7 @@ fn parse(text: &str) -> Result<Summary> {
     if measured.is_empty() {
         bail!("it holds no figure");
     }
-    // A percentile that few rounds had enough frames for shows no noise.
+    // A percentile that only a few rounds had enough frames for does not show the noise.
     measured.retain(|figure| figure.rounds >= LEAST_ROUNDS);
     if measured.is_empty() {
         bail!(
@@ -140,8 +141,8 @@ fn parse(text: &str) -> Result<Summary> {
     })
 }
 
-/// The figures of a bench that say how good something is: of the longest time one sample decides, and the number of
-/// frames is what was asked for.
+/// Returns the figures of a bench that measure quality. It omits the maximum time, which depends on
+/// one sample, and the number of frames, which is an option.
 fn bench(json: &Value) -> Vec<Measured> {
     let items = json["measured"].as_array().into_iter().flatten();
     let figures = items.flat_map(|item| {
@@ -151,7 +152,7 @@ fn bench(json: &Value) -> Vec<Measured> {
     figures
         .filter(|(item, name, _)| {
             let id = item["id"].as_str().unwrap_or_default();
-            // At a set rate it is the rate that was set.
+            // At a fixed rate, the measured rate is the one that was set.
             let is_rate = *name == "rate_per_s" && !id.contains("@max");
             !is_rate && *name != "max_us" && *name != "frames"
         })
@@ -179,7 +180,7 @@ fn run(json: &Value) -> Vec<Measured> {
         .flat_map(|(row, spread)| {
             [(0.5, "p50"), (0.99, "p99"), (0.999, "p999")]
                 .into_iter()
-                // A percentile that fewer than ten samples lie beyond is a few samples' own.
+                // A percentile with fewer than ten samples beyond it depends on a few samples.
                 .filter(move |(quantile, _)| (1.0 - quantile) * count >= 10.0)
                 .filter_map(move |(quantile, name)| percentile(row, spread, quantile, name, count))
         })
@@ -216,7 +217,8 @@ fn percentile(
         id: row.to_owned(),
         figure: name.to_owned(),
         value,
-        // Below the median nothing is known; the way up stands for the way down.
+        // The distribution below the median is unknown, so the upward distance is used in both
+        // directions.
         low: value - (high - value),
         high,
         rounds: SINGLE,
@@ -227,8 +229,8 @@ fn percentile(
     })
 }
 
-/// The distribution at any quantile from the median on, between the percentiles that are known: linear in the logarithm
-/// of 1/(1 − q), as plots of it are.
+/// Interpolates the distribution at a quantile from the median on. Between known percentiles it is
+/// linear in the logarithm of 1/(1 − q), as in its plots.
 fn interpolated(spread: &Value, quantile: f64) -> Option<f64> {
     const KNOWN: [(f64, &str); 4] = [(0.5, "p50"), (0.9, "p90"), (0.99, "p99"), (0.999, "p999")];
     let nines = |quantile: f64| -(1.0 - quantile).log10();

@@ -1,4 +1,4 @@
-//! Whether a figure changed beyond the noise, and for better or worse.
+//! Decides whether a figure changed beyond the noise, and in which direction.
 
 use super::read::Measured;
 
@@ -10,7 +10,7 @@ pub(super) enum Verdict {
     Same,
 }
 
-/// What became of a figure.
+/// Compares a figure with its earlier value.
 pub(super) fn verdict(before: &Measured, now: &Measured) -> Verdict {
     let change = now.value - before.value;
     let noise = before.spread() + now.spread();

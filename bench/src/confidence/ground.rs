@@ -1,8 +1,8 @@
-//! Grounds under a drawn rope: patterns that make it hard to see.
+//! Backgrounds of a drawn rope: patterns that make it hard to see.
 
 use lariat_portable::SplitMix64;
 
-/// What the ground has more than was drawn.
+/// Texture added to the drawn background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ground {
     Plain,
@@ -21,7 +21,7 @@ impl Ground {
         Self::Noisy,
     ];
 
-    /// The pattern's strength, in levels.
+    /// Returns the strength of the pattern, in levels.
     fn levels(self) -> f32 {
         match self {
             Self::Plain => 0.0,
@@ -32,7 +32,7 @@ impl Ground {
         }
     }
 
-    /// Lays it around the rope, which covers as much of each pixel as `cover` says.
+    /// Adds the pattern around the rope. `cover` is the share of each pixel that the rope covers.
     pub(super) fn lay(self, rgb: &mut [u8], cover: &[u8], width: usize, random: &mut SplitMix64) {
         let levels = self.levels() * random.uniform(0.5, 1.5) as f32;
         let pattern = Pattern::of(random, width, cover.len() / width);
@@ -46,7 +46,7 @@ impl Ground {
         if self == Self::Noisy {
             let sigma = random.uniform(4.0, 22.0);
             for byte in rgb {
-                // Three of variance 1/12 each: a quarter in all.
+                // Three uniform values of variance 1/12 each: 1/4 in all.
                 let sum: f64 = (0..3).map(|_| random.uniform(-0.5, 0.5)).sum();
                 *byte = (f64::from(*byte) + 2.0 * sigma * sum) as u8;
             }
@@ -54,7 +54,7 @@ impl Ground {
     }
 }
 
-/// A pattern of values about −1 to 1.
+/// A pattern with values between about −1 and 1.
 struct Pattern {
     kind: u32,
     period_px: f32,
@@ -64,7 +64,7 @@ struct Pattern {
     waves: Waves,
 }
 
-/// A stroke, or the half of the picture on one side of it.
+/// A stroke, or the half-plane on one side of it.
 struct Thing {
     from: [f32; 2],
     way: [f32; 2],
@@ -110,7 +110,7 @@ impl Pattern {
             0 => tinted(((u.floor() + v.floor()).rem_euclid(2.0)) - 0.5),
             1 => tinted(0.5 * libm::sinf(std::f32::consts::TAU * u)),
             2 => tinted(self.waves.at([x, y])),
-            // Strokes, the last above the others.
+            // Strokes; later ones are on top.
             3 => {
                 let hit = |thing: &&Thing| thing.is_on([x, y]);
                 (self.things.iter().rev().find(hit)).map_or([0.0; 3], |thing| thing.color)
@@ -139,7 +139,7 @@ impl Thing {
     }
 }
 
-/// Random values at the corners of cells, and between them.
+/// Random values at the corners of cells, interpolated between them.
 pub(super) struct Waves {
     cell_px: usize,
     across: usize,

@@ -1,4 +1,4 @@
-//! Logistic regression by Newton's method, and how true its probabilities are.
+//! Logistic regression by Newton's method, and the reliability of its probabilities.
 
 use lariat_extract::Evidence;
 use std::fmt::Write;
@@ -6,22 +6,23 @@ use std::fmt::Write;
 use crate::reliability::Reliability;
 
 const CLUES: usize = Evidence::MEANINGS.len();
-/// The weights' own cost: a clue that nothing depends on has none.
+/// Regularization of the weights. A clue without influence gets a weight of 0.
 const RIDGE: f64 = 0.1;
 const ROUNDS: usize = 30;
 
-/// A curve that was judged.
+/// A judged curve.
 pub(super) struct Example {
     pub(super) evidence: Evidence,
     pub(super) is_right: bool,
     pub(super) is_fitted: bool,
 }
 
-/// A weight for each clue.
+/// One weight per clue.
 pub(super) struct Weights([f64; CLUES]);
 
 impl Weights {
-    /// The most likely ones of those that say what they can ([`Evidence::MEANINGS`]); clues that would say the opposite say nothing.
+    /// Fits the most likely weights. A clue whose weight would contradict its sign in
+    /// [`Evidence::MEANINGS`] gets a weight of 0.
     pub(super) fn fit(examples: &[&Example]) -> Self {
         let mut is_silent = [false; CLUES];
         loop {
@@ -68,7 +69,7 @@ impl Weights {
         1.0 / (1.0 + libm::exp(-sum))
     }
 
-    /// As the extractor has them.
+    /// Formats the weights as source code of the extractor.
     pub(super) fn as_rust(&self, name: &str) -> String {
         let mut text = format!("pub(super) const {name}: [f32; CLUES] = [\n");
         for (weight, (clue, _)) in self.0.iter().zip(Evidence::MEANINGS) {
@@ -77,7 +78,7 @@ impl Weights {
         text + "];\n"
     }
 
-    /// How true what it says is of these.
+    /// Returns the reliability of the probabilities for these examples.
     pub(super) fn reliability(&self, examples: &[&Example]) -> Reliability {
         let mut reliability = Reliability::default();
         for example in examples {
@@ -87,7 +88,7 @@ impl Weights {
     }
 }
 
-/// The solution of `matrix · x = right`, by elimination: the matrix is symmetric and positive.
+/// Solves `matrix · x = right` by elimination. The matrix is symmetric and positive definite.
 fn solve(mut matrix: [[f64; CLUES]; CLUES], mut right: [f64; CLUES]) -> [f64; CLUES] {
     for i in 0..CLUES {
         let pivot = matrix[i];
@@ -109,13 +110,14 @@ mod tests {
     use super::*;
     use lariat_extract::Maker;
 
-    /// A clue that can only speak for a curve.
+    /// Returns the index of a clue that can only support a curve.
     fn speaks_for() -> usize {
         let only_for = |meaning: &(&str, i8)| meaning.1 == 1;
         Evidence::MEANINGS.iter().position(only_for).unwrap()
     }
 
-    /// Curves with and without a clue that can only speak for them: how many of twenty are right, in either case.
+    /// Returns twenty curves with a clue that can only support them, and twenty without. The
+    /// arguments are the numbers of right ones.
     fn examples([with, without]: [usize; 2]) -> Vec<Example> {
         let example = |clue: f32, is_right: bool| {
             let mut clues = [0.0; CLUES];

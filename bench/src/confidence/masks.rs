@@ -1,11 +1,11 @@
-//! Masks of a drawn rope: the true one, and such as others make.
+//! Masks of a drawn rope: the true one, and imitations of external ones.
 
 use lariat_drawn::scenes::Still;
 use lariat_portable::SplitMix64;
 
 use super::ground::Waves;
 
-/// The true mask: how much of each pixel is rope.
+/// Returns the true mask: the share of each pixel that is rope.
 pub(super) fn cover(still: &Still) -> Vec<u8> {
     let mut nearest_px = vec![f32::INFINITY; still.width * still.height];
     let mut half_px = 0.0;
@@ -24,7 +24,7 @@ pub(super) fn cover(still: &Still) -> Vec<u8> {
         .collect()
 }
 
-/// A mask with gaps, with an end cut off, and with strands on bare ground.
+/// Returns a mask with gaps, with a missing end, and with strands on bare background.
 pub(super) fn damaged(mask: &[u8], still: &Still, random: &mut SplitMix64) -> Vec<u8> {
     let mut mask = mask.to_vec();
     let ropes = &still.truth.ropes;
@@ -56,7 +56,7 @@ pub(super) fn damaged(mask: &[u8], still: &Still, random: &mut SplitMix64) -> Ve
     mask
 }
 
-/// As a network makes it: soft, and of another width every few pixels.
+/// Imitates a network's mask: soft, with a width that changes every few pixels.
 pub(super) fn uneven(mask: &[u8], width: usize, random: &mut SplitMix64) -> Vec<u8> {
     let mut soft: Vec<f32> = mask.iter().map(|&byte| f32::from(byte) / 255.0).collect();
     let height = mask.len() / width;
@@ -74,7 +74,7 @@ pub(super) fn uneven(mask: &[u8], width: usize, random: &mut SplitMix64) -> Vec<
     let strength = random.uniform(0.0, 0.9) as f32;
     let waves = Waves::of(random, [width, height], cell_px);
     let uneven = soft.iter().enumerate().map(|(i, &share)| {
-        // Most of it at the edges.
+        // Mostly at the edges.
         let edge = if share > 0.0 {
             1.0 - 0.7 * (2.0 * share - 1.0).abs()
         } else {
@@ -86,7 +86,7 @@ pub(super) fn uneven(mask: &[u8], width: usize, random: &mut SplitMix64) -> Vec<
     uneven.collect()
 }
 
-/// Calls back with each pixel of a disc, and how far it is from its middle.
+/// Calls `put` with each pixel of a disc and its distance from the center.
 fn around(still: &Still, at: [f64; 2], reach_px: f64, mut put: impl FnMut(usize, f64)) {
     let range = |middle: f64, side: usize| {
         let from = (middle - reach_px).ceil().max(0.0) as usize;

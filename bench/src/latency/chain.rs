@@ -1,4 +1,4 @@
-//! The chain itself: `lariat run` as a user starts it, and what its own report says.
+//! The chain itself: `lariat run` as a user starts it, and the figures of its own report.
 
 use std::fs;
 use std::path::Path;
@@ -15,27 +15,27 @@ use super::guard::{Guarded, Placement, end_all};
 use super::usage;
 use super::workplace::Workplace;
 
-/// How long a chain may take to start and to end.
+/// Time limit for starting and for ending a chain.
 const AROUND: Duration = Duration::from_secs(30);
 
-/// One way to run the chain.
+/// One configuration of the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Setup {
     pub(super) size: [u32; 2],
-    /// `None`: as fast as it goes, without losses.
+    /// Frames per second. `None`: as fast as possible, without losses.
     pub(super) fps: Option<f64>,
-    /// Flags of `lariat run` that the user gave.
+    /// The user's flags for `lariat run`.
     pub(super) flags: Vec<String>,
-    /// Another flag of `lariat run`.
+    /// An additional flag of `lariat run`.
     pub(super) variant: Option<&'static str>,
-    /// Whether every core is kept busy by a program that only counts.
+    /// True if a spinning program keeps every core busy.
     pub(super) load: bool,
-    /// Whether a second chain runs beside it.
+    /// True if a second chain runs at the same time.
     pub(super) second: bool,
 }
 
 impl Setup {
-    /// What `lariat run` is told.
+    /// Returns the arguments of `lariat run`.
     fn arguments(&self, rig: &str, time: Duration) -> Vec<String> {
         let [width, height] = self.size;
         let mut words = vec![
@@ -53,7 +53,7 @@ impl Setup {
     }
 }
 
-/// Runs the chain for this long.
+/// Runs the chain for `time`.
 pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> Result<Outcome> {
     let mut beside = Vec::new();
     if setup.load {
@@ -68,12 +68,12 @@ pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> R
     }
     if setup.second {
         let mut command = workplace.lariat(Placement::default());
-        // It outlasts the first, and is ended with it.
+        // It outlasts the first chain and is ended with it.
         command
             .arg("run")
             .args(setup.arguments("beside", time + AROUND));
         beside.push(Guarded::start(&mut command)?);
-        // Until it has started, which takes more than its running does.
+        // Wait until it has started, because starting costs more than running.
         workplace.sleep(Duration::from_millis(500))?;
     }
     let out = workplace.path("chain");
@@ -85,7 +85,7 @@ pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> R
     measured
 }
 
-/// Runs a program that reports like a chain, and looks meanwhile what it uses.
+/// Runs a program that reports like a chain, and measures its CPU use.
 pub(super) fn watch(
     workplace: &Workplace,
     command: &mut Command,
@@ -103,7 +103,8 @@ pub(super) fn watch(
     Ok(outcome)
 }
 
-/// The share of one core that programs and their children use, over the middle of this time: their start is left out.
+/// Returns the share of one core that programs and their children use, in percent. It is measured
+/// over the middle of `time`, without their start.
 pub(super) fn cpu_percent(workplace: &Workplace, programs: &[u32], time: Duration) -> Result<f64> {
     workplace.sleep(time / 2)?;
     let family = usage::family(programs);
@@ -152,7 +153,8 @@ pub(super) fn read(out: &Path, time: Duration, what: &str) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// From the command to the first descriptor in a reader's hands; and, half a second later, what is resident.
+/// Measures the time from the command until a reader has the first descriptor, and the resident
+/// memory half a second later.
 pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
     let domain = Domain::named(&workplace.domain)?;
     let reader = Receiver::descriptors(&domain, &"bench".parse()?)?;
@@ -173,7 +175,7 @@ pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
         )?;
     }
     let start_ms = begin.elapsed().as_secs_f64() * 1e3;
-    // It shares the pages that are counted.
+    // The reader would share the pages that are counted.
     drop((reader, domain));
     workplace.sleep(Duration::from_millis(500))?;
     let resident_mb = usage::resident_mb(&usage::family(&[program.id()]));
@@ -187,7 +189,7 @@ pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// What the three stages use that wait for frames, while none come.
+/// Measures the CPU use of the three waiting stages while no frames arrive.
 pub(super) fn idle(workplace: &Workplace, time: Duration) -> Result<Outcome> {
     let mut stages = Vec::new();
     for stage in ["sink", "fit", "extract"] {
@@ -197,7 +199,7 @@ pub(super) fn idle(workplace: &Workplace, time: Duration) -> Result<Outcome> {
             .stderr(std::process::Stdio::null());
         stages.push(Guarded::start(&mut command)?);
     }
-    // They start meanwhile.
+    // Wait until they have started.
     workplace.sleep(Duration::from_millis(500))?;
     let ids: Vec<u32> = stages.iter().map(Guarded::id).collect();
     let percent = cpu_percent(workplace, &ids, time)?;

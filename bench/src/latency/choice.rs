@@ -1,4 +1,4 @@
-//! What the user can choose: sizes, rates, and flags of `lariat run`.
+//! The user's choices: sizes, rates, and flags of `lariat run`.
 
 use clap::Args;
 
@@ -6,10 +6,10 @@ use super::BenchArgs;
 use super::plan::{FPS, SIZE};
 use lariat_chain::settings::Flags;
 
-/// Frames a second; `None`: as fast as it goes.
+/// Frames per second. `None`: as fast as possible.
 pub(super) type Rate = Option<f64>;
 
-/// Reads a size.
+/// Parses a size.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x');
     let side = |text: &str| text.parse().ok().filter(|side| (32..=16384).contains(side));
@@ -18,7 +18,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "a size is a width and a height in pixels, such as 640x480".to_owned())
 }
 
-/// Reads a rate.
+/// Parses a rate.
 pub(super) fn rate(text: &str) -> Result<Rate, String> {
     match text {
         "max" => Ok(None),
@@ -29,7 +29,7 @@ pub(super) fn rate(text: &str) -> Result<Rate, String> {
     }
 }
 
-/// The sizes and rates of the chain.
+/// Returns the sizes and rates of the chain.
 pub(super) fn setups(args: &BenchArgs) -> Vec<([u32; 2], Rate)> {
     const SIZES: [[u32; 2]; 3] = [SIZE, [1280, 720], [1920, 1080]];
     const RATES: [Rate; 6] = [
@@ -64,7 +64,7 @@ pub(super) fn setups(args: &BenchArgs) -> Vec<([u32; 2], Rate)> {
     }
 }
 
-/// Whether `lariat run` has this flag.
+/// Returns whether `lariat run` has this flag.
 pub(super) fn knows(flag: &str) -> bool {
     let command = Flags::augment_args(clap::Command::new("run"));
     command

@@ -1,21 +1,21 @@
-//! What was measured: for each thing its figures, round by round, and all its durations in one heap.
+//! Results: the figures of each measured item, round by round, and all its durations together.
 
 use lariat_plot::spread::quantile;
 use lariat_sink::Times;
 
-/// The kinds of things that are measured.
+/// Kinds of measured items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Group {
-    /// What no chain on this machine can be faster than.
+    /// A lower bound for every chain on this machine.
     Floor,
     /// lariat.
     Chain,
-    /// The same by others.
+    /// Another system with the same task.
     Rival,
 }
 
 impl Group {
-    /// Its name in `summary.json`.
+    /// Returns the name in `summary.json`.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Floor => "floor",
@@ -25,19 +25,19 @@ impl Group {
     }
 }
 
-/// One round's outcome for one thing.
+/// Result of one round of one item.
 #[derive(Debug, Default)]
 pub(super) struct Outcome {
-    /// Figures by name; the name ends in the unit.
+    /// Figures by name. The name ends in the unit.
     pub(super) figures: Vec<(&'static str, f64)>,
-    /// How long it took, each time.
+    /// All durations.
     pub(super) times: Option<Times>,
-    /// Versions of what was measured.
+    /// Versions of the measured software.
     pub(super) versions: String,
 }
 
 impl Outcome {
-    /// The percentiles of durations, and the durations themselves.
+    /// Creates an outcome from durations and their percentiles.
     pub(super) fn of_times(times: Times) -> Self {
         let mut outcome = Self::default();
         outcome.add_percentiles(WHOLE, &times);
@@ -45,7 +45,8 @@ impl Outcome {
         outcome
     }
 
-    /// Adds percentiles under these names. One that no duration lies beyond would be another name of the longest.
+    /// Adds percentiles under these names. Omits a percentile with no duration beyond it, which
+    /// would only repeat the maximum.
     pub(super) fn add_percentiles<const N: usize>(
         &mut self,
         names: [(&'static str, f64); N],
@@ -53,7 +54,7 @@ impl Outcome {
     ) {
         for (name, quantile) in names {
             let beyond = (1.0 - quantile) * times.count() as f64;
-            // 0.1 % of 1000 is 0.9999… of them.
+            // In floating point, 0.1 % of 1000 is 0.9999….
             if quantile == 1.0 || beyond > 0.999 {
                 self.figures
                     .extend(times.quantile_us(quantile).map(|us| (name, us)));
@@ -62,7 +63,7 @@ impl Outcome {
     }
 }
 
-/// The percentiles of the whole of something.
+/// The percentiles of the whole duration.
 const WHOLE: [(&str, f64); 4] = [
     ("p50_us", 0.5),
     ("p99_us", 0.99),
@@ -78,14 +79,15 @@ pub(super) struct Figure {
 }
 
 impl Figure {
-    /// The middle of the rounds; of an even number, the mean of the two in the middle.
+    /// Returns the median of the rounds. If their number is even, this is the mean of the two in
+    /// the middle.
     pub(super) fn median(&self) -> f64 {
         let mut sorted = self.rounds.clone();
         sorted.sort_by(f64::total_cmp);
         quantile(&sorted, 0.5)
     }
 
-    /// The least and the greatest round.
+    /// Returns the least and the greatest round.
     pub(super) fn range(&self) -> (f64, f64) {
         let fold = |f: fn(f64, f64) -> f64| self.rounds.iter().copied().reduce(f);
         (
@@ -95,21 +97,21 @@ impl Figure {
     }
 }
 
-/// One thing that is measured.
+/// A measured item.
 #[derive(Debug)]
 pub(super) struct Item {
-    /// Its name for programs, the same in every run: `chain.640x480@120`.
+    /// Name for programs, the same in every run: `chain.640x480@120`.
     pub(super) id: String,
     pub(super) group: Group,
-    /// Its name for people.
+    /// Name for people.
     pub(super) title: String,
-    /// What is compared: bytes, hops, copies.
+    /// Basis of the comparison: bytes, hops, copies.
     pub(super) note: &'static str,
     pub(super) figures: Vec<Figure>,
     /// The durations of all rounds.
     pub(super) times: Option<Times>,
     pub(super) versions: String,
-    /// Why there are no figures.
+    /// The reason why figures are missing.
     pub(super) missing: Option<String>,
 }
 
@@ -127,7 +129,7 @@ impl Item {
         }
     }
 
-    /// One more round.
+    /// Adds one round.
     pub(super) fn add(&mut self, outcome: Outcome) {
         for (name, value) in outcome.figures {
             self.add_figure(name, value);
@@ -152,7 +154,7 @@ impl Item {
         self.figures.iter().find(|figure| figure.name == name)
     }
 
-    /// A figure's median.
+    /// Returns a figure's median.
     pub(super) fn median(&self, name: &str) -> Option<f64> {
         self.figure(name).map(Figure::median)
     }
@@ -190,7 +192,7 @@ mod tests {
         assert_eq!(heap.count(), 300);
         assert_eq!(heap.quantile_us(1.0), Some(30.0));
         assert_eq!(item.median("nothing"), None);
-        // Of a hundred there is a hundredth, and no thousandth.
+        // A hundred durations have a p99, but no p999.
         assert_eq!(item.median("p99_us"), Some(20.0));
         assert_eq!(item.median("p999_us"), None);
     }

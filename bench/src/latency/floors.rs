@@ -1,4 +1,5 @@
-//! What no chain on this machine can be faster than: reading and copying the frame, waking a thread, waking in time; and how steady the machine is.
+//! Lower bounds for every chain on this machine: reading and copying the frame, waking a thread,
+//! waking on time, and the steadiness of the machine.
 
 use std::hint::black_box;
 use std::os::fd::OwnedFd;
@@ -16,19 +17,19 @@ use super::figures::Outcome;
 use lariat_chain::stages::arrangement::{pin, precise_timer, run_before_others};
 use lariat_chain::stop::Stop;
 
-/// Wakes that are not counted: threads start, caches fill.
+/// Wakes that are not counted, while threads start and caches fill.
 const WARM_UP: usize = 20;
-/// Passes over a frame that are timed at least, however long others have the core.
+/// Minimum number of timed passes over a frame, even if other programs use the core.
 const LEAST_PASSES: u64 = 100;
 
-/// What passes over a frame.
+/// Kinds of passes over a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pass {
     Read,
     Copy,
 }
 
-/// Times passes over a frame of RGB that is in the cache as far as it fits.
+/// Times passes over an RGB frame that is in the cache as far as it fits.
 pub(super) fn pass(pass: Pass, [width, height]: [u32; 2], time: Duration) -> Outcome {
     let frame = vec![7u8; 3 * width as usize * height as usize];
     let mut copy = frame.clone();
@@ -46,11 +47,12 @@ pub(super) fn pass(pass: Pass, [width, height]: [u32; 2], time: Duration) -> Out
     Outcome::of_times(times)
 }
 
-/// Additions and products of one round of [`arithmetic`]: a tenth of a millisecond.
+/// Additions and multiplications of one round of [`arithmetic`], which takes a tenth of a
+/// millisecond.
 const ROUND: u32 = 40_000;
 
-/// Times the same arithmetic in registers, again and again: what a round takes longer than others, the machine was slower, or
-/// another had the core.
+/// Times the same arithmetic in registers repeatedly. A longer round means that the machine was
+/// slower or another program had the core.
 pub(super) fn arithmetic(time: Duration) -> Outcome {
     let mut times = Times::default();
     let end = Instant::now() + time;
@@ -63,14 +65,14 @@ pub(super) fn arithmetic(time: Duration) -> Outcome {
     Outcome::of_times(times)
 }
 
-/// What a thread sleeps on.
+/// The mechanism a thread sleeps on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sleep {
     Futex,
     Eventfd,
 }
 
-/// A word that a thread is woken by.
+/// A signal that wakes a thread.
 struct Bell {
     how: Sleep,
     word: AtomicU32,
@@ -93,7 +95,7 @@ impl Bell {
                 self.word.store(1, Ordering::Release);
                 let _ = futex::wake(&self.word, futex::Flags::PRIVATE, 1);
             }
-            // It holds at most one ring, so that there is room.
+            // It holds at most one signal, so the write does not block.
             Sleep::Eventfd => drop(rustix::io::write(&self.descriptor, &1u64.to_ne_bytes())),
         }
     }
@@ -110,7 +112,8 @@ impl Bell {
     }
 }
 
-/// Times the way from one thread's call to the other's return, back and forth, each on its core.
+/// Times a wake from one thread's call until the other's return. The threads are on their own cores
+/// and wake each other in turn.
 pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcome> {
     let (there, back) = (Bell::new(how)?, Bell::new(how)?);
     let sent_ns = AtomicU64::new(0);
@@ -128,7 +131,7 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
             }
             seated.map(|()| times)
         });
-        // In a thread of its own, too: where the bench itself runs is not changed.
+        // A separate thread, so that the core of the bench itself does not change.
         let waker = scope.spawn(|| -> Result<()> {
             let seated = pin(cores[0]);
             for _ in 0..WARM_UP + count {
@@ -148,9 +151,9 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
     Ok(Outcome::of_times(times))
 }
 
-/// Times how late a thread wakes that sleeps until a moment, as capture does; under FIFO and on a core of its own if one
-/// is named. What it misses then, nothing on this machine can reach: the rest is the kernel's and, if there is one, the
-/// host's of a virtual machine.
+/// Times how late a thread wakes from a sleep until a given time, as in capture. If a core is
+/// named, the thread runs on it under FIFO. No program on this machine can be more punctual than
+/// that. The rest is due to the kernel, and on a virtual machine to the host.
 pub(super) fn timer(
     stop: &Stop,
     period: Duration,

@@ -1,7 +1,8 @@
-//! Programs that are started for a measurement, and end with it whatever happens.
+//! Programs that are started for a measurement and end with it in every case.
 //!
-//! Each is started through `lariat-bench latency-part guard`, which asks the kernel to end it when the bench dies, puts it on
-//! its core and under its scheduling class, and then becomes it.
+//! Each is started through `lariat-bench latency-part guard`. The guard asks the kernel to end it
+//! when the bench dies. It moves to its core and scheduling class, and then becomes the program
+//! (`exec`).
 
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::CommandExt;
@@ -17,12 +18,13 @@ use rustix::process::{
 use lariat_chain::stages::arrangement;
 use lariat_chain::stop::Stop;
 
-/// How long a program may take to end when it is asked to.
+/// Time limit for a program to end after it is asked to.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The priority of a program under FIFO scheduling: above what is not, below the kernel's own threads.
+/// Priority of a program under FIFO scheduling: above normal programs, below the kernel's own
+/// threads.
 const PRIORITY: u8 = 50;
 
-/// A program that ends with the value.
+/// A program that ends when this value is dropped.
 pub(crate) struct Guarded {
     child: Child,
     gone: OwnedFd,
@@ -30,7 +32,7 @@ pub(crate) struct Guarded {
 }
 
 impl Guarded {
-    /// Starts a program in a process group of its own: a Ctrl-C is the bench's to deal with.
+    /// Starts a program in a process group of its own, so that only the bench handles Ctrl-C.
     pub(crate) fn start(command: &mut Command) -> Result<Self> {
         let mut child = command
             .process_group(0)
@@ -55,12 +57,12 @@ impl Guarded {
         self.child.id()
     }
 
-    /// The program's process, to read what it prints.
+    /// Returns the process of the program, to read its output.
     pub(super) fn child(&mut self) -> &mut Child {
         &mut self.child
     }
 
-    /// Waits for its end; `None` if the deadline is over first.
+    /// Waits for the end of the program. Returns `None` at the deadline.
     ///
     /// # Errors
     /// A signal asked the bench to stop.
@@ -74,15 +76,15 @@ impl Guarded {
         Ok(self.ended)
     }
 
-    /// Asks it to end.
+    /// Asks the program to end.
     pub(super) fn ask_to_end(&self) {
         if self.ended.is_none() {
-            // Not waited for yet, so the number is still this process's.
+            // The process was not reaped yet, so the PID is still its own.
             let _ = kill_process(Pid::from_child(&self.child), Signal::TERM);
         }
     }
 
-    /// `false` if the deadline is over.
+    /// Waits for an event. Returns `false` at the deadline.
     fn wait_for_an_event(&mut self, deadline: Instant, stop: Option<&Stop>) -> bool {
         let left = deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {
@@ -92,13 +94,13 @@ impl Guarded {
         if let Some(stop) = stop {
             polled.push(PollFd::from_borrowed_fd(stop.as_fd(), PollFlags::IN));
         }
-        // What happened is asked for below, and by the caller.
+        // The event is checked below and by the caller.
         let _ = poll(&mut polled, Timespec::try_from(left).ok().as_ref());
         self.ended();
         true
     }
 
-    /// How it has ended, if it has.
+    /// Returns the exit status if the program has ended.
     pub(crate) fn ended(&mut self) -> Option<ExitStatus> {
         if let Ok(Some(status)) = self.child.try_wait() {
             self.ended = Some(status);
@@ -106,7 +108,7 @@ impl Guarded {
         self.ended
     }
 
-    /// Asks it to end, and ends it if it has not within `patience`.
+    /// Asks the program to end, and kills it after `patience`.
     pub(crate) fn end(&mut self, patience: Duration) {
         self.ask_to_end();
         let deadline = Instant::now() + patience;
@@ -124,37 +126,37 @@ impl Drop for Guarded {
     }
 }
 
-/// Ends programs together: each asked first, so that they do not wait for each other.
+/// Ends programs together. All are asked first, so that they do not wait for each other.
 pub(super) fn end_all(programs: Vec<Guarded>) {
     programs.iter().for_each(Guarded::ask_to_end);
 }
 
-/// Where a program runs.
+/// Core and scheduling of a program.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Placement {
-    /// On this core alone.
+    /// The only core that it may use.
     pub(super) core: Option<usize>,
-    /// Under FIFO scheduling.
+    /// True for FIFO scheduling.
     pub(super) fifo: bool,
 }
 
-/// What `latency-part guard` is told.
+/// Arguments of `latency-part guard`.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct GuardArgs {
-    /// The bench that started it
+    /// Process ID of the bench that started it
     parent: i32,
-    /// The core to run on
+    /// Core to run on
     #[arg(long)]
     core: Option<usize>,
     /// Run under FIFO scheduling
     #[arg(long)]
     fifo: bool,
-    /// The program and what it is told
+    /// Program and its arguments
     #[arg(last = true, required = true)]
     program: Vec<std::ffi::OsString>,
 }
 
-/// A command that becomes this program, guarded, in a placement.
+/// Returns a command that executes a program under guard, with the given placement.
 pub(super) fn command(itself: &std::path::Path, placement: Placement) -> Command {
     let mut command = Command::new(itself);
     command.args(["latency-part", "guard"]);
@@ -169,7 +171,7 @@ pub(super) fn command(itself: &std::path::Path, placement: Placement) -> Command
     command
 }
 
-/// Becomes the program.
+/// Replaces this process with the program.
 pub(super) fn run(args: &GuardArgs) -> Result<std::process::ExitCode> {
     set_parent_process_death_signal(Some(Signal::TERM))
         .context("the kernel was asked to end this program with the bench, and refused")?;
@@ -181,7 +183,7 @@ pub(super) fn run(args: &GuardArgs) -> Result<std::process::ExitCode> {
     if let Some(core) = args.core {
         arrangement::pin(core)?;
     }
-    // Last, and kept by what it becomes.
+    // The last change. The program inherits it.
     ensure!(
         !args.fifo || arrangement::run_before_others(PRIORITY),
         "FIFO scheduling is not allowed"
@@ -192,9 +194,9 @@ pub(super) fn run(args: &GuardArgs) -> Result<std::process::ExitCode> {
     Err(cause).with_context(|| format!("{} cannot be run", program.display()))
 }
 
-/// Whether FIFO scheduling may be had, or why not.
+/// Checks whether FIFO scheduling is allowed. The error says why it is not.
 pub(super) fn fifo_allowed() -> Result<(), String> {
-    // In a thread of its own: the bench itself stays as it is.
+    // In a separate thread, so that the bench itself does not change.
     let tried = std::thread::spawn(|| arrangement::run_before_others(PRIORITY)).join();
     match tried {
         Ok(true) => Ok(()),

@@ -1,4 +1,4 @@
-//! One measurement of the plan, and who makes it.
+//! One measurement of the plan, and the function that makes it.
 
 use std::time::Duration;
 
@@ -11,17 +11,17 @@ use super::relay::{self, Arrangement};
 use super::rivals::{self, Script};
 use super::workplace::Workplace;
 
-/// One measurement.
+/// A measurement.
 pub(super) struct Job {
-    /// The item's place among all.
+    /// Index of the item.
     pub(super) item: usize,
     pub(super) what: What,
     pub(super) time: Duration,
-    /// Whether it may be missing.
+    /// True if its failure does not end the bench.
     pub(super) optional: bool,
 }
 
-/// What is measured.
+/// Kinds of measurements.
 pub(super) enum What {
     Pass(Pass, [u32; 2]),
     Arithmetic,

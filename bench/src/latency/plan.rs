@@ -1,4 +1,4 @@
-//! What is measured, in which order, and for how long.
+//! The measurements, their order and their duration.
 
 use std::time::Duration;
 
@@ -13,25 +13,25 @@ use super::relay::Arrangement;
 use super::rivals::Script;
 use super::workplace::Workplace;
 
-/// The size and the rate at which everything is compared.
+/// Size and rate of the comparisons.
 pub(super) const SIZE: [u32; 2] = [640, 480];
 pub(super) const FPS: f64 = 120.0;
-/// The size and the rate at which nothing may be lost.
+/// Size and rate at which no frame may be lost.
 pub(super) const FAST: ([u32; 2], Rate) = (SIZE, Some(1000.0));
-/// What a script in Python can keep up with: one that cannot is ever later.
+/// A rate that Python scripts can sustain. Above it, a script falls behind more and more.
 const SCRIPT_FPS: f64 = 30.0;
 
-/// The wakes under FIFO among the floors.
+/// Name of the timer floor under FIFO.
 pub(super) const TIMER_FIFO: &str = "timer.fifo";
 
-/// All measurements, and what came out of them.
+/// All measurements and their results.
 pub(super) struct Plan {
     pub(super) rounds: u32,
     pub(super) jobs: Vec<Job>,
     pub(super) items: Vec<Item>,
-    /// The size and rate of the comparisons.
+    /// Size and rate of the comparisons.
     pub(super) base: ([u32; 2], f64),
-    /// How much longer or shorter than usual everything takes.
+    /// Factor on the usual durations.
     stretch: f64,
 }
 
@@ -133,7 +133,8 @@ impl Plan {
         self.add_relays(args, setups);
     }
 
-    /// How late a wake is: as often as frames come at the highest rate, so that the longest of both can be compared.
+    /// Adds the timers. They wake at the highest frame rate, so that the maxima of timers and
+    /// chains can be compared.
     fn add_timers(&mut self, workplace: &Workplace) {
         let note = "an absolute moment every millisecond, 1 ns of leeway asked for";
         let title = "wake at a moment: how late";
@@ -151,7 +152,8 @@ impl Plan {
         }
     }
 
-    /// The four processes of 64 bytes, at the rate of the comparisons and at the highest.
+    /// Adds the four processes with 64 bytes, at the rate of the comparisons and at the highest
+    /// rate.
     fn add_relays(&mut self, args: &BenchArgs, setups: &[([u32; 2], Rate)]) {
         let mut rates = vec![self.base.1];
         let highest = setups
@@ -163,10 +165,10 @@ impl Plan {
         }
         let fifo = fifo_allowed();
         for fps in rates {
-            // Enough for a hundredth of them to be one or two.
+            // Enough messages that one or two are beyond the 99th percentile.
             let usual_s = (205.0 / fps).max(0.5);
             for arrangement in Arrangement::ALL {
-                // One of each kind is enough for a look.
+                // One of each kind is enough for a quick run.
                 if args.quick
                     && !matches!(
                         arrangement,
@@ -233,10 +235,10 @@ impl Plan {
         self.push(item, What::Idle, 2.0, false);
     }
 
-    /// The same in other ways, and under other circumstances.
+    /// Adds the same chain with other flags and under other conditions.
     fn add_variants(&mut self, args: &BenchArgs, plain: &Setup, is_base: bool, usual_s: f64) {
         for variant in ["realtime", "fuse"] {
-            // What this release knows of, and was not asked for anyway.
+            // Only flags that this release has and that the user did not give already.
             let is_given = args
                 .flags
                 .iter()
@@ -358,12 +360,12 @@ impl Plan {
         &self.items[self.jobs[job].item]
     }
 
-    /// Whether it is not known to be missing.
+    /// Returns whether the item is not already known to be missing.
     pub(super) fn is_wanted(&self, job: usize) -> bool {
         self.item(job).missing.is_none()
     }
 
-    /// It is missing, for this reason.
+    /// Marks the item as missing, for this reason.
     pub(super) fn give_up(&mut self, job: usize, why: &str) {
         self.items[self.jobs[job].item].missing = Some(why.to_owned());
     }
@@ -372,14 +374,15 @@ impl Plan {
         self.items[self.jobs[job].item].add(outcome);
     }
 
-    /// The four processes of 64 bytes in the arrangement that is best in this figure, at the rate nearest to this one.
+    /// Returns the relay of 64 bytes in the arrangement that is best in `figure`, at the rate
+    /// nearest to `rate`.
     pub(super) fn relay_floor(&self, rate: Rate, figure: &str) -> Option<&Item> {
         let relays = self.jobs.iter().filter_map(|job| match job.what {
             What::Relay(_, fps) => Some((fps, &self.items[job.item])),
             _ => None,
         });
         let relays = relays.filter(|(_, item)| item.figure(figure).is_some());
-        // As fast as it goes is next to the highest rate.
+        // "As fast as possible" is compared with the highest rate.
         let wanted = rate.unwrap_or(f64::MAX).ln();
         let median = |item: &Item| item.median(figure).unwrap_or(f64::INFINITY);
         relays
@@ -391,7 +394,7 @@ impl Plan {
             .map(|(_, item)| item)
     }
 
-    /// Adds how many times the floor the chain's own cost is, round by round.
+    /// Adds the ratio of the chain's overhead to the floor, round by round.
     pub(super) fn compare_with_the_floor(&mut self) {
         let mut found = Vec::new();
         for job in &self.jobs {
@@ -418,7 +421,7 @@ impl Plan {
         }
     }
 
-    /// The chain at this size and rate, with what stands behind its name.
+    /// Returns the chain at this size and rate whose name ends in `behind`.
     pub(super) fn chain_at(
         &self,
         [width, height]: [u32; 2],

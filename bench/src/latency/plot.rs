@@ -1,14 +1,15 @@
-//! Distributions of latency: time over percentile, both logarithmic, one line for each.
+//! Plots of latency distributions: time over percentile, both logarithmic, one line for each
+//! distribution.
 //!
-//! The axis of percentiles is 1/(1 − q): a step along it is another nine, so that what happens once in a thousand times
-//! has as much room as what happens every other time (as in HdrHistogram's own plots).
+//! The percentile axis is 1/(1 − q), as in HdrHistogram's own plots. Each decade adds another nine,
+//! so that one event in a thousand gets as much space as every second one.
 
 use lariat_plot::{Axis, Chart, LineStyle, Marker, PlotError, Stroke, draw};
 use lariat_sink::Times;
 
-/// Points of a line on each decade of its axis.
+/// Points of a line per decade of the percentile axis.
 const STEPS: u32 = 24;
-/// The dashes of what the others are not held against, one after the other.
+/// Dash patterns of the lines that are not emphasized, in turn.
 const STROKES: [Stroke; 3] = [Stroke::Dashed, Stroke::Dotted, Stroke::LongDashed];
 
 /// A distribution to draw.
@@ -16,14 +17,14 @@ const STROKES: [Stroke; 3] = [Stroke::Dashed, Stroke::Dotted, Stroke::LongDashed
 pub(super) struct Line<'a> {
     pub(super) name: &'a str,
     pub(super) times: &'a Times,
-    /// What the others are held against or compared with.
+    /// True for the reference lines of the comparison.
     pub(super) bold: bool,
 }
 
-/// An SVG of these distributions.
+/// Draws these distributions as an SVG.
 ///
 /// # Errors
-/// What the plotting library refuses.
+/// Fails if the plotting library does.
 pub(super) fn percentiles(lines: &[Line]) -> Result<String, PlotError> {
     let measured = || lines.iter().filter(|line| line.times.count() > 0);
     let most = measured().map(|line| line.times.count()).max();
@@ -49,7 +50,7 @@ pub(super) fn percentiles(lines: &[Line]) -> Result<String, PlotError> {
     draw("percentiles", &[chart], 1)
 }
 
-/// 1/(1 − q) and the time in µs, up to the longest.
+/// Returns points of 1/(1 − q) and the time in µs, up to the maximum.
 fn points(times: &Times) -> Vec<[f64; 2]> {
     let last = (times.count().max(1) as f64).log10();
     let steps = (last * f64::from(STEPS)).ceil() as u32;
@@ -59,7 +60,7 @@ fn points(times: &Times) -> Vec<[f64; 2]> {
             true => 1.0,
             false => 1.0 - 10f64.powf(-decades),
         };
-        // A clock's tick is not nothing.
+        // A duration below the clock's resolution is not zero.
         Some([10f64.powf(decades), times.quantile_us(quantile)?.max(0.01)])
     };
     (0..=steps).filter_map(point).collect()

@@ -1,4 +1,4 @@
-//! The floor of the chain: four processes that pass 64 bytes on through bare iceoryx2, and do nothing else.
+//! The floor of the chain: four processes that only forward 64 bytes through bare iceoryx2.
 
 use std::fs;
 use std::path::PathBuf;
@@ -16,21 +16,21 @@ use super::workplace::Workplace;
 use lariat_chain::stages::arrangement::precise_timer;
 use lariat_chain::stop::Stop;
 
-/// Processes in a row.
+/// Number of processes in the row.
 const PROCESSES: usize = 4;
-/// Messages that are not counted: connections are made, caches fill.
+/// Messages that are not counted, while connections are made and caches fill.
 const WARM_UP: u64 = 20;
-/// How long a receiver sleeps before it looks whether it is to end.
+/// Interval at which a sleeping receiver checks whether it must end.
 const LOOK_UP: Duration = Duration::from_millis(100);
 
-/// On which cores, and how scheduled.
+/// Cores and scheduling of the processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrangement {
-    /// Wherever the kernel puts them.
+    /// Placed by the kernel.
     Free,
     /// All on one core.
     OneCore { fifo: bool },
-    /// Each on the next core, round and round.
+    /// Each on the next core, round-robin.
     Spread { fifo: bool },
 }
 
@@ -83,7 +83,7 @@ impl Arrangement {
     }
 }
 
-/// Passes messages on at this rate, for this long.
+/// Forwards messages at this rate for this long.
 pub(super) fn measure(
     workplace: &Workplace,
     arrangement: Arrangement,
@@ -118,24 +118,24 @@ pub(super) fn measure(
     Ok(outcome)
 }
 
-/// What `latency-part relay` is told.
+/// Arguments of `latency-part relay`.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct RelayArgs {
-    /// Which of the four, from 0
+    /// Position of the process among the four, from 0
     #[arg(long)]
     place: usize,
-    /// Messages a second
+    /// Messages per second
     #[arg(long)]
     fps: f64,
-    /// Messages that are timed
+    /// Number of messages that are timed
     #[arg(long)]
     count: u64,
-    /// Where the times are written: FILE.due and FILE.sent
+    /// Files that the times are written to: FILE.due and FILE.sent
     #[arg(long)]
     out: PathBuf,
 }
 
-/// Is one of the four.
+/// Runs one of the four processes.
 pub(super) fn run(args: &RelayArgs) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
@@ -146,7 +146,7 @@ pub(super) fn run(args: &RelayArgs) -> Result<()> {
     }
 }
 
-/// Sends when it is time, until it is told to stop: nobody waits for the others to be there.
+/// Sends on schedule until it is asked to stop. No process waits until the others have started.
 fn send(args: &RelayArgs, domain: &Domain, stop: &Stop) -> Result<()> {
     let sender = RelaySender::create(domain, 0)?;
     let mut pacer = Pacer::new(Pace::Fps(args.fps))?;

@@ -1,4 +1,4 @@
-//! The report's folder: `report.html`, `summary.json`, and an `.hgrm` of everything that was timed.
+//! The report's folder: `report.html`, `summary.json`, and an `.hgrm` of each timed item.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ pre{overflow-x:auto;font-size:12px;line-height:1.35}table{border-collapse:collap
 td,th{padding:2px 10px;text-align:right;border-bottom:1px solid #eee}td:first-child,th:first-child{text-align:left}\
 svg{width:100%;height:auto}";
 
-/// Writes everything. The summary comes last: where it is, the others are.
+/// Writes all files. The summary comes last, so if it exists, the others do too.
 pub(super) fn write(folder: &OutputFolder, plan: &Plan, summary: &Summary) -> Result<()> {
     let put = |name: &str, bytes: &[u8]| folder.write(name, bytes);
     for (item, times) in plan
@@ -36,7 +36,7 @@ pub(super) fn write(folder: &OutputFolder, plan: &Plan, summary: &Summary) -> Re
     put("summary.json", &json)
 }
 
-/// The page. It needs nothing but itself.
+/// Returns the page, which is self-contained.
 fn html(plan: &Plan, summary: &Summary) -> Result<String> {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>lariat bench</title>\
@@ -100,14 +100,14 @@ fn html(plan: &Plan, summary: &Summary) -> Result<String> {
     Ok(page + "</table>\n</body></html>\n")
 }
 
-/// What is drawn: the comparison, the chain everywhere, the floor in all its arrangements.
+/// Returns the plots: the comparison, all chains, and the floor in all its arrangements.
 fn drawings(plan: &Plan) -> [(String, Vec<Line<'_>>); 3] {
     let ([width, height], fps) = plan.base;
     let floor = plan.relay_floor(Some(fps), "p50_us").map(|item| &item.id);
     let base = format!("chain.{width}x{height}@{fps}");
     let is_relay = |item: &Item| item.id.starts_with("floor.relay.");
     let compared = |item: &Item| match item.group {
-        // Also in another way, or beside something.
+        // Includes variants, and the chain under other conditions.
         Group::Chain => {
             let behind = item.id.strip_prefix(&base[..]);
             behind.is_some_and(|behind| behind.is_empty() || behind.starts_with('.'))

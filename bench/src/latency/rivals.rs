@@ -1,4 +1,5 @@
-//! The same four stages, joined by others: threads and channels, Unix sockets, and scripts in Python.
+//! The same four stages connected by other means: threads and channels, Unix sockets, and Python
+//! scripts.
 
 mod encoding;
 mod scripts;

@@ -1,4 +1,4 @@
-//! `summary.json` of a bench: every figure, round by round, under keys that stay.
+//! `summary.json` of a bench: every figure, round by round, under stable keys.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use super::figures::{Figure, Item};
 use super::plan::Plan;
 use super::targets::{Target, targets};
 
-/// What says that a file is the summary of a bench.
+/// Identifies a file as the summary of a bench.
 pub(crate) const KIND: &str = "lariat bench";
 
 /// The whole measurement.
 #[derive(Debug, Serialize)]
 pub(super) struct Summary {
     kind: &'static str,
-    /// The version of these keys.
+    /// Version of the keys.
     schema: u32,
     pub(super) machine: Machine,
     pub(super) parameters: BTreeMap<&'static str, String>,
@@ -33,7 +33,7 @@ struct Measured {
     note: &'static str,
     #[serde(skip_serializing_if = "String::is_empty")]
     versions: String,
-    /// Why there are no figures.
+    /// The reason why figures are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     missing: Option<String>,
     figures: BTreeMap<String, Merged>,
@@ -108,7 +108,7 @@ fn measured(item: &Item) -> Measured {
     }
 }
 
-/// To a thousandth: less than is measured.
+/// Rounds to a thousandth, which is finer than any measurement.
 fn short(value: f64) -> f64 {
     (value * 1e3).round() / 1e3
 }

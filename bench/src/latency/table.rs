@@ -1,4 +1,5 @@
-//! The table: the chain and what it is held against, where its time goes, what is reached.
+//! The table: the chain and the systems it is compared with, the parts of its latency, and the
+//! targets.
 
 use std::fmt::Write;
 
@@ -10,7 +11,7 @@ use super::figures::{Figure, Group, Item};
 use super::plan::Plan;
 use super::summary::Summary;
 
-/// The table as text.
+/// Returns the table as text.
 pub(super) fn table(plan: &Plan, summary: &Summary) -> String {
     let machine = &summary.machine;
     let unknown = "unknown processor".to_owned();
@@ -31,7 +32,7 @@ pub(super) fn table(plan: &Plan, summary: &Summary) -> String {
     text
 }
 
-/// All that was timed: the whole way, its noise, and what the chain itself costs.
+/// Returns all timed items: the total latency, its noise, and the chain's own overhead.
 fn whole(plan: &Plan) -> String {
     let columns = vec![
         Column::words("exposed → received, µs"),
@@ -74,7 +75,7 @@ fn whole(plan: &Plan) -> String {
     Table::text(columns, &rows, layout::width())
 }
 
-/// Half of the way from the least to the greatest median of a round.
+/// Returns half the range of the rounds' medians.
 fn half_spread(item: &Item) -> String {
     let rounds = |figure: &&Figure| figure.rounds.len() > 1;
     item.figure("p50_us").filter(rounds).map_or_else(
@@ -86,7 +87,7 @@ fn half_spread(item: &Item) -> String {
     )
 }
 
-/// Where the time of the chain goes, by medians, and what it loses and uses.
+/// Returns the median times of the chain's parts, its losses and its resource use.
 fn pieces(plan: &Plan) -> String {
     let columns = vec![
         Column::words("of it, µs (p50)"),
@@ -137,7 +138,7 @@ fn pieces(plan: &Plan) -> String {
     Table::text(columns, &rows, layout::width())
 }
 
-/// What is reached, what is missing, and how to read it.
+/// Returns the targets, missing items, and notes on how to read the table.
 fn footing(plan: &Plan, summary: &Summary) -> String {
     let width = layout::width();
     let mut text = String::from("to reach\n");

@@ -1,4 +1,4 @@
-//! What is to be reached, and whether it is.
+//! Targets and whether they are met.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ pub(super) struct Target {
     pub(super) met: bool,
 }
 
-/// The targets that something was measured for.
+/// Returns the targets for which there is a measurement.
 pub(super) fn targets(plan: &Plan) -> Vec<Target> {
     let [overhead, overhead_99] = over_floor(plan);
     let by_id = |id: &str| plan.items.iter().find(|item| item.id == id);
@@ -27,7 +27,7 @@ pub(super) fn targets(plan: &Plan) -> Vec<Target> {
             .and_then(|item| at_most(item, "resident_mb", 64.0, "resident, the whole chain", "MB")),
         by_id("chain.start")
             .and_then(|item| at_most(item, "start_ms", 300.0, "start to first descriptor", "ms")),
-        // A tenth of a percent is what waking ten times a second for a look costs.
+        // A tenth of a percent is the cost of waking ten times per second to check for work.
         by_id("chain.idle").and_then(|item| {
             at_most(
                 item,
@@ -43,7 +43,7 @@ pub(super) fn targets(plan: &Plan) -> Vec<Target> {
     .collect()
 }
 
-/// The best of the default and the real-time chain against the floor.
+/// Compares the better of the default and the real-time chain with the floor.
 fn over_floor(plan: &Plan) -> [Option<Target>; 2] {
     let (size, fps) = plan.base;
     let base = |behind: &str| plan.chain_at(size, fps, behind);
@@ -63,8 +63,8 @@ fn over_floor(plan: &Plan) -> [Option<Target>; 2] {
     })
 }
 
-/// What is best of a way to run the chain and the same with `--realtime`, if this release has it: their figures, and the
-/// lesser.
+/// Returns the figures of a chain and, if this release has the flag, of the same chain with
+/// `--realtime`. Also returns the lesser value.
 fn either(plain: f64, realtime: Option<f64>, show: impl Fn(f64) -> String) -> (String, f64) {
     match realtime {
         None => (show(plain), plain),
@@ -96,7 +96,7 @@ fn steady(plan: &Plan) -> Option<Target> {
     let (mut figure, best) = either(ratio("")?, ratio(".realtime"), |ratio| {
         format!("{ratio:.1} ×")
     });
-    // What the machine itself adds now and then is in every figure of it.
+    // Occasional delays of the machine itself are in each of its figures.
     let id = format!("floor.{TIMER_FIFO}");
     let timer = plan.items.iter().find(|item| item.id == id);
     if let Some(late_us) = timer.and_then(|item| item.median("p999_us")) {
@@ -110,7 +110,8 @@ fn steady(plan: &Plan) -> Option<Target> {
     })
 }
 
-/// At 1000 frames/s under load with `--realtime`, if this release has it; otherwise as it is.
+/// Compares the chain at 1000 frames/s under load with the idle machine. Uses `--realtime` if this
+/// release has it.
 fn loaded(plan: &Plan) -> Option<Target> {
     let at = |behind: &str| plan.chain_at(SIZE, 1000.0, behind);
     let (load, idle, with) = match at(".realtime.load") {

@@ -1,8 +1,9 @@
-//! What processes use, from `/proc`: time on a core, and memory with what is shared counted once.
+//! Resource use of processes, from `/proc`: time on a core, and memory with shared pages counted
+//! once.
 
 use std::fs;
 
-/// A process and everything that came of it.
+/// Returns the processes and all their descendants.
 pub(super) fn family(roots: &[u32]) -> Vec<u32> {
     let mut found = roots.to_vec();
     let mut next = 0;
@@ -30,7 +31,7 @@ pub(super) fn family(roots: &[u32]) -> Vec<u32> {
     found
 }
 
-/// A process's parent: the second field after its name, which stands in parentheses.
+/// Returns a process's parent: the second field after its name, which is in parentheses.
 fn parent(id: u32) -> Option<u32> {
     let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     text.rsplit(')')
@@ -41,7 +42,7 @@ fn parent(id: u32) -> Option<u32> {
         .ok()
 }
 
-/// Nanoseconds that these processes have been on a core, all their threads together.
+/// Returns the nanoseconds that all threads of these processes have been on a core.
 pub(super) fn on_core_ns(processes: &[u32]) -> u64 {
     let of_task = |id: u32, task: u32| {
         let text = fs::read_to_string(format!("/proc/{id}/task/{task}/schedstat")).ok()?;
@@ -54,8 +55,8 @@ pub(super) fn on_core_ns(processes: &[u32]) -> u64 {
     processes.iter().map(of).sum()
 }
 
-/// Resident memory of these processes in MB of 10⁶ bytes: a page that n processes share counts 1/n for each of them.
-/// `None` if the kernel does not tell.
+/// Returns the resident memory of these processes in MB of 10⁶ bytes. A page that n processes share
+/// counts as 1/n for each of them. Returns `None` if the kernel does not report it.
 pub(super) fn resident_mb(processes: &[u32]) -> Option<f64> {
     let of = |id: &u32| {
         let text = fs::read_to_string(format!("/proc/{id}/smaps_rollup")).ok()?;
@@ -70,7 +71,7 @@ fn pss_kib(rollup: &str) -> Option<f64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// The numbers that name things in a folder.
+/// Returns the numeric names in a folder.
 fn entries(folder: &str) -> Vec<u32> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries

@@ -1,4 +1,5 @@
-//! Where a bench works: a domain and a folder of its own, so that no rig is disturbed and nothing is left.
+//! The environment of a bench: a domain and a folder of its own, which keep it from disturbing
+//! other rigs and are removed at the end.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,10 +14,10 @@ use tempfile::TempDir;
 use super::guard::{self, Guarded, Placement};
 use lariat_chain::stop::Stop;
 
-/// A domain, a folder, and what every measurement needs.
+/// A domain, a folder, and everything else that each measurement needs.
 pub(super) struct Workplace {
     pub(super) stop: Stop,
-    /// The name of its domain.
+    /// Name of the domain.
     pub(super) domain: String,
     folder: TempDir,
     itself: PathBuf,
@@ -45,17 +46,17 @@ impl Workplace {
         })
     }
 
-    /// A path in its folder.
+    /// Returns a path in the folder.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// A guarded program.
+    /// Returns the command of a guarded program.
     pub(super) fn program(&self, placement: Placement, program: &Path) -> Command {
         let mut command = guard::command(&self.itself, placement);
         command
             .arg(program)
-            // Of the folder it works in no settings are read.
+            // The folder contains no settings that would be read.
             .current_dir(self.folder.path())
             .env("LARIAT_DOMAIN", &self.domain)
             .env_remove(lariat_chain::stages::status::STATUS_FD)
@@ -65,19 +66,19 @@ impl Workplace {
         command
     }
 
-    /// A guarded `lariat`.
+    /// Returns the command of a guarded `lariat`.
     pub(super) fn lariat(&self, placement: Placement) -> Command {
         self.program(placement, &self.lariat)
     }
 
-    /// A guarded part of the measurement: this program again.
+    /// Returns the command of a guarded part of the measurement: this program again.
     pub(super) fn part(&self, placement: Placement, name: &str) -> Command {
         let mut command = self.program(placement, &self.itself);
         command.args(["latency-part", name]);
         command
     }
 
-    /// Waits until a program has ended well; otherwise the error is what it said last.
+    /// Waits until a program has ended successfully. Otherwise the error is its last message.
     pub(super) fn finish(&self, mut program: Guarded, within: Duration, what: &str) -> Result<()> {
         let said = program.child().stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
@@ -100,7 +101,7 @@ impl Workplace {
         }
     }
 
-    /// Sleeps; an error if a signal came first.
+    /// Sleeps for `time`. Returns an error if a signal arrives first.
     pub(super) fn sleep(&self, time: Duration) -> Result<()> {
         let due_ns = lariat_wire::now_ns() + time.as_nanos() as u64;
         anyhow::ensure!(
@@ -113,7 +114,7 @@ impl Workplace {
 
 impl Drop for Workplace {
     fn drop(&mut self) {
-        // What killed programs left is removed with the domain.
+        // Leftovers of killed programs are removed with the domain.
         drop(Domain::named(&self.domain));
         let _ = std::fs::remove_dir_all(format!("/tmp/lariat-{}", self.domain));
     }

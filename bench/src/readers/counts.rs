@@ -1,6 +1,6 @@
-//! How often something took how many nanoseconds.
+//! Histogram of durations in nanoseconds.
 
-/// Counts of each nanosecond up to [`Counts::MOST`], and of all above.
+/// Counts for each nanosecond up to [`Counts::MOST`], and all larger values.
 #[derive(Debug, Clone)]
 pub(super) struct Counts {
     at: Vec<u64>,
@@ -28,7 +28,8 @@ impl Counts {
         self.at.iter().sum::<u64>() + self.above.len() as u64
     }
 
-    /// The least that at least a `share` (0 to 1) of all do not exceed; 0 if there are none.
+    /// Returns the smallest value that at least a `share` (0 to 1) of all values do not exceed. 0
+    /// if there are none.
     pub(super) fn percentile(&self, share: f64) -> u64 {
         let rank = ((share * self.count() as f64).ceil() as u64).max(1);
         let mut passed = 0;

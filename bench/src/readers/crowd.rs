@@ -1,4 +1,4 @@
-//! The chain with no control loop, with many, and with many of which one stands still and one is killed.
+//! The chain without control loops, with many, and with many including a stopped and a killed one.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -11,18 +11,18 @@ use serde_json::Value;
 use super::part::Saw;
 use super::{Args, Part, Place};
 
-/// What stands beside the chain.
+/// The readers next to the chain.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beside {
     Nobody,
     Readers,
-    /// One is stopped for the middle third, one killed in the middle.
+    /// One is stopped for the middle third, and one is killed in the middle.
     Troubled,
 }
 
 const ALL: [Beside; 3] = [Beside::Nobody, Beside::Readers, Beside::Troubled];
 
-/// What a run showed: of the chain, and of the readers that were left alone.
+/// Result of a run, for the chain and for the undisturbed readers.
 struct Shown {
     p50_us: f64,
     p99_us: f64,
@@ -31,7 +31,7 @@ struct Shown {
     saw: Vec<Saw>,
 }
 
-/// The table of it: rounds of all three in turn.
+/// Returns the table, after measuring all three cases in turn in each round.
 pub(super) fn measure(place: &Place, args: &Args) -> Result<Table> {
     let mut runs: [Vec<Shown>; 3] = Default::default();
     for round in 0..args.rounds.max(1) {
@@ -125,13 +125,14 @@ fn run(place: &Place, args: &Args, beside: Beside, round: usize) -> Result<Shown
     shown(&out.join("summary.json"), saw)
 }
 
-/// Stops one for a third of the time, kills another, and leaves the others to be looked at.
+/// Stops one reader for a third of the time and kills another. The others continue and are
+/// evaluated.
 fn trouble(readers: &mut Vec<Part>, time: Duration) -> Result<()> {
     let (Some(stopped), Some(mut killed)) = (readers.pop(), readers.pop()) else {
         bail!("two readers are wanted for that");
     };
     let id = Pid::from_child(&stopped.process);
-    // The moments of what is measured: nothing is waited for.
+    // These sleeps are part of the measurement's schedule. They wait for no event.
     std::thread::sleep(time / 3);
     kill_process(id, Signal::STOP)?;
     std::thread::sleep(time / 6);

@@ -1,4 +1,6 @@
-// What one look costs in C: the rows of `lariat-bench readers`, separated by tabs. Argument: seconds for each.
+// Measures the cost of reading the latest message in C.
+//
+// Prints rows of `lariat-bench readers`, separated by tabs. Argument: seconds for each row.
 
 #define _GNU_SOURCE
 #include <lariat.h>

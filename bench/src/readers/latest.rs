@@ -1,4 +1,5 @@
-//! What one look costs, in Rust and in C, hot and after a sleep, beside the clock that it is timed by.
+//! Cost of reading the latest message, in Rust and in C, in a tight loop and after a sleep, next to
+//! the cost of the clock.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,12 +12,12 @@ use lariat_wire::{Reader, Seen, now_ns};
 use super::Place;
 use super::counts::Counts;
 
-/// Messages a second meanwhile.
+/// Messages per second during the measurement.
 const RATE: &str = "1000";
-/// No image of the measurement is older.
+/// Longer than the measurement, so that no message is too old.
 const ANY_AGE: Duration = Duration::from_secs(3600);
 
-/// The table of it.
+/// Returns the table.
 pub(super) fn measure(place: &Place, time: Duration) -> Result<Table> {
     let mut table = Table::new(&["a look, ns", "p50", "p99", "p99.9", "max", "looks"]);
     let writer = place.start(&["write", "--rate", RATE])?;
@@ -55,7 +56,7 @@ fn push(table: &mut Table, name: &str, counts: &Counts) {
     table.push(cells.chain([counts.count().to_string()]));
 }
 
-/// Every time below has one such in it.
+/// Measures the clock, whose cost is included in every time below.
 fn clock(time: Duration) -> Counts {
     let mut counts = Counts::new();
     let end_ns = now_ns() + time.as_nanos() as u64;
@@ -69,7 +70,7 @@ fn clock(time: Duration) -> Counts {
     }
 }
 
-/// One look after the other.
+/// Reads in a tight loop.
 fn look_on_and_on(reader: &mut Reader, time: Duration) -> Result<[(&'static str, Counts); 2]> {
     let (mut same, mut new) = (Counts::new(), Counts::new());
     let end_ns = now_ns() + time.as_nanos() as u64;
@@ -84,7 +85,8 @@ fn look_on_and_on(reader: &mut Reader, time: Duration) -> Result<[(&'static str,
     }
 }
 
-/// A look, the rope, its curve, and a point of it, when a message came.
+/// Reads the latest message, its rope and curve, and a point of it. Counts only reads of a new
+/// message.
 fn whole(reader: &mut Reader, time: Duration) -> Result<Counts> {
     let mut counts = Counts::new();
     let mut sum = 0.0;
@@ -106,12 +108,13 @@ fn whole(reader: &mut Reader, time: Duration) -> Result<Counts> {
     }
 }
 
-/// As a controller does it that has a beat of its own: what it looks at has left the caches.
+/// Reads after a sleep, like a controller with a clock of its own. The data has left the caches by
+/// then.
 fn after_sleeps(reader: &mut Reader, time: Duration) -> Result<Counts> {
     let mut counts = Counts::new();
     let end_ns = now_ns() + time.as_nanos() as u64;
     loop {
-        // What is measured is a look after a sleep.
+        // The sleep is part of the measured case.
         std::thread::sleep(Duration::from_millis(1));
         let before_ns = now_ns();
         reader.latest()?;
@@ -123,7 +126,7 @@ fn after_sleeps(reader: &mut Reader, time: Duration) -> Result<Counts> {
     }
 }
 
-/// The same by a program in C, built here. Its rows, separated by tabs.
+/// Does the same in a C program that is built here. Returns its rows, separated by tabs.
 fn in_c(place: &Place, time: Duration) -> Result<String> {
     let this = std::env::current_exe().context("this program has no file")?;
     let built = this.parent().map_or_else(PathBuf::new, Path::to_path_buf);

@@ -1,4 +1,4 @@
-//! The other processes: who writes, who reads.
+//! The other processes, which write and read.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -17,34 +17,34 @@ use serde::{Deserialize, Serialize};
 #[derive(clap::Args)]
 pub(crate) struct PartArgs {
     what: What,
-    /// Messages a second
+    /// Messages per second
     #[arg(long, default_value_t = 100.0)]
     rate: f64,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum What {
-    /// Writes descriptors
+    /// Write descriptors
     Write,
-    /// Sends 64 bytes through bare iceoryx2
+    /// Send 64 bytes through bare iceoryx2
     Relay,
-    /// Waits for descriptors, and prints what came
+    /// Wait for descriptors, and print what arrived
     Read,
 }
 
-/// What a reader saw.
+/// Results of a reader.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Saw {
-    /// Messages that it had in hand.
+    /// Number of messages received.
     pub(super) frames: u64,
-    /// Messages between the first and the last that it had not.
+    /// Number of messages missed between the first and the last.
     pub(super) missed: u64,
-    /// From fit's stamp to its hands.
+    /// Time from fit's stamp until the reader has the message.
     pub(super) p50_us: f64,
     pub(super) p99_us: f64,
 }
 
-/// Plays it until standard input ends.
+/// Runs the part until standard input ends.
 pub(crate) fn part(args: &PartArgs) -> Result<()> {
     let ended = Arc::new(AtomicBool::new(false));
     let input = ended.clone();
@@ -59,13 +59,13 @@ pub(crate) fn part(args: &PartArgs) -> Result<()> {
     }
 }
 
-/// Sleeps from beat to beat.
+/// Calls `work` at a fixed rate, with sleeps in between.
 fn beat(rate: f64, ended: &AtomicBool, mut work: impl FnMut(u64) -> Result<()>) -> Result<()> {
     let period = Duration::from_secs_f64(1.0 / rate.max(0.1));
     let mut due = Instant::now();
     let mut number = 0;
     while !ended.load(Ordering::Relaxed) {
-        // The beat of what is measured.
+        // The sleep is the sender's schedule.
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         due += period;
         number += 1;
@@ -95,7 +95,7 @@ fn write(rate: f64, ended: &AtomicBool) -> Result<()> {
     })
 }
 
-/// A wavy rope of order 8.
+/// Returns a wavy rope of order 8.
 fn rope() -> Descriptor {
     let mut rope = Descriptor::EMPTY;
     (rope.degree, rope.count, rope.samples) = (8, 9, 120);

@@ -1,4 +1,5 @@
-//! How long it is from a message's sending to a waiting reader's hands, beside bare iceoryx2: 64 bytes, one event.
+//! Time from sending a message until a waiting reader has it, next to bare iceoryx2 with 64 bytes
+//! and one event.
 
 use std::time::{Duration, Instant};
 
@@ -9,13 +10,14 @@ use lariat_wire::{Domain, now_ns};
 
 use super::Place;
 
-/// Messages a second: enough of them, and far enough apart that each finds its reader asleep.
+/// Messages per second: frequent enough for statistics, and far enough apart that the reader is
+/// always asleep.
 const RATE: &str = "200";
-/// Messages that are not counted: connections are made, caches fill.
+/// Messages that are not counted, while connections are made and caches fill.
 const WARM_UP: usize = 20;
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The table of it: rounds of the one and the other in turn.
+/// Returns the table, after measuring both in turn in each round.
 pub(super) fn measure(place: &Place, time: Duration, rounds: usize) -> Result<Table> {
     let mut ours = Vec::new();
     let mut raw = Vec::new();
@@ -39,7 +41,7 @@ pub(super) fn measure(place: &Place, time: Duration, rounds: usize) -> Result<Ta
                 .chain([count.to_string()]),
         );
     }
-    // Within each round, as both drift.
+    // Ratios are taken within each round, because both drift.
     let ratios = shares.map(|share| {
         let pairs = ours.iter().zip(&raw);
         let each: Samples = pairs
@@ -83,7 +85,7 @@ fn relay(place: &Place, time: Duration) -> Result<Samples> {
     while end.is_none_or(|end| Instant::now() < end) {
         let message = receiver.next(PATIENCE)?;
         let now_ns = now_ns();
-        // Woken by the last ring of a message that was already taken.
+        // Woken by the last notification of a message that was already taken.
         let Some([sent_ns, ..]) = message else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! What lariat takes for the same pictures, each a scene of its own.
+//! Times of lariat for the same pictures, each as a scene of its own.
 
 use std::time::Instant;
 
@@ -9,22 +9,23 @@ use lariat_extract::{Extractor, Mask, Options};
 use super::pictures::{Pictures, Shown};
 use super::script::Work;
 
-/// Times of one picture by one extractor, in nanoseconds, and what was found.
+/// Times of one picture with one extractor, in nanoseconds, and the result.
 #[derive(Default)]
 pub(super) struct Measured {
     /// Mask, skeleton, graph, points, and the whole.
     ns: [Samples; 5],
-    /// The longest rope's points.
+    /// Points of the longest rope.
     pub(super) points: Vec<[f32; 2]>,
 }
 
 impl Measured {
-    /// The median time of the step that does this work.
+    /// Returns the median time of the step that does this work.
     pub(super) fn median_ns(&self, work: Work) -> f64 {
         self.ns[Self::step(work).0].median()
     }
 
-    /// The step that does this work, and what else it does.
+    /// Returns the index of the step that does this work, and a description of all that the step
+    /// does.
     pub(super) fn step(work: Work) -> (usize, &'static str) {
         match work {
             Work::Threshold | Work::Components => (0, "mask: colours and components"),
@@ -35,7 +36,7 @@ impl Measured {
     }
 }
 
-/// Both ways to tell a rope, on every picture.
+/// Both ways to segment a rope, on every picture: by given colors and automatically.
 pub(super) struct Ours {
     told: Vec<(Extractor, Measured)>,
     auto: Extractor,
@@ -43,10 +44,10 @@ pub(super) struct Ours {
 }
 
 impl Ours {
-    /// Extractors for these pictures, their buffers made.
+    /// Creates extractors for these pictures, with their buffers allocated.
     ///
     /// # Errors
-    /// A picture's colour ranges are invalid.
+    /// A picture's color ranges are invalid.
     pub(super) fn new(pictures: &Pictures) -> Result<Self> {
         let told = pictures.shown.iter().map(|shown| {
             let mask = Mask::Hsv(shown.ranges.clone());
@@ -60,7 +61,7 @@ impl Ours {
         })
     }
 
-    /// Extracts every picture, both ways, once to warm up and then `rounds` times.
+    /// Extracts every picture in both ways, once to warm up and then `rounds` times.
     pub(super) fn measure(&mut self, pictures: &Pictures, rounds: usize) {
         let told = self.told.iter_mut().zip(&mut self.found);
         for (shown, ((told, by_colour), by_itself)) in pictures.shown.iter().zip(told) {
@@ -72,12 +73,12 @@ impl Ours {
         }
     }
 
-    /// By the colours that the scripts are told.
+    /// Returns the measurement with the colors that the scripts are given.
     pub(super) fn told(&self, picture: usize) -> &Measured {
         &self.told[picture].1
     }
 
-    /// Told nothing.
+    /// Returns the measurement of the automatic segmentation.
     pub(super) fn by_itself(&self, picture: usize) -> &Measured {
         &self.found[picture]
     }

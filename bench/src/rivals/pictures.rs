@@ -1,4 +1,5 @@
-//! The pictures that all work on: what lariat is given in memory, the scripts as PNG files of the same pixels.
+//! The pictures for all programs: in memory for lariat, and as PNG files of the same pixels for the
+//! scripts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,17 +15,18 @@ use tempfile::TempDir;
 
 use super::Args;
 
-/// The set of drawn frames.
+/// Name of the set of drawn frames.
 pub(super) const DRAWN: &str = "drawn, 640×480";
 
-/// One picture.
+/// A picture.
 pub(super) struct Shown {
-    /// Which of [`Pictures::sets`] it belongs to.
+    /// Index of its set in [`Pictures::sets`].
     pub(super) set: usize,
     pub(super) picture: Picture,
-    /// Its ropes' colours, as `lariat pick` finds them: the scripts and lariat are told the same.
+    /// Color ranges of its ropes, as `lariat pick` finds them. The scripts and lariat get the same
+    /// ranges.
     pub(super) ranges: Vec<HsvRange>,
-    /// Where its rope lies, if that is known.
+    /// Ground truth of its rope, if known.
     pub(super) truth: Option<Truth>,
 }
 
@@ -34,7 +36,7 @@ pub(super) struct Pictures {
     pub(super) shown: Vec<Shown>,
 }
 
-/// The list that the scripts read, in a folder that goes when this goes.
+/// The list that the scripts read, in a folder that is removed with this value.
 pub(super) struct List {
     folder: TempDir,
 }
@@ -58,7 +60,8 @@ struct Entry {
 }
 
 impl Pictures {
-    /// The drawn frames, and the photographs that were asked for; a sentence for each that was left out.
+    /// Collects the drawn frames and the requested photographs. Returns a sentence for each that
+    /// was left out.
     pub(super) fn gather(args: &Args) -> Result<(Self, Vec<String>)> {
         let mut pictures = Self {
             sets: Vec::new(),
@@ -114,7 +117,7 @@ impl Pictures {
         left_out
     }
 
-    /// Writes them for the scripts.
+    /// Writes the pictures for the scripts.
     pub(super) fn write(&self, rounds: usize) -> Result<List> {
         let folder = tempfile::tempdir().context("cannot make a folder for the pictures")?;
         let mut listed = Listed {

@@ -1,4 +1,4 @@
-//! The table.
+//! The table of the rivals.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -11,7 +11,8 @@ use super::ours::{Measured, Ours};
 use super::pictures::{DRAWN, Pictures, Shown};
 use super::script::{Done, Work};
 
-/// The table, what is missing from it, how far the points are off, and figures from elsewhere.
+/// Returns the table, the missing libraries, the errors of the points, and figures from another
+/// machine.
 pub(super) fn report(pictures: &Pictures, ours: &Ours, rivals: &[Rival], passes: usize) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -87,7 +88,7 @@ fn versions(done: &Done) -> String {
     named.join(", ")
 }
 
-/// Each reason once, with the work that it keeps from being measured.
+/// Returns each reason once, with the measurements that it prevents.
 fn missing(rivals: &[Rival]) -> Vec<String> {
     let mut works: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for rival in rivals {
@@ -105,7 +106,8 @@ fn missing(rivals: &[Rival]) -> Vec<String> {
     reasons.collect()
 }
 
-/// How far the rival chain's points and lariat's are off the truth, where that is known.
+/// Returns the distances of the rival chain's points and lariat's from the truth, where it is
+/// known.
 fn accuracy(pictures: &Pictures, ours: &Ours, chain: &Done) -> String {
     let [mut theirs, mut told, mut by_itself] = [(); 3].map(|()| Off::default());
     for (k, shown) in pictures.shown.iter().enumerate() {
@@ -161,7 +163,7 @@ impl Off {
     }
 }
 
-/// Figures that were not measured here, beside those of this run, as a scale.
+/// Returns figures that were measured elsewhere next to those of this run, for scale.
 fn elsewhere(pictures: &Pictures, ours: &Ours, rivals: &[Rival]) -> String {
     let mut table = Table::new(&[
         "measured elsewhere *",
@@ -203,13 +205,13 @@ fn elsewhere(pictures: &Pictures, ours: &Ours, rivals: &[Rival]) -> String {
     )
 }
 
-/// The pictures of these sets.
+/// Returns the pictures of these sets.
 fn members(pictures: &Pictures, sets: &[&str]) -> Vec<usize> {
     let is_member = |k: &usize| sets.contains(&pictures.sets[pictures.shown[*k].set].as_str());
     (0..pictures.shown.len()).filter(is_member).collect()
 }
 
-/// The median over those pictures of which there is a figure; `None` if there is none.
+/// Returns the median over those pictures that have a figure. `None` if there are none.
 fn median(pictures: Vec<usize>, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let figures: Samples = pictures.into_iter().filter_map(of).collect();
     (figures.count() > 0).then(|| figures.median())

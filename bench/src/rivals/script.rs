@@ -1,4 +1,4 @@
-//! A script of `bench/rivals`: run once over all pictures, its lines read.
+//! Runs a script of `bench/rivals` once over all pictures and parses its output.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::Samples;
 use serde::Deserialize;
 
-/// The work that is compared, in the order of the table.
+/// The compared work, in the order of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Work {
     Threshold,
@@ -28,7 +28,7 @@ impl Work {
         Self::Chain,
     ];
 
-    /// Its name in the table.
+    /// Returns the name in the table.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Threshold => "OpenCV HSV + inRange",
@@ -52,21 +52,21 @@ impl Work {
     }
 }
 
-/// What a script measured, over all passes.
+/// Measurements of a script over all passes.
 #[derive(Debug, Default)]
 pub(super) struct Done {
-    /// Of each picture, the medians of the passes, in nanoseconds.
+    /// For each picture, the medians of the passes, in nanoseconds.
     ns: BTreeMap<usize, Samples>,
     /// Libraries and their versions.
     pub(super) versions: BTreeMap<String, String>,
-    /// Of each picture, the rope's points, if the script finds them.
+    /// For each picture, the rope's points, if the script finds them.
     pub(super) points: BTreeMap<usize, Vec<[f32; 2]>>,
-    /// How the chain thins, of the ways that are installed.
+    /// The chain's thinning function, chosen from the installed ones.
     pub(super) thinning: Option<String>,
 }
 
 impl Done {
-    /// What a picture took, in nanoseconds, if it was measured.
+    /// Returns the median time for a picture in nanoseconds, if it was measured.
     pub(super) fn median_ns(&self, picture: usize) -> Option<f64> {
         self.ns.get(&picture).map(Samples::median)
     }
@@ -91,12 +91,12 @@ enum Line {
 /// Runs the script over the pictures of `list`.
 ///
 /// # Errors
-/// A sentence: what is not installed and how to install it, or what the script complained of.
+/// Returns a sentence: what is missing and how to install it, or the script's error.
 pub(super) fn run(work: Work, python: &Path, list: PathBuf, done: &mut Done) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("rivals");
     let shown = python.display();
     let output = Command::new(python)
-        // No compiled copies beside the scripts.
+        // Leaves no compiled copies next to the scripts.
         .arg("-B")
         .arg(folder.join(work.file()))
         .arg(list)

@@ -1,4 +1,5 @@
-//! Films a rope that is driven: what the chain sees and says, and what its controller commands, from the rig's own channels.
+//! Films a rope that is driven. Uses the rig's own channels: the chain's frames and results, and
+//! the controller's commands.
 
 mod views;
 
@@ -13,30 +14,30 @@ use views::Views;
 
 /// Points that the curve is drawn through.
 const DRAWN_POINTS: usize = 60;
-/// What is older than this is not what the controller goes by.
+/// Maximum age of an observation. The controller does not use older ones.
 const MAX_AGE: std::time::Duration = std::time::Duration::from_millis(200);
 
-/// A film in the making, and what it is made from.
+/// A film in progress and its sources.
 pub(super) struct Camera {
     frames: Receiver<[u8]>,
     reader: Reader,
     commands: CommandReader,
-    /// Of each gripper, as it was told them last.
+    /// The last commanded velocity of each gripper.
     velocities: Vec<[f64; 6]>,
     wanted: Wanted,
-    /// With the views of a lifted rope.
+    /// The film, and the views of a lifted rope.
     film: Option<(Film, Option<Views>)>,
     rgb: Vec<u8>,
 }
 
-/// Where the rope truly is: its points in the picture, px, or in the robot's frame, mm.
+/// True position of the rope: its points in the picture, px, or in the robot's frame, mm.
 pub(super) enum Truth {
     InPlane(Vec<[f64; 2]>),
     InSpace(Vec<[f64; 3]>),
 }
 
 impl Camera {
-    /// Of a rig's next ropes, which are driven to a target.
+    /// Opens the channels of a rig whose next ropes are driven to a target.
     pub(super) fn open(domain: &Domain, rig: &Rig, wanted: &Wanted) -> Result<Self> {
         let mut reader = Reader::open_in(Domain::open()?, rig)?;
         if let Wanted::InSpace { .. } = wanted {
@@ -53,7 +54,7 @@ impl Camera {
         })
     }
 
-    /// Takes what there is of a moment.
+    /// Adds the available data for one time.
     pub(super) fn take(
         &mut self,
         trace: &Trace,
@@ -106,14 +107,14 @@ impl Camera {
         Ok(())
     }
 
-    /// The film as a GIF.
+    /// Returns the film as a GIF.
     pub(super) fn finish(self) -> Result<Vec<u8>> {
         let (film, _) = self.film.context("no image of the rope was seen to film")?;
         film.finish().context("the film could not be made")
     }
 }
 
-/// A film of images of this size, and of what is wanted of the rope in them.
+/// Creates a film for images of this size, with the target.
 fn begin(wanted: &Wanted, size: [usize; 2]) -> (Film, Option<Views>) {
     match wanted {
         Wanted::InPlane { target, .. } => (Film::new(size, std::slice::from_ref(target)), None),
@@ -124,7 +125,7 @@ fn begin(wanted: &Wanted, size: [usize; 2]) -> (Film, Option<Views>) {
     }
 }
 
-/// What is drawn of a rope on the table.
+/// Returns the sketch of a rope on the table.
 fn in_picture(rope: Option<&Rope>, truth: &[[f64; 2]], velocities: &[[f64; 6]]) -> Sketch {
     let shape = rope.and_then(|rope| rope.shape().ok());
     let moves = velocities.iter().map(|&[x, y, .., turn]| [x, y, turn]);
@@ -141,7 +142,7 @@ fn in_picture(rope: Option<&Rope>, truth: &[[f64; 2]], velocities: &[[f64; 6]]) 
     }
 }
 
-/// Where a rope leaves its grippers.
+/// Returns the points where a rope leaves its grippers.
 fn ends<const D: usize>(truth: &[[f64; D]]) -> impl Iterator<Item = [f64; D]> {
     [truth.first(), truth.last()].into_iter().flatten().copied()
 }

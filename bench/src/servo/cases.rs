@@ -1,4 +1,4 @@
-//! What is varied: one thing at a time, from the chain as it is.
+//! The cases of a study. Each varies one property of the default chain.
 
 use std::path::Path;
 use std::time::Duration;
@@ -14,30 +14,35 @@ use super::report::{Group, Row};
 use lariat_chain::exit::wrong_use;
 use lariat_chain::stop::Stop;
 
-/// Points of a target.
+/// Number of points of a target.
 const TARGET_POINTS: usize = 120;
-/// Limits of a gripper: px/s, px/s, rad/s. Both axes at once are what the robot allows itself.
+/// Speed limits of a gripper: px/s, px/s, rad/s. The robot allows both axes at once.
 const SPEEDS: [f64; 3] = [100.0, 100.0, 1.5];
-/// In space: mm/s along each axis, rad/s about each that is across the rope; all at once are what the robot allows itself.
+/// Speed limits in 3-D: mm/s along each axis, rad/s about each axis across the rope. The robot
+/// allows all at once.
 const SPACE_SPEEDS: [f64; 2] = [85.0, 1.0];
-/// How far apart the grippers may go, as a share of the rope between them: it is never pulled taut.
+/// Maximum distance between the grippers as a share of the rope between them, so that it is never
+/// pulled taut.
 const SLACK: f64 = 0.998;
-/// λ of the law, 1/s.
+/// λ of the control law, 1/s.
 const GAIN: f64 = 3.0;
-/// The rope by its colour: a hand and grippers have others, and are not taken for parts of it.
+/// Segments the rope by its color. Hands and grippers have other colors and are not confused with
+/// it.
 const EXTRACT: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
-/// A target is so many numbers, and the rope as many from image to image: the paper's curve, unless a case names another.
+/// Fixes the number of control points, because the controller compares a constant number of
+/// features. This is the paper's curve, unless a case sets another.
 const FIT: &str = "[fit]\ncontrol_points = 9\n";
-/// A basis by its name.
+/// Name of the B-spline basis.
 const BSPLINE: &str = "bspline";
-/// When a hand comes, in seconds: on the way to the target, which most reach after three.
+/// Time at which a hand appears, s. It is on the way to the target, which most ropes reach after
+/// three.
 const HAND_AT_S: f64 = 2.5;
 
-/// What the rope is to become.
+/// Target shape of the rope.
 #[derive(Debug, Clone)]
 pub(super) enum Target {
-    /// A shape that the rope takes in the simulation, another for each seed.
+    /// A shape that the rope takes in the simulation, different for each seed.
     Named(TargetShape),
     /// A curve through points, px.
     Points(Vec<[f64; 2]>),
@@ -49,7 +54,7 @@ struct Line {
 }
 
 impl Target {
-    /// The target that was named, or the one in a file of that name.
+    /// Returns the target of this name, or the one in a file of this name.
     pub(super) fn named(name: &str) -> Result<Self> {
         if let Ok(shape) = name.parse() {
             return Ok(Self::Named(shape));
@@ -73,12 +78,12 @@ impl Target {
         Ok(Self::Points(line.points))
     }
 
-    /// Whether it can only be a rope's on the table.
+    /// Returns whether the target is only for a rope on the table.
     pub(super) fn is_in_picture(&self) -> bool {
         matches!(self, Self::Points(_))
     }
 
-    /// What is wanted of the rope of these options, and by which robot.
+    /// Returns the target for the rope of these options, and its robot.
     fn wanted(&self, options: &Options, lifted: bool) -> Result<Wanted> {
         Ok(match self {
             Self::Named(shape) if lifted => Wanted::InSpace {
@@ -108,16 +113,16 @@ pub(super) struct Case {
     look_ahead: bool,
     features: Features,
     learner: Learner,
-    /// Of the chain, beside its source.
+    /// Flags of the chain other than its source.
     flags: Vec<String>,
-    /// `[simulation]`
+    /// Content of `[simulation]`.
     simulation: String,
-    /// Whether the rope is lifted, and seen by a depth camera, too.
+    /// True if the rope is lifted and also seen by a depth camera.
     lifted: bool,
 }
 
 impl Case {
-    /// Nothing is varied.
+    /// Returns the case that varies nothing.
     fn as_it_is(fps: f64, lifted: bool) -> Self {
         Self {
             group: Group::AsItIs,
@@ -134,7 +139,8 @@ impl Case {
         }
     }
 
-    /// The chain as it is; and, for a study, with what is varied in the group of this name, in all groups if it is empty.
+    /// Returns the default case and, for a study, the cases of the group whose name starts with
+    /// `study`. An empty `study` selects all groups.
     pub(super) fn asked(fps: f64, lifted: bool, study: Option<&str>) -> Result<Vec<Self>> {
         let mut cases = Self::all(fps, lifted);
         cases.retain(|case| !lifted || case.is_in_space());
@@ -154,8 +160,8 @@ impl Case {
         Ok(cases)
     }
 
-    /// Whether a lifted rope can be driven so: no hand comes there, and what is steered by are a Bezier curve's control points, as
-    /// soon as they are known.
+    /// Returns whether the case applies to a lifted rope. There, no hand appears, and the features
+    /// are always a Bezier curve's control points without added latency.
     fn is_in_space(&self) -> bool {
         match self.group {
             Group::AsItIs | Group::FrameRate | Group::Noise | Group::Estimator => true,
@@ -164,7 +170,7 @@ impl Case {
         }
     }
 
-    /// The chain as it is, and with all that is varied, one thing at a time.
+    /// Returns the default case and all variations.
     fn all(fps: f64, lifted: bool) -> Vec<Self> {
         let base = Self::as_it_is(fps, lifted);
         let varied = |group, name: String, value| Self {
@@ -233,12 +239,12 @@ impl Case {
         cases
     }
 
-    /// What distances are in.
+    /// Returns the unit of distances.
     fn unit(&self) -> &'static str {
         if self.lifted { "mm" } else { "px" }
     }
 
-    /// One rope, as a line for who waits.
+    /// Describes one rope's outcome in a progress line.
     pub(super) fn said(&self, outcome: &Outcome) -> String {
         let Outcome { seed, doing, .. } = outcome;
         let (error_px, unit) = (outcome.final_px(), self.unit());
@@ -256,7 +262,7 @@ impl Case {
         }
     }
 
-    /// This case's row of the table.
+    /// Returns this case's row of the table.
     pub(super) fn row(&self, outcomes: Vec<Outcome>) -> Row {
         Row {
             group: self.group,
@@ -266,7 +272,7 @@ impl Case {
         }
     }
 
-    /// Drives one rope; `None` if a signal came.
+    /// Drives one rope. Returns `None` if a signal arrived.
     pub(super) fn drive(
         &self,
         seed: u64,
@@ -328,7 +334,7 @@ impl Case {
     }
 }
 
-/// What a robot knows of itself.
+/// Returns the robot's own data.
 fn robot(options: &Options) -> Result<Robot> {
     let simulation = Simulation::new(options)?;
     let poses = simulation.grippers().iter();
@@ -343,7 +349,7 @@ fn robot(options: &Options) -> Result<Robot> {
     })
 }
 
-/// The same of one in space.
+/// Returns the data of a robot in 3-D.
 fn space_robot(options: &Options) -> Result<SpaceRobot> {
     let simulation = SpaceSimulation::new(options)?;
     let poses = simulation.grippers().iter();

@@ -1,5 +1,6 @@
-//! The controller as a process: descriptors in by the public reader, velocities out. It knows its robot and its target, and
-//! nothing of the rope but what the camera sees.
+//! The controller as a process: it reads descriptors through the public reader and sends
+//! velocities. It knows its robot and its target. Its only knowledge of the rope comes from the
+//! camera.
 
 mod observer;
 mod space;
@@ -22,25 +23,25 @@ use lariat_chain::settings::{Flags, Settings};
 use lariat_chain::stop::Stop;
 use observer::{Observer, Sight};
 
-/// A robot is told something this often at least, so that its watchdog stays quiet.
+/// Maximum time between two commands, so that the robot's watchdog does not stop it.
 const BEAT: Duration = Duration::from_millis(20);
-/// It has arrived when the shape is this near, by its own measure.
+/// Distance from the target, in the controller's own metric, at which the rope has arrived.
 const TOLERANCE_PX: f64 = 1.5;
-/// Rows of a curve's basis that its metric is made of.
+/// Number of rows of a curve's basis that the metric is computed from.
 const METRIC_ROWS: usize = 64;
 
-/// What is asked of the controller.
+/// Arguments of the controller.
 #[derive(Debug, Args)]
 pub(crate) struct ControllerArgs {
-    /// What it is told
+    /// File that describes the job
     #[arg(long, value_name = "FILE")]
     job: PathBuf,
-    /// The chain that it reads
+    /// The chain that it reads.
     #[command(flatten)]
     chain: Flags,
 }
 
-/// Steers until a signal comes.
+/// Steers until a signal arrives.
 pub(crate) fn run(args: &ControllerArgs) -> Result<ExitCode> {
     let job = Job::read(&args.job)?;
     let settings = Settings::resolve(&args.chain)?;
@@ -77,7 +78,7 @@ pub(crate) fn run(args: &ControllerArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The way to the robot, and to whoever started this process.
+/// The connection to the robot and to the parent process.
 struct Link {
     robot: Writer<Command>,
     count: u64,
@@ -103,7 +104,7 @@ impl Link {
             velocities,
         };
         slot.send()?;
-        // Line by line, what it does whenever that is something else: whoever started it reads the last one.
+        // Prints a line whenever the state changes. The parent process reads the last one.
         if self.said.replace(doing) != Some(doing) {
             print(&format!("{doing}\n"))?;
         }
@@ -157,7 +158,7 @@ fn options(job: &Job, robot: &Known, metric: Metric) -> Options {
         .tolerance_px(TOLERANCE_PX)
 }
 
-/// What it is told of how to steer, whatever the robot.
+/// Returns the control options that do not depend on the robot.
 fn ways<const A: usize>(job: &Job) -> Options<A> {
     Options::default()
         .gain(job.gain)

@@ -1,4 +1,5 @@
-//! One rope, driven: the chain on a simulated rope, the controller beside it, and a judge who knows the truth.
+//! One driven rope: the chain on a simulated rope, its controller, and a judge that knows the
+//! truth.
 
 use std::env;
 use std::fs::File;
@@ -20,42 +21,42 @@ use crate::latency::guard::Guarded;
 use crate::program;
 use lariat_chain::stop::Stop;
 
-/// How long the rope must stay at its target for the case to be closed.
+/// Time for which the rope must stay at its target before the case ends.
 const STAYS_S: f64 = 1.5;
-/// How long the chain may take to send its first image.
+/// Time limit for the chain's first image.
 const STARTS_WITHIN: Duration = Duration::from_secs(30);
-/// How long a process may take to end.
+/// Time limit for a process to end.
 const ENDS_WITHIN: Duration = Duration::from_secs(20);
-/// The judge looks for a signal this often at least.
+/// Maximum interval at which the judge checks for a signal.
 const BEAT: Duration = Duration::from_millis(100);
 
-/// One case.
+/// A case with one rope.
 pub(super) struct Episode<'a> {
     pub(super) seed: u64,
     pub(super) rig: String,
-    /// What the chain is started with, beside its rig.
+    /// Arguments of the chain other than its rig.
     pub(super) chain: Vec<String>,
     pub(super) job: Job,
-    /// The controller's domain, where that is another than the chain's.
+    /// Domain of the controller, if it differs from the chain's.
     pub(super) controller_domain: Option<&'a str>,
-    /// The case is closed after so long in any case.
+    /// Time limit of the case.
     pub(super) time: Duration,
-    /// Where its files are put.
+    /// Folder for its files.
     pub(super) folder: &'a Path,
-    /// Whether to film it.
+    /// True to film the case.
     pub(super) filmed: bool,
 }
 
-/// What came of a case.
+/// Result of a case.
 pub(super) struct Driven {
     pub(super) outcome: Outcome,
-    /// From exposure to descriptor, image by image, ms.
+    /// Times from exposure to descriptor for each image, ms.
     pub(super) latencies_ms: Vec<f64>,
-    /// The film, as a GIF.
+    /// The film as a GIF.
     pub(super) film: Option<Vec<u8>>,
 }
 
-/// What the judge sees the case by.
+/// The judge's sources.
 struct Sights {
     witness: Witness,
     descriptors: Receiver<Descriptors>,
@@ -63,13 +64,13 @@ struct Sights {
     latencies_ms: Vec<f64>,
 }
 
-/// Who knows the truth.
+/// Source of the ground truth.
 enum Witness {
     InPlane(Receiver<Centerlines>, Judge<2>),
     InSpace(Receiver<Descriptors3>, Judge<3>),
 }
 
-/// Where the true rope is in an image, and how far from the target.
+/// Position of the true rope in an image, and its distance from the target.
 struct Judged {
     trace: Trace,
     error_px: f64,
@@ -98,7 +99,7 @@ impl Witness {
         Ok(())
     }
 
-    /// Of the oldest image that waits; `None` if none does.
+    /// Judges the oldest waiting image. Returns `None` if there is none.
     fn next(&self) -> Result<Option<Judged>> {
         Ok(match self {
             Self::InPlane(truth, judge) => truth.next()?.map(|message| {
@@ -124,12 +125,12 @@ impl Witness {
 }
 
 impl Episode<'_> {
-    /// Drives the rope; `None` if a signal came.
+    /// Drives the rope. Returns `None` if a signal arrived.
     pub(super) fn run(&self, stop: &Stop) -> Result<Option<Driven>> {
         let domain = Domain::open()?;
         let rig = self.rig.parse()?;
         let camera = || Camera::open(&domain, &rig, &self.job.wanted);
-        // Before the chain, so that the first image is judged too.
+        // Opened before the chain starts, so that the first image is judged too.
         let mut sights = Sights {
             witness: Witness::open(&domain, &rig, &self.job.wanted)?,
             descriptors: Receiver::create_unwoken(&domain, &rig, &DESCRIPTORS, None)?,
@@ -170,7 +171,7 @@ impl Episode<'_> {
     }
 
     fn chain_arguments(&self) -> Vec<String> {
-        // An end of its own, should this process be killed.
+        // A time limit for the chain itself, in case this process is killed.
         let longest_s = (self.time + STARTS_WITHIN).as_secs();
         let own = ["--rig", &self.rig, "--duration", &format!("{longest_s}s")].map(str::to_owned);
         [&own[..], &self.chain].concat()
@@ -182,7 +183,8 @@ impl Episode<'_> {
         [&own[..], &self.chain].concat()
     }
 
-    /// Watches the true rope until it stays at its target or the time is over; `None` if a signal came.
+    /// Watches the true rope until it stays at its target or the time is over. Returns `None` if a
+    /// signal arrived.
     fn judge(
         &self,
         sights: &mut Sights,
@@ -232,7 +234,7 @@ impl Episode<'_> {
 }
 
 impl Sights {
-    /// Notes how long descriptors took.
+    /// Records the latencies of descriptors.
     fn time(&mut self) -> Result<()> {
         while let Some(message) = self.descriptors.next()? {
             let trace = &message.trace;
@@ -243,7 +245,7 @@ impl Sights {
     }
 }
 
-/// A command that runs alongside this one, and ends with it.
+/// A process that runs alongside this one and ends with it.
 struct Process {
     name: &'static str,
     program: Guarded,
@@ -280,8 +282,10 @@ impl Process {
         })
     }
 
+    /// Checks that the process is still running.
+    ///
     /// # Errors
-    /// It has ended, which it should not have.
+    /// The process has ended.
     fn check(&mut self) -> Result<()> {
         match self.program.ended() {
             None => Ok(()),
@@ -293,7 +297,7 @@ impl Process {
         }
     }
 
-    /// Ends it, and tells what it said.
+    /// Ends the process and returns its output.
     fn end(&mut self) -> String {
         self.program.end(ENDS_WITHIN);
         text(&self.said)

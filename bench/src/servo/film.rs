@@ -1,8 +1,8 @@
-//! The animated picture: what the camera sees, what the controller makes of it, and the error that is left. A lifted rope is seen
-//! from the side, too.
+//! The animated picture: the camera's view, the controller's result, and the remaining error. A
+//! lifted rope is also shown from the side.
 //!
-//! Pictures are made smaller and drawn upon as they come. In the end, when the whole time is known, each gets its strip
-//! with the error, and all become one GIF.
+//! Pictures are scaled down and drawn on as they arrive. At the end, when the whole duration is
+//! known, a strip with the error is added to each, and all become one GIF.
 
 mod dashes;
 mod encode;
@@ -13,16 +13,16 @@ use dashes::dashes;
 use image::{RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
 
-/// The film is at most so wide: pictures that are wider are made smaller by a whole number.
+/// Maximum width of the film. Wider pictures are scaled down by an integer factor.
 const WIDTH_PX: usize = 320;
-/// Between two of its pictures.
+/// Interval between two pictures of the film.
 const STEP_S: f64 = 0.1;
-/// An arrow goes where a gripper would be after so long.
+/// LineStyle-ahead time of the arrows that show a gripper's motion.
 const AHEAD_S: f64 = 0.5;
-/// The longest arrow and the radius of a turn's, in pixels of the film.
+/// Maximum length of an arrow and radius of a turn's arrow, in pixels of the film.
 const LONGEST_PX: f64 = 44.0;
 const TURN_PX: f64 = 9.0;
-/// What is shorter is no arrow, in pixels of the film.
+/// Minimum length of an arrow, in pixels of the film. Shorter ones are not drawn.
 const SHORTEST_PX: f64 = 5.0;
 
 const TARGET: [u8; 3] = [0, 150, 60];
@@ -32,17 +32,17 @@ const ROPE: [u8; 3] = [150, 180, 220];
 const ARROW: [u8; 3] = [20, 20, 20];
 const WHITE: [u8; 3] = [255, 255, 255];
 
-/// A film in the making.
+/// A film in progress.
 #[derive(Debug)]
 pub(super) struct Film {
-    /// Of the camera's images.
+    /// Size of the camera's images.
     size_px: [usize; 2],
-    /// So many pixels of the camera become one.
+    /// Camera pixels per film pixel, along each side.
     scale: usize,
-    /// In each view, in pixels of the film.
+    /// The target in each view, in pixels of the film.
     target: Vec<Vec<[f64; 2]>>,
     pictures: Vec<Picture>,
-    /// Time and error of every shot, also of those between pictures.
+    /// Time and error of every shot, including those between pictures.
     errors: Vec<[f64; 2]>,
     next_s: f64,
 }
@@ -54,34 +54,35 @@ struct Picture {
     picture: RgbImage,
 }
 
-/// What there is to see at one moment.
+/// The data of one time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shot<'a> {
     /// Red, green, blue, row by row, without padding.
     pub rgb: &'a [u8],
     pub sketch: &'a Sketch,
-    /// Since the first image.
+    /// Time since the first image.
     pub at_s: f64,
     pub error_px: f64,
 }
 
-/// What is drawn over an image, in all views that it has. Places are in its pixels.
+/// The drawing over an image, in all its views. Positions are in the image's pixels.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sketch {
-    /// The true rope where the image has none, and how wide that is.
+    /// The true rope, for images that do not show it, and its width.
     pub rope: Vec<[f64; 2]>,
     pub rope_px: f64,
-    /// The curve that the controller was given, once in each view; none if it was given none.
+    /// The curve that the controller received, once in each view. Empty if there was none.
     pub seen: Vec<Vec<[f64; 2]>>,
     pub control_points: Vec<[f64; 2]>,
-    /// Around each of them, if that is known: where it is, with 95 %.
+    /// Regions that contain the control points with 95 % probability, if known.
     pub ellipses: Vec<Vec<[f64; 2]>>,
-    /// Where each gripper is, and how it moves: px/s to the right and down, rad/s clockwise.
+    /// Position of each gripper and its motion: px/s to the right and down, rad/s clockwise.
     pub grippers: Vec<([f64; 2], [f64; 3])>,
 }
 
 impl Film {
-    /// Of a camera with images of this width and height, and of ropes that are driven to a curve, once in each view.
+    /// Creates a film of a camera with images of this size. `target` is the target curve in each
+    /// view.
     pub(super) fn new(size_px: [usize; 2], target: &[Vec<[f64; 2]>]) -> Self {
         let scale = size_px[0].div_ceil(WIDTH_PX).max(1);
         Self {
@@ -94,13 +95,15 @@ impl Film {
         }
     }
 
-    /// Whether a shot of this time becomes a picture; of one that does not, only the error is looked at.
+    /// Returns whether a shot at this time becomes a picture. Other shots contribute only their
+    /// error.
     pub(super) fn wants(&self, at_s: f64) -> bool {
-        // Images of a camera come a little early too.
+        // A camera's images may arrive slightly early.
         at_s >= self.next_s - 0.1 * STEP_S
     }
 
-    /// Adds a shot, later than those before. An image of another size than the film's gives no picture.
+    /// Adds a shot, which must be later than the previous ones. An image of another size than the
+    /// film's gives no picture.
     pub(super) fn add(&mut self, shot: &Shot) {
         self.errors.push([shot.at_s, shot.error_px]);
         let [width, height] = self.size_px.map(|side| side as u32);
@@ -113,7 +116,8 @@ impl Film {
             return;
         };
         self.next_s = match self.pictures.first() {
-            // The film's beat goes on from its first picture, whatever the images' own.
+            // The film keeps its own rhythm from its first picture on, independent of the images'
+            // times.
             Some(first) => {
                 let beats = ((shot.at_s - first.at_s) / STEP_S + 0.1).floor() + 1.0;
                 first.at_s + beats * STEP_S
@@ -155,10 +159,10 @@ impl Film {
         }
     }
 
-    /// The film as a GIF that begins again when it is over.
+    /// Returns the film as a GIF that loops.
     ///
     /// # Errors
-    /// No picture was added, or one larger than a GIF can be.
+    /// No picture was added, or it is too large for a GIF.
     pub(super) fn finish(self) -> Result<Vec<u8>> {
         let strip = strip::Strip::new(&self.errors);
         let pictures: Vec<(f64, RgbImage)> = (self.pictures.into_iter())
@@ -168,7 +172,7 @@ impl Film {
     }
 }
 
-/// From a pixel of the camera to a pixel of the film: centers of pixels are whole numbers in both.
+/// Maps camera pixels to film pixels. Pixel centers are integers in both.
 fn smaller(p: [f64; 2], scale: usize) -> [f64; 2] {
     p.map(|c| (c + 0.5) / scale as f64 - 0.5)
 }
@@ -177,7 +181,7 @@ fn all_smaller(line: &[[f64; 2]], scale: usize) -> Vec<[f64; 2]> {
     line.iter().map(|&p| smaller(p, scale)).collect()
 }
 
-/// Where a gripper goes and how it turns.
+/// Draws arrows for a gripper's motion and turn.
 fn arrows(canvas: &mut Canvas, at: [f64; 2], [vx, vy, turn]: [f64; 3], scale: usize) {
     let ahead = [vx, vy].map(|v| AHEAD_S * v / scale as f64);
     let length = (ahead[0] * ahead[0] + ahead[1] * ahead[1]).sqrt();
@@ -187,17 +191,17 @@ fn arrows(canvas: &mut Canvas, at: [f64; 2], [vx, vy, turn]: [f64; 3], scale: us
         let tip = [0, 1].map(|k| at[k] + share * ahead[k]);
         lines.push((share * length, vec![at, tip]));
     }
-    // Not so far that its head comes to its tail.
+    // Limited so that the head does not reach the tail.
     let angle = (AHEAD_S * turn).clamp(-5.0, 5.0);
     if (TURN_PX * angle).abs() > SHORTEST_PX {
         let point = |i: u32| {
             let (sine, cosine) = libm::sincos(angle * f64::from(i) / 16.0);
-            // From the top on, clockwise.
+            // Clockwise from the top.
             [at[0] + TURN_PX * sine, at[1] - TURN_PX * cosine]
         };
         lines.push((TURN_PX * angle.abs(), (0..=16).map(point).collect()));
     }
-    // A light rim parts them from the rope.
+    // A light rim separates the arrows from the rope.
     for (width, color) in [(3.6, WHITE), (1.7, ARROW)] {
         for (length, line) in &lines {
             canvas.line(line, width);

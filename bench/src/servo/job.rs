@@ -1,14 +1,15 @@
-//! What a controller is told about its robot, its target and its ways: a file that the two processes share.
+//! The controller's job: its robot, its target and its options, in a file that the two processes
+//! share.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-/// Points of a centerline that are steered by where no descriptor is.
+/// Number of centerline points used as features in place of a descriptor.
 pub(super) const RAW_POINTS: usize = 24;
 
-/// What is steered by.
+/// The features that the controller steers by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Features {
     /// The control points of the descriptor.
@@ -17,30 +18,30 @@ pub(super) enum Features {
     Points,
 }
 
-/// How the Jacobian is kept up to date.
+/// Method that updates the Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Learner {
     Kalman,
     Broyden,
 }
 
-/// What a controller is told.
+/// The job of a controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Job {
     pub wanted: Wanted,
     pub features: Features,
     pub learner: Learner,
-    /// λ of the law, 1/s.
+    /// λ of the control law, 1/s.
     pub gain: f64,
-    /// Steer by the shape as it should be now, not as it was seen.
+    /// Steer by the predicted current shape instead of the shape as observed.
     pub look_ahead: bool,
-    /// How much later than it came a shape is acted on: a slower link, in ms.
+    /// Delay of each observation, which simulates a slower link, in ms.
     pub delay_ms: f64,
-    /// The time between two images, s.
+    /// Time between two images, s.
     pub period_s: f64,
 }
 
-/// The shape that is wanted: points along the part of the rope that is seen. And by which robot.
+/// Target shape as points along the visible part of the rope, and the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) enum Wanted {
     /// In the picture, px.
@@ -52,29 +53,29 @@ pub(super) enum Wanted {
     },
 }
 
-/// What the robot knows of itself in space.
+/// The robot's own data in 3-D.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct SpaceRobot {
-    /// Where each gripper is at the start, mm, and the direction in which the rope leaves it.
+    /// Initial position of each gripper, mm, and the direction in which the rope leaves it.
     pub start: Vec<[[f64; 3]; 2]>,
-    /// mm/s along each axis, rad/s about each of its own that is across the rope.
+    /// Speed limits: mm/s along each axis, rad/s about each of the gripper's axes across the rope.
     pub speeds: [f64; 2],
     /// Lowest and highest x, y and z, mm.
     pub workspace_mm: [[f64; 2]; 3],
-    /// How far apart the grippers may be, mm.
+    /// Maximum distance between the grippers, mm.
     pub longest_apart_mm: f64,
 }
 
-/// What the robot knows of itself.
+/// The robot's own data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Robot {
-    /// Where each gripper is at the start: x px, y px, θ rad.
+    /// Initial pose of each gripper: x px, y px, θ rad.
     pub start: Vec<[f64; 3]>,
-    /// px/s, px/s, rad/s.
+    /// Speed limits: px/s, px/s, rad/s.
     pub speeds: [f64; 3],
     /// Lowest and highest x, and y, px.
     pub workspace_px: [[f64; 2]; 2],
-    /// How far apart the grippers may be, px.
+    /// Maximum distance between the grippers, px.
     pub longest_apart_px: f64,
 }
 

@@ -1,33 +1,35 @@
-//! How well the rope was driven: its true shape against the target, from image to image. What is px here is mm of a lifted rope.
+//! Judges how well the rope was driven: its true shape compared with the target, image by image.
+//! For a lifted rope, values named px are in mm.
 
-/// Points that two curves are compared at.
+/// Number of points at which two curves are compared.
 const POINTS: usize = 120;
-/// A shape is at its target when it is no farther from it on average, in pixels.
+/// Maximum mean distance from the target, in pixels, at which a shape has reached it.
 pub(super) const REACHED_PX: f64 = 5.0;
-/// The error at the end is the mean of so long.
+/// Time over which the final error is averaged.
 const END_S: f64 = 0.25;
 
-/// The error at a moment.
+/// The error at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
-    /// Since the first image, in seconds.
+    /// Time since the first image, in seconds.
     pub at_s: f64,
     /// Mean distance of the true rope from the target, point by point, in pixels.
     pub error_px: f64,
 }
 
-/// How one rope was driven.
+/// Result of driving one rope.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outcome {
     pub seed: u64,
-    /// Image by image.
+    /// Errors, image by image.
     pub errors: Vec<Moment>,
-    /// What the controller said it did in the end: in words, empty if it was never heard of.
+    /// The controller's last reported state in words. Empty if it never reported.
     pub doing: String,
 }
 
 impl Outcome {
-    /// The mean error over the end of it, in pixels; infinite if nothing was seen.
+    /// Returns the mean error over the final period, in pixels. Infinite if the rope was never
+    /// seen.
     pub(super) fn final_px(&self) -> f64 {
         let Some(last) = self.errors.last() else {
             return f64::INFINITY;
@@ -41,12 +43,13 @@ impl Outcome {
         end.iter().sum::<f64>() / end.len() as f64
     }
 
-    /// Whether the rope is at its target in the end.
+    /// Returns whether the rope is at its target at the end.
     pub(super) fn is_reached(&self) -> bool {
         self.final_px() <= REACHED_PX
     }
 
-    /// When it came there to stay, in seconds; `None` if it did not.
+    /// Returns the time after which the rope stayed at the target, in seconds. `None` if it did
+    /// not.
     pub(super) fn reached_s(&self) -> Option<f64> {
         if !self.is_reached() {
             return None;
@@ -59,7 +62,8 @@ impl Outcome {
         self.errors.get(first).map(|moment| moment.at_s)
     }
 
-    /// How far it went away again once it had been there, in pixels: the largest error from then on. `None` if it never was.
+    /// Returns the maximum error after the rope first reached the target, in pixels. `None` if it
+    /// never did.
     pub(super) fn overshoot_px(&self) -> Option<f64> {
         let first = self
             .errors
@@ -70,21 +74,22 @@ impl Outcome {
     }
 }
 
-/// A target, to measure against.
+/// A target to compare curves with.
 #[derive(Debug, Clone)]
 pub(super) struct Judge<const D: usize> {
     target: Vec<[f64; D]>,
 }
 
 impl<const D: usize> Judge<D> {
-    /// The target is a curve through these points.
+    /// Creates a judge for a target curve through these points.
     pub(super) fn new(target: &[[f64; D]]) -> Self {
         Self {
             target: lariat_simulation::at_equal_steps(target, POINTS),
         }
     }
 
-    /// Mean distance of corresponding points, in pixels, or of a lifted rope in millimetres; the curve may run the other way.
+    /// Returns the mean distance of corresponding points, in pixels, or in millimeters for a lifted
+    /// rope. The curve may run in either direction.
     pub(super) fn error_px(&self, curve: &[[f64; D]]) -> f64 {
         if curve.len() < 2 {
             return f64::INFINITY;

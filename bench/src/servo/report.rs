@@ -1,4 +1,4 @@
-//! What came of driving ropes in many ways: a table, plots, and one page that holds everything.
+//! Results of driving ropes in many ways: a table, plots, and one self-contained page.
 
 mod charts;
 mod findings;
@@ -11,22 +11,22 @@ pub(super) use table::table;
 
 use super::judge::Outcome;
 
-/// What was tried, and all that the numbers depend on.
+/// Results and all parameters that they depend on.
 #[derive(Debug, Clone)]
 pub(super) struct Study {
-    /// Of the page.
+    /// Title of the page.
     pub title: String,
-    /// What the ropes were driven to: a name.
+    /// Name of the target.
     pub target: String,
-    /// What distances are in: px, or mm of lifted ropes.
+    /// Unit of distances: px, or mm for lifted ropes.
     pub unit: &'static str,
-    /// The first is the one that others are held against: [`Group::AsItIs`].
+    /// Rows of the table. The first is the reference: [`Group::AsItIs`].
     pub rows: Vec<Row>,
-    /// The command that makes this study again.
+    /// Command that repeats this study.
     pub command: String,
-    /// Machine, version, seeds, rope: names and values for the page's end.
+    /// Machine, version, seeds, rope: names and values for the end of the page.
     pub parameters: Vec<(&'static str, String)>,
-    /// From exposure to descriptor in the chain as it is, in ms, if it was measured.
+    /// Time from exposure to descriptor in the default chain, in ms, if it was measured.
     pub own_latency_ms: Option<f64>,
 }
 
@@ -34,20 +34,21 @@ pub(super) struct Study {
 #[derive(Debug, Clone)]
 pub(super) struct Row {
     pub group: Group,
-    /// The difference from the default, such as "30 ms", "Bezier, 7 control points".
+    /// Difference from the default, such as "30 ms", "Bezier, 7 control points".
     pub name: String,
-    /// The same as a number in the unit of [`Group::axis`]; a group whose rows all have one is plotted over it.
+    /// The difference as a number in the unit of [`Group::axis`]. A group whose rows all have one
+    /// is plotted over it.
     pub value: Option<f64>,
-    /// One for each seed.
+    /// One outcome for each seed.
     pub outcomes: Vec<Outcome>,
 }
 
-/// What a row varies.
+/// The property that a row varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Group {
     AsItIs,
     Latency,
-    /// The same, by a controller that takes what it is given for what is now.
+    /// Latency for a controller that treats observations as current.
     LatencyTaken,
     FrameRate,
     Occlusion,
@@ -57,17 +58,17 @@ pub(super) enum Group {
     Estimator,
 }
 
-/// Which way of a group's values is the harder one.
+/// The direction in which a group's values get harder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Harder {
     Upwards,
     Downwards,
-    /// Not known beforehand.
+    /// Not known in advance.
     Neither,
 }
 
 impl Group {
-    /// In the order of the report.
+    /// All groups in the order of the report.
     const ALL: [Self; 9] = [
         Self::AsItIs,
         Self::Latency,
@@ -94,7 +95,7 @@ impl Group {
         }
     }
 
-    /// What its values are, with their unit.
+    /// Returns the label of its values with their unit.
     pub(super) fn axis(self) -> &'static str {
         match self {
             Self::AsItIs => "",
@@ -108,7 +109,7 @@ impl Group {
         }
     }
 
-    /// A value within a sentence.
+    /// Formats a value for a sentence.
     fn said(self, value: f64) -> String {
         match self {
             Self::Latency | Self::LatencyTaken => format!("{value} ms of added latency"),
@@ -121,7 +122,7 @@ impl Group {
         }
     }
 
-    /// The same when it was said already what it is.
+    /// Formats a value for a sentence that has already named the quantity.
     fn said_again(self, value: f64) -> String {
         match self {
             Self::Latency => format!("{value} ms"),
@@ -131,7 +132,7 @@ impl Group {
         }
     }
 
-    /// What the group is about.
+    /// Returns a description of the group.
     fn about(self) -> &'static str {
         match self {
             Self::AsItIs => {
@@ -150,7 +151,7 @@ impl Group {
             }
             Self::CurveAndBasis => "The curve that the rope's shape is described by.",
             Self::Features => {
-                "What the controller is given: the control points of a curve, or points of the centerline itself."
+                "The controller's input: the control points of a curve, or points of the centerline itself."
             }
             Self::Estimator => {
                 "How the controller learns what a motion of the grippers does to the shape."
@@ -170,12 +171,12 @@ impl Group {
 }
 
 impl Study {
-    /// A text about pixels, in what distances are in.
+    /// Replaces "px" in a text by the unit of distances.
     fn in_unit(&self, text: &str) -> String {
         text.replace("px", self.unit)
     }
 
-    /// What all others are held against.
+    /// Returns the row that all others are compared with.
     fn base(&self) -> Option<&Row> {
         self.rows.iter().find(|row| row.group == Group::AsItIs)
     }
@@ -184,7 +185,7 @@ impl Study {
         self.rows.iter().filter(|row| row.group == group).collect()
     }
 
-    /// The groups that have rows.
+    /// Returns the groups that have rows.
     fn groups(&self) -> impl Iterator<Item = (Group, Vec<&Row>)> {
         let groups = Group::ALL.into_iter();
         let groups = groups.map(|group| (group, self.of(group)));
@@ -192,8 +193,8 @@ impl Study {
     }
 }
 
-/// The values of rows that all have one, with their rows, from the least to the greatest; `None` if there is nothing to
-/// plot over them.
+/// Returns the rows with their values in ascending order, if all have one. Returns `None` if they
+/// cannot be plotted over a value.
 fn by_value<'a>(rows: &[&'a Row]) -> Option<Vec<(f64, &'a Row)>> {
     let values: Option<Vec<_>> = (rows.iter())
         .map(|&row| row.value.map(|value| (value, row)))

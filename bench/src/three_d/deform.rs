@@ -1,10 +1,13 @@
-//! `lariat-bench 3d --deform DIR`: ropes that a motion capture saw move, drawn frame by frame before a colour and a depth camera, and
-//! followed through extraction, depth and fit.
+//! `lariat-bench 3d --deform DIR`: ropes that move as recorded by motion capture. They are drawn
+//! frame by frame in front of a color and a depth camera, and processed by extraction, depth and
+//! fit.
 //!
-//! The data are those of DEFORM (Chen et al., 2024): for each of five ropes of a metre, sequences of 500 frames at 100 Hz in which two robots
-//! swing it, as 12 or 13 markers in metres, z up. The rope is the centripetal Catmull-Rom spline through the markers of a frame. Its
-//! cameras stand still, level, and turned about the vertical so that the whole sequence is the shallowest to them, as near as all of it is in the picture;
-//! behind it is a wall.
+//! The data are those of DEFORM (Chen et al., 2024). For each of five ropes of one meter, there are
+//! sequences of 500 frames at 100 Hz in which two robots swing it. A frame holds 12 or 13 markers
+//! in meters, z up. The rope is the centripetal Catmull-Rom spline through them.
+//!
+//! The cameras are static and level. They are turned about the vertical so that the sequence has
+//! the smallest depth range, and placed as near as the picture allows. A wall is behind the rope.
 
 mod stage;
 mod tally;
@@ -23,13 +26,13 @@ use lariat_wire::{Centerlines, Curve, Descriptors3, Status};
 use stage::Stage;
 use tally::Tally;
 
-/// From one frame to the next.
+/// Time between two frames.
 const PERIOD_NS: u64 = 10_000_000;
 
-/// Measures and prints the table: a row for each kind of rope.
+/// Measures and prints the table, with a row for each kind of rope.
 ///
 /// # Errors
-/// The folder holds no such data, or something else.
+/// The folder does not hold such data.
 pub(super) fn run(args: &Args, folder: &Path) -> Result<()> {
     let mut table = Table::new(&[
         "rope",
@@ -82,7 +85,7 @@ pub(super) fn run(args: &Args, folder: &Path) -> Result<()> {
     println!("\nmissing frames: {}", all.missing())
 }
 
-/// The folders of the kinds of rope, in order.
+/// Returns the folders of the kinds of rope, in order.
 fn kinds(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut kinds = entries(folder)?;
     kinds.retain(|path| path.is_dir());
@@ -94,7 +97,7 @@ fn kinds(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(kinds)
 }
 
-/// A kind's sequences: those to evaluate by first, in the order of their names.
+/// Returns a kind's sequences: first those for evaluation, in the order of their names.
 fn files(kind: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for part in ["eval", "train"] {
@@ -114,7 +117,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// The markers of each frame, mm, z up.
+/// Reads the markers of each frame, mm, z up.
 fn read(path: &Path) -> Result<Vec<Vec<[f64; 3]>>> {
     let frames = pickle::read(&fs::read(path)?)?;
     let frames: Result<Vec<_>> = frames.list()?.iter().map(markers).collect();
@@ -123,7 +126,7 @@ fn read(path: &Path) -> Result<Vec<Vec<[f64; 3]>>> {
     Ok(frames)
 }
 
-/// A frame's markers; it is a list of all x, one of all y, and one of all z, in metres.
+/// Parses a frame's markers: a list of all x, one of all y, and one of all z, in meters.
 fn markers(frame: &pickle::Value) -> Result<Vec<[f64; 3]>> {
     let axes = frame.list()?;
     ensure!(
@@ -146,7 +149,7 @@ fn markers(frame: &pickle::Value) -> Result<Vec<[f64; 3]>> {
     Ok(markers)
 }
 
-/// Follows the rope through a sequence.
+/// Tracks the rope through a sequence.
 fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -> Result<()> {
     let stage = Stage::of(frames);
     let [color, beside] = stage.eyes;
@@ -199,7 +202,7 @@ fn follow(frames: &[Vec<[f64; 3]>], seed: u64, args: &Args, tally: &mut Tally) -
     Ok(())
 }
 
-/// How far the centerlines' points are from the axis in the picture.
+/// Describes the distance of the centerlines' points from the axis in the picture.
 fn in_the_picture(seen: &Centerlines, truth: &[[f64; 2]]) -> String {
     let off = |&[x, y]: &[f32; 2]| {
         let from = truth

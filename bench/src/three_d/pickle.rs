@@ -1,12 +1,12 @@
-//! Pickles of lists of numbers, read as data. A pickle is a program, which may import and call whatever it likes: of its opcodes those are
-//! known here that make lists and numbers, and nothing else is run.
+//! Safe reading of pickles of number lists. A pickle is a program that may import and call
+//! anything. Only the opcodes that make lists and numbers are supported, and nothing is executed.
 
 use anyhow::{Context, Result, bail};
 
-/// Lists within lists are no deeper than this.
+/// Maximum nesting depth of lists.
 const DEEPEST: usize = 3;
 
-/// What a pickle holds.
+/// Content of a pickle.
 #[derive(Debug, PartialEq)]
 pub(super) enum Value {
     Number(f64),
@@ -14,10 +14,10 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// What is in a list.
+    /// Returns the items of a list.
     ///
     /// # Errors
-    /// It is a number.
+    /// The value is a number.
     pub(super) fn list(&self) -> Result<&[Self]> {
         match self {
             Self::List(list) => Ok(list),
@@ -25,10 +25,10 @@ impl Value {
         }
     }
 
-    /// A number.
+    /// Returns a number.
     ///
     /// # Errors
-    /// It is a list, or not finite.
+    /// The value is a list, or not finite.
     pub(super) fn number(&self) -> Result<f64> {
         match self {
             Self::Number(number) if number.is_finite() => Ok(*number),
@@ -41,7 +41,7 @@ impl Value {
 /// Reads a pickle.
 ///
 /// # Errors
-/// It holds anything but numbers and up to three lists within each other, or ends too early.
+/// It contains anything but numbers and up to three nested lists, or ends too early.
 pub(super) fn read(bytes: &[u8]) -> Result<Value> {
     let mut rest = bytes;
     let (mut stack, mut marks) = (Vec::new(), Vec::new());
@@ -49,10 +49,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Value> {
         let at = bytes.len() - rest.len();
         let [opcode] = take(&mut rest)?;
         match opcode {
-            // The protocol, and how long what comes is.
+            // Protocol version and frame length.
             0x80 => drop(take::<1>(&mut rest)?),
             0x95 => drop(take::<8>(&mut rest)?),
-            // Remembers the last value; nothing that is read here asks for it.
+            // Stores the last value in the memo, which is never read here.
             0x94 => {}
             b']' => stack.push(Value::List(Vec::new())),
             b'G' => stack.push(Value::Number(f64::from_be_bytes(take(&mut rest)?))),
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn whatever_could_run_something_is_refused() {
-        // `os.system` on the stack, by name and as protocol 4 has it, and a call.
+        // `os.system` on the stack, by name and in the form of protocol 4, and a call.
         for (pickle, opcode) in [
             (&b"cos\nsystem\n."[..], "0x63"),
             (b"\x80\x04\x8c\x02os\x94\x8c\x06system\x94\x93.", "0x8c"),

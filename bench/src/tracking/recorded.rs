@@ -1,4 +1,4 @@
-//! A film made elsewhere, a picture a frame, with a drawn hand over it.
+//! A film given as pictures, one per frame, with a drawn hand over it.
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use anyhow::{Context, Result};
 use lariat_drawn::moving::{Hand, TrueRope};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 
-/// Points of what is taken for true.
+/// Number of points of a reference curve.
 const POINTS: usize = 240;
 
-/// The frames, and what was read of each before a hand came.
+/// The frames, each with the ropes extracted before a hand is drawn.
 pub(super) struct Film {
     pub(super) size: [usize; 2],
     frames: Vec<(Vec<u8>, Vec<TrueRope>)>,
@@ -62,7 +62,8 @@ impl Film {
         Ok(film)
     }
 
-    /// Draws a frame, to and fro from one that depends on the seed on, and says what is in it.
+    /// Draws a frame and returns its true ropes. The film plays forward and backward, starting at a
+    /// frame that depends on the seed.
     pub(super) fn frame(&self, at: u64, seed: u64, rgb: &mut Vec<u8>) -> Vec<TrueRope> {
         let last = self.frames.len() as u64 - 1;
         let turn = (at + 37 * seed) % (2 * last);
@@ -79,7 +80,7 @@ impl Film {
     }
 }
 
-/// As many points at equal steps along the curve's own as the judge is used to.
+/// Resamples a curve at equal steps to the number of points that the judge expects.
 fn dense(points: &[[f32; 2]]) -> Vec<[f64; 2]> {
     let last = points.len() - 1;
     let at = |i: usize| {

@@ -1,4 +1,4 @@
-//! A film as a Y4M video: Y, U and V of each frame, colour shared by four pixels.
+//! Encoding of a film as a Y4M video: Y, U and V of each frame, with color shared by four pixels.
 
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -9,7 +9,7 @@ use lariat_chain::output::{Existing, Output};
 use lariat_drawn::moving::Film;
 use lariat_extract::PixelFormat;
 
-/// Writes so many frames of a film, of an even size.
+/// Writes this many frames of a film. Its sides must be even.
 pub(super) fn write(mut film: Film, size: [usize; 2], frames: u64, path: &Path) -> Result<()> {
     let [width, height] = size;
     let about = || format!("cannot write {}", path.display());

@@ -1,4 +1,4 @@
-//! What a camera makes of a picture.
+//! Simulation of a camera.
 
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
@@ -6,7 +6,7 @@ use image::codecs::jpeg::JpegEncoder;
 use crate::canvas::{Canvas, Field, blur, direction, dot, happens, minus, normal, spread};
 use lariat_portable::SplitMix64;
 
-/// Three bytes a pixel.
+/// Returns the exposed picture with three bytes per pixel.
 pub(crate) fn expose(canvas: &mut Canvas, random: &mut SplitMix64) -> anyhow::Result<Vec<u8>> {
     light(canvas, random);
     if happens(random, 0.12) {
@@ -38,7 +38,8 @@ pub(crate) fn expose(canvas: &mut Canvas, random: &mut SplitMix64) -> anyhow::Re
     }
 }
 
-/// A lamp beside, a spot, a dark corner; the shadow of something outside.
+/// Adds light from a lamp at the side, a spot or a dark corner, and the shadow of an object outside
+/// the picture.
 fn light(canvas: &mut Canvas, random: &mut SplitMix64) {
     let side = canvas.side as f32;
     let middle = [0.5 * side; 2];
@@ -62,7 +63,7 @@ fn light(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// The mean over the way that the camera moves while the shutter is open.
+/// Averages over the camera's motion while the shutter is open.
 fn smear(canvas: &mut Canvas, random: &mut SplitMix64) {
     let way_px = spread(random, 1.5, 9.0);
     let along = direction(random.uniform_f32(0.0, 3.2));
@@ -89,7 +90,7 @@ fn sharpen(canvas: &mut Canvas, by: f32) {
     }
 }
 
-/// White balance, exposure, tone curve; a gray camera now and then.
+/// Applies white balance, exposure and a tone curve. Sometimes the camera is gray.
 fn develop(canvas: &mut Canvas, random: &mut SplitMix64) {
     let exposure = random.uniform_f32(0.6, 1.25);
     let gain = [(); 3].map(|()| exposure * random.uniform_f32(0.86, 1.15));
@@ -121,7 +122,7 @@ fn add_noise(canvas: &mut Canvas, random: &mut SplitMix64) {
         *value = [(); 3].map(|()| levels * normal(random));
     }
     if happens(random, 0.4) {
-        // As demosaicing leaves it.
+        // Correlated as after demosaicing.
         blur(&mut noise, 0.7);
     }
     for (pixel, noise) in canvas.values.iter_mut().zip(noise.values) {

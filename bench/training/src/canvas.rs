@@ -1,13 +1,14 @@
-//! A square picture in floating-point levels, and what is laid on it: noise, surfaces cut out by signed distances, blur.
+//! A square picture in floating-point levels and its drawing operations: noise, surfaces cut out by
+//! signed distances, blur.
 
 use lariat_portable::SplitMix64;
 
 /// Red, green and blue, 0 to 255.
 pub(crate) type Rgb = [f32; 3];
-/// A place or a direction, in pixels.
+/// A position or a direction, in pixels.
 pub(crate) type Vec2 = [f32; 2];
 
-/// A value a pixel of a square picture.
+/// One value per pixel of a square picture.
 #[derive(Clone)]
 pub(crate) struct Field<T> {
     pub(crate) side: usize,
@@ -24,7 +25,7 @@ impl<T: Copy> Field<T> {
         }
     }
 
-    /// Every value with the place of its pixel.
+    /// Iterates over all values with the positions of their pixels.
     pub(crate) fn places(&mut self) -> impl Iterator<Item = (Vec2, &mut T)> {
         let side = self.side;
         let place = move |i| [(i % side) as f32, (i / side) as f32];
@@ -49,18 +50,19 @@ pub(crate) fn minus(a: Vec2, b: Vec2) -> Vec2 {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-/// The unit vector of an angle in radians.
+/// Returns the unit vector of an angle in radians.
 pub(crate) fn direction(angle: f32) -> Vec2 {
     [libm::cosf(angle), libm::sinf(angle)]
 }
 
-/// How much of a pixel lies on the inner side of an edge at a signed distance from its centre.
+/// Returns the share of a pixel on the inner side of an edge, given the signed distance of its
+/// center.
 pub(crate) fn covered(distance_px: f32) -> f32 {
     (0.5 - distance_px).clamp(0.0, 1.0)
 }
 
 impl Canvas {
-    /// Lays a color on, as far as each place is covered.
+    /// Blends a color over each position. `at` returns the coverage and the color.
     pub(crate) fn lay(&mut self, mut at: impl FnMut(Vec2) -> (f32, Rgb)) {
         for (place, pixel) in self.places() {
             let (share, rgb) = at(place);
@@ -70,7 +72,7 @@ impl Canvas {
         }
     }
 
-    /// Takes a share of the light away.
+    /// Removes a share of the light.
     pub(crate) fn darken(&mut self, shares: &Field<f32>, by: f32) {
         for (pixel, share) in self.values.iter_mut().zip(&shares.values) {
             *pixel = scaled(*pixel, 1.0 - by * share);
@@ -78,15 +80,16 @@ impl Canvas {
     }
 }
 
-/// Gaussian blur, by three box filters (W. M. Wells, 1986); the border's pixels stand for what is outside.
+/// Gaussian blur by three box filters (W. M. Wells, 1986). Pixels outside equal those at the
+/// border.
 pub(crate) fn blur<const N: usize>(field: &mut Field<[f32; N]>, sigma_px: f32) {
-    // Below half a pixel a box is too coarse: three taps.
+    // Below 0.6 pixels a box is too coarse, so three taps are used.
     if sigma_px < 0.6 {
         let side = 0.5 * sigma_px * sigma_px;
         passes(field, |row, out| tap(row, side, out));
         return;
     }
-    // A box of radius r, whose last taps count only in part, has this variance.
+    // A box of radius r, with its last taps weighted by the fraction, has this variance.
     let variance = sigma_px * sigma_px / 3.0;
     let radius = 0.5 * ((12.0 * variance + 1.0).sqrt() - 1.0);
     for _ in 0..3 {
@@ -122,7 +125,7 @@ fn average<const N: usize>(row: &[[f32; N]], radius: f32, out: &mut [[f32; N]]) 
     }
 }
 
-/// Does something to every row and then to every column.
+/// Applies a filter to every row and then to every column.
 fn passes<const N: usize>(
     field: &mut Field<[f32; N]>,
     mut pass: impl FnMut(&[[f32; N]], &mut [[f32; N]]),
@@ -142,7 +145,7 @@ fn passes<const N: usize>(
     }
 }
 
-/// A coverage moved by some pixels and blurred: as a shadow falls.
+/// Returns a shadow: a coverage shifted by some pixels and blurred.
 pub(crate) fn shadow(cover: &Field<f32>, by: Vec2, sigma_px: f32) -> Field<f32> {
     let side = cover.side;
     let mut moved = Field::of(side, [0.0]);
@@ -160,8 +163,9 @@ pub(crate) fn shadow(cover: &Field<f32>, by: Vec2, sigma_px: f32) -> Field<f32> 
     }
 }
 
-/// Noise of mean 0 and variance 1 in octaves from `finest_px` to `coarsest_px`, each louder than the one below it by
-/// 2 to the power of `slope`, stretched by `aspect` along an angle.
+/// Noise of mean 0 and variance 1 in octaves from `finest_px` to `coarsest_px`. Each octave is
+/// stronger than the next finer one by 2 to the power of `slope`. It is stretched by `aspect` along
+/// an angle.
 pub(crate) struct Noise {
     pub(crate) finest_px: f32,
     pub(crate) coarsest_px: f32,
@@ -217,7 +221,8 @@ impl Noise {
     }
 }
 
-/// About normal, of variance 1: a sum of four uniform numbers in [−½, ½) has a variance of ⅓.
+/// Returns an approximately normal number of variance 1. A sum of four uniform numbers in [−½, ½)
+/// has a variance of ⅓.
 pub(crate) fn normal(random: &mut SplitMix64) -> f32 {
     let bits = random.next_u64();
     let sum: f32 = (0..4)
@@ -226,17 +231,17 @@ pub(crate) fn normal(random: &mut SplitMix64) -> f32 {
     sum * 3f32.sqrt()
 }
 
-/// Whether something of this probability happens.
+/// Returns true with this probability.
 pub(crate) fn happens(random: &mut SplitMix64, probability: f32) -> bool {
     random.unit_f32() < probability
 }
 
-/// Uniform in the logarithm.
+/// Returns a number that is uniform in its logarithm.
 pub(crate) fn spread(random: &mut SplitMix64, low: f32, high: f32) -> f32 {
     low * libm::powf(high / low, random.unit_f32())
 }
 
-/// Any color; of some kinds more often than of others, as things are painted.
+/// Returns a random color. Some kinds are more frequent, like the paint of real objects.
 pub(crate) fn color(random: &mut SplitMix64) -> Rgb {
     let kinds = [
         Paint::Any,

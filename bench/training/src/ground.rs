@@ -1,4 +1,4 @@
-//! What everything lies on.
+//! The background of a picture.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -46,7 +46,7 @@ fn photograph(side: usize, photographs: &Photographs, random: &mut SplitMix64) -
     canvas
 }
 
-/// Adds noise of these octaves, that many levels loud, the same to each color.
+/// Adds noise of these octaves with this amplitude in levels, the same for each color.
 fn mottle(canvas: &mut Canvas, noise: &Noise, levels: f32, random: &mut SplitMix64) {
     let tint = [(); 3].map(|()| random.uniform_f32(0.7, 1.1));
     let field = noise.draw(canvas.side, random);
@@ -86,7 +86,7 @@ fn wood(canvas: &mut Canvas, random: &mut SplitMix64) {
     let levels = random.uniform_f32(4.0, 26.0);
     mottle(canvas, &noise, levels, random);
     if happens(random, 0.5) {
-        // Planks, a dark gap between them.
+        // Planks with a dark gap between them.
         let across = direction(angle + 1.57);
         let width_px = random.uniform_f32(40.0, 140.0);
         let at_px = random.uniform_f32(0.0, width_px);
@@ -135,7 +135,7 @@ fn cloth(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Lines that bend beside each other: marble, coarse grain, contours on a map, waves.
+/// Draws wavy parallel lines: marble, coarse grain, contours on a map, waves.
 fn bands(canvas: &mut Canvas, random: &mut SplitMix64) {
     let across = direction(random.uniform_f32(0.0, PI));
     let period_px = spread(random, 4.0, 40.0);
@@ -164,7 +164,7 @@ fn bands(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Patches of a few colors: camouflage, lichen, a map, printed cloth.
+/// Draws patches of a few colors: camouflage, lichen, a map, printed cloth.
 fn patches(canvas: &mut Canvas, random: &mut SplitMix64) {
     for _ in 0..1 + random.below(4) {
         let coarsest_px = spread(random, 10.0, 120.0);
@@ -187,7 +187,7 @@ fn patches(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Discs of a few colors or of many, as on terrazzo and on a painter's floor.
+/// Draws discs of a few colors or of many, like terrazzo or a painter's floor.
 fn dots(canvas: &mut Canvas, random: &mut SplitMix64) {
     let largest_px = spread(random, 3.0, 22.0);
     let share = random.uniform_f32(0.1, 1.2) * (canvas.side * canvas.side) as f32;
@@ -215,7 +215,7 @@ fn dots(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Two directions, near the picture's own more often than not.
+/// Returns two directions, more often than not near the picture's axes.
 fn axes(random: &mut SplitMix64) -> [[f32; 2]; 2] {
     let angle = if happens(random, 0.6) {
         0.05 * normal(random)
@@ -225,7 +225,7 @@ fn axes(random: &mut SplitMix64) -> [[f32; 2]; 2] {
     [direction(angle), direction(angle + FRAC_PI_2)]
 }
 
-/// A chess board, lines, or a grid of lines.
+/// Draws a chess board, lines, or a grid of lines.
 fn lattice(canvas: &mut Canvas, random: &mut SplitMix64) {
     let axes = axes(random);
     let ink = color(random);
@@ -261,7 +261,8 @@ fn holes(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// Stones: each place belongs to the nearest of many points, darker where two are as near.
+/// Draws stones: each position belongs to the nearest of many points, and is darker near the border
+/// to the next.
 fn gravel(canvas: &mut Canvas, random: &mut SplitMix64) {
     let cell_px = spread(random, 5.0, 40.0);
     let count = (canvas.side as f32 / cell_px) as usize + 3;
@@ -296,7 +297,7 @@ fn gravel(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Brushed, with broad reflections.
+/// Draws brushed metal with broad reflections.
 fn metal(canvas: &mut Canvas, random: &mut SplitMix64) {
     let level = random.uniform_f32(60.0, 220.0);
     for pixel in &mut canvas.values {
@@ -319,7 +320,7 @@ fn metal(canvas: &mut Canvas, random: &mut SplitMix64) {
     mottle(canvas, &glare, levels, random);
 }
 
-/// Tiles or bricks: rows that are shifted against each other, each piece of a light of its own, joints between them.
+/// Draws tiles or bricks: shifted rows, a brightness for each piece, and joints between them.
 fn tiles(canvas: &mut Canvas, random: &mut SplitMix64) {
     let axes = axes(random);
     let size_px = [0; 2].map(|_| spread(random, 14.0, 300.0));

@@ -1,7 +1,9 @@
-//! Draws pictures of ropes on all kinds of ground, with their masks, for training the network that finds ropes.
+//! Draws pictures of ropes on all kinds of backgrounds, with their masks, for training the network
+//! that segments ropes.
 //!
-//! A picture is a seed: the same seed and the same photographs give the same picture on every machine. They differ on purpose from the
-//! pictures that extraction is measured with (`lariat-drawn`): what is measured with is never trained on.
+//! A seed determines a picture: the same seed and the same photographs give the same picture on
+//! every machine. The pictures differ on purpose from those that extraction is measured with
+//! (`lariat-drawn`), so that the test pictures are never trained on.
 
 mod camera;
 mod canvas;
@@ -24,27 +26,28 @@ use image::ExtendedColorType;
 
 use photographs::Photographs;
 
-/// Draws pictures to train on into a file of numpy's: count × side × side × 5 bytes (red, green, blue, rope, seam); or into a folder of
-/// pictures with labels.
+/// Draw training pictures into a NumPy file: count × side × side × 5 bytes (red, green, blue, rope,
+/// seam); or into a folder of pictures with labels.
 #[derive(Parser)]
 #[command(group = clap::ArgGroup::new("what").required(true).args(["out", "labelled"]))]
 struct Args {
-    /// The file to write.
+    /// File to write.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// The folder to write `images` and `labels` into: PNGs named by their seeds, of a label's pixels each the number of its rope.
+    /// Folder to write `images` and `labels` to: PNGs named by their seeds. Each label pixel holds
+    /// the number of its rope.
     #[arg(long)]
     labelled: Option<PathBuf>,
-    /// The first picture's seed; the following pictures have the following ones.
+    /// Seed of the first picture; each following picture has the next seed.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Pictures.
+    /// Number of pictures.
     #[arg(long, default_value_t = 1000)]
     count: u64,
-    /// Pixels a side.
+    /// Side of the pictures in pixels.
     #[arg(long, default_value_t = 256)]
     side: usize,
-    /// A folder of photographs without ropes to draw on, beside grounds that are drawn.
+    /// Folder of photographs without ropes to draw on, in addition to drawn backgrounds.
     #[arg(long)]
     photographs: Option<PathBuf>,
 }
@@ -103,7 +106,7 @@ fn write_labelled(folder: &Path, args: &Args, photographs: &Photographs) -> anyh
     Ok(())
 }
 
-/// The head of numpy's format, version 1: magic, length, a dictionary padded to 64 bytes.
+/// Returns the header of NumPy's format, version 1: magic, length, a dictionary padded to 64 bytes.
 fn header(shape: [usize; 4]) -> Vec<u8> {
     let shape = shape.map(|count| count.to_string()).join(", ");
     let mut words = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}");

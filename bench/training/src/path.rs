@@ -1,4 +1,4 @@
-//! How ropes lie: points one pixel apart.
+//! Paths of ropes: points one pixel apart.
 
 use std::f32::consts::PI;
 
@@ -12,7 +12,8 @@ pub(crate) struct Path {
 }
 
 impl Path {
-    /// A rope of this width somewhere in the picture, perhaps leaving it, perhaps over itself.
+    /// Returns the path of a rope of this width anywhere in the picture. It may leave the picture
+    /// and cross itself.
     pub(crate) fn draw(side: usize, width_px: f32, random: &mut SplitMix64) -> Self {
         let knots = match random.below(20) {
             0..10 => across(side as f32, random),
@@ -23,7 +24,7 @@ impl Path {
         Self::through(&knots)
     }
 
-    /// Through the picture, without tight bends.
+    /// Returns a path through the picture without tight bends.
     pub(crate) fn gentle(side: usize, random: &mut SplitMix64) -> Self {
         let knots = match happens(random, 0.6) {
             true => across(side as f32, random),
@@ -32,7 +33,7 @@ impl Path {
         Self::through(&knots)
     }
 
-    /// Beside another one, at a signed distance that may change along it.
+    /// Returns a path next to this one, at a signed distance that may change along it.
     pub(crate) fn beside(&self, away_px: impl Fn(usize) -> f32) -> Self {
         let moved = |i: usize| {
             let [x, y] = self.tangents[i];
@@ -42,7 +43,7 @@ impl Path {
         Self::even(&(0..self.points.len()).map(moved).collect::<Vec<_>>())
     }
 
-    /// Smooth through knots (Catmull and Rom, 1974).
+    /// Returns a smooth path through knots (Catmull and Rom, 1974).
     fn through(knots: &[Vec2]) -> Self {
         let knot = |i: isize| knots[i.clamp(0, knots.len() as isize - 1) as usize];
         let mut dense = Vec::new();
@@ -85,7 +86,8 @@ impl Path {
         Self { points, tangents }
     }
 
-    /// A heading whose rate of change wanders, never tighter than a rope of this width bends: loops, knots, tangles.
+    /// Returns a path whose curvature varies at random, up to the tightest bend of a rope of this
+    /// width: loops, knots, tangles.
     fn wound(side: f32, width_px: f32, random: &mut SplitMix64) -> Self {
         let mut at = [(); 2].map(|()| random.uniform_f32(-0.1 * side, 1.1 * side));
         let mut heading = random.uniform_f32(0.0, 2.0 * PI);
@@ -97,7 +99,7 @@ impl Path {
             points.push(at);
             bend += -bend / memory_px + tightest * (2.0 / memory_px).sqrt() * normal(random);
             heading += bend.clamp(-tightest, tightest);
-            // Back towards the picture, when far outside.
+            // Turn back towards the picture when far outside.
             let home = minus([0.5 * side; 2], at);
             if dot(home, home) > 0.6 * side * side {
                 let [x, y] = direction(heading);
@@ -110,7 +112,8 @@ impl Path {
     }
 }
 
-/// Through the picture, from beyond one side towards another; sometimes it ends within.
+/// Returns knots across the picture, from outside one side towards another. Sometimes they end
+/// inside.
 fn across(side: f32, random: &mut SplitMix64) -> Vec<Vec2> {
     let along = direction(random.uniform_f32(0.0, 2.0 * PI));
     let middle = [(); 2].map(|()| side * (0.5 + 0.22 * normal(random)));
@@ -134,7 +137,7 @@ fn across(side: f32, random: &mut SplitMix64) -> Vec<Vec2> {
     knots
 }
 
-/// Steps in directions that turn at random.
+/// Returns knots of a random walk whose direction turns at random.
 fn astray(side: f32, random: &mut SplitMix64) -> Vec<Vec2> {
     let mut at = [(); 2].map(|()| random.uniform_f32(0.0, side));
     let mut heading = random.uniform_f32(0.0, 2.0 * PI);
@@ -150,7 +153,7 @@ fn astray(side: f32, random: &mut SplitMix64) -> Vec<Vec2> {
         .collect()
 }
 
-/// A slight arc.
+/// Returns knots of a slight arc.
 fn nearly_straight(side: f32, random: &mut SplitMix64) -> Vec<Vec2> {
     let along = direction(random.uniform_f32(0.0, 2.0 * PI));
     let middle = [(); 2].map(|()| random.uniform_f32(0.0, side));

@@ -1,4 +1,4 @@
-//! Photographs that pictures are laid over.
+//! Photographs used as backgrounds.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use image::imageops::{self, FilterType};
 use crate::canvas::{Canvas, Field, happens, spread};
 use lariat_portable::SplitMix64;
 
-/// Photographs of what is no rope.
+/// Photographs without ropes.
 pub(crate) struct Photographs(Vec<RgbImage>);
 
 impl Photographs {
-    /// All of a folder, in the order of their names; without a folder there are none.
+    /// Loads all photographs of a folder, in the order of their names. Empty without a folder.
     pub(crate) fn of(folder: Option<&Path>) -> anyhow::Result<Self> {
         let Some(folder) = folder else {
             return Ok(Self(Vec::new()));
@@ -45,7 +45,7 @@ impl Photographs {
         self.0.is_empty()
     }
 
-    /// A square of one of them, at a scale between ½ and 2, turned or mirrored.
+    /// Returns a square part of a random photograph, scaled by ½ to 2, and rotated or mirrored.
     pub(crate) fn cut(&self, side: usize, random: &mut SplitMix64) -> Canvas {
         let picture = &self.0[random.below(self.0.len())];
         let most = picture.width().min(picture.height());

@@ -1,4 +1,4 @@
-//! What ropes look like, and how one is laid on a picture.
+//! Appearance of ropes, and the drawing of a rope on a picture.
 
 use std::f32::consts::{PI, TAU};
 
@@ -11,11 +11,11 @@ use lariat_portable::SplitMix64;
 
 /// The lamp of a picture.
 pub(crate) struct Lamp {
-    /// Where it stands, seen from above, and how high: a unit vector.
+    /// Direction to the lamp as a unit vector: x, y, and height.
     from: [f32; 3],
-    /// How much light a shadow takes.
+    /// Share of the light that a shadow removes.
     shade: f32,
-    /// How soft shadows are, in widths.
+    /// Softness of shadows, in widths.
     softness: f32,
 }
 
@@ -44,7 +44,7 @@ enum Pattern {
         pitch: f32,
         lean: f32,
     },
-    /// Threads that cross.
+    /// Crossing threads.
     Braided {
         pitch: f32,
     },
@@ -55,24 +55,24 @@ enum Pattern {
     },
 }
 
-/// How a rope looks; lengths in widths of the rope.
+/// Appearance of a rope. Lengths are in rope widths.
 #[derive(Clone)]
 pub(crate) struct RopeStyle {
     rgb: Rgb,
     second: Rgb,
     pattern: Pattern,
     groove: f32,
-    /// Light where it faces away from the lamp.
+    /// Brightness of the side that faces away from the lamp.
     ambient: f32,
     shine: f32,
     shine_power: f32,
-    /// At each end: how long a sleeve or a plug is, how wide, of what color; and the bare wire beyond.
+    /// Sleeve or plug at each end, if any.
     tips: [Option<Tip>; 2],
     speckle: f32,
     height: f32,
 }
 
-/// The color of a ferrule's pin.
+/// Color of a ferrule's pin.
 const TIN: Rgb = [185.0, 185.0, 190.0];
 
 #[derive(Clone, Copy)]
@@ -80,7 +80,7 @@ struct Tip {
     length: f32,
     width: f32,
     rgb: Rgb,
-    /// How long the bare pin is in which it ends, if it has one, and how wide.
+    /// Length and width of the bare pin at its end, if any.
     pin: Option<[f32; 2]>,
 }
 
@@ -128,7 +128,7 @@ impl RopeStyle {
                 pin: None,
             })
         };
-        // A ferrule: a wide sleeve, and a pin of tin beyond it.
+        // A ferrule: a wide sleeve with a tin pin at its end.
         let ferrule = |tip: Tip, random: &mut SplitMix64| {
             let pin = random.uniform_f32(0.8, 4.0);
             match happens(random, 0.5) {
@@ -150,7 +150,7 @@ impl RopeStyle {
             },
             pattern,
             groove: random.uniform_f32(0.0, 0.5),
-            // A few are flat, as in even light.
+            // A few ropes lack shading, as in even light.
             ambient: match happens(random, 0.12) {
                 true => 1.0,
                 false => random.uniform_f32(0.2, 0.85),
@@ -163,12 +163,12 @@ impl RopeStyle {
         }
     }
 
-    /// The same look in another color.
+    /// Returns the same look in another color.
     pub(crate) fn of_color(self, rgb: Rgb) -> Self {
         Self { rgb, ..self }
     }
 
-    /// The width at an arc length, as a share of the rope's.
+    /// Returns the width at an arc length, as a share of the rope's width.
     fn width(&self, along: f32, length: f32) -> f32 {
         match self.tip(along, length) {
             Some(tip) => tip.width,
@@ -192,7 +192,8 @@ impl RopeStyle {
         })
     }
 
-    /// The light from a place: `along` in widths, `across` from −1 to 1, `normal` to the rope's left.
+    /// Returns the light from a position: `along` in widths, `across` from −1 to 1. `normal` points
+    /// to the rope's left.
     fn light(&self, [along, length, across]: [f32; 3], normal: Vec2, lamp: &Lamp) -> Rgb {
         let up = (1.0 - across * across).max(0.0).sqrt();
         let facing =
@@ -234,27 +235,27 @@ impl RopeStyle {
     }
 }
 
-/// What is known of a pixel that a rope covers.
+/// The top rope at a pixel.
 #[derive(Clone, Copy)]
 struct Strand {
     rope: u16,
-    /// Number of the visible part: a rope that leaves the picture and comes back has two.
+    /// Number of the visible part. A rope that leaves the picture and comes back has two.
     part: u16,
     along_px: f32,
     tangent: Vec2,
 }
 
-/// A picture with ropes on it, and where they are.
+/// A picture with ropes on it, and their positions.
 pub(crate) struct Laid {
     pub(crate) canvas: Canvas,
-    /// How much of each pixel ropes cover.
+    /// Share of each pixel that ropes cover.
     pub(crate) cover: Field<f32>,
     strands: Field<Strand>,
     ropes: u16,
     parts: u16,
 }
 
-/// For each point of a path, the number of visible parts that ended before it.
+/// Returns, for each point of a path, the number of visible parts that ended before it.
 fn parts(path: &Path, side: f32, half_px: f32) -> Vec<u16> {
     let (mut part, mut was_inside, mut was_ever) = (0, true, false);
     let parts = path.points.iter().map(|at| {
@@ -267,7 +268,7 @@ fn parts(path: &Path, side: f32, half_px: f32) -> Vec<u16> {
     parts.collect()
 }
 
-/// A place on the layer that is being laid: how far across, how far along.
+/// A position on the current layer, in coordinates of the rope: across and along.
 #[derive(Clone, Copy)]
 struct Place {
     across_px: f32,
@@ -299,7 +300,8 @@ impl Laid {
         }
     }
 
-    /// Lays a rope over all that is there: its shadow first, then itself, later parts over earlier ones.
+    /// Draws a rope over the existing picture: first its shadow, then the rope itself, with later
+    /// parts over earlier ones.
     pub(crate) fn lay(
         &mut self,
         path: &Path,
@@ -345,7 +347,7 @@ impl Laid {
             let pixel = &mut laid.canvas.values[i];
             *pixel = mix(*pixel, light, cover);
             if look.tip(at[0], length).is_some() {
-                // A plug does not bend as ropes do: it is none.
+                // A plug does not bend like a rope, so it is not labeled as one.
                 laid.hide(i, cover);
                 return;
             }
@@ -363,8 +365,8 @@ impl Laid {
         self.parts += parts.last().map_or(0, |last| last + 1);
     }
 
-    /// Calls `paint` with every pixel near a rope, the place of the rope that is next to it and half the width there; where the
-    /// rope lies over itself, once for each layer, the lowest first.
+    /// Calls `paint` with every pixel near a rope, the nearest position on the rope, and half the
+    /// width there. At a self-crossing it is called once for each layer, from the lowest.
     fn in_layers(
         &mut self,
         path: &Path,
@@ -389,7 +391,7 @@ impl Laid {
                 ]
             };
             let ([left, right], [top, bottom]) = (bounds(at[0]), bounds(at[1]));
-            // Over itself: what is laid so far is below.
+            // At a self-crossing, the layer so far is below.
             let centre = at.map(|c| c.round() as isize);
             let inside = centre.iter().all(|&c| (0..side).contains(&c));
             let mut over = false;
@@ -411,7 +413,7 @@ impl Laid {
                     if !(-0.75..1.75).contains(&forth) && !ends || across_px.abs() > reach {
                         continue;
                     }
-                    // Beyond its end a rope is cut off flat.
+                    // A rope's end is cut off flat.
                     let beyond = if ends { (-forth).max(forth - 1.0) } else { 0.0 };
                     let across_px = if beyond > 0.0 {
                         across_px.abs().max(half_px + beyond - 0.5)
@@ -452,11 +454,12 @@ impl Laid {
         }
     }
 
-    /// Where two strands lie side by side: the pixels on either side of the seam between them.
+    /// Returns the seams between strands that lie side by side: the pixels on both sides of each
+    /// seam.
     pub(crate) fn seams(&self, width_px: f32) -> Field<bool> {
         let side = self.canvas.side;
         let mut seams = Field::of(side, false);
-        // Of 30 degrees.
+        // Cosine of 30 degrees.
         let alike = (PI / 6.0).cos();
         for i in 0..side * side {
             let here = self.strands.values[i];
@@ -476,7 +479,8 @@ impl Laid {
         seams
     }
 
-    /// The number of the visible part of a rope at each pixel, from 1 on; 0 on the ground.
+    /// Returns the number of the visible part of a rope at each pixel, from 1 on. 0 on the
+    /// background.
     pub(crate) fn labels(&self) -> Vec<u8> {
         let number = |(strand, &cover): (&Strand, &f32)| match cover >= 0.5 {
             true => strand.part.wrapping_add(1) as u8,
@@ -486,7 +490,7 @@ impl Laid {
         pixels.map(number).collect()
     }
 
-    /// Nothing of a rope is seen here any more.
+    /// Marks a share of a pixel as hidden, so that no rope is visible there.
     pub(crate) fn hide(&mut self, i: usize, share: f32) {
         self.cover.values[i] *= 1.0 - share;
         if share > 0.5 {

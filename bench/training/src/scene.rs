@@ -1,4 +1,4 @@
-//! One picture to learn from.
+//! One training picture.
 
 use crate::canvas::{Canvas, Field, blur, happens, normal, scaled, spread};
 use crate::path::Path;
@@ -7,23 +7,24 @@ use crate::rope::{Laid, Lamp, RopeStyle};
 use crate::{camera, ground, thing};
 use lariat_portable::SplitMix64;
 
-/// Three bytes of color a pixel, then how much of it ropes cover, then whether two ropes lie side by side there (255) or not (0).
+/// Bytes per pixel: three of color, the share that ropes cover, and 255 at a seam between two ropes
+/// side by side (otherwise 0).
 pub(crate) const CHANNELS: usize = 5;
 
 /// A square picture, row by row.
 pub(crate) struct Scene {
-    /// Three bytes a pixel.
+    /// Three bytes per pixel.
     pub(crate) rgb: Vec<u8>,
-    /// How much of each pixel ropes cover.
+    /// Share of each pixel that ropes cover.
     cover: Vec<f32>,
     seams: Vec<bool>,
-    /// The number of the visible part of a rope at each pixel, from 1 on; 0 on the ground. A rope that leaves the picture and comes back has
-    /// two parts.
+    /// Number of the visible part of a rope at each pixel, from 1 on. 0 on the background. A rope
+    /// that leaves the picture and comes back has two parts.
     pub(crate) labels: Vec<u8>,
 }
 
 impl Scene {
-    /// [`CHANNELS`] bytes a pixel.
+    /// Returns [`CHANNELS`] bytes per pixel.
     pub(crate) fn interleaved(&self) -> Vec<u8> {
         let rest = self.cover.iter().zip(&self.seams);
         let pixels = self.rgb.as_chunks::<3>().0.iter().zip(rest);
@@ -35,7 +36,7 @@ impl Scene {
     }
 }
 
-/// The picture of a seed.
+/// Draws the picture of a seed.
 pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow::Result<Scene> {
     let random = &mut SplitMix64::of_stream(seed, 0x7EA);
     let mut canvas = ground::draw(side, photographs, random);
@@ -47,7 +48,7 @@ pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow:
     };
     (0..clutter).for_each(|_| thing::lay(&mut canvas, random));
     if happens(random, 0.1) {
-        // The ropes lie before it: it is out of focus.
+        // The background is out of focus, because the ropes are in front of it.
         blur(&mut canvas, spread(random, 1.5, 8.0));
     }
     let (mut laid, width_px) = match happens(random, 0.1) {
@@ -68,7 +69,7 @@ pub(crate) fn draw(seed: u64, side: usize, photographs: &Photographs) -> anyhow:
     })
 }
 
-/// None to eight ropes, alone or in bundles; and their usual width.
+/// Draws up to eight ropes, alone or in bundles. Returns their usual width too.
 fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     let side = canvas.side;
     let mut laid = Laid::on(canvas);
@@ -99,7 +100,7 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
         }
         laid.lay(&path, width_px, &look, &lamp, random);
         if happens(random, 0.18) {
-            // A bundle: others beside it, in contact or nearly.
+            // A bundle: other ropes next to this one, in contact or nearly so.
             let gap = random.uniform_f32(0.95, 1.25);
             let wander = random.uniform_f32(0.0, 0.3);
             let period_px = random.uniform_f32(60.0, 300.0);
@@ -119,7 +120,8 @@ fn ropes_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     (laid, usual_px)
 }
 
-/// Thin wires side by side, that fan out towards one end, cross now and then; and their width.
+/// Draws thin wires side by side that fan out towards one end and sometimes cross. Returns their
+/// width too.
 fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     let side = canvas.side;
     let mut laid = Laid::on(canvas);
@@ -153,7 +155,7 @@ fn harness_on(canvas: Canvas, random: &mut SplitMix64) -> (Laid, f32) {
     (laid, width_px)
 }
 
-/// White on white, gray on gray: hardly another color than some place of the picture.
+/// Gives a rope nearly the color of some point of the background: white on white, gray on gray.
 fn like_the_ground(look: RopeStyle, canvas: &Canvas, random: &mut SplitMix64) -> RopeStyle {
     let ground = canvas.values[random.below(canvas.values.len())];
     let by = match happens(random, 0.5) {
@@ -163,7 +165,7 @@ fn like_the_ground(look: RopeStyle, canvas: &Canvas, random: &mut SplitMix64) ->
     look.of_color(scaled(ground, by))
 }
 
-/// Something lies over the ropes: a tool, a gripper, a label. Where it hides them they are not to be found.
+/// Draws an object over the ropes: a tool, a gripper, a label. Ropes that it hides are not labeled.
 fn cover(laid: &mut Laid, random: &mut SplitMix64) {
     let mut above: Canvas = laid.canvas.clone();
     thing::lay(&mut above, random);
@@ -171,7 +173,8 @@ fn cover(laid: &mut Laid, random: &mut SplitMix64) {
     let pairs = above.values.iter().zip(&laid.canvas.values);
     for (share, (after, before)) in changed.values.iter_mut().zip(pairs) {
         let off: f32 = (0..3).map(|k| (after[k] - before[k]).abs()).sum();
-        // A shadow darkens all colors alike and hides nothing, but what it falls on is rarely worth telling from it.
+        // A shadow counts as hiding too, although it only darkens. The distinction is rarely worth
+        // the effort.
         *share = (off / 24.0).min(1.0);
     }
     let hidden: f32 = changed.values.iter().sum();
@@ -205,7 +208,7 @@ mod tests {
         assert_ne!(scene(1), scene(2));
     }
 
-    /// Truth that is no rope where a seam is would teach the network to break ropes.
+    /// A seam without rope in the ground truth would teach the network to break ropes.
     #[test]
     fn seams_lie_on_ropes_and_ropes_are_seen() {
         let (mut seams, mut on_ropes, mut ropes) = (0, 0, 0);
@@ -233,7 +236,7 @@ mod tests {
                 unnumbered += usize::from(cover >= 0.5 && label == 0);
             }
         }
-        // Where the edges of two share a pixel it is no more of one than of the other.
+        // If the edges of two ropes share a pixel, neither may cover half of it.
         assert!(100 * unnumbered < covered, "{unnumbered} of {covered}");
         assert!(several > 5, "{several}");
     }

@@ -1,17 +1,17 @@
-//! Strokes of a brush or a pen: curved as ropes are, but flat, and rarely of one width.
+//! Strokes of a brush or a pen: curved like ropes, but flat, and rarely of constant width.
 
 use crate::canvas::{Canvas, Rgb, color, covered, dot, happens, minus, mix, spread};
 use crate::path::Path;
 use lariat_portable::SplitMix64;
 
-/// One stroke, anywhere.
+/// Draws one stroke anywhere.
 pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     let width_px = spread(random, 1.0, 24.0);
     let rgb = color(random);
     along_a_path(canvas, width_px, rgb, random);
 }
 
-/// A painter's picture: layers of strokes and drops, each in a few colors.
+/// Draws a painter's picture: layers of strokes and drops, each in a few colors.
 pub(crate) fn many(canvas: &mut Canvas, random: &mut SplitMix64) {
     for _ in 0..1 + random.below(4) {
         layer(canvas, random);
@@ -36,10 +36,10 @@ fn layer(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Lays a stroke and returns about how many pixels it covers.
+/// Draws a stroke and returns the approximate number of pixels that it covers.
 fn along_a_path(canvas: &mut Canvas, width_px: f32, rgb: Rgb, random: &mut SplitMix64) -> f32 {
     let path = Path::draw(canvas.side, width_px, random);
-    // A stroke is a piece of such a path.
+    // A stroke is a part of such a path.
     let length = (width_px * spread(random, 3.0, 60.0)) as usize + 4;
     let first = random.below(path.points.len());
     let points = &path.points[first..path.points.len().min(first + length)];
@@ -69,7 +69,7 @@ fn drop(canvas: &mut Canvas, radius_px: f32, rgb: Rgb, random: &mut SplitMix64) 
     3.0 * radius_px * radius_px
 }
 
-/// How much of each pixel a disc covers: pixels and shares are added.
+/// Appends the pixels that a disc covers, with their shares.
 fn stamp(canvas: &Canvas, at: [f32; 2], radius_px: f32, cover: &mut Vec<(usize, f32)>) {
     let side = canvas.side as f32;
     let [columns, rows] = at.map(|c| {
@@ -87,7 +87,7 @@ fn stamp(canvas: &Canvas, at: [f32; 2], radius_px: f32, cover: &mut Vec<(usize, 
     }
 }
 
-/// Paints each pixel by the largest of its shares.
+/// Paints each pixel with the largest of its shares.
 fn paint(canvas: &mut Canvas, cover: &[(usize, f32)], rgb: Rgb) {
     let mut largest = std::collections::HashMap::new();
     for &(i, share) in cover {

@@ -1,4 +1,5 @@
-//! Things that are no ropes but have edges, strokes and bars like them: print, boxes, tools, panels, rails.
+//! Objects that are not ropes but have similar edges, strokes and bars: print, boxes, tools,
+//! panels, rails.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -10,7 +11,7 @@ use crate::stroke as brush;
 use crate::tool;
 use lariat_portable::SplitMix64;
 
-/// A place and two directions in which a thing lies.
+/// Position and orientation of an object.
 #[derive(Clone, Copy)]
 struct Frame {
     at: Vec2,
@@ -18,7 +19,8 @@ struct Frame {
 }
 
 impl Frame {
-    /// Anywhere in or near the picture; as the picture's sides more often than askew.
+    /// Returns a frame in or near the picture. More often than not it is aligned with the picture's
+    /// sides.
     fn draw(side: usize, random: &mut SplitMix64) -> Self {
         let side_px = side as f32;
         let angle = if happens(random, 0.55) {
@@ -45,20 +47,20 @@ fn length(a: Vec2) -> f32 {
     dot(a, a).sqrt()
 }
 
-/// Signed distance from a rectangle around the origin, its corners rounded.
+/// Returns the signed distance from a rectangle around the origin with rounded corners.
 fn slab(at: Vec2, half: Vec2, round: f32) -> f32 {
     let off = [0, 1].map(|k| at[k].abs() - half[k] + round);
     length(off.map(|d| d.max(0.0))) + off[0].max(off[1]).min(0.0) - round
 }
 
-/// Distance from a stroke between two points.
+/// Returns the distance from a stroke between two points.
 fn stroke(at: Vec2, from: Vec2, to: Vec2) -> f32 {
     let (along, off) = (minus(to, from), minus(at, from));
     let share = (dot(off, along) / dot(along, along).max(1e-6)).clamp(0.0, 1.0);
     length(minus(off, along.map(|c| share * c)))
 }
 
-/// Lays one thing of any kind on a picture.
+/// Draws one object of any kind.
 pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     match random.below(33) {
         0..3 => rectangle(canvas, random),
@@ -80,7 +82,8 @@ pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// Lays what a signed distance cuts out: with a shadow or none, in a flat, a shaded or a mottled color.
+/// Draws the shape that a signed distance cuts out: with or without a shadow, in a flat, shaded or
+/// mottled color.
 fn cut(canvas: &mut Canvas, random: &mut SplitMix64, distance: impl Fn(Vec2) -> f32) {
     let rgb = color(random);
     cut_in(canvas, random, rgb, distance);
@@ -127,7 +130,7 @@ fn cut_in(canvas: &mut Canvas, random: &mut SplitMix64, rgb: Rgb, distance: impl
     }
 }
 
-/// An edge that is beveled or rounded: light where it faces the lamp, dark where it does not.
+/// A beveled or rounded edge: light where it faces the lamp, dark where it does not.
 struct Edge {
     wide_px: f32,
     lamp: Vec2,
@@ -144,7 +147,7 @@ impl Edge {
         }
     }
 
-    /// The light at a place inside, beside that of the middle.
+    /// Returns the light at a position inside, relative to that of the middle.
     fn light(&self, at: Vec2, distance: impl Fn(Vec2) -> f32) -> f32 {
         let here = distance(at);
         if here < -self.wide_px {
@@ -172,7 +175,7 @@ fn rectangle(canvas: &mut Canvas, random: &mut SplitMix64) {
     cut(canvas, random, |at| slab(frame.own(at), half, round));
 }
 
-/// The outline of a rectangle, or of one in another.
+/// Draws the outline of a rectangle, or of one inside another.
 fn frame(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let half = [(); 2].map(|()| spread(random, 12.0, 120.0));
@@ -187,7 +190,7 @@ fn polygon(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let size = spread(random, 8.0, 130.0);
     let count = 3 + random.below(4);
-    // Convex: where no side has the place behind it.
+    // Convex: the intersection of the half-planes of all sides.
     let sides: Vec<(Vec2, f32)> = (0..count)
         .map(|k| {
             let angle = 2.0 * PI * (k as f32 + random.uniform_f32(-0.35, 0.35)) / count as f32;
@@ -210,7 +213,7 @@ fn disc(canvas: &mut Canvas, random: &mut SplitMix64) {
         (length([x, y / flat]) - radius) * flat
     });
     if happens(random, 0.4) {
-        // A screw's slot, a knob's mark.
+        // A screw's slot or a knob's mark.
         let half = [0.7 * radius, (0.12 * radius).max(0.6)];
         cut(canvas, random, |at| slab(frame.own(at), half, 0.0));
     }
@@ -225,7 +228,7 @@ fn ring(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// Lines of letters: each some strokes between the points of a grid of 3 × 5.
+/// Draws lines of letters, each made of strokes between the points of a 3 × 5 grid.
 fn text(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let height = spread(random, 5.0, 90.0);
@@ -268,11 +271,11 @@ fn text(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// Strokes of a letter in a box of 1 × 1.
+/// Returns the strokes of a letter in a box of 1 × 1.
 fn glyph(random: &mut SplitMix64) -> Vec<[Vec2; 2]> {
     let mut points =
         [[0.0; 2]; 6].map(|_: Vec2| [0.5 * random.below(3) as f32, 0.25 * random.below(5) as f32]);
-    // An upright is what most letters have.
+    // Most letters have an upright.
     if happens(random, 0.7) {
         let x = if happens(random, 0.8) { 0.0 } else { 0.5 };
         points[0] = [x, 0.0];
@@ -285,7 +288,7 @@ fn glyph(random: &mut SplitMix64) -> Vec<[Vec2; 2]> {
         .map(|pair| [pair[0], pair[1]])
         .collect();
     if happens(random, 0.4) {
-        // A bowl, of eight short strokes.
+        // A bowl of eight short strokes.
         let on = |k: usize| {
             let [c, s] = direction(k as f32 * PI / 4.0);
             [0.4 + 0.4 * c, 0.7 + 0.3 * s]
@@ -296,7 +299,7 @@ fn glyph(random: &mut SplitMix64) -> Vec<[Vec2; 2]> {
     strokes
 }
 
-/// Straight lines, alone or in parallel: rulings, joints, edges.
+/// Draws straight lines, alone or in parallel: rulings, joints, edges.
 fn lines(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let count = 1 + random.below(8);
@@ -310,7 +313,8 @@ fn lines(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// A pen, a handle, a tube: a straight body that is round, with parts of other colors, and short for its width.
+/// Draws a pen, a handle or a tube: a straight round body with parts of other colors, short
+/// relative to its width.
 fn bar(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let half_width = 0.5 * spread(random, 4.0, 40.0);
@@ -361,7 +365,7 @@ fn bar(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// Another surface to one side of a straight edge.
+/// Draws another surface on one side of a straight edge.
 fn half(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let strip = if happens(random, 0.4) {
@@ -371,12 +375,12 @@ fn half(canvas: &mut Canvas, random: &mut SplitMix64) {
     };
     cut(canvas, random, |at| frame.own(at)[1]);
     if strip > 0.0 {
-        // With a rim of its own.
+        // With a rim.
         cut(canvas, random, |at| frame.own(at)[1].abs() - 0.5 * strip);
     }
 }
 
-/// Another surface to one side of a wide arc.
+/// Draws another surface on one side of a wide arc.
 fn arc(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let radius = spread(random, 60.0, 700.0);
@@ -396,7 +400,7 @@ fn arc(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// A field of keys, buttons or sockets.
+/// Draws an array of keys, buttons or sockets.
 fn keys(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let pitch = [(); 2].map(|()| spread(random, 9.0, 36.0));
@@ -424,7 +428,7 @@ fn keys(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// A grille: slots side by side, dark as a rule.
+/// Draws a grille: parallel slots, usually dark.
 fn slots(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let pitch = spread(random, 5.0, 26.0);
@@ -446,7 +450,7 @@ fn slots(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// A profile of metal or plastic: bands along one direction, each of its own light.
+/// Draws a profile of metal or plastic: parallel bands, each with its own brightness.
 fn rails(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let rgb = color(random);
@@ -481,7 +485,7 @@ fn rails(canvas: &mut Canvas, random: &mut SplitMix64) {
     });
 }
 
-/// Something without straight sides: a stone, a stain, a leaf.
+/// Draws an object without straight sides: a stone, a stain, a leaf.
 fn blob(canvas: &mut Canvas, random: &mut SplitMix64) {
     let frame = Frame::draw(canvas.side, random);
     let radius = spread(random, 5.0, 80.0);

@@ -1,4 +1,5 @@
-//! Tools and fasteners of metal: bars that are round as ropes are, but stiff, of one bend or two, and short.
+//! Metal tools and fasteners: bars that are round like ropes, but stiff and short, with one or two
+//! bends.
 
 use std::f32::consts::PI;
 
@@ -8,7 +9,7 @@ use crate::canvas::{
 };
 use lariat_portable::SplitMix64;
 
-/// Lays one tool, anywhere.
+/// Draws one tool anywhere.
 pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     let half_px = 0.5 * spread(random, 4.0, 26.0);
     let rgb = match happens(random, 0.8) {
@@ -24,7 +25,8 @@ pub(crate) fn lay(canvas: &mut Canvas, random: &mut SplitMix64) {
     }
 }
 
-/// A round body along a line through some points: its middle, half its width, and how long a turn of its thread is, if it has one.
+/// A round body along a polyline: its centerline, half its width, and the pitch of its thread, if
+/// any.
 struct Bar {
     middle: Vec<Vec2>,
     half_px: f32,
@@ -32,7 +34,7 @@ struct Bar {
 }
 
 impl Bar {
-    /// A key with a short arm, a hook, a bracket: straight parts joined by tight arcs.
+    /// Returns a key with a short arm, a hook or a bracket: straight parts joined by tight arcs.
     fn bent(at: Vec2, half_px: f32, random: &mut SplitMix64) -> Self {
         let mut heading = random.uniform_f32(0.0, 2.0 * PI);
         let (mut at, mut middle) = (at, vec![at]);
@@ -58,7 +60,8 @@ impl Bar {
         }
     }
 
-    /// Of a place: its distance from the body, and how far across and along it lies, in half widths and pixels.
+    /// Returns a position's distance from the body, its position across in half widths, and along
+    /// in pixels.
     fn place(&self, at: Vec2) -> (f32, f32, f32) {
         let (mut nearest, mut across, mut along, mut begin) = (f32::MAX, 0.0, 0.0, 0.0);
         for pair in self.middle.windows(2) {
@@ -73,7 +76,7 @@ impl Bar {
             }
             begin += length;
         }
-        // Sawn off square.
+        // Cut off square.
         let ends = (-along).max(along - begin);
         ((nearest - self.half_px).max(ends), across, along)
     }
@@ -88,7 +91,7 @@ impl Bar {
         canvas.darken(&fall, random.uniform_f32(0.0, 0.7));
         let (dark, shine) = (random.uniform_f32(0.2, 0.9), random.uniform_f32(0.0, 160.0));
         let lamp = random.uniform_f32(-0.6, 0.6);
-        // Six-sided, or round.
+        // Hexagonal or round.
         let is_flat = happens(random, 0.4);
         canvas.lay(|at| {
             let (distance, across, along) = self.place(at);
@@ -108,7 +111,7 @@ impl Bar {
     }
 }
 
-/// A flat body with a head at one end or at both: a ring, or jaws.
+/// Draws a flat body with a head at one or both ends: a ring or jaws.
 fn spanner(canvas: &mut Canvas, at: Vec2, half_px: f32, rgb: Rgb, random: &mut SplitMix64) {
     let along = direction(random.uniform_f32(0.0, 2.0 * PI));
     let length = half_px * spread(random, 10.0, 30.0);
@@ -138,7 +141,7 @@ fn spanner(canvas: &mut Canvas, at: Vec2, half_px: f32, rgb: Rgb, random: &mut S
     });
 }
 
-/// A screw with its head, or a nut.
+/// Draws a screw with its head, or a nut.
 fn screw(canvas: &mut Canvas, at: Vec2, half_px: f32, rgb: Rgb, random: &mut SplitMix64) {
     let angle = random.uniform_f32(0.0, 2.0 * PI);
     let along = direction(angle);

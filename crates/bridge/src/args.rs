@@ -1,4 +1,4 @@
-//! What can be asked, and whether it is safe.
+//! The command line, and the check that a key is used.
 
 use std::fmt;
 use std::io;
@@ -58,10 +58,10 @@ pub(crate) struct Args {
     pub(crate) make_key: Option<PathBuf>,
 }
 
-/// What is carried beside descriptors.
+/// Channels that can be carried in addition to descriptors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Also {
-    /// What extract saw
+    /// Centerlines as extract found them
     Centerlines,
     /// The true centerlines of rendered frames
     Truth,
@@ -75,15 +75,16 @@ const EXAMPLES: &str = "Examples:
   lariat bridge --connect udp/camera.local:7447 --rig cell --key cell.key       on the other";
 
 impl Args {
-    /// How long it is from one frame to the next that is asked for, ms; 0 if none are.
+    /// Interval between requested frames in ms; 0 if none are requested.
     pub(crate) fn frames_ms(&self) -> u16 {
         self.frames.map_or(0, |rate| (1000.0 / rate).round() as u16)
     }
 
-    /// The key; with `--insecure` [`Key::NONE`]. The loopback needs one too: every user of the machine may send there.
+    /// Returns the key, or [`Key::NONE`] with `--insecure`. The loopback interface needs a key as
+    /// well, because every user of the machine can send there.
     ///
     /// # Errors
-    /// It cannot be read, or there is none.
+    /// Fails if the key cannot be read, or if neither a key nor `--insecure` is given.
     pub(crate) fn key(&self) -> Result<Key> {
         match &self.key {
             Some(path) => Key::read(path),
@@ -97,14 +98,14 @@ impl Args {
     }
 }
 
-/// Frames a second.
+/// Parses a rate in frames per second.
 fn rate(text: &str) -> Result<f64, String> {
     let rate = text.parse().ok();
     let rate = rate.filter(|rate| (0.1..=60.0).contains(rate));
     rate.ok_or_else(|| "choose a rate from 0.1 to 60".into())
 }
 
-/// Where to listen, or to connect to.
+/// Address to listen on or to connect to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Place {
     host: String,
@@ -112,7 +113,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// Where frames go: the port behind it; `None` if there is none.
+    /// Returns the address for frames, on the next port; `None` if this port is the last.
     pub(crate) fn of_frames(&self) -> Option<Self> {
         let port = self.port.checked_add(1)?;
         Some(Self {
@@ -121,10 +122,10 @@ impl Place {
         })
     }
 
-    /// The addresses that it has; one at least.
+    /// Resolves the host. Returns at least one address.
     ///
     /// # Errors
-    /// The name is not known.
+    /// Fails if the name is unknown.
     pub(crate) fn addresses(&self) -> io::Result<Vec<SocketAddr>> {
         let host = self.host.trim_start_matches('[').trim_end_matches(']');
         let found: Vec<_> = (host, self.port).to_socket_addrs()?.collect();
@@ -160,7 +161,7 @@ impl FromStr for Place {
     }
 }
 
-/// Of names, and of addresses with their interface.
+/// Returns whether a character may occur in a host name, or in an address with its interface.
 fn is_of_host(c: char) -> bool {
     c.is_ascii_alphanumeric() || "-._:%[]".contains(c)
 }

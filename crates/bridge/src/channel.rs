@@ -1,16 +1,18 @@
-//! A channel of the rig here, read for as long as somebody writes it.
+//! A channel of the local rig, read for as long as it has a writer.
 
 use lariat_wire::{Channel, Domain, Message, Payload, Receiver, Rig, WireError};
 
-/// Whether a reader is woken by each message.
+/// How a reader learns of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Woken {
     Yes,
-    /// It looks when something else wakes it; not on a `--lossless` channel, whose writer would wait for it.
+    /// The reader looks when something else wakes it. It does not join a `--lossless` channel,
+    /// whose writer would wait for it.
     No,
 }
 
-/// A reader that comes and goes with its writer: one that stayed would keep the channel as it was.
+/// A reader that comes and goes with its writer. A reader that stayed would keep the old channel in
+/// existence.
 pub(crate) struct Read<P: Payload + ?Sized + 'static> {
     channel: &'static Channel<P>,
     woken: Woken,
@@ -28,14 +30,15 @@ impl<P: Payload + ?Sized> Read<P> {
         }
     }
 
-    /// Takes it up if it is wanted and written, and lets go of it if not. What hinders is said once.
+    /// Opens the channel if it is wanted and has a writer, and closes it otherwise. Reports each
+    /// obstacle once.
     pub(crate) fn follow(&mut self, domain: &Domain, rig: &Rig, wanted: bool) {
         let state = if wanted {
             domain.channel(rig, self.channel.name())
         } else {
             None
         };
-        // Of another version nobody's ends are known: opening it says so.
+        // The ends of a channel of another version are unknown. Opening it reports that.
         let written =
             state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()));
         let opened = match (written, &self.receiver, self.woken) {
@@ -53,12 +56,13 @@ impl<P: Payload + ?Sized> Read<P> {
         self.say(opened.err());
     }
 
-    /// The reader, while there is a writer.
+    /// Returns the reader, while there is a writer.
     pub(crate) fn receiver(&self) -> Option<&Receiver<P>> {
         self.receiver.as_ref()
     }
 
-    /// The oldest message that waits. A reader that fails is let go of, and taken up again when it is [followed](Self::follow) next.
+    /// Returns the oldest waiting message. A reader that fails is closed, and opened again by the
+    /// next [`follow`](Self::follow).
     pub(crate) fn next(&mut self) -> Option<Message<P>> {
         match self.receiver.as_ref()?.next() {
             Ok(message) => message,

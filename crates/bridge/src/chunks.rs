@@ -1,14 +1,15 @@
-//! A picture, or a datagram that is larger than UDP can carry, in datagrams, each small enough that what comes behind it waits a tenth of a millisecond at most on a link of 100 Mbit/s. Pure.
+//! Splits a picture, or a datagram that is larger than UDP can carry, into small datagrams. Each
+//! delays what comes behind it by at most 0.1 ms on a link of 100 Mbit/s. Pure.
 //!
-//! Each is `picture (u32), the how many-th of it (u16), of how many (u16)`, then bytes. One that is lost, or comes out of order, takes its picture
-//! along: the next one wins.
+//! Each part is `picture (u32), index (u16), number of parts (u16)`, then bytes. If one is lost or
+//! arrives out of order, its picture is lost, and the next one wins.
 
 /// Bytes of a picture in one datagram.
 const CHUNK: usize = 1100;
-/// A picture has no more, 4 MB.
+/// Maximum number of datagrams of a picture, 4.5 MB.
 const MOST: usize = 4096;
 
-/// The datagrams of a picture; none of one that is too large.
+/// Returns the datagrams of a picture; none if it is too large.
 pub(crate) fn chunks(picture: u32, bytes: &[u8]) -> impl Iterator<Item = ([u8; 8], &[u8])> {
     let count = bytes.len().div_ceil(CHUNK);
     let fits = count <= MOST;
@@ -25,7 +26,7 @@ pub(crate) fn chunks(picture: u32, bytes: &[u8]) -> impl Iterator<Item = ([u8; 8
     })
 }
 
-/// A picture of which some datagrams have come.
+/// A picture that is being assembled from its datagrams.
 #[derive(Debug, Default)]
 pub(crate) struct Assembly {
     picture: u32,
@@ -34,7 +35,7 @@ pub(crate) struct Assembly {
 }
 
 impl Assembly {
-    /// Takes a datagram; the picture, if that was its last.
+    /// Takes a datagram. Returns the picture if it is complete.
     pub(crate) fn take(&mut self, says: &[u8]) -> Option<&[u8]> {
         let (head, chunk) = says.split_first_chunk::<8>()?;
         let picture = u32::from_le_bytes([head[0], head[1], head[2], head[3]]);
@@ -46,7 +47,7 @@ impl Assembly {
         }
         let is_within = at < count && usize::from(count) <= MOST;
         if picture != self.picture || at != self.come || !is_within {
-            // The rest of it is of no use, and matches nothing.
+            // The rest of it is useless, and must not match.
             self.come = u16::MAX;
             return None;
         }
@@ -79,7 +80,7 @@ mod tests {
             let (last, first) = all.split_last().expect("five");
             assert!(first.iter().all(|says| assembly.take(says).is_none()));
             assert_eq!(assembly.take(last), Some(&bytes[..]));
-            // Not twice.
+            // The picture does not come twice.
             assert_eq!(assembly.take(last), None);
         }
     }
@@ -92,9 +93,9 @@ mod tests {
         for length in 0..20 {
             assert_eq!(assembly.take(&vec![255; length]), None);
         }
-        // None of its parts is the last.
+        // A picture with zero parts is never complete.
         assert_eq!(assembly.take(&[0; 8]), None);
-        // Nor does one grow beyond its last part, or beyond what a counter holds.
+        // A part beyond the last one is refused, also one beyond what a counter holds.
         assert_eq!(assembly.take(&[0, 0, 0, 0, 0, 0, 1, 0]), Some(&[][..]));
         assert_eq!(assembly.take(&[0, 0, 0, 0, 1, 0, 1, 0]), None);
         assert_eq!(assembly.take(&[0, 0, 0, 0, 255, 255, 1, 0]), None);

@@ -1,115 +1,122 @@
-//! How far the other machine's clock is from this one's, by round trips. Pure: it is told the times.
+//! Measures how far the other machine's clock is ahead of this one's, by round trips. Pure: the
+//! caller passes the times.
 //!
-//! A question leaves here at `asked`, is heard there at `got`, is answered there at `sent`, and the answer is heard here at `heard`.
-//! Nothing arrives before it was sent, so with `θ` = there − here
+//! A question leaves here at `asked`, arrives there at `got`, is answered there at `sent`, and the
+//! answer arrives here at `heard`. Nothing arrives before it was sent, so with `θ` = there − here
 //!
 //! ```text
 //! θ(asked) ≤ got − asked          θ(heard) ≥ sent − heard
 //! ```
 //!
-//! whatever the way takes, in either direction. Over some seconds two clocks drift apart by a line, `θ(t) = a + b t`, so that these are half
-//! planes of `(a, b)`; what they leave of `θ(now)` is an interval that the true offset is in: its middle is the estimate and half of its length
-//! the bound (Zhang, Liu, Xia, *Clock synchronization algorithms for network measurements*, INFOCOM 2002). The round trips that took least bound it,
-//! and the drift follows from them. That the drift itself changes costs each constraint `½ w age²` ([`WANDER`]).
+//! for any delay in either direction. Over some seconds two clocks drift apart linearly,
+//! `θ(t) = a + b t`, so each inequality is a half plane of `(a, b)`. Together they confine `θ(now)`
+//! to an interval. Its middle is the estimate, and half its length is the bound (Zhang, Liu, Xia,
+//! *Clock synchronization algorithms for network measurements*, INFOCOM 2002). The shortest round
+//! trips determine the interval and the drift. A change of the drift itself loosens each constraint
+//! by `½ w age²` ([`WANDER`]).
 //!
-//! The bound holds for any delay. That the estimate is its middle is right where both ways take as long; where one way is slower,
-//! the estimate is off by half the difference, within the bound.
+//! The bound holds for any delay. The estimate is right if both directions take equally long. If
+//! one is slower, the estimate is off by half the difference, within the bound.
 
-/// Two crystals differ by 100 ppm each at most, and a clock that is being set right is slewed by 500 ppm: ns a second.
+/// Maximum drift in ns per second: two crystals of 100 ppm each, and a clock that is slewed by
+/// 500 ppm.
 const DRIFT: f64 = 700e3;
-/// By how much a drift changes: 1 ppm a second, which is a crystal that warms by several degrees a second. ns a second, each second.
+/// Maximum change of the drift per second, in ns per second: 1 ppm per second, a crystal that warms
+/// by several degrees per second.
 const WANDER: f64 = 1e3;
-/// The least round trip of so long is kept.
+/// Span of time. Only the shortest round trip in it is kept.
 const BUCKET_NS: u64 = 250_000_000;
-/// As many, 8 s.
+/// Number of round trips kept, 8 s.
 const KEPT: usize = 32;
-/// Steps that narrow an interval of drifts to less than 1 ns a second.
+/// Steps that narrow an interval of drifts to less than 1 ns per second.
 const HALVINGS: usize = 40;
 
 /// A question and its answer, in nanoseconds of the two clocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct RoundTrip {
-    /// When it was asked, here.
+    /// When the question left, on this clock.
     pub(crate) asked: u64,
-    /// When that was heard, there.
+    /// When the question arrived, on the other clock.
     pub(crate) got: u64,
-    /// When it was answered, there.
+    /// When the answer left, on the other clock.
     pub(crate) sent: u64,
-    /// When that was heard, here.
+    /// When the answer arrived, on this clock.
     pub(crate) heard: u64,
 }
 
 impl RoundTrip {
-    /// How long it was under way, without what it took there; `None` if no clock can have read so.
+    /// Returns the time in transit, both ways; `None` if no clocks can have shown these times.
     fn way_ns(&self) -> Option<u64> {
         let here = self.heard.checked_sub(self.asked)?;
         here.checked_sub(self.sent.checked_sub(self.got)?)
     }
 }
 
-/// What is known of the other clock.
+/// The other clock's lead and drift, as far as they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Offset {
-    /// Of this moment here.
+    /// Time on this clock for which `from_to` holds.
     at: u64,
-    /// How far the other clock is ahead then, at least and at most, ns.
+    /// Minimum and maximum lead of the other clock at that time, in ns.
     from_to: [f64; 2],
-    /// How fast it runs ahead, at least and at most, ns a second.
+    /// Minimum and maximum drift of the other clock, in ns per second.
     drift: [f64; 2],
 }
 
 impl Offset {
-    /// How far the other clock is ahead at a moment here, ns.
+    /// Returns the lead of the other clock at a time on this one, in ns.
     fn ahead(&self, here: u64) -> f64 {
         middle(self.from_to) + middle(self.drift) * seconds(self.at, here)
     }
 
-    /// By how much stamps may be off at most, at a moment here, ns.
+    /// Returns the maximum error of timestamps at a time on this clock, in ns.
     pub(crate) fn bound_ns(&self, here: u64) -> f64 {
         let away = seconds(self.at, here).abs();
         half(self.from_to) + half(self.drift) * away + 0.5 * WANDER * away * away
     }
 
-    /// What this clock showed when the other one showed `there`.
+    /// Returns what this clock showed when the other one showed `there`.
     pub(crate) fn here(&self, there: u64) -> u64 {
-        // Once with the offset of a moment nearby, and once with that of the moment so found: a drift of 700 ppm leaves the square of it.
+        // The first step uses the offset at a nearby time, the second that at the time found. A
+        // drift of 700 ppm leaves an error of its square.
         let first = shifted(there, -middle(self.from_to));
         shifted(there, -self.ahead(first))
     }
 
-    /// What the other clock shows when this one shows `here`.
+    /// Returns what the other clock shows when this one shows `here`.
     pub(crate) fn there(&self, here: u64) -> u64 {
         shifted(here, self.ahead(here))
     }
 }
 
-/// The last round trips, and what they say.
+/// The last round trips, and the offset that they determine.
 #[derive(Debug, Default)]
 pub(crate) struct Clock {
-    /// The least of each span of time, from the oldest on.
+    /// The shortest round trip of each span of time, the oldest first.
     kept: Vec<RoundTrip>,
     offset: Option<Offset>,
 }
 
 impl Clock {
-    /// What is known; `None` before the first round trip.
+    /// Returns the offset; `None` before the first round trip.
     pub(crate) fn offset(&self) -> Option<Offset> {
         self.offset
     }
 
-    /// Takes in a round trip. What cannot have been is not gone by.
+    /// Adds a round trip. Impossible ones are ignored.
     pub(crate) fn add(&mut self, trip: RoundTrip) {
         let Some(way_ns) = trip.way_ns() else {
             return;
         };
         self.kept.push(trip);
-        // What does not go together with a line is a clock that was set, or a machine that slept: then what came last holds.
+        // If no line fits, a clock was set or a machine slept. Then only the newest round trips
+        // count.
         self.offset = self.solve(trip.heard);
         while self.offset.is_none() && self.kept.len() > 1 {
             self.kept.remove(0);
             self.offset = self.solve(trip.heard);
         }
-        // Of each span of time the least stays.
+        // Keep the shortest round trip of each span.
         if let [.., last, _] = self.kept[..]
             && last.heard / BUCKET_NS == trip.heard / BUCKET_NS
         {
@@ -122,7 +129,8 @@ impl Clock {
         }
     }
 
-    /// What all that is kept leaves of the offset at a moment.
+    /// Returns the offset at a time, as far as the kept round trips determine it; `None` if they
+    /// contradict each other.
     fn solve(&self, now: u64) -> Option<Offset> {
         let base = *self.kept.last()?;
         // Differences of two clocks may have any size; those between differences are small.
@@ -148,7 +156,7 @@ impl Clock {
                 most.max(value - drift * age)
             })
         };
-        // Each of these is concave: minima of lines.
+        // It is concave, because `upper` and the negative of `lower` are minima of lines.
         let room = |drift: f64| upper(drift) - lower(drift);
         let whole = [-DRIFT, DRIFT];
         let best = argmax(room, whole);
@@ -166,7 +174,7 @@ impl Clock {
     }
 }
 
-/// Where a concave function is largest.
+/// Returns where a concave function is largest.
 fn argmax(f: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
     for _ in 0..HALVINGS {
         let third = (to - from) / 3.0;
@@ -180,7 +188,7 @@ fn argmax(f: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
     0.5 * (from + to)
 }
 
-/// How far one can go from where a concave function is not negative until it is.
+/// Returns how far from `inside` toward `end` a concave function stays nonnegative.
 fn edge(f: impl Fn(f64) -> f64, inside: f64, end: f64) -> f64 {
     if f(end) >= 0.0 {
         return end;
@@ -194,7 +202,7 @@ fn edge(f: impl Fn(f64) -> f64, inside: f64, end: f64) -> f64 {
             outside = between;
         }
     }
-    // Outside, so that what holds is within.
+    // The outer end, so that the interval contains the true drift.
     outside
 }
 
@@ -219,13 +227,13 @@ fn shifted(ns: u64, by_ns: f64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Two machines, and the way between them.
+    /// Two machines, and the link between them.
     struct Simulated {
         now: u64,
-        /// The other clock at 0, and how fast it runs ahead.
+        /// Lead of the other clock at 0, and its drift.
         ahead: i128,
         drift: f64,
-        /// The least delay each way, and by how much more it may be.
+        /// Minimum delay each way, and the maximum that is added to it.
         delay: [u64; 2],
         jitter: u64,
         random: u64,
@@ -259,7 +267,7 @@ mod tests {
             });
         }
 
-        /// How far a stamp of now is off, and the bound.
+        /// Returns the error of a timestamp of now, and the bound.
         fn error(&self, clock: &Clock) -> (f64, f64) {
             let offset = clock.offset().expect("known");
             let here = offset.here(self.there(self.now));
@@ -305,7 +313,7 @@ mod tests {
 
     #[test]
     fn the_bound_is_that_of_the_least_round_trips_and_the_estimate_is_closer() {
-        // Both ways take as long: 0.1 ms at least, up to 2 ms more.
+        // Both directions take equally long: at least 0.1 ms, and up to 2 ms more.
         let mut world = simulated([100_000, 100_000], 2_000_000, 80e-6, 7);
         let mut clock = Clock::default();
         for _ in 0..400 {
@@ -315,7 +323,7 @@ mod tests {
         assert!(bound < 400_000.0, "{bound}");
         assert!(error.abs() < 150_000.0, "{error}");
         let offset = clock.offset().expect("known");
-        // ns a second.
+        // In ns per second.
         assert!(
             (middle(offset.drift) - 80e3).abs() <= half(offset.drift),
             "{offset:?}"
@@ -366,7 +374,7 @@ mod tests {
         clock.add(trip(100, 5, 500, 200));
         clock.add(trip(200, 5, 6, 100));
         assert_eq!(clock.offset(), None);
-        // The ends of what a stamp may be make no panic.
+        // Extreme timestamps must not panic.
         clock.add(trip(0, u64::MAX - 1, u64::MAX, 10));
         let offset = clock.offset().expect("known");
         assert_eq!((offset.here(0), offset.there(u64::MAX)), (0, u64::MAX));

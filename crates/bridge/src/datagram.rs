@@ -1,13 +1,14 @@
-//! A datagram: who sent it, the how many-th of its kind it is, and what it says, sealed.
+//! A sealed datagram: its sender, its kind, its count among its kind, and its content.
 //!
 //! ```text
-//!  0  'l' 'b'      2  version 3      3  kind      4  the messages' versions, hashed
-//!  8  the sender's random number (u64)            16  how many of this kind it has sent, this one included (u64)
-//! 24  what it says …                              then 16 bytes of tag (ChaCha20-Poly1305, the head held to)
+//!  0  'l' 'b'      2  version 3      3  kind      4  hash of the messages' versions
+//!  8  the sender's random number (u64)            16  count of this kind, with this one (u64)
+//! 24  content …                                   then a tag of 16 bytes (ChaCha20-Poly1305)
 //! ```
 //!
-//! Numbers are little endian. The nonce is kind and count, under a key that only this sender has: no nonce comes twice, and counts that only go up are the
-//! window for replays. That a sender lives, and is not a recording of one, is for the receiver to ask.
+//! Numbers are little endian. The tag authenticates head and content. The nonce is kind and count,
+//! under a key that only this sender has, so no nonce occurs twice. Counts only grow, so replays
+//! are detected. The receiver itself has to ask whether a sender is alive or a recording.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -17,34 +18,34 @@ use thiserror::Error;
 use crate::key::{Key, Seal, Side};
 
 const MAGIC: [u8; 3] = *b"lb\x03";
-/// Bytes before what a datagram says.
+/// Length in bytes of the head of a datagram.
 pub(crate) const HEAD: usize = 24;
-/// Bytes that a datagram has beside what it says.
+/// Bytes of a datagram in addition to its content.
 #[cfg(test)]
 pub(crate) const OVERHEAD: usize = HEAD + crate::key::TAG;
-/// So many senders are known at a time.
+/// Maximum number of senders known at a time.
 const SENDERS: usize = 16;
 
-/// What a datagram is.
+/// Kind of a datagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// From the far side: what time is it?
+    /// From the far side: asks for the time.
     Ask = 0,
-    /// From the near side: so late.
+    /// From the near side: answers with the time.
     Answer = 1,
-    /// From the near side, as what follows.
+    /// From the near side, as are the next two.
     Descriptors = 2,
     Centerlines = 3,
     Truth = 4,
     /// From the far side.
     Command = 5,
-    /// From the near side: a part of a frame.
+    /// From the near side: part of a frame.
     Picture = 6,
-    /// From the near side, before the descriptors of its frame.
+    /// From the near side, before the descriptors of the same frame.
     Descriptors3 = 7,
-    /// From the near side: a part of a mask.
+    /// From the near side: part of a mask.
     Mask = 8,
-    /// From the near side: a part of a datagram that is larger than UDP can carry.
+    /// From the near side: part of a datagram that is larger than UDP can carry.
     Part = 9,
 }
 
@@ -61,7 +62,7 @@ impl Kind {
         Self::Mask,
         Self::Part,
     ];
-    /// Messages of the rig's channels: how many were sent stands in each answer.
+    /// Messages of the rig's channels. Each answer reports how many were sent.
     pub(crate) const COUNTED: [Self; 4] = [
         Self::Descriptors,
         Self::Descriptors3,
@@ -70,7 +71,7 @@ impl Kind {
     ];
 }
 
-/// Why a datagram is not taken.
+/// Why a datagram is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub(crate) enum Refused {
     #[error("something else than a bridge sends there")]
@@ -88,7 +89,7 @@ pub(crate) enum Refused {
     Nonsense,
 }
 
-/// The versions of all messages, as one number.
+/// Returns the versions of all messages, as one number.
 fn versions() -> u32 {
     let names = [
         Descriptors::LAYOUT.type_name,
@@ -110,7 +111,7 @@ fn nonce(kind: u8, count: [u8; 8]) -> [u8; 12] {
     nonce
 }
 
-/// What one process sends.
+/// Writes the datagrams of this process.
 pub(crate) struct Outgoing {
     process: u64,
     seal: Seal,
@@ -118,7 +119,7 @@ pub(crate) struct Outgoing {
 }
 
 impl Outgoing {
-    /// `process`: its random number.
+    /// Creates a writer. `process` is this process's random number.
     pub(crate) fn new(process: u64, key: &Key, side: Side, rig: &Rig) -> Self {
         Self {
             process,
@@ -127,17 +128,17 @@ impl Outgoing {
         }
     }
 
-    /// This process's random number.
+    /// Returns this process's random number.
     pub(crate) fn process(&self) -> u64 {
         self.process
     }
 
-    /// How many of a kind were sent.
+    /// Returns the number of datagrams of a kind that were sent.
     pub(crate) fn sent(&self, kind: Kind) -> u64 {
         self.sent[kind as usize].load(Ordering::Relaxed)
     }
 
-    /// Makes the next datagram of a kind; `say` writes what it says behind what stands in the buffer.
+    /// Makes the next datagram of a kind. `say` appends the content.
     pub(crate) fn write(&self, kind: Kind, datagram: &mut Vec<u8>, say: impl FnOnce(&mut Vec<u8>)) {
         let count = (1 + self.sent[kind as usize].fetch_add(1, Ordering::Relaxed)).to_le_bytes();
         datagram.clear();
@@ -151,23 +152,23 @@ impl Outgoing {
     }
 }
 
-/// A datagram that was sent by one who has the key.
+/// A datagram from a sender that has the key.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Datagram<'d> {
     /// The sender's random number.
     pub(crate) process: u64,
     pub(crate) kind: Kind,
-    /// How many of this kind it had sent.
+    /// Number of this kind that the sender had sent, this one included.
     pub(crate) count: u64,
     pub(crate) says: &'d [u8],
 }
 
-/// What the processes of the other side send.
+/// Reads the datagrams that the processes of the other side send.
 pub(crate) struct Incoming {
     key: Key,
     from: Side,
     rig: Rig,
-    /// The last to be heard of comes first.
+    /// The seals of known senders, the most recently heard first.
     seals: Vec<(u64, Seal)>,
 }
 
@@ -181,10 +182,10 @@ impl Incoming {
         }
     }
 
-    /// Reads a datagram, and opens it where it lies.
+    /// Reads a datagram, and decrypts it in place.
     ///
     /// # Errors
-    /// It is not taken, and why.
+    /// Fails with the reason why the datagram is refused.
     pub(crate) fn read<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Datagram<'d>, Refused> {
         let Some((head, _)) = datagram.split_first_chunk::<HEAD>() else {
             return Err(Refused::Foreign);
@@ -205,7 +206,7 @@ impl Incoming {
             None => (self.key.of(process, self.from, &self.rig), true),
         };
         let says = seal.open(nonce(kind as u8, count.to_le_bytes()), datagram, HEAD);
-        // A sender without the key must not push out those with it.
+        // A sender without the key must not evict one with the key.
         if says.is_some() || !is_new {
             self.seals.truncate(SENDERS - 1);
             self.seals.insert(0, (process, seal));
@@ -283,9 +284,9 @@ mod tests {
             Err(Refused::Seal)
         );
         assert!(with_key.read(&mut bytes.clone()).is_ok());
-        // A side does not take its own words for the other's.
+        // It is too short to be a datagram.
         assert_eq!(with_key.read(&mut [0; 7]), Err(Refused::Foreign));
-        // Whatever bit is flipped on the way, also without a key.
+        // Every flipped bit is detected, even without a key.
         let mut plain = Vec::new();
         open.write(Kind::Descriptors, &mut plain, |to| to.extend(b"rope"));
         for (reader, bytes) in [(&mut with_key, &bytes), (&mut without, &plain)] {

@@ -1,9 +1,11 @@
-//! The other side: what comes is written to the rig's channels here, with its stamps on this machine's clock.
+//! The other side: writes what arrives to the rig's channels here, with its timestamps on this
+//! machine's clock.
 //!
-//! The rig here is that of the camera's machine for every reader. While nothing comes its last message gets older, which readers see by themselves
-//! (`Seen::Stale`). The bridge asks the other side for its time 20 times a second. Without an answer for [`SILENCE_NS`] it
-//! looks the name up again and reconnects, whatever the cause: a cut link, a process that was killed, an address that moved. The thread that waits at the
-//! socket opens what comes, checks it and writes it to the channel itself.
+//! To every reader, the rig here is that of the camera's machine. While nothing arrives, its last
+//! message ages, and readers notice that by themselves (`Seen::Stale`). The bridge asks the other
+//! side for its time 20 times per second. After [`SILENCE_NS`] without an answer it looks the name
+//! up again and reconnects. The cause may be a cut link, a killed process or an address that moved.
+//! The thread that waits at the socket opens, checks and writes messages itself.
 
 mod controller;
 mod link;
@@ -35,29 +37,29 @@ use crate::stamps::Stamps;
 use link::{Link, Took};
 use written::Written;
 
-/// How often it is asked.
+/// Interval between two questions.
 const ASK_NS: u64 = 50_000_000;
-/// And so much earlier, where a message has just come.
+/// A question may leave this much earlier, if a message has just come.
 const ASK_EARLY_NS: u64 = 10_000_000;
-/// It reconnects after eight questions without an answer.
+/// The bridge reconnects after eight questions without an answer.
 const SILENCE_NS: u64 = 8 * ASK_NS;
-/// Between two tries, where a name is not known or an address not to be reached.
+/// Time between two attempts while a name is unknown or an address unreachable.
 const RETRY_NS: u64 = 100_000_000;
-/// How often it is written down how it is.
+/// Interval at which the roster is updated.
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// What the thread that sends commands needs of this one.
+/// State that is shared with the thread that sends commands.
 #[derive(Default)]
 struct Upward {
     socket: Option<(Arc<Socket>, SocketAddr)>,
-    /// The other side's process, and its clock.
+    /// The process of the other side, and its clock.
     near: Option<(u64, Offset)>,
 }
 
-/// Carries for as long as no signal comes.
+/// Carries messages until a signal comes.
 ///
 /// # Errors
-/// The domain cannot be joined.
+/// Fails if the domain cannot be joined.
 pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
@@ -118,7 +120,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     carried
 }
 
-/// What is asked for beside descriptors, a bit each.
+/// Returns the channels to ask for in addition to descriptors, one bit each.
 fn also(args: &Args) -> u8 {
     args.also.iter().fold(0, |bits, also| bits | bit(*also))
 }
@@ -132,22 +134,22 @@ struct Far<'a> {
     outgoing: Arc<Outgoing>,
     upward: Arc<Mutex<Upward>>,
     incoming: Incoming,
-    /// Of a datagram that is larger than UDP can carry, and it.
+    /// Parts of a datagram that is larger than UDP can carry, and the whole of it.
     parts: Assembly,
     whole: Vec<u8>,
     link: Link,
     descriptors: Written<Descriptors>,
     descriptors3: Written<Descriptors3>,
-    /// Whether the rig has a depth camera: something came of it.
+    /// True if 3-D descriptors have come, so that the rig has a depth camera.
     is_in_space: bool,
-    /// Of both.
+    /// Timestamps of both kinds of descriptors.
     stamps: Stamps,
     centerlines: Written<Centerlines>,
     centerline_stamps: Stamps,
     truth: Written<Centerlines>,
     truth_stamps: Stamps,
     refusals: Refusals,
-    /// What the last answer said.
+    /// Cookie of the last answer.
     cookie: u64,
     datagram: Vec<u8>,
 }
@@ -185,13 +187,13 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// One socket after the other, each until nobody answers.
+    /// Opens one socket after the other, each until nobody answers.
     fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
         let mut announcement = None;
         let mut is_silent = None;
         let mut attempt = 0;
         while !stop.asked() {
-            // Of a name with several addresses one after the other.
+            // The addresses of a name are tried in turn.
             let address = place.addresses().map(|all| all[attempt % all.len()]);
             let opened =
                 address.and_then(|at| Ok((Arc::new(Socket::toward(at, Rank::First)?), at)));
@@ -236,7 +238,8 @@ impl<'a> Far<'a> {
         Ok(())
     }
 
-    /// Asks and takes what comes, until a signal or a silence; whether there was an answer. `every_second` is told of the first answer, and then each second.
+    /// Asks, and takes what comes, until a signal or a silence. Returns whether there was an
+    /// answer. Calls `every_second` on the first answer, and then once per second.
     fn listen(
         &mut self,
         (socket, near): (&Socket, SocketAddr),
@@ -260,14 +263,14 @@ impl<'a> Far<'a> {
                 continue;
             };
             let Some(answer) = self.take(now_ns(), bytes) else {
-                // Behind a message a question and its answer are in the way of none.
+                // Right after a message, a question and its answer delay no other message.
                 if now_ns() + ASK_EARLY_NS >= ask_due_ns {
                     ask_due_ns = now_ns();
                 }
                 continue;
             };
             silent_ns = now_ns() + SILENCE_NS;
-            // Nothing is sent before it has come back.
+            // Nothing is sent to this side before it has repeated the cookie.
             if answer.cookie != std::mem::replace(&mut self.cookie, answer.cookie) {
                 ask_due_ns = now_ns();
             }
@@ -296,7 +299,7 @@ impl<'a> Far<'a> {
         socket.send(&self.datagram, near);
     }
 
-    /// Takes a datagram that came at a moment; the answer, if it is one.
+    /// Takes a datagram that arrived at `at_ns`. Returns the answer, if it is one.
     fn take(&mut self, at_ns: u64, bytes: &mut [u8]) -> Option<Answer> {
         let datagram = match self.incoming.read(bytes) {
             Ok(datagram) if datagram.kind == Kind::Part => {
@@ -355,8 +358,9 @@ impl<'a> Far<'a> {
         None
     }
 
-    /// Becomes the writer of the rig's channels, where it is not; from the start on, so that readers know that there is one. But for the one in
-    /// space, whose memory only a rig with a depth camera has.
+    /// Becomes the writer of the rig's channels, from the start, so that readers know that there is
+    /// one. The channel of 3-D descriptors is opened only for a rig with a depth camera, to save
+    /// memory.
     fn open_channels(&mut self) {
         self.descriptors.open(self.domain, self.rig);
         if self.is_in_space {
@@ -370,10 +374,10 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// Writes down how it is, for `lariat topic delay` and `top`.
+    /// Writes the state to the roster, for `lariat topic delay` and `lariat top`.
     fn announce(&mut self, place: &Place, announcement: &mut Option<lariat_wire::Announcement>) {
         let settings = self.link.settings(place, now_ns());
-        // Nothing depends on it.
+        // Nothing depends on the roster.
         match announcement {
             Some(announcement) => drop(announcement.renew(&settings)),
             None => *announcement = self.domain.announce(self.rig, "bridge", &settings).ok(),

@@ -1,8 +1,9 @@
-//! The key that both sides share, and what follows from it.
+//! The key that both sides share, and the keys derived from it.
 //!
-//! A file with 64 hexadecimal digits, for its owner alone: `lariat bridge --make-key FILE` writes one. From it each process derives a key of its own
-//! for what it sends (HKDF-SHA-256 over its random number of 64 bits, its side and the rig), so that its counts are nonces that no other process
-//! uses, and what one side sent is not taken for the other's.
+//! A key file holds 64 hexadecimal digits, and only its owner may read it.
+//! `lariat bridge --make-key FILE` writes one. Each process derives a sending key of its own:
+//! HKDF-SHA-256 over its random 64-bit number, its side and the rig. Its counts are thus nonces
+//! that no other process uses, and a datagram of one side is never accepted as the other's.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -16,18 +17,18 @@ use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, Nonce, UnboundKey};
 use ring::hkdf::{HKDF_SHA256, Salt};
 use ring::rand::{SecureRandom, SystemRandom};
 
-/// Bytes.
+/// Length of a key in bytes.
 const KEY: usize = 32;
-/// Bytes behind what is sealed.
+/// Length in bytes of the tag after the sealed part.
 #[cfg(test)]
 pub(crate) const TAG: usize = 16;
 
-/// Which of both sides sends.
+/// The side that sends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// The camera's.
+    /// The camera's side.
     Near,
-    /// The other.
+    /// The other side.
     Far,
 }
 
@@ -36,13 +37,14 @@ pub(crate) enum Side {
 pub(crate) struct Key([u8; KEY]);
 
 impl Key {
-    /// The key of a bridge without one (`--insecure`). Everybody knows it, so it only detects what was changed by mistake.
+    /// The key of a bridge without one (`--insecure`). Everybody knows it, so it detects only
+    /// accidental changes.
     pub(crate) const NONE: Self = Self([0; KEY]);
 
     /// Reads a key.
     ///
     /// # Errors
-    /// There is no such file, others may read it, or it holds something else.
+    /// Fails if the file does not exist, others may read it, or it does not hold a key.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let shown = path.display();
         let text =
@@ -63,10 +65,10 @@ impl Key {
         Ok(Self(key))
     }
 
-    /// Makes a key, in a file that is not there yet.
+    /// Makes a key, in a file that does not exist yet.
     ///
     /// # Errors
-    /// The file is there, or cannot be written.
+    /// Fails if the file exists, or cannot be written.
     pub(crate) fn make(path: &Path) -> Result<()> {
         let mut key = [0; KEY];
         random(&mut key)?;
@@ -87,7 +89,7 @@ impl Key {
         written.with_context(|| format!("the key {} cannot be written", path.display()))
     }
 
-    /// What one process of a side seals with.
+    /// Returns the seal of one process of a side.
     pub(crate) fn of(&self, process: u64, side: Side, rig: &Rig) -> Seal {
         let side = match side {
             Side::Near => "near",
@@ -99,7 +101,7 @@ impl Key {
             side.as_bytes(),
             rig.as_str().as_bytes(),
         ];
-        // Of as many bytes as the cipher's key has: there is no other way to fail.
+        // Expanding fails only for a length that is too large; the cipher's key is short enough.
         let key = secret
             .expand(&about, &CHACHA20_POLY1305)
             .map(UnboundKey::from);
@@ -121,11 +123,12 @@ fn from_hex(text: &str) -> Option<[u8; KEY]> {
     bytes.try_into().ok()
 }
 
-/// What the datagrams of one process are sealed with.
+/// Seals and opens the datagrams of one process.
 pub(crate) struct Seal(LessSafeKey);
 
 impl Seal {
-    /// Seals what stands behind `head`, which is not hidden but held to, and puts the tag behind it. `number`: no two datagrams of the process have the same.
+    /// Encrypts everything after `head` and appends the tag. The tag also authenticates `head`,
+    /// which stays readable. No two datagrams of the process may have the same `number`.
     pub(crate) fn close(&self, number: [u8; 12], datagram: &mut Vec<u8>, head: usize) {
         let (head, body) = datagram.split_at_mut(head);
         let tag = self.0.seal_in_place_separate_tag(
@@ -133,11 +136,12 @@ impl Seal {
             Aad::from(head),
             body,
         );
-        // It fails for 256 GB and more.
+        // Sealing fails only for 256 GB and more.
         datagram.extend(tag.expect("a datagram is short enough").as_ref());
     }
 
-    /// Opens what stands behind `head`; `None`: it was not sealed with this key, or changed on its way.
+    /// Decrypts everything after `head`; `None` if it was not sealed with this key, or changed in
+    /// transit.
     pub(crate) fn open<'d>(
         &self,
         number: [u8; 12],
@@ -154,10 +158,10 @@ impl Seal {
     }
 }
 
-/// A random number, which nobody can guess.
+/// Returns a random number that nobody can guess.
 ///
 /// # Errors
-/// The system gives none.
+/// Fails if the system provides no random numbers.
 pub(crate) fn random_number() -> Result<u64> {
     let mut bytes = [0; 8];
     random(&mut bytes)?;

@@ -1,44 +1,55 @@
-//! `lariat-bridge`: a rig of lariat on another machine, over UDP.
+//! `lariat-bridge`: carries a rig to another machine over UDP.
 //!
-//! On the camera's machine it is a reader of the rig, on the other the writer of a rig of the same name: every reader there works unchanged. What
-//! goes over the wire is what is meant of each message, in one datagram: best effort, the newest wins, before all else in the queues that know a
-//! first.
+//! On the camera's machine the bridge reads the rig. On the other machine it writes a rig of the
+//! same name, so every reader there works unchanged. Only the used part of each message is sent, in
+//! one datagram unless it is larger than UDP can carry. Delivery is best effort, and the newest
+//! message wins. Queues that know priorities send messages before everything else.
 //!
 //! # Why a bare socket
 //!
-//! The thread that waits for descriptors sends them, and the one that waits at the far socket writes them: two wakings, as a ping has. A library of
-//! sessions brings threads of its own between both, and what it would do for that is not wanted here. zenoh 1.10 over UDP, which carried this before,
-//! woke five threads in a row. Its subscriptions went over the same lossy link, once, so that silence had to begin them again; its
-//! queue gave up descriptors when its thread had no core; it has no security over plain UDP; and it is 260 crates. QUIC's datagrams (RFC 9221) obey
-//! congestion control, which takes 2 % of loss for a full link: at 50 ms each way its window is then some 9 datagrams a round trip (`1.22 / √p`, Mathis
-//! and others 1997), 90 a second, where a camera has 200. So each datagram is sealed here, with a key that both sides share: ChaCha20-Poly1305 of
-//! `ring` (`key`, `datagram`). That does not hide that a bridge is there, when it sends and how much, and it does not stop someone on the
-//! network who floods the port.
+//! The thread that waits for descriptors also sends them, and the thread that waits at the far
+//! socket also writes them: two wakeups, as for a ping. A session library puts threads of its own
+//! in between, for features that are not needed here. zenoh 1.10 over UDP wakes five threads in a
+//! row. It sends its subscriptions once over the same lossy link, so they must be renewed after a
+//! silence. Its queue drops descriptors while its thread gets no core. It cannot secure plain UDP,
+//! and it consists of 260 crates.
 //!
-//! Both built alike, without optimization of the whole, in turns on two busy cores (`tests/bridge/run --only none`): a descriptor from shared memory to shared memory
-//! took 3.6, 3.9 and 6.3 × a bare ping at the middle by zenoh, and takes 2.8, 2.4 and 3.2 × by this. What is left are three wakings, of the bridge here, the
-//! bridge there and the reader, where a ping has two; and 8 µs each of packing and sealing, and of opening and unpacking.
+//! QUIC's datagrams (RFC 9221) obey congestion control, which treats 2 % loss as a full link. At
+//! 50 ms each way its window is then about 9 datagrams per round trip (`1.22 / √p`, Mathis and
+//! others 1997). This window allows 90 datagrams per second, and a camera has 200.
 //!
-//! Near sides send to those that ask, each from an address that it has shown to be its own (`peers`). Neither side ever waits for the network: what a
-//! full buffer has no room for is lost, and counted, as on the way.
+//! Each datagram is therefore sealed here, with a key that both sides share: ChaCha20-Poly1305 of
+//! `ring` (`key`, `datagram`). Sealing does not hide that there is a bridge, when it sends or how
+//! much. It does not stop anyone on the network from flooding the port.
+//!
+//! A descriptor takes 2.4 to 3.2 times as long from shared memory to shared memory as a bare ping
+//! (median, two busy cores, `tests/bridge/run --only none`). It takes three wakeups, in the bridge
+//! here, the bridge there and the reader, where a ping takes two. The rest is the time to pack,
+//! seal, open and unpack.
+//!
+//! The near side sends only to far sides that ask, each from an address that it has proved to be
+//! its own (`peers`). Neither side ever waits for the network. A datagram that does not fit into a
+//! full buffer is lost, and counted as lost on the network.
 //!
 //! # Losses
 //!
-//! The far side is one more stage of the chain: it counts what it writes into each trace (`bridged`), so that every reader's ledger finds what was lost
-//! between fit and there, on whichever part of the way, also while either side was away. What the wire lost the bridge itself counts (`tally`), exactly, from
-//! the count in each datagram, and says so when it ends, when the link is silent, and in the roster each second.
+//! The far side is one more stage of the chain: it counts each message that it writes in the
+//! message's trace (`bridged`). Every reader's ledger thus finds what was lost between fit and the
+//! far side, wherever that happened, even while either side was away. The bridge itself counts
+//! exactly what the network lost, from the count in each datagram (`tally`). It reports this when
+//! it ends, when the link is silent, and in the roster once per second.
 //!
-//! | | |
+//! | module | task |
 //! |---|---|
-//! | `args` | the command line, and what is safe |
+//! | `args` | the command line, and the check for a key |
 //! | `socket` | a UDP socket that never waits |
-//! | `key`, `datagram`, `pack`, `question`, `chunks` | what goes over the wire, from the outside in. Pure |
-//! | `peers` | who is sent to. Pure |
-//! | `clock`, `stamps`, `tally` | the other clock, stamps by it, counts of what came. Pure |
-//! | `refusals` | what was refused, and that it is not said too often |
-//! | `channel` | a channel that is read while it is written |
+//! | `key`, `datagram`, `pack`, `question`, `chunks` | the wire format, from the outside in. Pure |
+//! | `peers` | the far sides that receive messages. Pure |
+//! | `clock`, `stamps`, `tally` | the other clock, timestamps converted from it, counts of what arrived. Pure |
+//! | `refusals` | refused datagrams, reported at a limited rate |
+//! | `channel` | a channel that is read while it has a writer |
 //! | `near`, `near/hearing`, `near/robot`, `near/pictures` | the camera's side: messages out; questions and commands in; frames out |
-//! | `far`, `far/link`, `far/written`, `far/controller`, `far/pictures` | the other: questions; what is known of the near side; messages in; commands out; frames in |
+//! | `far`, `far/link`, `far/written`, `far/controller`, `far/pictures` | the other side: questions; the state of the link; messages in; commands out; frames in |
 
 mod args;
 mod channel;
@@ -64,7 +75,8 @@ use clap::Parser;
 use lariat_chain::stages::arrangement::{join_stages, run_before_others};
 use lariat_wire::take_short_slices;
 
-/// Above those of a chain, 40 to 43: what is on its way goes before what is still made.
+/// Realtime priority, above the 40 to 43 of a chain: messages in transit go before those still
+/// being made.
 const PRIORITY: u8 = 44;
 
 fn main() -> ExitCode {
@@ -82,16 +94,20 @@ fn run(args: &Args) -> Result<()> {
         (Some(path), ..) => key::Key::make(path),
         (_, Some(place), _) => near::run(args, place),
         (.., Some(place)) => far::run(args, place),
-        // The command line asks for one of them.
+        // The command line requires one of them.
         (None, None, None) => Ok(()),
     }
 }
 
-/// Has the calling thread, which carries descriptors, questions or commands, have a core as soon as it wakes; whether by realtime priority, if that is
-/// asked for. Then on the core of the stages: threads of realtime priority are pushed apart by the kernel, each to a core that sleeps.
+/// Makes the scheduler run the calling thread as soon as it wakes. The thread carries descriptors,
+/// questions or commands.
+///
+/// With `realtime` the thread asks for realtime priority on the core of the stages. The kernel
+/// would otherwise spread realtime threads over sleeping cores. Returns false if realtime priority
+/// was requested but not granted.
 fn hurry(realtime: bool) -> bool {
     if realtime && run_before_others(PRIORITY) {
-        // Not to be had is no fault.
+        // A failure to join is not an error.
         join_stages();
         return true;
     }
@@ -99,7 +115,7 @@ fn hurry(realtime: bool) -> bool {
     !realtime
 }
 
-/// The same for the main thread, which says what it cannot have.
+/// Calls `hurry` for the main thread, and reports if realtime priority is not granted.
 fn hurry_or_say(realtime: bool) {
     if !hurry(realtime) {
         say(
@@ -108,7 +124,7 @@ fn hurry_or_say(realtime: bool) {
     }
 }
 
-/// Says a sentence on standard error.
+/// Prints a sentence on standard error.
 fn say(sentence: &str) {
     eprintln!("lariat-bridge: {sentence}");
 }

@@ -1,7 +1,8 @@
-//! The camera's side: what the rig says goes out, questions are answered, and commands come in.
+//! The camera's side: sends the rig's messages, answers questions, and takes commands.
 //!
-//! The thread that waits for descriptors packs, seals and sends them itself, and the one that waits at the socket answers and obeys itself: nothing
-//! waits for a third one. Nothing is sent while nobody asks.
+//! The thread that waits for descriptors packs, seals and sends them itself. The thread that waits
+//! at the socket answers and obeys itself. Nothing waits for a third thread. Nothing is sent while
+//! nobody asks.
 
 mod hearing;
 mod pictures;
@@ -36,14 +37,14 @@ use crate::say;
 use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use robot::Robot;
 
-/// How often it is looked whether the rig is written.
+/// Interval at which channels are checked for writers.
 const CHECK: Duration = Duration::from_millis(250);
 
-/// What the threads share.
+/// State that the threads share.
 struct Near {
     outgoing: Outgoing,
     peers: Mutex<Peers>,
-    /// Rung when the first far side has come.
+    /// Signaled when the first far side has come.
     first: OwnedFd,
     questions: AtomicU64,
     refusals: Mutex<Refusals>,
@@ -62,7 +63,7 @@ impl Near {
         self.refusals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Writes the answer to a question that came at a moment.
+    /// Writes the answer to a question that arrived at `at_ns`.
     fn answer(&self, question: &Question, told: Told, at_ns: u64, into: &mut Vec<u8>) {
         self.questions.fetch_add(1, Ordering::Relaxed);
         let sent = Kind::COUNTED.map(|kind| self.outgoing.sent(kind));
@@ -80,7 +81,8 @@ impl Near {
     }
 }
 
-/// Takes a question in: what it is, and what who asks is told; `None`: it is none, or none of now.
+/// Handles a question. Returns the question and the reply to it; `None` if it is invalid or
+/// outdated.
 fn ask(
     peers: &mut Peers,
     datagram: &Datagram,
@@ -93,10 +95,10 @@ fn ask(
     Some((question, told))
 }
 
-/// Sends what the rig says for as long as no signal comes.
+/// Sends the rig's messages until a signal comes.
 ///
 /// # Errors
-/// The domain cannot be joined, or it cannot be listened there.
+/// Fails if the domain cannot be joined, or the address cannot be listened on.
 pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
@@ -163,7 +165,7 @@ pub(crate) fn run(args: &Args, place: &Place) -> Result<()> {
     })
 }
 
-/// The rig's channels, and the way that their messages go.
+/// The rig's channels, and the socket that their messages go to.
 struct Sender<'n> {
     near: &'n Near,
     socket: &'n Socket,
@@ -173,7 +175,8 @@ struct Sender<'n> {
     truth: Read<Centerlines>,
     checked: Option<Instant>,
     is_asked: bool,
-    /// Fit's count of the last descriptors, and how many had no room to wait until they were read.
+    /// Fit's count in the last descriptors, and the number of descriptors overwritten before they
+    /// were read.
     fitted: Option<u64>,
     missed: u64,
     datagram: Vec<u8>,
@@ -200,7 +203,7 @@ impl<'n> Sender<'n> {
         }
     }
 
-    /// Takes up the channels that are asked for, where that is due.
+    /// Opens wanted channels and closes unwanted ones, if a check is due.
     fn look(&mut self, domain: &Domain, args: &Args) {
         if self.checked.is_some_and(|at| at.elapsed() < CHECK) {
             return;
@@ -214,7 +217,7 @@ impl<'n> Sender<'n> {
             } else {
                 "nobody listens any more"
             });
-            // What is sent meanwhile is for nobody.
+            // Messages sent in the meantime are for nobody, so none counts as missed.
             self.fitted = None;
         }
         self.is_asked = is_asked;
@@ -226,7 +229,7 @@ impl<'n> Sender<'n> {
         self.truth.follow(domain, &args.rig, wants(Also::Truth));
     }
 
-    /// Sleeps until descriptors may have come, until the next look, or until a signal.
+    /// Sleeps until descriptors may have come, until the next check, or until a signal.
     fn sleep(&mut self, stop: &Stop) {
         let due = Instant::now() + CHECK;
         let slept = self
@@ -243,12 +246,12 @@ impl<'n> Sender<'n> {
         }
     }
 
-    /// Sends what waits: descriptors before all else.
+    /// Sends all waiting messages, descriptors first.
     fn send(&mut self) {
         while let Some(message) = self.descriptors.next() {
             let fitted = message.trace.fitted;
             self.missed += missed(self.fitted.replace(fitted), fitted);
-            // As here, so there: who has descriptors has what stands in space beside them.
+            // 3-D descriptors go before the descriptors of the same frame, on both machines.
             while let Some(message) = self.descriptors3.next() {
                 self.put(&*message, Kind::Descriptors3, Wants::Descriptors);
             }
@@ -262,7 +265,8 @@ impl<'n> Sender<'n> {
         }
     }
 
-    /// Sends a message to all who want it. It is counted before it is known who they are: who comes in between is told of it as sent before.
+    /// Sends a message to all who want it. It is counted before its receivers are looked up, so a
+    /// far side that joins in between learns of it as sent before.
     fn put(&mut self, message: &dyn Message, kind: Kind, wants: Wants) {
         let outgoing = &self.near.outgoing;
         outgoing.write(kind, &mut self.datagram, |to| pack(message, to));
@@ -282,7 +286,7 @@ impl<'n> Sender<'n> {
     }
 }
 
-/// How many messages of a run of the chain lie between two of its fit's counts.
+/// Returns the number of messages missing between two of fit's counts in one run of the chain.
 fn missed(last: Option<u64>, next: u64) -> u64 {
     let last = last.filter(|last| *last < next);
     last.map_or(0, |last| next - last - 1)

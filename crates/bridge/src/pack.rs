@@ -1,46 +1,50 @@
-//! Messages as they go over the wire: what is meant of each list, as a recording has it, in as few bytes as that takes.
+//! The wire format of messages: the used part of each list, as in a recording, in as few bytes as
+//! possible.
 //!
-//! Fields come as they lie in memory, driven by the messages' own declarations:
+//! Fields come in the order of memory, as the messages declare them:
 //!
-//! | a field | is |
+//! | field | encoding |
 //! |---|---|
-//! | `u32` | a varint (7 bits a byte, the lowest first) |
-//! | `u64` | the difference from the last `u64` of the message, zigzag, as a varint: stamps and counts lie near each other |
-//! | `f32`, `f64`, a point | as it is, little endian |
-//! | a list of `f64` | how many rows, then each column: 1 and one number where all are the same (weights, velocities of curves that are not filtered), 0 and all of them |
-//! | a list of `f32` | likewise; 2, the least and the largest, and 16 bits each between these, where that is finite |
-//! | what is hidden | how many points, 0 if none is, else 1 and a bit each |
-//! | messages | how many, then each |
+//! | `u32` | a varint (7 bits per byte, the lowest first) |
+//! | `u64` | the difference from the message's previous `u64`, zigzag, as a varint: timestamps and counts are close to each other |
+//! | `f32`, `f64`, a point | unchanged, little endian |
+//! | a list of `f64` | the number of rows, then each column: 1 and one number if all are equal (weights, velocities of curves that are not filtered), otherwise 0 and all of them |
+//! | a list of `f32` | the same, but a finite column of unequal numbers is 2, its minimum and maximum, and 16 bits for each number between them |
+//! | hidden points | the number of points, then 0 if none is hidden, otherwise 1 and one bit each |
+//! | messages | the number of messages, then each |
 //!
-//! So **all but the points of the centerline and its widths come back to the bit**, and those to 1/131070 of the rope's extent (a rope across 1000 px:
-//! 0.008 px, where extraction is off by 0.03). A cubic of nine control points with its 120 points is 1.1 kB, which goes into one datagram of an Ethernet;
-//! the struct of shared memory, with room for 24 ropes, is 120 times that.
+//! **Everything except the points and widths of the centerline is restored to the bit.** These are
+//! restored to 1/131070 of the rope's extent: to 0.008 px for a rope across 1000 px, where
+//! extraction is off by 0.03 px. A cubic with nine control points and 120 points takes 1.1 kB,
+//! which fits into one Ethernet frame. The struct in shared memory, with room for 24 ropes, is 120
+//! times as large.
 
 use lariat_wire::MAX_POINTS;
 use lariat_wire::fields::{self, Message, Place, Value};
 
-/// Lists of one message at most.
+/// Maximum number of lists in one message.
 const MOST_LISTS: usize = 8;
 
-/// Why bytes are no message.
+/// Why bytes are not a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PackError {
-    /// It is cut off.
+    /// The bytes end too early.
     Short,
-    /// It holds more than there is room for.
+    /// A list exceeds its capacity.
     TooMany,
-    /// It holds what cannot be.
+    /// A value is impossible.
     Nonsense,
-    /// There is more behind it.
+    /// Bytes are left over.
     Long,
 }
 
-/// Writes a message behind what stands in the buffer.
+/// Appends a message to a buffer.
 pub(crate) fn pack(message: &dyn Message, into: &mut Vec<u8>) {
     put(message, &mut 0, into);
 }
 
-/// Reads a message. What is not meant stays as it was; after an error, anything may stand in it.
+/// Reads a message. The unused parts of its lists keep their values. After an error, the content of
+/// the message is unspecified.
 pub(crate) fn unpack(message: &mut dyn Message, bytes: &[u8]) -> Result<(), PackError> {
     let mut from = Bytes { bytes, last: 0 };
     from.message(message)?;
@@ -101,7 +105,7 @@ fn put(message: &dyn Message, last: &mut u64, into: &mut Vec<u8>) {
     });
 }
 
-/// A column as it is, as one number, or in steps of its extent.
+/// Writes a column unchanged, as one number, or in steps of its extent.
 fn put_f32s(numbers: &[f32], column: usize, columns: usize, into: &mut Vec<u8>) {
     let entries = || numbers.iter().skip(column).step_by(columns).copied();
     let first = entries().next().map(f32::to_bits);
@@ -122,7 +126,7 @@ fn put_f32s(numbers: &[f32], column: usize, columns: usize, into: &mut Vec<u8>) 
         into.extend_from_slice(&largest.to_le_bytes());
         into.reserve(2 * numbers.len() / columns);
         for number in entries() {
-            // To the nearest step: none is negative.
+            // Rounds to the nearest step. The difference is never negative.
             let steps = ((f64::from(number) - f64::from(least)) / step + 0.5) as u16;
             into.extend_from_slice(&steps.to_le_bytes());
         }
@@ -132,12 +136,12 @@ fn put_f32s(numbers: &[f32], column: usize, columns: usize, into: &mut Vec<u8>) 
     }
 }
 
-/// The numbers of 16 bits lie so far apart.
+/// Returns the distance between adjacent numbers of 16 bits.
 fn step(least: f32, largest: f32) -> f64 {
     (f64::from(largest) - f64::from(least)) / f64::from(u16::MAX)
 }
 
-/// Whether there are several, and all are the same.
+/// Returns whether there is at least one number, and all are equal.
 fn is_one(mut bits: impl Iterator<Item = u64>) -> bool {
     let Some(first) = bits.next() else {
         return false;
@@ -153,7 +157,7 @@ fn varint(mut number: u64, into: &mut Vec<u8>) {
     into.push(number as u8);
 }
 
-/// What is left to be read.
+/// The bytes that are left to read.
 struct Bytes<'a> {
     bytes: &'a [u8],
     last: u64,
@@ -182,7 +186,8 @@ impl Bytes<'_> {
             }
         });
         result?;
-        // What the counts say is meant is what came: else something older would be taken for a part of it.
+        // Each list must have as many rows as its count says. Otherwise stale rows would become
+        // part of it.
         let (mut meant, mut is_even) = (lengths[..lists].iter(), true);
         message.visit(&mut |_, value| {
             let count = match value {
@@ -197,7 +202,7 @@ impl Bytes<'_> {
         is_even.then_some(()).ok_or(PackError::Nonsense)
     }
 
-    /// Reads a field; of a list, how many rows it has.
+    /// Reads a field. Returns the number of rows if it is a list, otherwise 0.
     fn place(&mut self, place: Place) -> Result<usize, PackError> {
         match place {
             Place::U32(word) => {
@@ -336,7 +341,7 @@ pub(crate) mod tests {
     use super::*;
     use lariat_wire::{Axes, Basis, Centerlines, Command, Descriptors, Descriptors3, Status};
 
-    /// Numbers without end, each another.
+    /// An endless sequence of different numbers.
     pub(crate) struct Numbers(pub(crate) u64);
 
     impl Numbers {
@@ -353,7 +358,7 @@ pub(crate) mod tests {
         }
     }
 
-    /// What a chain sends: a rope of nine control points and 120 points each.
+    /// Returns what a chain sends: ropes with nine control points and 120 points each.
     pub(crate) fn descriptors(ropes: u32, seed: u64) -> Box<Descriptors> {
         let of = &mut Numbers(seed);
         let mut message = Box::new(Descriptors::EMPTY);
@@ -403,7 +408,7 @@ pub(crate) mod tests {
     fn a_rope_goes_into_one_datagram_of_an_ethernet() {
         let mut bytes = Vec::new();
         pack(&*descriptors(1, 1), &mut bytes);
-        // 1500 without the heads of IPv6 and UDP, and the bridge's own.
+        // 1500 bytes without the heads of IPv6, UDP and the bridge.
         assert!(
             bytes.len() <= 1500 - 48 - crate::datagram::OVERHEAD,
             "{}",
@@ -523,7 +528,7 @@ pub(crate) mod tests {
         let sent = descriptors(1, 5);
         let mut bytes = Vec::new();
         pack(&*sent, &mut bytes);
-        // The trace, the size; then how many ropes are meant.
+        // The number of ropes follows the trace and the size.
         let mut before = Vec::new();
         pack(&sent.trace, &mut before);
         let at = before.len() + 4;
@@ -546,7 +551,7 @@ pub(crate) mod tests {
                 bytes[at] = of.next() as u8;
             }
             if unpack(&mut *read, &bytes).is_ok() {
-                // Its counts are no larger than the lists, or taken for as large.
+                // Its counts do not exceed the lists, or are clamped to them.
                 assert!(read.curves().len() <= read.curves.len());
             }
             let random: Vec<u8> = (0..of.next() % 300).map(|_| of.next() as u8).collect();

@@ -1,8 +1,11 @@
-//! The far sides that are sent to: each asks, again and again, from an address that it has shown to be its own. Pure: it is told the times.
+//! The far sides that receive messages. Each asks repeatedly, from an address that it has proved to
+//! be its own. Pure: the caller passes the times.
 //!
-//! Anybody may write any address as a datagram's sender. So the answer to a question contains a cookie, a number that follows from the
-//! asker's address, and the bridge sends more only to an asker that repeats it. The answer is as long as the question, so nobody can make the bridge flood a
-//! third machine. Cookies are recomputed, not stored (HMAC-SHA-256 under a key of this process), and are valid for a minute or two.
+//! Anybody can write any address as a datagram's sender. So the answer to a question contains a
+//! cookie, a number computed from the asker's address. The bridge sends more only to an asker that
+//! repeats it. The answer is as long as the question, so nobody can make the bridge flood a third
+//! machine. Cookies are recomputed, not stored (HMAC-SHA-256 under a key of this process), and are
+//! valid for one to two minutes.
 
 use std::net::SocketAddr;
 
@@ -13,11 +16,11 @@ use ring::rand::SystemRandom;
 use crate::args::Also;
 use crate::question::{Question, bit};
 
-/// Who has asked nothing for so long has gone.
+/// A far side that has asked nothing for this long is gone.
 const ASKS_NS: u64 = 2_000_000_000;
-/// So many are sent to.
+/// Maximum number of far sides.
 const MOST: usize = 16;
-/// After so long comes another cookie; the last one is still good.
+/// Interval at which cookies change. The previous cookie is still valid.
 const COOKIE_NS: u64 = 60_000_000_000;
 
 /// A far side.
@@ -25,32 +28,32 @@ const COOKIE_NS: u64 = 60_000_000_000;
 struct Peer {
     process: u64,
     at: SocketAddr,
-    /// Its last question: the how many-th, when it came, and what it wants.
+    /// Its last question: its count, when it arrived, and what it wants.
     count: u64,
     asked_ns: u64,
     also: u8,
     frames_ms: u16,
 }
 
-/// What is sent.
+/// Something that a far side may want.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wants {
-    /// What all want.
+    /// Every far side wants these.
     Descriptors,
     Also(Also),
     Frames,
 }
 
-/// What who asks is told beside the time.
+/// Content of an answer, in addition to the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Told {
-    /// To say with the next question.
+    /// Cookie for the next question.
     pub(crate) cookie: u64,
-    /// Whether it is sent to.
+    /// True if the asker receives messages.
     pub(crate) is_heard: bool,
 }
 
-/// Those that are sent to.
+/// The far sides that receive messages.
 pub(crate) struct Peers {
     key: hmac::Key,
     peers: Vec<Peer>,
@@ -58,7 +61,7 @@ pub(crate) struct Peers {
 
 impl Peers {
     /// # Errors
-    /// The system gives no random numbers.
+    /// Fails if the system provides no random numbers.
     pub(crate) fn new() -> Result<Self> {
         let key = hmac::Key::generate(hmac::HMAC_SHA256, &SystemRandom::new());
         let key = key.map_err(|_| anyhow::anyhow!("the system gives no random numbers"))?;
@@ -77,7 +80,7 @@ impl Peers {
         u64::from_le_bytes(*bytes)
     }
 
-    /// Takes in a process's `count`-th question; `None`: it is none of now.
+    /// Handles a process's `count`-th question; `None` if the question is outdated.
     pub(crate) fn ask(
         &mut self,
         (process, count): (u64, u64),
@@ -116,26 +119,27 @@ impl Peers {
         self.peers.iter().filter(move |peer| peer.is_there(now_ns))
     }
 
-    /// Where those are that want something.
+    /// Returns the addresses of those that want something.
     pub(crate) fn addresses(&self, wants: Wants, now_ns: u64) -> impl Iterator<Item = SocketAddr> {
         self.there(now_ns)
             .filter(move |peer| peer.wants(wants))
             .map(|peer| peer.at)
     }
 
-    /// Whether anybody wants something.
+    /// Returns whether anybody wants something.
     pub(crate) fn want(&self, wants: Wants, now_ns: u64) -> bool {
         self.there(now_ns).any(|peer| peer.wants(wants))
     }
 
-    /// What any of them wants beside descriptors, a bit each; `None`: there is nobody.
+    /// Returns the channels that anybody wants in addition to descriptors, one bit each; `None` if
+    /// nobody is there.
     pub(crate) fn also(&self, now_ns: u64) -> Option<u8> {
         self.there(now_ns)
             .map(|peer| peer.also)
             .reduce(|one, other| one | other)
     }
 
-    /// How long it is from one frame to the next for who wants most of them; `None`: nobody wants any.
+    /// Returns the shortest interval between frames that anybody wants; `None` if nobody wants any.
     pub(crate) fn frames_ns(&self, now_ns: u64) -> Option<u64> {
         let periods = self.there(now_ns).map(|peer| peer.frames_ms);
         let least_ms = periods.filter(|period_ms| *period_ms > 0).min()?;
@@ -176,7 +180,7 @@ mod tests {
         }
     }
 
-    /// A far side that asks as it is told to.
+    /// Joins as a far side does: asks, then asks again with the cookie.
     fn join(peers: &mut Peers, process: u64, from: SocketAddr, now_ns: u64) -> Told {
         let told = peers.ask((process, 1), &asks(0), from, now_ns);
         let told = told.expect("its first question");
@@ -196,7 +200,7 @@ mod tests {
         let told = peers.ask((7, 1), &asks(0), at(1), START).expect("new");
         assert!(!told.is_heard && addresses(&peers, START).is_empty());
         assert_eq!((peers.also(START), peers.frames_ns(START)), (None, None));
-        // Another one who heard of it.
+        // Another far side that has learned the cookie.
         let other = peers.ask((8, 1), &asks(told.cookie), at(2), START);
         assert!(other.is_some_and(|other| !other.is_heard && other.cookie != told.cookie));
         let told = peers.ask((7, 2), &asks(told.cookie), at(1), START);
@@ -218,12 +222,12 @@ mod tests {
         let told = join(&mut peers, 7, at(1), START);
         assert_eq!(peers.ask((7, 2), &asks(told.cookie), at(1), START), None);
         assert_eq!(peers.ask((7, 1), &asks(told.cookie), at(2), START), None);
-        // Later, when who asked has gone.
+        // The question is replayed after the asker has gone.
         let later = START + 2 * COOKIE_NS;
         let late = peers.ask((7, 2), &asks(told.cookie), at(1), later);
         assert!(late.is_some_and(|late| !late.is_heard));
         assert!(addresses(&peers, later).is_empty());
-        // Of another process of this side.
+        // The question is replayed to another process of this side.
         let mut again = Peers::new().expect("random numbers");
         let late = again.ask((7, 2), &asks(told.cookie), at(1), START);
         assert!(late.is_some_and(|late| !late.is_heard));
@@ -252,7 +256,7 @@ mod tests {
         let moved = peers.ask((7, 4), &asks(moved.cookie), at(2), START);
         assert!(moved.is_some_and(|moved| moved.is_heard));
         assert_eq!(addresses(&peers, START), [at(2)]);
-        // One at an address.
+        // Only one is known per address.
         assert!(join(&mut peers, 8, at(2), START).is_heard);
         assert_eq!(addresses(&peers, START), [at(2)]);
         let heard = (0..100)

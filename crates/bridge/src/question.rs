@@ -1,42 +1,44 @@
-//! What the far side asks, and what it is answered: the time, how much was sent, and what it wants. Both are as long: nobody is answered more than it
-//! sent.
+//! The far side's questions and the near side's answers: the time, the number of messages sent, and
+//! what the far side wants. Both have the same length, so nobody receives a longer answer than its
+//! question.
 
 use crate::args::Also;
 use crate::datagram::Kind;
 
-/// Of the far side.
+/// A question of the far side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Question {
-    /// A random number, which comes back: an answer to it was made after it was asked.
+    /// Random number that the answer repeats, which proves that the answer was made after the
+    /// question.
     pub(crate) token: u64,
-    /// What the last answer said, which shows that it came; 0 before the first.
+    /// Cookie of the last answer, which proves that the answer arrived; 0 before the first.
     pub(crate) cookie: u64,
-    /// A bit each: what is wanted beside descriptors.
+    /// Channels wanted in addition to descriptors, one bit each.
     pub(crate) also: u8,
-    /// How long it is to be from one frame to the next, ms; 0: none are wanted.
+    /// Interval between wanted frames in ms; 0 if none are wanted.
     pub(crate) frames_ms: u16,
 }
 
-/// Of the near side.
+/// An answer of the near side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Answer {
-    /// The question's.
+    /// Token of the question.
     pub(crate) token: u64,
-    /// When it was heard, and when it was answered, on the near side's clock.
+    /// Times when the question arrived and when it was answered, on the near side's clock.
     pub(crate) got_ns: u64,
     pub(crate) answered_ns: u64,
-    /// How many [messages](Kind::COUNTED) of each channel have been sent.
+    /// Number of [messages](Kind::COUNTED) sent on each channel.
     pub(crate) sent: [u64; Kind::COUNTED.len()],
-    /// What the next question is to say.
+    /// Cookie that the next question has to repeat.
     pub(crate) cookie: u64,
-    /// Whether the cookie was right: then all that is sent from now on is sent to who asks, too.
+    /// True if the cookie was right. From then on the asker receives all messages, too.
     pub(crate) is_heard: bool,
 }
 
-/// Bytes of either.
+/// Length in bytes of a question or an answer.
 const SIZE: usize = 8 * (4 + Kind::COUNTED.len()) + 1;
 
-/// The bit of a channel.
+/// Returns the bit of a channel.
 pub(crate) fn bit(also: Also) -> u8 {
     1 << also as u8
 }

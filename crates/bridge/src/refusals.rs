@@ -1,23 +1,23 @@
-//! What was refused: counted, and each cause said now and then, however often somebody gives it.
+//! Counts what was refused, and reports each cause at a limited rate.
 
 use lariat_wire::now_ns;
 
 use crate::datagram::Refused;
 use crate::say;
 
-/// The same is not said more often.
+/// Minimum time between two reports of the same cause.
 const SAY_NS: u64 = 10_000_000_000;
 
-/// What was refused so far.
+/// Refused datagrams until now.
 #[derive(Debug, Default)]
 pub(crate) struct Refusals {
     count: u64,
-    /// What was said, and when.
+    /// Reported causes, and when each was last reported.
     said: Vec<(Refused, u64)>,
 }
 
 impl Refusals {
-    /// Counts one, and says why, unless that was said lately.
+    /// Counts a refusal, and reports its cause unless it was reported recently.
     pub(crate) fn add(&mut self, cause: Refused) {
         self.count += 1;
         if self.is_news(cause, now_ns()) {
@@ -39,7 +39,7 @@ impl Refusals {
         }
     }
 
-    /// How many.
+    /// Returns the number of refusals.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }

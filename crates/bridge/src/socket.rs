@@ -1,4 +1,5 @@
-//! A UDP socket that never waits: what there is no room for is lost, as on the way, and counted as that by the other side.
+//! A UDP socket that never waits. A datagram without room is lost, as on the network, and the other
+//! side counts it as lost.
 
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
@@ -10,13 +11,13 @@ use rustix::net::sockopt;
 
 use crate::args::Place;
 
-/// The largest datagram that UDP has, over IPv6 and IPv4.
+/// Largest UDP datagram that both IPv4 and IPv6 can carry, in bytes.
 pub(crate) const LARGEST_DATAGRAM: usize = 65_507;
 
-/// Bytes that wait to be read at most, with what the kernel keeps beside them: some hundred datagrams.
+/// Size of the receive buffer in bytes, including the kernel's overhead: some hundred datagrams.
 const ROOM: usize = 1 << 20;
 
-/// What goes first where a queue knows more than one.
+/// Priority in queues that know more than one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rank {
     /// Descriptors, questions, answers, commands.
@@ -26,8 +27,9 @@ pub(crate) enum Rank {
 }
 
 impl Rank {
-    /// The six bits of a packet's head by which it is told (RFC 2474), of those that Linux' own queues and Wi-Fi (RFC 8325) both know how to
-    /// take: VOICE-ADMIT (RFC 5865) is before all else in either, AF11 behind all else.
+    /// Returns the differentiated services code point: six bits of a packet's header (RFC 2474).
+    /// Linux' own queues and Wi-Fi (RFC 8325) both honor these two. VOICE-ADMIT (RFC 5865) goes
+    /// before everything else in either, and AF11 after everything else.
     fn class(self) -> u8 {
         match self {
             Self::First => 44,
@@ -36,23 +38,23 @@ impl Rank {
     }
 }
 
-/// A socket, bound.
+/// A bound socket.
 #[derive(Debug)]
 pub(crate) struct Socket(UdpSocket);
 
 impl Socket {
-    /// Listens at a place.
+    /// Listens on an address.
     ///
     /// # Errors
-    /// The name is not known, or it cannot be listened there.
+    /// Fails if the name is unknown, or the address cannot be listened on.
     pub(crate) fn listen(place: &Place, rank: Rank) -> io::Result<Self> {
         Self::with(UdpSocket::bind(&place.addresses()?[..])?, rank)
     }
 
-    /// A socket from which an address can be reached.
+    /// Creates a socket that can reach an address.
     ///
     /// # Errors
-    /// The system has none.
+    /// Fails if the system cannot create a socket.
     pub(crate) fn toward(address: SocketAddr, rank: Rank) -> io::Result<Self> {
         let any = match address {
             SocketAddr::V4(_) => SocketAddr::from((Ipv4Addr::UNSPECIFIED, 0)),
@@ -63,46 +65,50 @@ impl Socket {
 
     fn with(socket: UdpSocket, rank: Rank) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
-        // A process that gets no core for a while finds what came meanwhile: as much as the system gives anybody, up to this.
+        // A process that gets no core for a while still finds what arrived. The system may grant
+        // less.
         let _ = sockopt::set_socket_recv_buffer_size(&socket, ROOM);
         let class = rank.class() << 2;
-        // Where it is not heeded, all goes in its turn. A socket of IPv6 may carry IPv4 too.
+        // Networks that ignore the class send packets in order. An IPv6 socket may carry IPv4 too.
         let _ = sockopt::set_ip_tos(&socket, class);
         let _ = sockopt::set_ipv6_tclass(&socket, class.into());
         Ok(Self(socket))
     }
 
-    /// Sends a datagram, or loses it: a full buffer, a link that is down, a way that is not known, a port where nobody listens.
+    /// Sends a datagram, or loses it: the buffer may be full, the link down, the route unknown, or
+    /// nobody listening.
     pub(crate) fn send(&self, datagram: &[u8], to: SocketAddr) {
         let _ = self.0.send_to(datagram, to);
     }
 
-    /// Sends a datagram to each of these.
+    /// Sends a datagram to each address.
     pub(crate) fn send_all(&self, datagram: &[u8], to: &[SocketAddr]) {
         to.iter().for_each(|to| self.send(datagram, *to));
     }
 
-    /// The next datagram that waits, into `buffer`, which is of [`LARGEST_DATAGRAM`] bytes; and who sent it.
+    /// Returns the next waiting datagram and its sender; `None` if none is waiting. `buffer` holds
+    /// [`LARGEST_DATAGRAM`] bytes.
     pub(crate) fn next<'b>(&self, buffer: &'b mut [u8]) -> Option<(&'b mut [u8], SocketAddr)> {
         loop {
             match self.0.recv_from(buffer) {
                 Ok((length, from)) => return Some((&mut buffer[..length], from)),
                 Err(cause) if cause.kind() == io::ErrorKind::Interrupted => {}
-                // None waits. (A port where nobody listens is told to connected sockets alone.)
+                // Nothing is waiting. (Only connected sockets learn of a port where nobody
+                // listens.)
                 Err(_) => return None,
             }
         }
     }
 }
 
-/// Becomes readable when a datagram waits.
+/// The descriptor becomes readable when a datagram is waiting.
 impl AsFd for Socket {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }
 }
 
-/// Sleeps until one of these is readable, or a moment of [`now_ns`] has come.
+/// Sleeps until one of the descriptors is readable, or until the time `due_ns` of [`now_ns`].
 pub(crate) fn sleep<const N: usize>(descriptors: [BorrowedFd; N], due_ns: u64) {
     let left_ns = due_ns.saturating_sub(now_ns());
     let left = Timespec {
@@ -111,7 +117,7 @@ pub(crate) fn sleep<const N: usize>(descriptors: [BorrowedFd; N], due_ns: u64) {
     };
     let mut descriptors =
         descriptors.map(|descriptor| PollFd::from_borrowed_fd(descriptor, PollFlags::IN));
-    // The result does not matter: who looks sees what came.
+    // The result does not matter: the caller checks what arrived.
     let _ = poll(&mut descriptors, Some(&left));
 }
 
@@ -123,7 +129,7 @@ mod tests {
     fn what_nobody_listens_to_is_lost_and_the_socket_goes_on() {
         for host in ["127.0.0.1", "::1"] {
             let Ok(one) = UdpSocket::bind((host, 0)) else {
-                // There is no IPv6.
+                // This machine lacks IPv6.
                 continue;
             };
             let one = Socket::with(one, Rank::First).expect("a socket");

@@ -1,23 +1,24 @@
-//! Stamps of one clock as another has them: each of a message's, by the same offset.
+//! Converts the timestamps of a message from one clock to another, all by the same offset.
 
 use lariat_wire::Trace;
 
 use crate::clock::Offset;
 
-/// Turns the stamps of a frame's way into this machine's, and lets none go back behind those of a frame before it.
+/// Converts the timestamps of frames to this machine's clock, and keeps frames in order.
 #[derive(Debug, Default)]
 pub(crate) struct Stamps {
-    /// Of the last frame: when it was taken, there and here, and when it arrived.
+    /// The last frame's exposure on the other clock and on this one, and its arrival.
     last: Option<(u64, u64, u64)>,
 }
 
 impl Stamps {
-    /// Sets all stamps of a trace. Nothing that arrived at `arrived_ns` is of later. Two messages of one frame, one after the other, have the same:
-    /// readers tell by them that they belong together.
+    /// Converts all timestamps of a trace. None becomes later than the arrival, `arrived_ns`. Two
+    /// consecutive messages of one frame get the same timestamps, which tell readers that they
+    /// belong together.
     pub(crate) fn set(&mut self, trace: &mut Trace, offset: &Offset, mut arrived_ns: u64) {
         let there = trace.exposed_ns;
         let mut exposed_ns = offset.here(there).min(arrived_ns);
-        // What is known of the clocks gets better, and moves: two frames stay in their order, whatever it moves by.
+        // The offset changes as more is known of the clocks. Two frames stay in order all the same.
         match self.last {
             Some((last_there, last_here, _)) if there > last_there => {
                 exposed_ns = exposed_ns.max(last_here.saturating_add(1));
@@ -43,7 +44,7 @@ impl Stamps {
             fit_started_ns,
             fitted_ns,
         ] {
-            // 0: not known.
+            // 0 means unknown.
             if *stamp > 0 {
                 let after = i128::from(*stamp) - i128::from(there);
                 let here = i128::from(exposed_ns) + after;
@@ -61,7 +62,7 @@ mod tests {
     use super::*;
     use crate::clock::{Clock, RoundTrip};
 
-    /// There it is `ahead` ns later than here, known to `doubt`.
+    /// Returns an offset of `ahead` ns, known to `doubt` ns.
     fn offset(ahead: u64, doubt: u64) -> Offset {
         let mut clock = Clock::default();
         let asked = 1_000_000_000;
@@ -122,7 +123,7 @@ mod tests {
         stamps.set(&mut first, &offset(5_000_000_000, 10), u64::MAX);
         stamps.set(&mut second, &offset(5_000_005_000, 10), u64::MAX);
         assert!(second.exposed_ns > first.exposed_ns);
-        // A chain that was restarted on a machine that was, too.
+        // A chain was restarted on a machine that was restarted, too.
         let mut third = trace(5_900_000_000);
         stamps.set(&mut third, &offset(5_000_000_000, 10), u64::MAX);
         assert_eq!(third.exposed_ns, 900_000_000);

@@ -1,29 +1,32 @@
-//! What came of what was sent: sent = received + lost, exactly, from the sender's own count.
+//! Counts what was sent, received and lost: sent = received + lost, exactly, by the sender's own
+//! count.
 //!
-//! Each datagram carries how many of its kind its sender has sent, this one included. What a count advances more than by one is lost; what comes
-//! behind a later one is dropped, and stays lost: nothing goes back in time. How many were sent last is also said in each answer to a
-//! question of time, so that what is lost before a silence is known too.
+//! Each datagram carries the number of its kind that its sender has sent, this one included. If the
+//! count advances by more than one, datagrams are lost. A datagram that arrives after a later one
+//! is dropped, and stays lost: nothing goes back in time. Each answer also reports the number sent,
+//! so that losses before a silence are known too.
 
-/// What has become of one sender's datagrams of one kind.
+/// The counts of one sender's datagrams of one kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
-    /// What had been sent before this receiver came; `None` before anything was heard.
+    /// Number sent before this receiver came; `None` before anything was heard.
     before: Option<u64>,
-    /// The highest count that was received.
+    /// Highest count received.
     newest: u64,
-    /// The highest that is known of.
+    /// Highest count known.
     told: u64,
     received: u64,
 }
 
 impl Tally {
-    /// Takes in the count of a datagram that came; `false`: a later one, or the same, came before it.
+    /// Records the count of a datagram that arrived. Returns false if the datagram is to be
+    /// dropped: a later one or the same came before, or it was sent before this receiver came.
     pub(crate) fn receive(&mut self, count: u64) -> bool {
         if count == 0 || count <= self.newest {
             return false;
         }
         self.before.get_or_insert(count - 1);
-        // One that was sent before this receiver was told of any is of before it came.
+        // It was sent before this receiver came.
         if self.before.is_some_and(|before| count <= before) {
             return false;
         }
@@ -33,23 +36,23 @@ impl Tally {
         true
     }
 
-    /// Takes in how many the sender says that it has sent.
+    /// Records the number that the sender reports as sent.
     pub(crate) fn tell(&mut self, sent: u64) {
         self.before.get_or_insert(sent);
         self.told = self.told.max(sent);
     }
 
-    /// How many were sent since this receiver came, as far as is known.
+    /// Returns the number sent since this receiver came, as far as it is known.
     pub(crate) fn sent(&self) -> u64 {
         self.before.map_or(0, |before| self.told - before)
     }
 
-    /// How many of them were received.
+    /// Returns the number received.
     pub(crate) fn received(&self) -> u64 {
         self.received
     }
 
-    /// How many were not.
+    /// Returns the number lost.
     pub(crate) fn lost(&self) -> u64 {
         self.sent() - self.received
     }
@@ -67,7 +70,7 @@ mod tests {
             assert!(tally.receive(count));
         }
         assert_eq!((tally.sent(), tally.received(), tally.lost()), (6, 4, 2));
-        // The last ones were lost, too.
+        // The last two were lost as well.
         tally.tell(12);
         assert_eq!((tally.sent(), tally.received(), tally.lost()), (8, 4, 4));
     }

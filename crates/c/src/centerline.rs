@@ -11,10 +11,11 @@ use crate::message::{lariat_centerline, lariat_descriptor};
 use crate::reader::{lariat_reader, shown};
 use crate::shape::{numbers, place};
 
-/// The centerline of a rope of the frame that was looked at last: `rope` is `fresh`, `partial`, `unsure` or `last_known`, one of
-/// the message's own, or NULL. It stays as long as the rope does.
+/// Returns the centerline of a rope of the last frame read. `rope` is `fresh`, `partial`, `unsure`
+/// or `last_known`, or one of the message's own. The centerline is valid as long as the rope is.
 ///
-/// Returns NULL if the rope is NULL or of no such frame, and if the writer gives no points (lariat run always does).
+/// Returns NULL if the rope is NULL or not of that frame, or if the writer sends no points (lariat
+/// run always does).
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_centerline_of(
@@ -28,11 +29,11 @@ pub unsafe extern "C" fn lariat_centerline_of(
     let rope: *const Descriptor = rope.cast();
     let mut pairs = message.curves().iter().zip(message.centerlines());
     let found = pairs.find(|(curve, points)| ptr::eq(*curve, rope) && points.count > 0);
-    // The same layout, which `message` holds it to.
+    // The same layout; `message` checks it.
     found.map_or(ptr::null(), |(_, points)| ptr::from_ref(points).cast())
 }
 
-/// Writes the numbers that `work` finds of the line.
+/// Writes the numbers that `work` computes from the line.
 fn evaluate<const N: usize>(
     line: *const lariat_centerline,
     answered: *mut f64,
@@ -40,8 +41,8 @@ fn evaluate<const N: usize>(
 ) -> c_int {
     answer(|| {
         let place = place(answered, N)?;
-        // SAFETY: C gives a centerline of its own, or one that a reader still holds; of the same layout as ours, which
-        // `message` holds it to, where every bit pattern is a value.
+        // SAFETY: C passes a centerline of its own, or one that a reader still holds. Its layout is
+        // the same, as `message` checks, and every bit pattern is valid.
         let points = unsafe { line.cast::<CenterlinePoints>().as_ref() };
         let points = points.ok_or_else(|| Failure::null("the centerline"))?;
         let line = Centerline::of(points)
@@ -51,9 +52,10 @@ fn evaluate<const N: usize>(
     })
 }
 
-/// The point of the centerline at `rho`, on the straight line between its two neighbours: `xy` is two numbers.
+/// Computes the point of the centerline at `rho`, on the straight line between its two neighbors.
+/// `xy` has room for two numbers.
 ///
-/// This and the next return 0, or an error; the answer is NaN then.
+/// This function and the next return 0 or an error. On an error the numbers are NaN.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_centerline_point_at(
     line: *const lariat_centerline,
@@ -63,8 +65,8 @@ pub unsafe extern "C" fn lariat_centerline_point_at(
     evaluate(line, xy, |line| line.point_at(rho))
 }
 
-/// The point of the centerline that is nearest to (x, y): `nearest` is four numbers, its rho, its x and y, and how far it is
-/// away.
+/// Finds the point of the centerline nearest to (x, y). `nearest` has room for four numbers: rho,
+/// x, y and the distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_centerline_nearest(
     line: *const lariat_centerline,

@@ -1,5 +1,5 @@
 #![allow(unsafe_code)] // Functions that C calls by name.
-//! What C is told when something cannot be: a number, and a sentence.
+//! Errors for C: a number and a message.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
@@ -7,61 +7,64 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lariat_wire::{NoPrediction, NoShape, NoSpace, WireError, WriteError};
 
-/// The version of this interface. The shared library is named by it: a program never runs with another one's.
+/// Version of this interface. It is part of the shared library's name, so a program never runs with
+/// another version.
 pub const LARIAT_ABI: u32 = 1;
 
-/// A rig's or a domain's name has other characters than it may.
+/// The name of a rig or a domain contains characters that are not allowed, or has the wrong length.
 pub const LARIAT_ERROR_NAME: c_int = -1;
-/// There is no shared memory, or too little.
+/// Shared memory is missing or too small.
 pub const LARIAT_ERROR_MEMORY: c_int = -2;
-/// The chain is another release's.
+/// The chain is of another release.
 pub const LARIAT_ERROR_VERSION: c_int = -3;
-/// The rig has all the readers that it can have.
+/// The rig already has its maximum number of readers.
 pub const LARIAT_ERROR_TOO_MANY: c_int = -4;
-/// The chain is another user's.
+/// The chain belongs to another user.
 pub const LARIAT_ERROR_PERMISSION: c_int = -5;
 /// The transport failed.
 pub const LARIAT_ERROR_TRANSPORT: c_int = -6;
-/// A pointer is NULL that must not be: a reader, a place for an answer, or the descriptor of a rope that is not seen so.
+/// A required pointer is NULL: a reader, space for an answer, or the descriptor of a rope in
+/// another state.
 pub const LARIAT_ERROR_NULL: c_int = -7;
-/// The chain describes ropes by points or by their center, which are no curve.
+/// The chain describes ropes by points or by their center instead of a curve.
 pub const LARIAT_ERROR_NO_CURVE: c_int = -8;
-/// The descriptor's numbers make no curve.
+/// The descriptor's numbers do not describe a curve.
 pub const LARIAT_ERROR_UNREADABLE: c_int = -9;
-/// The curve stands still there, and has no direction.
+/// The direction of the curve is undefined there, because its derivative vanishes.
 pub const LARIAT_ERROR_NO_DIRECTION: c_int = -10;
-/// There is no such rope in the frame.
+/// The frame does not contain this rope.
 pub const LARIAT_ERROR_NO_ROPE: c_int = -11;
-/// Where the rope will be is not known: the sentence says why.
+/// The rope cannot be predicted; lariat_error says why.
 pub const LARIAT_ERROR_NO_PREDICTION: c_int = -12;
-/// lariat has a fault. Please report the sentence.
+/// A bug in lariat. Please report the text of lariat_error.
 pub const LARIAT_ERROR_FAULT: c_int = -13;
-/// The rig has a writer of its frames already.
+/// The rig's frames already have a writer.
 pub const LARIAT_ERROR_TAKEN: c_int = -14;
-/// There is no such image: its size, its pixel format, its time or its number cannot be, or no slot is on loan.
+/// Invalid image: its size, pixel format, time or number is wrong, or no slot is on loan.
 pub const LARIAT_ERROR_IMAGE: c_int = -15;
 
-/// It is not known where the rope is in space: the sentence says why.
+/// The rope's position in space is unknown; lariat_error says why.
 pub const LARIAT_ERROR_NO_SPACE: c_int = -16;
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// What went wrong last in this thread, as a sentence that says what to do; empty if nothing did. It stays until the next
-/// error in this thread.
+/// Returns the last error in this thread as a sentence that says what to do; empty before the first
+/// error. The text is valid until the next error in this thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn lariat_error() -> *const c_char {
     LAST.with_borrow(|text| text.as_ptr())
 }
 
-/// The version of the interface that the library has: LARIAT_ABI of its own header.
+/// Returns the interface version of the library: LARIAT_ABI of its own header.
 #[unsafe(no_mangle)]
 pub extern "C" fn lariat_abi() -> u32 {
     LARIAT_ABI
 }
 
-/// The release of lariat that the library is of, as "0.1.0". All processes of a rig are of the same.
+/// Returns the release of lariat that the library belongs to, such as "0.1.0". All processes of a
+/// rig must be of the same release.
 #[unsafe(no_mangle)]
 pub extern "C" fn lariat_version() -> *const c_char {
     const VERSION: &std::ffi::CStr = match std::ffi::CStr::from_bytes_with_nul(
@@ -73,7 +76,7 @@ pub extern "C" fn lariat_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// Why a call failed.
+/// Reason why a call failed.
 #[derive(Debug)]
 pub(crate) struct Failure {
     code: c_int,
@@ -155,7 +158,8 @@ impl From<NoPrediction> for Failure {
     }
 }
 
-/// Runs what C asked for: its number, or the failure's, with the sentence left for `lariat_error`. Nothing unwinds into C.
+/// Runs a call from C. Returns its number, or that of the failure, and then stores the message for
+/// `lariat_error`. Panics do not unwind into C.
 pub(crate) fn answer(work: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
         let text = cause.downcast_ref::<&str>().copied().map(String::from);
@@ -166,7 +170,7 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
         ))
     });
     done.unwrap_or_else(|failure| {
-        // A sentence has no NUL inside; one that had would be no worse for being left out.
+        // A message never contains a NUL; if one did, it would be left out.
         LAST.set(CString::new(failure.text).unwrap_or_default());
         failure.code
     })

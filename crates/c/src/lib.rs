@@ -1,13 +1,15 @@
-//! lariat for C and C++: `lariat_wire`'s reader for control loops, and its writer of frames, behind a plain header.
+//! lariat for C and C++: `lariat_wire`'s reader for control loops and its writer of frames, behind
+//! a plain header.
 //!
-//! What a user has to know stands in `lariat.h`, which is made of this crate's comments. Here: every function that C calls
-//! takes pointers that may be NULL, catches what would unwind, and leaves a sentence for `lariat_error`.
+//! `lariat.h` tells users everything they need; it is generated from this crate's comments. Every
+//! function that C calls accepts NULL pointers, catches panics, and leaves a message for
+//! `lariat_error`.
 
-// Names are C's: they stand in the header as they stand here.
+// Names follow C's conventions, because they appear unchanged in the header.
 #![allow(non_camel_case_types)]
 #![allow(
     clippy::missing_safety_doc,
-    reason = "what C has to vouch for is the same for all functions, and stands at the head of lariat.h"
+    reason = "the requirements on C callers are the same for all functions and are at the top of lariat.h"
 )]
 
 mod centerline;

@@ -29,86 +29,86 @@ const _: () = assert!(
         && LARIAT_MAX_POINTS == wire::MAX_POINTS
 );
 
-// Made of the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message
+// Generated from the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message
 
-/// Seen whole (lariat_descriptor.status).
+/// Fully visible (lariat_descriptor.status).
 pub const LARIAT_STATUS_OK: u32 = 1;
-/// A part of it is covered.
+/// Partly covered.
 pub const LARIAT_STATUS_PARTIAL: u32 = 2;
-/// Not seen now: the curve is the last known shape.
+/// Not visible; the curve is the last known shape.
 pub const LARIAT_STATUS_LOST: u32 = 3;
-/// Seen whole, but it may be no rope: a shadow, a pen, an edge.
+/// Fully visible, but possibly not a rope: a shadow, a pen, an edge.
 pub const LARIAT_STATUS_DOUBTFUL: u32 = 4;
 
 /// Bernstein polynomials of this `degree` (lariat_descriptor.basis).
 pub const LARIAT_BASIS_BEZIER: u32 = 1;
-/// Clamped B-spline of this `degree`; its inner knots are in the message.
+/// Clamped B-spline of this `degree`; the message has its inner knots.
 pub const LARIAT_BASIS_BSPLINE: u32 = 2;
 /// Rational Bernstein functions of this `degree`.
 pub const LARIAT_BASIS_RATIONAL: u32 = 3;
-/// A truncated Fourier series of `degree` harmonics, for closed shapes: the control points are its coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
+/// Fourier series of `degree` harmonics, for closed shapes. Control points are coefficients `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2π·rho, sin 2π·rho, cos 4π·rho, …`.
 pub const LARIAT_BASIS_FOURIER: u32 = 4;
-/// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
+/// Centerline points at equal arc length, joined by straight lines.
 pub const LARIAT_BASIS_POINTS: u32 = 5;
-/// The mean of all points, as one control point: no curve.
+/// The mean of all points, as one control point.
 pub const LARIAT_BASIS_MASS: u32 = 6;
 
-/// The writer did not look (lariat_descriptor.fit).
+/// Not checked by the writer (lariat_descriptor.fit).
 pub const LARIAT_FIT_NOT_JUDGED: u32 = 0;
-/// The curve lies on its points, within the tolerance that the chain was started with.
+/// The curve is within the chain's tolerance of its points.
 pub const LARIAT_FIT_GOOD: u32 = 1;
-/// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
+/// The curve deviates, for example with too few control points; the points are correct.
 pub const LARIAT_FIT_COARSE: u32 = 2;
 
-/// Pixels of the image as it is (lariat_descriptors.unit).
+/// Pixels of the original image (lariat_descriptors.unit).
 pub const LARIAT_UNIT_PX: u32 = 1;
-/// Millimetres on a plane.
+/// Millimeters on a plane.
 pub const LARIAT_UNIT_MM: u32 = 2;
-/// Pixels that the same camera would see without its lens's distortion.
+/// Pixels of the same camera without lens distortion.
 pub const LARIAT_UNIT_IDEAL_PX: u32 = 3;
 
-/// It is measured (lariat_descriptor3.place).
+/// Measured (lariat_descriptor3.place).
 pub const LARIAT_PLACE_KNOWN: u32 = 1;
-/// The colour image does not show it now: it is where it was.
+/// Not visible in the color image; last known position.
 pub const LARIAT_PLACE_BEFORE: u32 = 2;
-/// Too little of it has a depth: it is out of the other camera's range, or not seen by it.
+/// Too few depths: out of the other camera's range or view.
 pub const LARIAT_PLACE_UNMEASURED: u32 = 3;
-/// It is thinner than three pixels of the depth image.
+/// Thinner than three pixels of the depth image.
 pub const LARIAT_PLACE_THIN: u32 = 4;
-/// Nothing came beside this frame: no depth image, or nothing from the second camera that is near enough in time.
+/// No depth image, or no second image near enough in time.
 pub const LARIAT_PLACE_NO_PARTNER: u32 = 5;
-/// What came beside this frame, or a calibration, is not what it should be: the chain says what.
+/// Invalid depth image, second image or calibration; the chain reports why.
 pub const LARIAT_PLACE_UNREADABLE: u32 = 6;
 
-/// The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.
+/// Counters and times of one frame on its way through the chain. ARCHITECTURE.md explains how they show losses.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_trace {
-    /// The source's own frame number, from 1.
+    /// Frame number of the source, from 1.
     pub sequence: u64,
-    /// How many frames capture has sent, this one included.
+    /// Frames sent by capture, including this one.
     pub captured: u64,
-    /// How many frames extract has sent, this one included.
+    /// Frames sent by extract, including this one.
     pub extracted: u64,
-    /// How many frames fit has sent, this one included.
+    /// Frames sent by fit, including this one.
     pub fitted: u64,
-    /// How many messages of this channel a bridge has written on this machine, this one included; 0 if it came over none, and for pictures.
+    /// Messages of this channel that a local bridge has written, including this one; 0 without one, and for images.
     pub bridged: u64,
-    /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
+    /// Exposure time: the driver's timestamp, or when a file's frame was due.
     pub exposed_ns: u64,
-    /// When capture had the frame ready to send.
+    /// End of capture, before sending.
     pub captured_ns: u64,
-    /// When extract began.
+    /// Start of extract.
     pub extract_started_ns: u64,
-    /// When extract had its result ready to send.
+    /// End of extract, before sending.
     pub extracted_ns: u64,
-    /// When fit began.
+    /// Start of fit.
     pub fit_started_ns: u64,
-    /// When fit had its result ready to send.
+    /// End of fit, before sending.
     pub fitted_ns: u64,
-    /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each change since.
+    /// Settings version of the sender: number of changes since the chain's start.
     pub settings: u32,
-    /// Restarts of capture, extract and fit, modulo 256, one byte each from the lowest: `restarts`.
+    /// Restarts of capture, extract and fit modulo 256, one byte each from the lowest.
     pub restarts: u32,
 }
 
@@ -116,53 +116,53 @@ pub struct lariat_trace {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_descriptor {
-    /// The rope's number; it keeps it from frame to frame.
+    /// Rope number, constant across frames.
     pub track: u32,
     /// A LARIAT_STATUS_…
     pub status: u32,
     /// A LARIAT_BASIS_…
     pub basis: u32,
-    /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+    /// Polynomial degree (cubic: 3); harmonics of a Fourier series.
     pub degree: u32,
-    /// How many control points are meant; what lies behind them in the arrays is stale.
+    /// Number of valid control points.
     pub count: u32,
-    /// How many points of the centerline were fitted: N.
+    /// Number of fitted centerline points, N.
     pub samples: u32,
-    /// 1 if the rope is closed.
+    /// 1 if closed.
     pub closed: u32,
-    /// Which ends leave the image: bit 0 the first, bit 1 the last.
+    /// Ends that leave the image: bit 0 first, bit 1 last.
     pub border: u32,
-    /// Root mean square distance of the points from the curve at their rho, in the message's unit.
+    /// RMS distance of points from the curve at their rho.
     pub rms: f64,
-    /// Largest such distance.
+    /// Maximum distance.
     pub max: f64,
-    /// Variance of one coordinate's residual: the sum of squares over its degrees of freedom, 2 (N - count) for plain least squares, in the unit's square.
+    /// Residual variance per coordinate, unit squared: sum of squares over degrees of freedom, 2 (N - count) for plain least squares.
     pub residual_variance: f64,
     /// Condition number (2-norm) of the regression.
     pub condition: f64,
-    /// Arc length of the centerline, in the message's unit.
+    /// Arc length of the centerline.
     pub length: f64,
-    /// Median width of the rope, likewise.
+    /// Median width of the rope.
     pub width: f64,
-    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+    /// Time from last sighting to image; 0 unless lost.
     pub age_ns: u64,
-    /// How many of the points were covered by something or outside of the image, and so not seen.
+    /// Number of points covered or outside the image.
     pub hidden: u32,
-    /// 1 if the control points are filtered in time, and have velocities.
+    /// 1 if filtered over time, with velocities.
     pub filtered: u32,
-    /// A LARIAT_FIT_…: whether the curve lies on its points.
+    /// A LARIAT_FIT_…
     pub fit: u32,
-    /// How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+    /// Calibrated probability of a rope, whole and in order.
     pub confidence: f32,
-    /// The control points, `[x, y]` in the message's unit.
+    /// Control points, `[x, y]`.
     pub control_points: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
-    /// Their weights: rational bases only, 1 elsewhere.
+    /// Weights of a rational basis; 1 elsewhere.
     pub weights: [f64; LARIAT_MAX_CONTROL_POINTS],
-    /// Covariance of the coordinates of each control point, `[xx, xy, yy]`, in the unit's square.
+    /// Covariance of each control point, `[xx, xy, yy]`, unit squared.
     pub covariances: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
-    /// Velocity of each control point, in units a second; 0 where they are not filtered.
+    /// Velocity of each control point, units/s; 0 if unfiltered.
     pub velocities: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
-    /// The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
+    /// The `count - degree - 1` inner knots of a B-spline, ascending, between `degree + 1` zeros and as many ones.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
 }
 
@@ -170,35 +170,35 @@ pub struct lariat_descriptor {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_centerline {
-    /// How many points are meant; 0 if the writer has none to give.
+    /// Number of valid points; 0 if the writer gives none.
     pub count: u32,
-    /// 1 if the rope is closed: the last point is followed by the first.
+    /// 1 if closed: the first point follows the last.
     pub closed: u32,
-    /// Which points are covered by something or outside of the image, and so not seen: bit i % 32 of word i / 32 is point i.
+    /// Points covered or outside the image: bit `i % 32` of word `i / 32`.
     pub hidden: [u32; LARIAT_HIDDEN_WORDS],
-    /// The points, `[x, y]`.
+    /// Points, `[x, y]`.
     pub points: [[f32; 2]; LARIAT_MAX_POINTS],
-    /// The rope's width at each point.
+    /// Width of the rope at each point.
     pub widths: [f32; LARIAT_MAX_POINTS],
 }
 
-/// What the chain says of one frame.
+/// The chain's message for one frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_descriptors {
-    /// The frame's whole way.
+    /// Complete trace of the frame.
     pub trace: lariat_trace,
-    /// Width of the image in pixels; 0 while the camera gives none.
+    /// Image width in pixels; 0 while the camera gives no image.
     pub width: u32,
-    /// Height of the image in pixels.
+    /// Image height in pixels.
     pub height: u32,
-    /// How many curves are meant. 0 is an answer: there is no rope.
+    /// Number of valid curves; 0 means no rope.
     pub count: u32,
-    /// A LARIAT_UNIT_…: what the curves are measured in.
+    /// A LARIAT_UNIT_…: unit of the curves.
     pub unit: u32,
-    /// The curves.
+    /// Curves.
     pub ropes: [lariat_descriptor; LARIAT_MAX_ROPES],
-    /// The points of each curve, in the same order.
+    /// Points of each curve, in the same order.
     pub centerlines: [lariat_centerline; LARIAT_MAX_ROPES],
 }
 
@@ -206,57 +206,57 @@ pub struct lariat_descriptors {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_descriptor3 {
-    /// The rope's number; it keeps it from frame to frame, and has it in the image, too.
+    /// Rope number, as in the image.
     pub track: u32,
-    /// A LARIAT_STATUS_…: what the colour image shows of it.
+    /// A LARIAT_STATUS_…, from the color image.
     pub status: u32,
-    /// A LARIAT_PLACE_…: whether it is known where the rope is, or why not.
+    /// A LARIAT_PLACE_…
     pub place: u32,
     /// A LARIAT_BASIS_…
     pub basis: u32,
-    /// Degree of the curve's polynomials, whatever their number: 3 of a cubic B-spline; of a Fourier series its harmonics.
+    /// Polynomial degree (cubic: 3); harmonics of a Fourier series.
     pub degree: u32,
-    /// How many control points are meant; 0 where there is no shape.
+    /// Number of valid control points; 0 without a shape.
     pub count: u32,
-    /// How many points of the centerline were fitted: N.
+    /// Number of fitted centerline points, N.
     pub samples: u32,
-    /// 1 if the rope is closed.
+    /// 1 if closed.
     pub closed: u32,
-    /// Which ends leave the colour image: bit 0 the first, bit 1 the last.
+    /// Ends that leave the color image: bit 0 first, bit 1 last.
     pub border: u32,
-    /// How many of the centerline's points are measured. The others are bridged.
+    /// Number of measured centerline points; the others are interpolated.
     pub measured: u32,
-    /// 1 if the control points are filtered in time, and have velocities.
+    /// 1 if filtered over time, with velocities.
     pub filtered: u32,
-    /// A LARIAT_FIT_…: whether the curve lies on its points.
+    /// A LARIAT_FIT_…
     pub fit: u32,
-    /// How sure it is that the centerline is a rope's, whole and in order: of those at 0.9, nine of ten are. 0 to 1.
+    /// Calibrated probability of a rope, whole and in order.
     pub confidence: f32,
     /// Always 0.
     pub reserved: u32,
-    /// How long before the image the rope was last seen, in nanoseconds: 0 unless it is lost.
+    /// Time from last sighting to image; 0 unless lost.
     pub age_ns: u64,
-    /// Root mean square distance of the points from the curve at their rho, mm.
+    /// RMS distance of points from the curve at their rho, mm.
     pub rms: f64,
-    /// Largest such distance, mm.
+    /// Maximum distance, mm.
     pub max: f64,
     /// Arc length of the centerline, mm.
     pub length: f64,
     /// Median width of the rope, mm.
     pub width: f64,
-    /// The control points, `[x, y, z]`, mm.
+    /// Control points, `[x, y, z]`, mm.
     pub control_points: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
-    /// Their weights: rational bases only, 1 elsewhere.
+    /// Weights of a rational basis; 1 elsewhere.
     pub weights: [f64; LARIAT_MAX_CONTROL_POINTS],
-    /// Covariance of the coordinates of each control point, `[xx, xy, xz, yy, yz, zz]`, mm².
+    /// Covariance of each control point, `[xx, xy, xz, yy, yz, zz]`, mm².
     pub covariances: [[f64; 6]; LARIAT_MAX_CONTROL_POINTS],
-    /// Velocity of each control point, mm/s; 0 where they are not filtered.
+    /// Velocity of each control point, mm/s; 0 if unfiltered.
     pub velocities: [[f64; 3]; LARIAT_MAX_CONTROL_POINTS],
-    /// The inner knots of a B-spline, `count - degree - 1` of them, ascending within 0 and 1; outside stand `degree + 1` times 0 and as many times 1.
+    /// The `count - degree - 1` inner knots of a B-spline, ascending, between `degree + 1` zeros and as many ones.
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
-    /// The points of the centerline that were fitted, `[x, y, z]`, mm, at equal steps of arc length in space.
+    /// Fitted centerline points, `[x, y, z]`, mm, at equal steps of arc length in space.
     pub points: [[f32; 3]; LARIAT_MAX_POINTS],
-    /// The standard deviation of each along the line to the camera, mm.
+    /// Standard deviation of each along the line of sight, mm.
     pub sigmas: [f32; LARIAT_MAX_POINTS],
 }
 

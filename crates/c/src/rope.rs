@@ -1,5 +1,5 @@
 #![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
-//! What is known of a rope.
+//! State of a rope.
 
 use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,89 +12,93 @@ use crate::error::{Failure, LARIAT_ERROR_NO_ROPE, answer};
 use crate::message::lariat_descriptor;
 use crate::reader::{lariat_reader, shown};
 
-/// What is known of a rope. Only LARIAT_FRESH is the rope as it is.
+/// State of a rope. Only LARIAT_FRESH is the rope as it is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum lariat_seen {
-    /// The reader or the place for the rope is NULL.
+    /// The reader or the space for the rope is NULL.
     LARIAT_NO_READER = 0,
-    /// The whole rope, in an image no older than was asked for.
+    /// The whole rope, in an image no older than requested.
     LARIAT_FRESH = 1,
-    /// The rope, but a part of it is covered by something: that part is bridged.
+    /// The rope, partly covered; the covered part is interpolated.
     LARIAT_PARTIAL = 2,
-    /// The image is fresh, and the rope is not in it; or the camera gives no image.
+    /// The image is fresh but does not show the rope, or the camera gives no image.
     LARIAT_LOST = 3,
-    /// The image is older than was asked for: the chain stands still, or is too slow, or has ended.
+    /// The image is older than requested: the chain hangs, is too slow, or has ended.
     LARIAT_STALE = 4,
-    /// No message has come since the reader was opened.
+    /// No message has arrived since the reader was opened.
     LARIAT_NOTHING_YET = 5,
-    /// The last message is older than was asked for, and this rope is not in it.
+    /// The last message is older than requested, and does not contain this rope.
     LARIAT_NOTHING_LATELY = 6,
     /// The camera gives no image.
     LARIAT_NO_IMAGE = 7,
-    /// It is not in the image, nor remembered.
+    /// The rope is neither in the image nor remembered.
     LARIAT_NO_ROPE = 8,
-    /// The only rope was asked for, and there are several: choose one by its track.
+    /// The only rope was requested, but there are several; choose one by its track.
     LARIAT_SEVERAL = 9,
-    /// The track is of a run of the chain that is over: choose a rope again.
+    /// The track belongs to an earlier run of the chain; choose a rope again.
     LARIAT_OTHER_RUN = 10,
-    /// Its numbers make no rope. A chain of this release sends none such.
+    /// Its numbers do not describe a rope. A chain of this release never sends such a message.
     LARIAT_UNREADABLE = 11,
-    /// A rope, or what looks like one, but its curve does not lie on it, it may be no rope, or its confidence is less than was
-    /// asked for: `doubt` says which.
+    /// A rope or something similar, but the curve does not follow it, it may not be a rope, or its
+    /// confidence is less than required. `doubt` says which.
     LARIAT_UNSURE = 12,
 }
 
-/// Why a rope is LARIAT_UNSURE.
+/// Reason why a rope is LARIAT_UNSURE.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum lariat_doubt {
-    /// It is not.
+    /// The rope is not LARIAT_UNSURE.
     LARIAT_DOUBT_NONE = 0,
-    /// The curve does not lie on the rope. The centerline does: lariat_centerline_of.
+    /// The curve does not follow the rope, but the centerline does: lariat_centerline_of.
     LARIAT_DOUBT_COARSE = 1,
-    /// It is seen whole, but what is seen may be no rope: a shadow, a pen, an edge.
+    /// Fully visible, but possibly not a rope: a shadow, a pen, an edge.
     LARIAT_DOUBT_NO_ROPE = 2,
-    /// Its confidence is less than was asked for: lariat_min_confidence.
+    /// Its confidence is less than required: lariat_min_confidence.
     LARIAT_DOUBT_CONFIDENCE = 3,
 }
 
 use lariat_doubt::*;
 use lariat_seen::*;
 
-/// Which rope: its number, and the run of the chain that gave it. A chain that is restarted numbers its ropes again.
+/// Identity of a rope: its number and the run of the chain that assigned it. A restarted chain
+/// numbers its ropes again.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct lariat_track {
-    /// The run, as lariat_run counts it.
+    /// Run, as counted by lariat_run.
     pub run: u64,
-    /// The rope's number, kept from frame to frame.
+    /// Rope number, constant from frame to frame.
     pub number: u32,
-    /// 0.
+    /// Always 0.
     pub reserved: u32,
 }
 
-/// A rope, and what is known of it.
+/// A rope and its state.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_rope {
-    /// What is known of it: which of the four pointers there is.
+    /// State of the rope, which determines the one of the four pointers that is not NULL.
     pub seen: lariat_seen,
-    /// LARIAT_UNSURE: why.
+    /// Reason, if LARIAT_UNSURE.
     pub doubt: lariat_doubt,
-    /// LARIAT_FRESH: the rope as it is. Else NULL.
+    /// LARIAT_FRESH: the rope as it is. Otherwise NULL.
     pub fresh: *const lariat_descriptor,
-    /// LARIAT_PARTIAL: the rope with a covered part. Else NULL.
+    /// LARIAT_PARTIAL: the partly covered rope. Otherwise NULL.
     pub partial: *const lariat_descriptor,
-    /// LARIAT_UNSURE: the rope, with a curve that misses it, or what may be none, or too low a confidence. Else NULL.
+    /// LARIAT_UNSURE: the rope whose curve misses it, that may not be a rope, or whose confidence
+    /// is too low. Otherwise NULL.
     pub unsure: *const lariat_descriptor,
-    /// LARIAT_LOST, LARIAT_STALE: where it was. To look for it or to draw it, not to steer by. Else NULL.
+    /// LARIAT_LOST, LARIAT_STALE: the last known rope. Use it to search or to draw, but not to
+    /// steer. Otherwise NULL.
     pub last_known: *const lariat_descriptor,
-    /// Which rope it is: give it to lariat_rope_of_track to have the same one again.
+    /// Identity of the rope; lariat_rope_of_track finds the same rope by it.
     pub track: lariat_track,
-    /// How long ago it had this shape: since its image was taken, and, of a lost one, since the last that it was seen in.
+    /// Age of this shape: the time since its image was taken, and for a lost rope since the last
+    /// image that showed it.
     pub age_ns: u64,
-    /// When its image was taken.
+    /// Exposure time of its image.
     pub exposed_ns: u64,
 }
 
@@ -132,7 +136,7 @@ impl lariat_rope {
             Seen::Stale(last) => (LARIAT_STALE, last.as_it_was()),
             Seen::Absent(why) => return Self::without(absent(why)),
         };
-        // The same layout, which `message` holds it to.
+        // The same layout; `message` checks it.
         let descriptor: *const lariat_descriptor = ptr::from_ref(rope.descriptor()).cast();
         let only = |case: bool| if case { descriptor } else { ptr::null() };
         Self {
@@ -165,13 +169,13 @@ fn absent(why: Absent) -> lariat_seen {
     }
 }
 
-/// Asks the frame that was looked at last, as old as it is now.
+/// Queries the last frame read, at its current age.
 fn ask(
     reader: *const lariat_reader,
     rope: *mut lariat_rope,
     question: impl FnOnce(Frame<'_>) -> Seen<'_>,
 ) -> lariat_seen {
-    // SAFETY: C gives a place for a rope, or NULL.
+    // SAFETY: C passes space for a rope, or NULL.
     let Some(place) = (unsafe { rope.as_mut() }) else {
         return LARIAT_NO_READER;
     };
@@ -186,12 +190,12 @@ fn ask(
     place.seen
 }
 
-/// The rope of an image that has one, as it is known now. With several, seen or lost, it is none of them (LARIAT_SEVERAL): then
-/// choose one by lariat_rope_at, and ask for its track.
+/// Finds the current rope of an image that has exactly one. If there are several, visible or lost,
+/// the result is LARIAT_SEVERAL. Then choose one with lariat_rope_at and request its track.
 ///
-/// `max_age_ns`: how old the image may be. Older, the rope is LARIAT_STALE.
+/// `max_age_ns` is the maximum age of the image. In an older one, the rope is LARIAT_STALE.
 ///
-/// Returns what is known, which stands in `rope` too.
+/// Returns the state of the rope, which `rope` contains too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_only_rope(
     reader: *const lariat_reader,
@@ -202,7 +206,7 @@ pub unsafe extern "C" fn lariat_only_rope(
     ask(reader, rope, |frame| frame.only_rope(max_age))
 }
 
-/// The rope of this track, and no other. Returns as lariat_only_rope.
+/// Finds the rope of this track, and no other. Returns the same values as lariat_only_rope.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_rope_of_track(
     reader: *const lariat_reader,
@@ -215,8 +219,8 @@ pub unsafe extern "C" fn lariat_rope_of_track(
     ask(reader, rope, |frame| frame.rope(track, max_age))
 }
 
-/// The rope at a place of the message, from 0: for a look at all of them, as their order is no promise. Behind the last there
-/// is LARIAT_NO_ROPE. Returns as lariat_only_rope.
+/// Finds the rope at an index of the message, from 0, to iterate over all of them; their order may
+/// change. After the last one it gives LARIAT_NO_ROPE. Returns the same values as lariat_only_rope.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_rope_at(
     reader: *const lariat_reader,
@@ -233,11 +237,11 @@ pub unsafe extern "C" fn lariat_rope_at(
     })
 }
 
-/// What is known (a lariat_seen), as words for a log.
+/// Returns a state (a lariat_seen) as text for a log.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
-    // A number, as C's enumerations hold any.
+    // The argument is a plain number, because enumerations in C can hold any.
     const ALL: [lariat_seen; 13] = [
         LARIAT_NO_READER,
         LARIAT_FRESH,
@@ -281,11 +285,12 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
     text.as_ptr()
 }
 
-/// Where the rope of this track will be at `t_ns`, by its velocities (the chain runs with --filter), and how uncertain: a
-/// descriptor like the frame's, with the control points and covariances of then. From the image to 0.5 s after it. A rope that
-/// is lost or stale is predicted too, from its last image: ask what is known of it first.
+/// Predicts the rope of this track for the time `t_ns` from its velocities (the chain runs with
+/// --filter). `ahead` receives a descriptor like the frame's, with the predicted control points and
+/// covariances. `t_ns` is at most 0.5 s after the image. A lost or stale rope is predicted too,
+/// from its last image, so check its state first.
 ///
-/// Returns 0, or an error; `ahead` is then without control points.
+/// Returns 0, or an error; `ahead` is then empty.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_predict(
@@ -295,7 +300,8 @@ pub unsafe extern "C" fn lariat_predict(
     ahead: *mut lariat_descriptor,
 ) -> c_int {
     answer(|| {
-        // SAFETY: C gives a place for a descriptor, or NULL; of the same layout as ours, which `message` holds it to.
+        // SAFETY: C passes space for a descriptor, or NULL. Its layout is the same, as `message`
+        // checks.
         let place = unsafe { ahead.cast::<Descriptor>().as_mut() };
         let place = place.ok_or_else(|| Failure::null("the place for the descriptor"))?;
         *place = Descriptor::EMPTY;

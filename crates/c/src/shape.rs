@@ -1,5 +1,5 @@
 #![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
-//! What a control law asks of a rope's curve.
+//! A rope's curve for control laws.
 
 use std::ffi::c_int;
 use std::{ptr, slice};
@@ -9,9 +9,9 @@ use lariat_wire::{Descriptor, Nearest, Shape};
 use crate::error::{Failure, LARIAT_ERROR_NO_DIRECTION, answer};
 use crate::message::lariat_descriptor;
 
-/// A rope's descriptor as C has it, of a curve in so many dimensions.
+/// A rope's C descriptor, with a curve in `D` dimensions.
 pub(crate) trait Described<const D: usize> {
-    /// What is missing where it is NULL.
+    /// Name in the error for NULL.
     const NAME: &'static str;
     fn curve(&self) -> Result<Shape<'_, D>, Failure>;
 }
@@ -20,7 +20,7 @@ impl Described<2> for lariat_descriptor {
     const NAME: &'static str = "the rope's descriptor";
 
     fn curve(&self) -> Result<Shape<'_>, Failure> {
-        // SAFETY: of the same layout as ours, which `message` holds it to, where every bit pattern is a value.
+        // SAFETY: the layout is the same, as `message` checks, and every bit pattern is valid.
         let descriptor = unsafe { &*ptr::from_ref(self).cast::<Descriptor>() };
         Ok(Shape::of(descriptor)?)
     }
@@ -30,23 +30,25 @@ impl Described<2> for lariat_descriptor {
 fn curve<'a, R: Described<D> + 'a, const D: usize>(
     rope: *const R,
 ) -> Result<Shape<'a, D>, Failure> {
-    // SAFETY: C gives a descriptor of its own, or one that a reader still holds.
+    // SAFETY: C passes a descriptor of its own, or one that a reader still holds.
     let rope = unsafe { rope.as_ref() };
     rope.ok_or_else(|| Failure::null(R::NAME))?.curve()
 }
 
-/// The place for an answer, filled with NaN until there is one.
+/// Space for an answer, filled with NaN until there is one.
 pub(crate) fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64], Failure> {
     if numbers.is_null() {
         return Err(Failure::null("the place for the answer"));
     }
-    // SAFETY: C gives room for as many numbers as the function's comment says; NULL was told from it.
+    // SAFETY: C passes space for as many numbers as the function's comment says, and it is not
+    // NULL.
     let place = unsafe { slice::from_raw_parts_mut(numbers, count) };
     place.fill(f64::NAN);
     Ok(place)
 }
 
-/// Writes the numbers that `work` finds of the curve, if that does not stand still where it was asked.
+/// Writes the numbers that `work` computes from the curve, or reports that its derivative vanishes
+/// there.
 pub(crate) fn evaluate<const N: usize, const D: usize>(
     rope: *const impl Described<D>,
     numbers: *mut f64,
@@ -57,7 +59,7 @@ pub(crate) fn evaluate<const N: usize, const D: usize>(
         let found = work(&curve(rope)?).ok_or_else(|| {
             Failure::new(
                 LARIAT_ERROR_NO_DIRECTION,
-                "the curve stands still there, and has no direction: its control points lie one upon the other",
+                "the curve has no direction there: its control points coincide",
             )
         })?;
         place.copy_from_slice(&found);
@@ -65,7 +67,7 @@ pub(crate) fn evaluate<const N: usize, const D: usize>(
     })
 }
 
-/// Writes `count` points of the curve at even steps.
+/// Writes `count` points of the curve at equal steps.
 pub(crate) fn points<const D: usize>(
     rope: *const impl Described<D>,
     count: usize,
@@ -94,15 +96,15 @@ pub(crate) fn jacobian<const D: usize>(
     })
 }
 
-/// A nearest point as C has it.
+/// A nearest point in C's format.
 pub(crate) fn numbers(nearest: Nearest) -> [f64; 4] {
     let [x, y] = nearest.point;
     [nearest.rho, x, y, nearest.distance]
 }
 
-/// The point of the curve at `rho`: `xy` is two numbers.
+/// Computes the point of the curve at `rho`. `xy` has room for two numbers.
 ///
-/// This and all that follow return 0, or an error; the answer is NaN then.
+/// This function and all that follow return 0 or an error. On an error the numbers are NaN.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_point_at(
     rope: *const lariat_descriptor,
@@ -112,7 +114,8 @@ pub unsafe extern "C" fn lariat_point_at(
     evaluate(rope, xy, |curve| Some(curve.point_at(rho)))
 }
 
-/// The point of the curve that is nearest to (x, y): `nearest` is four numbers, its rho, its x and y, and how far it is away.
+/// Finds the point of the curve nearest to (x, y). `nearest` has room for four numbers: rho, x, y
+/// and the distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_nearest(
     rope: *const lariat_descriptor,
@@ -123,8 +126,8 @@ pub unsafe extern "C" fn lariat_nearest(
     evaluate(rope, nearest, |curve| Some(numbers(curve.nearest([x, y]))))
 }
 
-/// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xy` is
-/// `2 * count` numbers.
+/// Computes `count` points of the curve at equal steps of rho, from end to end, or once around a
+/// closed curve. `xy` has room for `2 * count` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_points(
     rope: *const lariat_descriptor,
@@ -134,7 +137,8 @@ pub unsafe extern "C" fn lariat_points(
     points(rope, count, xy)
 }
 
-/// The velocity by rho at `rho`: `xy` is two numbers.
+/// Computes the derivative of the curve with respect to rho at `rho`. `xy` has room for two
+/// numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_derivative_at(
     rope: *const lariat_descriptor,
@@ -144,7 +148,7 @@ pub unsafe extern "C" fn lariat_derivative_at(
     evaluate(rope, xy, |curve| Some(curve.derivative_at(rho)))
 }
 
-/// The direction in which the curve goes at `rho`, of length 1: `xy` is two numbers.
+/// Computes the unit tangent at `rho`. `xy` has room for two numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_tangent_at(
     rope: *const lariat_descriptor,
@@ -154,7 +158,8 @@ pub unsafe extern "C" fn lariat_tangent_at(
     evaluate(rope, xy, |curve| curve.tangent_at(rho))
 }
 
-/// The direction across it, the tangent turned from the x axis towards the y axis: `xy` is two numbers.
+/// Computes the unit normal at `rho`: the tangent turned from the x axis towards the y axis. `xy`
+/// has room for two numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_normal_at(
     rope: *const lariat_descriptor,
@@ -164,7 +169,8 @@ pub unsafe extern "C" fn lariat_normal_at(
     evaluate(rope, xy, |curve| curve.normal_at(rho))
 }
 
-/// One by the radius of the circle that the curve follows at `rho`, positive where it turns towards its normal: one number.
+/// Computes the signed curvature at `rho`: one over the radius, positive if the curve turns towards
+/// its normal. `curvature` has room for one number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_curvature_at(
     rope: *const lariat_descriptor,
@@ -176,9 +182,10 @@ pub unsafe extern "C" fn lariat_curvature_at(
     })
 }
 
-/// How much the point at `rho` moves with each control point, the same for x and y: `values` is `rope->count` numbers (give room
-/// for `LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile). Of a rope without a curve they are not
-/// written.
+/// Computes the Jacobian of the point at `rho` with respect to the control points, the same for x
+/// and y. `values` has room for `rope->count` numbers, or for `LARIAT_MAX_CONTROL_POINTS` if
+/// another program may write the descriptor meanwhile. It is left unchanged if the rope lacks a
+/// curve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_jacobian_at(
     rope: *const lariat_descriptor,
@@ -188,7 +195,8 @@ pub unsafe extern "C" fn lariat_jacobian_at(
     jacobian(rope, rho, values)
 }
 
-/// How uncertain the point at `rho` is, in the unit's square: `covariance` is three numbers, xx, xy, yy.
+/// Computes the covariance of the point at `rho`, in the unit squared. `covariance` has room for
+/// three numbers: xx, xy, yy.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_covariance_at(
     rope: *const lariat_descriptor,
@@ -198,12 +206,14 @@ pub unsafe extern "C" fn lariat_covariance_at(
     evaluate(rope, covariance, |curve| Some(curve.covariance_at(rho)))
 }
 
-/// How uncertain all control points are together: of the vector x0, y0, x1, y1, ..., row by row; `matrix` is the square of
-/// `2 * rope->count` numbers (give room for `2 * LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile).
+/// Computes the joint covariance of all control points, for the vector x0, y0, x1, y1, ..., row by
+/// row. `matrix` has room for the square of `2 * rope->count` numbers, or of `2 *
+/// LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile.
 ///
-/// Returns 1 if it is that of plain least squares or of its filter, and so right to rounding; 0 if not (ridge, pinned ends,
-/// weights, a plane, rational curves): then each control point's own is right, and how two of them hang together is that of the
-/// plain fit. Or an error; the answer is then not written.
+/// Returns 1 if the matrix is exact to rounding: that of plain least squares or of its filter.
+/// Returns 0 otherwise (ridge, pinned ends, weights, a plane, rational curves): each control
+/// point's own covariance is then exact, and the correlations are those of the plain fit. On an
+/// error it returns the error and writes nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_covariance(
     rope: *const lariat_descriptor,

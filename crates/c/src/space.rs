@@ -1,5 +1,5 @@
 #![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
-//! A rope's curve in space, where the chain has a depth camera.
+//! A rope's curve in space, for chains with a depth camera.
 
 use std::ffi::c_int;
 use std::ptr;
@@ -13,7 +13,8 @@ use crate::reader::{given, lariat_reader, shown};
 use crate::rope::lariat_track;
 use crate::shape::{Described, evaluate, jacobian, points};
 
-/// Reads where ropes are in space, too, for lariat_in_space: of a chain with a depth camera. Up to 12 readers of a rig do.
+/// Also reads the shapes in space, for lariat_in_space, from a chain with a depth camera. Up to 12
+/// readers of a rig can do this.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
@@ -25,10 +26,12 @@ pub unsafe extern "C" fn lariat_follow_in_space(reader: *mut lariat_reader) -> c
     })
 }
 
-/// Where the rope of this track is in space, in the frame that was looked at last. Whether that is where it is now stands in its
-/// lariat_rope: ask what is known of it first. `*rope` points into shared memory, as the lariat_rope does, and stays as long.
+/// Finds the rope of this track in space, in the last frame read. Its lariat_rope tells whether
+/// this is its current position, so check that first. Like the pointers of lariat_rope, `*rope`
+/// points into shared memory and is valid as long as they are.
 ///
-/// Returns 0, or an error: LARIAT_ERROR_NO_SPACE where it is not known, with the reason; *rope is then NULL.
+/// Returns 0, or an error; *rope is then NULL. If the position is unknown, the error is
+/// LARIAT_ERROR_NO_SPACE, and lariat_error says why.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_in_space(
@@ -37,7 +40,7 @@ pub unsafe extern "C" fn lariat_in_space(
     rope: *mut *const lariat_descriptor3,
 ) -> c_int {
     answer(|| {
-        // SAFETY: C gives a place for a pointer, or NULL.
+        // SAFETY: C passes space for a pointer, or NULL.
         let place = unsafe { rope.as_mut() };
         let place = place.ok_or_else(|| Failure::null("the place for the rope in space"))?;
         *place = ptr::null();
@@ -48,7 +51,7 @@ pub unsafe extern "C" fn lariat_in_space(
             Seen::Absent(why) => return Err(Failure::new(LARIAT_ERROR_NO_ROPE, why.to_string())),
         };
         rope.in_space()?;
-        // The same layout, which `message` holds it to.
+        // The same layout; `message` checks it.
         *place = ptr::from_ref(rope.descriptor3()?).cast();
         Ok(0)
     })
@@ -58,15 +61,16 @@ impl Described<3> for lariat_descriptor3 {
     const NAME: &'static str = "the rope's descriptor in space";
 
     fn curve(&self) -> Result<Shape<'_, 3>, Failure> {
-        // SAFETY: of the same layout as ours, which `message` holds it to, where every bit pattern is a value.
+        // SAFETY: the layout is the same, as `message` checks, and every bit pattern is valid.
         let descriptor = unsafe { &*ptr::from_ref(self).cast::<Descriptor3>() };
         Ok(Shape::in_space(descriptor).map_err(NoSpace::NoShape)?)
     }
 }
 
-/// The point of the curve at `rho`: `xyz` is three numbers.
+/// Computes the point of the curve at `rho`. `xyz` has room for three numbers.
 ///
-/// This and all that follow are in millimetres, and return 0, or an error; the answer is NaN then.
+/// This function and all that follow use millimeters and return 0 or an error. On an error the
+/// numbers are NaN.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_point3_at(
     rope: *const lariat_descriptor3,
@@ -76,7 +80,8 @@ pub unsafe extern "C" fn lariat_point3_at(
     evaluate(rope, xyz, |curve| Some(curve.point_at(rho)))
 }
 
-/// The point of the curve that is nearest to (x, y, z): `nearest` is five numbers, its rho, its x, y and z, and how far it is away.
+/// Finds the point of the curve nearest to (x, y, z). `nearest` has room for five numbers: rho, x,
+/// y, z and the distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_nearest3(
     rope: *const lariat_descriptor3,
@@ -96,8 +101,8 @@ pub unsafe extern "C" fn lariat_nearest3(
     })
 }
 
-/// `count` points of the curve at even steps of rho, from its first end to its last, or once around a closed one: `xyz` is
-/// `3 * count` numbers.
+/// Computes `count` points of the curve at equal steps of rho, from end to end, or once around a
+/// closed curve. `xyz` has room for `3 * count` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_points3(
     rope: *const lariat_descriptor3,
@@ -107,7 +112,8 @@ pub unsafe extern "C" fn lariat_points3(
     points(rope, count, xyz)
 }
 
-/// The velocity by rho at `rho`: `xyz` is three numbers.
+/// Computes the derivative of the curve with respect to rho at `rho`. `xyz` has room for three
+/// numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_derivative3_at(
     rope: *const lariat_descriptor3,
@@ -117,7 +123,7 @@ pub unsafe extern "C" fn lariat_derivative3_at(
     evaluate(rope, xyz, |curve| Some(curve.derivative_at(rho)))
 }
 
-/// The direction in which the curve goes at `rho`, of length 1: `xyz` is three numbers.
+/// Computes the unit tangent at `rho`. `xyz` has room for three numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_tangent3_at(
     rope: *const lariat_descriptor3,
@@ -127,7 +133,8 @@ pub unsafe extern "C" fn lariat_tangent3_at(
     evaluate(rope, xyz, |curve| curve.tangent_at(rho))
 }
 
-/// One by the radius of the circle that the curve follows at `rho`, in 1/mm: one number.
+/// Computes the curvature at `rho` in 1/mm: one over the radius. `curvature` has room for one
+/// number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_curvature3_at(
     rope: *const lariat_descriptor3,
@@ -139,9 +146,10 @@ pub unsafe extern "C" fn lariat_curvature3_at(
     })
 }
 
-/// How much the point at `rho` moves with each control point, the same for x, y and z: `values` is `rope->count` numbers (give room
-/// for `LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile). Of a rope without a curve they are not
-/// written.
+/// Computes the Jacobian of the point at `rho` with respect to the control points, the same for x,
+/// y and z. `values` has room for `rope->count` numbers, or for `LARIAT_MAX_CONTROL_POINTS` if
+/// another program may write the descriptor meanwhile. It is left unchanged if the rope lacks a
+/// curve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_jacobian3_at(
     rope: *const lariat_descriptor3,

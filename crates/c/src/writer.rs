@@ -1,5 +1,5 @@
 #![allow(unsafe_code)] // Functions that C calls by name, with pointers that it vouches for.
-//! Frames of a camera of the user's own.
+//! Frames of a user's own camera.
 
 use std::ffi::{c_char, c_int};
 use std::ptr;
@@ -11,27 +11,30 @@ use lariat_wire::{Domain, FrameWriter, PixelFormat, Stamp, Waiting};
 use crate::error::{Failure, LARIAT_ERROR_IMAGE, answer};
 use crate::reader::text;
 
-/// For lariat_writer_open: every frame is to reach every reader, for which lariat_writer_send waits, though no chain runs yet to
-/// say so (`lariat run --lossless`).
+/// Flag of lariat_writer_open: every frame must reach every reader, and lariat_writer_send waits
+/// for that. Needed only if no chain is running yet that was started with `lariat run --lossless`.
 pub const LARIAT_LOSSLESS: u32 = 1;
 
-/// The writer of a rig's frames, whose chain was started with `lariat run --source external`. For one thread at a time.
+/// The writer of a rig's frames, whose chain was started with `lariat run --source external`. For
+/// one thread at a time.
 pub struct lariat_writer {
     writer: FrameWriter,
     stop: Arc<AtomicBool>,
 }
 
-/// Who may be NULL.
+/// The writer behind a pointer that may be NULL.
 fn given<'a>(writer: *mut lariat_writer) -> Result<&'a mut FrameWriter, Failure> {
     if writer.is_null() {
         return Err(Failure::null("the writer"));
     }
-    // SAFETY: C gives what lariat_writer_open made and lariat_writer_close has not taken back, from one thread at a time. But for
-    // lariat_writer_stop, which looks at the other field: so this is of the one alone.
+    // SAFETY: C passes a pointer from lariat_writer_open that is not closed, used by one thread at
+    // a time. Only lariat_writer_stop may run concurrently, and it uses the other field, so this
+    // reference covers only `writer`.
     Ok(unsafe { &mut *ptr::addr_of_mut!((*writer).writer) })
 }
 
-/// The number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy" or "nv12", or another that docs/messages.md lists.
+/// Returns the number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy", "nv12", or
+/// another one listed in docs/messages.md.
 ///
 /// Returns the number, or an error.
 #[unsafe(no_mangle)]
@@ -48,9 +51,10 @@ pub unsafe extern "C" fn lariat_pixel_format(name: *const c_char) -> c_int {
     })
 }
 
-/// Becomes the writer of a rig's frames: "default", or what the chain was started with (--rig NAME). The chain may be started
-/// before or after it, and again; how: 0, which takes the chain as it is, or LARIAT_LOSSLESS. A rig has one writer: a second one is
-/// refused, until the first has closed or its process is gone.
+/// Opens the writer of a rig's frames: "default", or the rig that the chain was started with (--rig
+/// NAME). The chain may be started before or after it, and restarted. `how` is 0 to accept the
+/// chain as it is, or LARIAT_LOSSLESS. A rig has one writer; a second one is refused until the
+/// first has closed or its process has ended.
 ///
 /// Returns 0, or an error; *writer is then NULL.
 #[unsafe(no_mangle)]
@@ -61,7 +65,7 @@ pub unsafe extern "C" fn lariat_writer_open(
     writer: *mut *mut lariat_writer,
 ) -> c_int {
     answer(|| {
-        // SAFETY: C gives a place for a pointer, or NULL.
+        // SAFETY: C passes space for a pointer, or NULL.
         let place = unsafe { writer.as_mut() };
         let place = place.ok_or_else(|| Failure::null("the place for the writer"))?;
         *place = ptr::null_mut();
@@ -78,11 +82,12 @@ pub unsafe extern "C" fn lariat_writer_open(
     })
 }
 
-/// Borrows the slot of the next frame in shared memory. `*pixels` is where it begins, rows one after the other without gaps: fill
-/// it, and send it. It holds an earlier frame's pixels, and is yours until lariat_writer_send, the next loan or
-/// lariat_writer_close.
+/// Borrows the slot of the next frame in shared memory. `*pixels` is its first byte, with rows
+/// without gaps: fill it and send it. It still holds an earlier frame's pixels. It is yours until
+/// lariat_writer_send, the next loan or lariat_writer_close.
 ///
-/// Slots are made for the largest frame so far: the first one of a larger size takes some milliseconds longer.
+/// Slots are as large as the largest frame yet, so the first frame of a larger size takes some
+/// milliseconds longer.
 ///
 /// Returns 0, or an error; *pixels is then NULL.
 #[unsafe(no_mangle)]
@@ -95,7 +100,7 @@ pub unsafe extern "C" fn lariat_writer_loan(
     pixels: *mut *mut u8,
 ) -> c_int {
     answer(|| {
-        // SAFETY: C gives a place for a pointer, or NULL.
+        // SAFETY: C passes space for a pointer, or NULL.
         let place = unsafe { pixels.as_mut() };
         let place = place.ok_or_else(|| Failure::null("the place for the pixels"))?;
         *place = ptr::null_mut();
@@ -111,13 +116,17 @@ pub unsafe extern "C" fn lariat_writer_loan(
     })
 }
 
-/// Sends the frame on loan, and wakes the chain. `exposed_ns`: when it was taken (lariat_now_ns), later than the one before; 0:
-/// when its slot was borrowed. `sequence`: the camera's own number for it, higher than the one before: each that was left out
-/// counts as a frame lost at the source; 0: the next one.
+/// Sends the frame on loan and wakes the chain.
 ///
-/// On a --lossless rig it waits for slow readers, until lariat_writer_stop.
+/// `exposed_ns` is its exposure time (lariat_now_ns), later than that of the previous frame; 0 is
+/// the time when its slot was borrowed. `sequence` is the camera's own number of the frame, higher
+/// than the previous one; each number left out counts as a frame lost at the source, and 0 is the
+/// next number.
 ///
-/// Returns 0, 1 if the frame was lost because of lariat_writer_stop, or an error: the frame is then not sent, and not counted.
+/// On a --lossless rig it waits for slow readers until lariat_writer_stop.
+///
+/// Returns 0, or 1 if the frame was lost because of lariat_writer_stop, or an error. On an error
+/// the frame is neither sent nor counted.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_writer_send(
@@ -134,36 +143,36 @@ pub unsafe extern "C" fn lariat_writer_send(
     })
 }
 
-/// Sends a frame without an image: the camera has none to give just now. Sent some ten times a second for as long as that is so,
-/// it has readers told that their ropes are lost from sight, and since when. (Of a writer that says nothing, and of one that is
-/// gone, readers say LARIAT_STALE.)
+/// Sends a frame without an image, for times when the camera gives none. If it is sent about ten
+/// times a second during that time, readers learn that their ropes are lost, and since when. (If a
+/// writer sends nothing or is gone, readers report LARIAT_STALE.)
 ///
-/// Returns as lariat_writer_send.
+/// Returns the same values as lariat_writer_send.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_writer_send_blank(writer: *mut lariat_writer) -> c_int {
     answer(|| Ok((!given(writer)?.send_blank(Stamp::default())?).into()))
 }
 
-/// Has a lariat_writer_send that waits, or will, give up within seconds. From any thread, and from a signal's handler. It does
-/// nothing to a writer that does not wait.
+/// Makes a current or later lariat_writer_send give up waiting within seconds. May be called from
+/// any thread and from a signal handler. A writer that does not wait is unaffected.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_writer_stop(writer: *const lariat_writer) {
     // Nothing here takes a lock, allocates or unwinds.
-    // SAFETY: C gives what lariat_writer_open made, or NULL. Of the writer, which another thread may use now, only this flag is
-    // touched, by a reference to the field alone.
+    // SAFETY: C passes a pointer from lariat_writer_open, or NULL. Another thread may use the
+    // writer now, so only this flag is accessed, by a reference to the field alone.
     if !writer.is_null() {
         let stop = unsafe { &*ptr::addr_of!((*writer).stop) };
         stop.store(true, Ordering::Relaxed);
     }
 }
 
-/// Closes a writer. NULL is none. What was borrowed is gone then; what was sent is delivered.
+/// Closes a writer; NULL does nothing. A borrowed slot becomes invalid; sent frames are delivered.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_writer_close(writer: *mut lariat_writer) {
     answer(|| {
         if !writer.is_null() {
-            // SAFETY: C gives what lariat_writer_open made, once, and uses it no more.
+            // SAFETY: C passes a pointer from lariat_writer_open, once, and does not use it again.
             drop(unsafe { Box::from_raw(writer) });
         }
         Ok(0)

@@ -1,6 +1,6 @@
-#![allow(unsafe_code)] // The functions that C calls, on memory that another thread writes.
-//! How many control points a rope has is read once: of a descriptor whose writer changes it meanwhile, an answer is of the one
-//! number or of the other, and no place is written beyond that.
+#![allow(unsafe_code)] // Functions for C, called on memory that another thread writes.
+//! The number of a rope's control points is read only once. If a writer changes it meanwhile, the
+//! answer is for one of the two numbers, and nothing is written beyond it.
 
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use lariat::{LARIAT_MAX_CONTROL_POINTS, lariat_covariance, lariat_descriptor, lariat_jacobian_at};
 use lariat_wire::{Basis, Descriptor};
 
-/// Both make a B-spline of the knots that there are.
+/// Both give a valid B-spline with the available knots.
 const COUNTS: [u32; 2] = [9, LARIAT_MAX_CONTROL_POINTS as u32];
-/// What nobody writes.
+/// Marks numbers that were not written.
 const UNTOUCHED: f64 = -7.25e77;
 const ROUNDS: usize = 20_000;
 
-/// How many numbers are written into a place that is larger than any answer.
+/// Returns how many numbers are written into a slice that is larger than any answer.
 fn written(place: &mut [f64], answer: impl FnOnce(*mut f64) -> c_int) -> usize {
     place.fill(UNTOUCHED);
     let code = answer(place.as_mut_ptr());
@@ -39,7 +39,7 @@ fn a_count_that_changes_while_it_is_read_is_one_of_the_two() {
         rope.knots[j] = (j + 1) as f64 / 40.0;
     }
     let rope = Box::into_raw(rope);
-    // SAFETY: the descriptor lives until the end of the test, and its count is written by nobody else.
+    // SAFETY: the descriptor lives until the end of the test, and nothing else writes its count.
     let count = unsafe { AtomicU32::from_ptr(&raw mut (*rope).count) };
     let rope_in_c = rope.cast_const().cast::<lariat_descriptor>();
     let is_over = AtomicBool::new(false);
@@ -55,7 +55,7 @@ fn a_count_that_changes_while_it_is_read_is_one_of_the_two() {
         let mut values = [0.0; 2 * LARIAT_MAX_CONTROL_POINTS];
         let mut matrix = [0.0; 5 * LARIAT_MAX_CONTROL_POINTS * LARIAT_MAX_CONTROL_POINTS];
         for round in 0..ROUNDS {
-            // SAFETY: places larger than the header asks for, and a descriptor that is there.
+            // SAFETY: the slices are larger than the header requires, and the descriptor exists.
             let found = written(&mut values, |place| unsafe {
                 lariat_jacobian_at(rope_in_c, 0.4, place)
             });
@@ -74,7 +74,7 @@ fn a_count_that_changes_while_it_is_read_is_one_of_the_two() {
         }
         is_over.store(true, Ordering::Relaxed);
     });
-    // SAFETY: what was made above, once.
+    // SAFETY: it was created above and is freed once.
     drop(unsafe { Box::from_raw(rope) });
     assert_eq!(seen.iter().sum::<usize>(), ROUNDS);
 }

@@ -1,8 +1,9 @@
-//! Brown–Conrady distortion as OpenCV's `calib3d` has it: radial (with a denominator, "rational"), tangential, thin prism, and
-//! a tilted sensor.
+//! Brown–Conrady distortion as in OpenCV's `calib3d`: radial (with a denominator, "rational"),
+//! tangential, thin prism, and a tilted sensor.
 //!
-//! D. C. Brown, *Decentering distortion of lenses*, 1966; the rational and thin-prism terms and the tilt as in OpenCV's
-//! documentation of `calibrateCamera`. With r² = x² + y² of the ideal, normalized point:
+//! D. C. Brown, *Decentering distortion of lenses*, 1966. The rational and thin-prism terms and the
+//! tilt follow OpenCV's documentation of `calibrateCamera`. With r² = x² + y² of the ideal,
+//! normalized point:
 //!
 //! ```text
 //! g  = (1 + k₁r² + k₂r⁴ + k₃r⁶) / (1 + k₄r² + k₅r⁴ + k₆r⁶)
@@ -10,25 +11,25 @@
 //! y' = y g + p₁(r² + 2y²) + 2p₂xy + s₃r² + s₄r⁴
 //! ```
 //!
-//! and then the tilt, a projective map. Its derivative is symmetric but for the thin prism.
+//! followed by the tilt, a projective map. The derivative is symmetric except for the thin prism.
 
 use crate::jacobian::{self, Place};
 use crate::projective::{self, Matrix};
 
-/// The coefficients, in OpenCV's order.
+/// Coefficients in OpenCV's order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Brown {
     /// k₁ k₂ p₁ p₂ k₃ k₄ k₅ k₆ s₁ s₂ s₃ s₄
     c: [f64; 12],
     /// τₓ τᵧ
     angles: [f64; 2],
-    /// The tilt and its inverse, if there is one.
+    /// The tilt and its inverse, if the sensor is tilted.
     tilt: Option<[Matrix; 2]>,
 }
 
 impl Brown {
-    /// From up to 14 coefficients; those that are left out are 0. `None` if the sensor is tilted so far that nothing is
-    /// seen.
+    /// Takes up to 14 coefficients; missing ones are 0. Returns `None` if the sensor is tilted so
+    /// that it sees nothing.
     pub(crate) fn new(coefficients: &[f64]) -> Option<Self> {
         let at = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         let angles = [at(12), at(13)];
@@ -36,7 +37,7 @@ impl Brown {
             None
         } else {
             let tilt = tilt(angles);
-            // The plane of the picture is seen from its front at its middle.
+            // The center must see the front of the image plane.
             (tilt[2][2] > 1e-3).then_some(())?;
             Some([tilt, projective::inverse(&tilt)?])
         };
@@ -47,7 +48,8 @@ impl Brown {
         })
     }
 
-    /// The coefficients, as many of OpenCV's sets of 5, 8, 12 or 14 as are not 0.
+    /// Returns the coefficients in the smallest of OpenCV's sets (5, 8, 12 or 14) that contains all
+    /// nonzero ones.
     pub(crate) fn coefficients(&self) -> Vec<f64> {
         let all = [&self.c[..], &self.angles].concat();
         let used = all
@@ -58,7 +60,7 @@ impl Brown {
         all[..enough.unwrap_or(all.len())].to_vec()
     }
 
-    /// Where an ideal point comes to lie before the tilt. `None` where the denominator is not positive.
+    /// Maps an ideal point to its place before the tilt. `None` if the denominator is not positive.
     pub(crate) fn bend(&self, [x, y]: [f64; 2]) -> Option<Place> {
         let [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4] = self.c;
         let r2 = x * x + y * y;
@@ -91,7 +93,7 @@ impl Brown {
         })
     }
 
-    /// The tilt after the bend.
+    /// Applies the tilt after the distortion.
     pub(crate) fn tilted(&self, bent: Place) -> Option<Place> {
         let Some([tilt, _]) = &self.tilt else {
             return Some(bent);
@@ -103,7 +105,7 @@ impl Brown {
         })
     }
 
-    /// The tilt taken off a distorted point.
+    /// Removes the tilt from a distorted point.
     pub(crate) fn upright(&self, point: [f64; 2]) -> Option<Place> {
         match &self.tilt {
             None => Some(Place::itself(point)),
@@ -112,8 +114,8 @@ impl Brown {
     }
 }
 
-/// OpenCV's projection onto a sensor tilted about x by `tau_x`, then about y by `tau_y`, radians (`computeTiltProjectionMatrix`;
-/// Louhichi et al. 2007).
+/// OpenCV's projection onto a sensor tilted about x by `tau_x` and then about y by `tau_y`, in
+/// radians (`computeTiltProjectionMatrix`; Louhichi et al. 2007).
 fn tilt([tau_x, tau_y]: [f64; 2]) -> Matrix {
     let ((sx, cx), (sy, cy)) = (libm::sincos(tau_x), libm::sincos(tau_y));
     let about_x = [[1.0, 0.0, 0.0], [0.0, cx, sx], [0.0, -sx, cx]];

@@ -1,7 +1,9 @@
-//! Calibration files: the names that OpenCV, ROS, Kalibr, SLAM programs and users' scripts give the same few numbers.
+//! Reads calibration files. OpenCV, ROS, Kalibr, SLAM programs and users' scripts give the same few
+//! numbers different names.
 //!
-//! A file is read as a tree ([`document`]), whatever its format. `cameras` finds the maps of the tree that hold a
-//! camera; `matrix`, `lens` and `size` read the numbers of one. [`READ`] lists what is understood.
+//! A file of any format is parsed to a tree ([`document`]). `cameras` finds the maps of the tree
+//! that contain a camera; `matrix`, `lens` and `size` read the numbers of one. [`READ`] lists the
+//! supported files.
 
 mod cameras;
 mod lens;
@@ -16,59 +18,60 @@ pub use names::READ;
 use names::{MATRIX_NAMES, squeezed};
 use thiserror::Error;
 
-/// Why a file is no calibration.
+/// Why a file is not a calibration.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// Too long a text.
+    /// The text is too long.
     #[error(
         "it is longer than 1 MiB: a calibration file has some kilobytes; is it the right file?"
     )]
     TooLarge,
-    /// No YAML.
+    /// The text is not YAML.
     #[error(
         "this is not YAML ({0}): give the file as OpenCV's FileStorage or ROS's camera_calibration wrote it"
     )]
     Yaml(String),
-    /// No XML.
+    /// The text is not XML.
     #[error("it begins as XML and is not ({0}): give the file as OpenCV's FileStorage wrote it")]
     Xml(String),
-    /// A reference.
+    /// The text contains a reference.
     #[error("line {0}: references (*name) are not read: write the value out")]
     Alias(usize),
-    /// Too deeply nested.
+    /// Maps or lists are nested too deeply.
     #[error(
         "line {0}: maps and lists are nested too deeply for a calibration: is it the right file?"
     )]
     TooDeep(usize),
-    /// Nothing there.
+    /// The text is empty.
     #[error("there is nothing in it: give a file with camera_matrix and distortion_coefficients")]
     Empty,
-    /// A key that must be there.
+    /// A required key is missing.
     #[error(
         "it has no {0} (names looked for: {1}): add it, or give the whole file that the calibration wrote"
     )]
     Missing(&'static str, &'static str),
-    /// A key of which the value is something else.
+    /// A key has an invalid value.
     #[error("{key}: {why}")]
     Value {
-        /// The key as it stands there.
+        /// The key as written in the file.
         key: String,
-        /// What is wrong and what to write.
+        /// The error, and what to write instead.
         why: String,
     },
-    /// Numbers that make no camera.
+    /// The numbers do not describe a camera.
     #[error("camera matrix: {0}")]
     Camera(#[from] CameraError),
 }
 
-/// The most numbers of an entry: four times the 14 coefficients of OpenCV's largest lens model.
+/// Maximum number of values in an entry: more than four times the 14 coefficients of OpenCV's
+/// largest lens model.
 const MOST_NUMBERS: usize = 64;
 
-/// The entry that makes a map a camera.
+/// The entry that identifies a map as a camera.
 pub(crate) const MATRIX: &str = "camera matrix";
 
-/// Reads the first camera of a text; with a sentence about the others, if there are any.
+/// Reads the first camera of a text. Also returns a sentence about the others, if there are any.
 pub(crate) fn read(text: &str) -> Result<(Camera, Option<String>), CalibrationError> {
     let file = document::read(text)?;
     let found = cameras::cameras(&file);
@@ -114,7 +117,8 @@ fn camera_of(found: &Found) -> Result<Camera, CalibrationError> {
     }
 }
 
-/// The first of these names that a map has, in any case and with or without underscores, hyphens and spaces.
+/// Finds the first of these names in a map, in any case and with or without underscores, hyphens
+/// and spaces.
 pub(crate) fn find<'a>(file: &'a Node, names: &[&str]) -> Option<(&'a str, &'a Node)> {
     (names.iter()).find_map(|name| file.get(|key| squeezed(key).eq(name.chars())))
 }
@@ -126,7 +130,7 @@ pub(crate) fn wrong<T>(key: &str, why: impl Into<String>) -> Result<T, Calibrati
     })
 }
 
-/// The numbers of an entry: a matrix with `data`, a list, or a list of rows.
+/// Returns the numbers of an entry: a matrix with `data`, a list, or a list of rows.
 pub(crate) fn numbers(key: &str, value: &Node) -> Result<Vec<f64>, CalibrationError> {
     let list = match value {
         Node::Map(_) => match value.get(|name| name == "data") {
@@ -162,7 +166,7 @@ pub(crate) fn number(node: &Node) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
 }
 
-/// A value as far as it is to be read in a sentence.
+/// A value, shortened for use in a sentence.
 fn shown(node: &Node) -> String {
     match node {
         Node::Scalar(text) => {

@@ -1,4 +1,4 @@
-//! A camera: its matrix, its lens, and the size of the images that they were measured in.
+//! A camera: its matrix, its lens, and the size of the images used for calibration.
 
 use crate::calibration::{self, CalibrationError};
 use crate::jacobian::Place;
@@ -6,7 +6,7 @@ use crate::lens::Lens;
 use crate::mapping::SizeError;
 use thiserror::Error;
 
-/// Why numbers make no camera.
+/// Why numbers do not describe a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
@@ -28,29 +28,30 @@ pub struct Camera {
     center_px: [f64; 2],
     lens: Lens,
     size: Option<[u32; 2]>,
-    /// Width and height of the region of the sensor that its images show, unbinned; `None`: the whole sensor.
+    /// Width and height of the sensor region that its images show, unbinned; `None` for the whole
+    /// sensor.
     region: Option<[u32; 2]>,
 }
 
-/// The part of a sensor that images show, and how many of its pixels make one of theirs.
+/// The part of a sensor that images show, and its binning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Crop {
-    /// The region's first column and row on the sensor.
+    /// First column and row of the region on the sensor.
     pub(crate) offset: [u32; 2],
-    /// The region's width and height on the sensor.
+    /// Width and height of the region on the sensor.
     pub(crate) region: [u32; 2],
-    /// Columns and rows of the sensor for each of the image.
+    /// Sensor columns and rows per column and row of the image.
     pub(crate) binning: [u32; 2],
-    /// The region is less than the sensor.
+    /// True if the region is smaller than the sensor.
     pub(crate) is_part: bool,
 }
 
 impl Camera {
-    /// A camera of these focal lengths and this principal point, px, measured in images of `size` (width, height), if that
-    /// is known.
+    /// Creates a camera with these focal lengths and this principal point, px. `size` is the width
+    /// and height of the images used for calibration, if known.
     ///
     /// # Errors
-    /// A number that cannot be one.
+    /// A number is invalid.
     pub fn new(
         focal_px: [f64; 2],
         center_px: [f64; 2],
@@ -77,15 +78,18 @@ impl Camera {
         })
     }
 
-    /// The first camera of a calibration file, as OpenCV, ROS, Kalibr and others write it ([`CALIBRATIONS`](crate::CALIBRATIONS)).
+    /// Reads the first camera of a calibration file, as written by OpenCV, ROS, Kalibr and others
+    /// ([`CALIBRATIONS`](crate::CALIBRATIONS)).
     ///
     /// # Errors
-    /// It is no such file, or says what cannot be; each with the key and what to do.
+    /// The file is not a calibration, or a value is invalid. The error names the key and says what
+    /// to do.
     pub fn from_yaml(text: &str) -> Result<Self, CalibrationError> {
         Self::first_of(text).map(|(camera, _)| camera)
     }
 
-    /// The same, with a sentence that names the others if the file has several cameras.
+    /// Same as [`from_yaml`](Self::from_yaml), but also returns a sentence that names the other
+    /// cameras if the file has several.
     ///
     /// # Errors
     /// As [`from_yaml`](Self::from_yaml).
@@ -93,7 +97,7 @@ impl Camera {
         calibration::read(text)
     }
 
-    /// This camera in images of a part of its sensor.
+    /// Returns this camera for images of a part of its sensor.
     pub(crate) fn cropped(self, crop: Crop) -> Result<Self, CameraError> {
         let binning = crop.binning.map(f64::from);
         let center = [0, 1].map(|i| {
@@ -123,18 +127,18 @@ impl Camera {
         &self.lens
     }
 
-    /// Width and height of the images it was measured in, if known.
+    /// Width and height of the images used for calibration, if known.
     pub fn size(&self) -> Option<[u32; 2]> {
         self.size
     }
 
-    /// The ideal pixel of what is seen at this one. `None` where the lens's model is not one-to-one.
+    /// Maps a pixel to its ideal pixel. `None` where the lens model is not one-to-one.
     pub fn undistort(&self, pixel: [f64; 2]) -> Option<Place> {
         self.through(pixel, |seen| self.lens.undistort(seen))
     }
 
-    /// The ray through a pixel in the camera's frame, a millimetre ahead for each of depth, and its derivative by the pixel; `None` where
-    /// the lens's model ends.
+    /// Returns the ray through a pixel in the camera's frame, scaled to a depth of 1, and its
+    /// derivative by the pixel. `None` beyond the lens model.
     #[inline]
     pub(crate) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
         let (f, c) = (self.focal_px, self.center_px);
@@ -149,12 +153,13 @@ impl Camera {
         Some(([x, y, 1.0], by_pixel))
     }
 
-    /// Where what lies at this ideal pixel is seen. `None` where the lens's model is not one-to-one.
+    /// Maps an ideal pixel to the pixel where it is seen. `None` where the lens model is not
+    /// one-to-one.
     pub fn distort(&self, ideal: [f64; 2]) -> Option<Place> {
         self.through(ideal, |ray| self.lens.distort(ray))
     }
 
-    /// A map of rays, of pixels.
+    /// Applies a map of rays to a pixel.
     fn through(&self, pixel: [f64; 2], map: impl Fn([f64; 2]) -> Option<Place>) -> Option<Place> {
         let (f, c) = (self.focal_px, self.center_px);
         let place = map([0, 1].map(|i| (pixel[i] - c[i]) / f[i]))?;
@@ -164,11 +169,12 @@ impl Camera {
         })
     }
 
-    /// This camera in images of another size, binned or scaled as a whole.
+    /// Returns this camera for images of another size, binned or scaled as a whole.
     ///
     /// # Errors
-    /// The sides' ratio is another one (a crop: which part it is nobody knows), or, of a camera whose size is not known,
-    /// the principal point does not lie in such images; of a camera of a part of the sensor, they are larger than that part.
+    /// The aspect ratio differs, so that the images are an unknown crop. For a camera of unknown
+    /// size: the principal point is outside of such images. For a camera of a part of the sensor:
+    /// the images are larger than that part.
     pub fn scaled_to(&self, size: [u32; 2]) -> Result<Self, SizeError> {
         if let Some(region) = self.region
             && (size[0] > region[0] || size[1] > region[1])
@@ -203,15 +209,16 @@ impl Camera {
     }
 }
 
-/// A pixel coordinate in an image scaled as a whole: its edge stays at −½.
+/// Scales a pixel coordinate with the whole image, whose edge stays at −½.
 pub(crate) fn scaled(c: f64, scale: f64) -> f64 {
     (c + 0.5) * scale - 0.5
 }
 
-/// The scale of each side, if the sides' ratio is the same but for rounding to whole pixels.
+/// Returns the scale of each side. The aspect ratios must agree except for rounding to whole
+/// pixels.
 pub(crate) fn scale(own: [u32; 2], frames: [u32; 2]) -> Result<[f64; 2], SizeError> {
     let scale = [0, 1].map(|i| f64::from(frames[i]) / f64::from(own[i]));
-    // The one side, scaled as the other was, is off by less than a pixel.
+    // One side, scaled like the other, is off by less than a pixel.
     let off = (scale[0] - scale[1]).abs() * f64::from(own[0].max(own[1]));
     if off < 1.0 || own == frames {
         Ok(scale)

@@ -1,24 +1,31 @@
-//! How far ropes are: a depth image beside the colour one, read along their centerlines.
+//! Depths of ropes: reads a depth image along the centerlines that a color image shows.
 //!
-//! A rope's centerline comes from the colour image, where it is a few hundredths of a pixel sure; how far each of its points is comes
-//! from the depth image. No image is aligned to the other: only the rope's points are taken across.
+//! A rope's centerline comes from the color image, where it is accurate to a few hundredths of a
+//! pixel. The depth of each of its points comes from the depth image. Neither image is aligned to
+//! the other; only the rope's points are transferred.
 //!
 //! ```text
-//! pixel ──lens──▶ ray ──at a depth──▶ mm, colour camera ──pose──▶ mm, depth camera ──lens──▶ its pixel
+//! pixel ──lens──▶ ray ──at a depth──▶ mm, color camera ──pose──▶ mm, depth camera ──lens──▶ its pixel
 //! ```
 //!
-//! 1. **Found.** A ray of the colour camera is a line in the depth image: at every few points of the rope that is walked from near to
-//!    far to the first place where what is measured is where the ray is. The first, as the table behind a lifted rope, which the depth
-//!    camera may see from beside, would agree with the ray as well.
-//!    One such place alone that is far behind those beside it was seen through a hole.
-//! 2. **Measured.** Around every second point, in the rope's inner width only, an edge's mixed pixels left out, depth is read at 32
-//!    places. A rope is round: what lies `u` beside its axis is nearer than the axis by √(r² − u²) / |ρ × d|, with ρ the ray, one ahead,
-//!    d the rope's direction, and its radius r half of its width in the colour image. The mean of what they say of the axis, twice
-//!    without what is far from it, with the variance of the sensor's model and of their spread.
-//!    What the rope cannot go on to from the others, as the table beyond an end that the colour image has too far out, is no measurement.
-//! 3. **Bridged.** Where something covers the rope (another strand, a hand), and where the sensor has nothing, depth goes on
-//!    straight between the measured points, with a variance that grows with the way.
-//! 4. **Cut.** At an end that rises or falls, the outline in the colour image goes on beyond the axis.
+//! 1. **Find.** A ray of the color camera is a line in the depth image. At every few points of the
+//!    rope, this line is walked from near to far. The walk ends at the first place where the
+//!    measured depth agrees with the ray. It must be the first: the table behind a lifted rope,
+//!    which the depth camera may see from the side, would agree with the ray too. A single place
+//!    that is far behind its neighbors was seen through a hole and is dropped.
+//! 2. **Measure.** Around every second point, depth is read at 32 places within the rope's inner
+//!    width, without the mixed pixels of an edge. A rope is round: a place `u` to the side of its
+//!    axis is closer than the axis by √(r² − u²) / |ρ × d|. Here ρ is the ray at a depth of one, d
+//!    the rope's direction, and r its radius, half of its width in the color image. The mean of the
+//!    resulting depths of the axis is computed twice, without outliers. Its variance comes from the
+//!    sensor's model and from the spread of the values. A place that the rope cannot reach from the
+//!    others does not count. An example is the table beyond an end that the color image puts too
+//!    far out.
+//! 3. **Bridge.** Depth continues straight between the measured points where something covers the
+//!    rope (another strand, a hand), or where the sensor's data are missing. Its variance grows
+//!    with the distance.
+//! 4. **Cut.** At an end that rises or falls, the outline in the color image continues beyond the
+//!    axis and is shortened.
 
 mod file;
 mod image;

@@ -1,4 +1,5 @@
-//! Calibration files as a tree of maps, lists and plain values: of YAML, JSON, OpenCV's XML or ROS's `ost.ini`, within bounds.
+//! Parses calibration files to a tree of maps, lists and scalars. It supports YAML, JSON, OpenCV's
+//! XML and ROS's `ost.ini`, within limits.
 
 mod ini;
 mod xml;
@@ -7,12 +8,12 @@ mod yaml;
 use crate::calibration::CalibrationError;
 use std::borrow::Cow;
 
-/// The longest text that is read: OpenCV's files with all the views of a calibration have some 100 kB.
+/// Maximum length of a text. OpenCV's files with all views of a calibration have about 100 kB.
 const MOST_BYTES: usize = 1 << 20;
-/// Maps and lists within each other.
+/// Maximum nesting depth of maps and lists.
 const DEEPEST: usize = 12;
 
-/// A value.
+/// A node of the tree.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
     Scalar(String),
@@ -21,7 +22,7 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// The value of this key of a map; the first, if there are several.
+    /// Returns the value of this key in a map; the first if there are several.
     pub(crate) fn get(&self, is_key: impl Fn(&str) -> bool) -> Option<(&str, &Node)> {
         match self {
             Node::Map(entries) => {
@@ -33,7 +34,7 @@ impl Node {
     }
 }
 
-/// Reads a text. Its first letters tell the format.
+/// Parses a text. Its first characters determine the format.
 pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
     if text.len() > MOST_BYTES {
         return Err(CalibrationError::TooLarge);
@@ -44,7 +45,7 @@ pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
     } else if ini::is_ini(text) {
         ini::read(text)?
     } else {
-        // YAML does not allow the tabs that some programs indent JSON with.
+        // YAML does not allow tabs, with which some programs indent JSON.
         let is_json = text.starts_with('{') && text.contains('\t');
         let text = match is_json {
             true => Cow::Owned(text.replace('\t', " ")),
@@ -55,7 +56,7 @@ pub(crate) fn read(text: &str) -> Result<Node, CalibrationError> {
     Ok(grouped(file))
 }
 
-/// The keys `Camera.fx` and `Camera.fy` of a file become a map `Camera` with `fx` and `fy`.
+/// Groups the keys `Camera.fx` and `Camera.fy` of a file into a map `Camera` with `fx` and `fy`.
 fn grouped(file: Node) -> Node {
     let Node::Map(entries) = file else {
         return file;

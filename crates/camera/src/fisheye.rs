@@ -1,16 +1,18 @@
-//! Kannala and Brandt's fisheye (*A generic camera model*, PAMI 2006) as OpenCV's `fisheye` and ROS's `equidistant` have it: a
-//! ray at the angle θ from the axis comes to lie at θ(1 + k₁θ² + k₂θ⁴ + k₃θ⁶ + k₄θ⁸) from the middle.
+//! Kannala and Brandt's fisheye (*A generic camera model*, PAMI 2006) as in OpenCV's `fisheye` and
+//! ROS's `equidistant`: a ray at the angle θ to the axis is seen at a distance of θ(1 + k₁θ² + k₂θ⁴
+//! + k₃θ⁶ + k₄θ⁸) from the center.
 
 use crate::jacobian::{IDENTITY, Place};
 
-/// Below this distance from the middle the map is the identity to the last bit.
+/// Distance from the center below which the map is the identity to the last bit.
 const MIDDLE: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Fisheye(pub(crate) [f64; 4]);
 
 impl Fisheye {
-    /// The distance from the middle at which a ray at this angle is seen, and its derivative by the angle.
+    /// Distance from the center at which a ray at this angle is seen, and its derivative by the
+    /// angle.
     fn radius(&self, theta: f64) -> [f64; 2] {
         let [k1, k2, k3, k4] = self.0;
         let t = theta * theta;
@@ -20,7 +22,7 @@ impl Fisheye {
         ]
     }
 
-    /// Where an ideal point comes to lie.
+    /// Maps an ideal point to the place where it is seen.
     pub(crate) fn bend(&self, [x, y]: [f64; 2]) -> Place {
         let r = libm::hypot(x, y);
         if r < MIDDLE {
@@ -39,7 +41,8 @@ impl Fisheye {
         }
     }
 
-    /// The ideal point that is seen here, of those within `most` from the middle, up to where the model is one-to-one.
+    /// Maps a place back to the ideal point that is seen there. `None` if that is farther than
+    /// `most` from the center, where the model may not be one-to-one.
     pub(crate) fn straighten(&self, [x, y]: [f64; 2], most: f64) -> Option<[f64; 2]> {
         let seen = libm::hypot(x, y);
         if seen < MIDDLE {
@@ -48,7 +51,8 @@ impl Fisheye {
         let (mut low, mut high) = (0.0, libm::atan(most));
         let inside = seen <= self.radius(high)[0];
         inside.then_some(())?;
-        // Newton, kept between the bounds by halving: the radius grows with the angle all the way.
+        // Newton's method, kept within the bounds by bisection. The radius increases with the angle
+        // throughout.
         let mut theta = seen.min(high);
         for _ in 0..64 {
             let [radius, slope] = self.radius(theta);

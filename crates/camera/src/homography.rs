@@ -1,51 +1,54 @@
-//! The homography of pairs of points: where each pixel of a plane's picture lies on the plane.
+//! Computes the homography of pairs of points, which maps each pixel of a plane's image to its
+//! place on the plane.
 //!
-//! Eight unknowns, two equations a pair (Hartley and Zisserman, *Multiple View Geometry*, 4.1), in coordinates of mean 0 and
-//! mean distance √2 (Hartley 1997), in which the third homogeneous coordinate at the middle of the points can be taken for 1: a
-//! camera sees them all on one side of the plane's horizon. With four pairs that is exact. With more, it is the start of
-//! Levenberg–Marquardt for the least sum of squared distances on the plane, which is what `cv2.findHomography` gives.
+//! There are eight unknowns and two equations per pair (Hartley and Zisserman, *Multiple View
+//! Geometry*, 4.1). Coordinates are normalized to mean 0 and mean distance √2 (Hartley 1997). The
+//! third homogeneous coordinate at the center of the points can then be 1: a camera sees all of
+//! them on one side of the plane's horizon. Four pairs give an exact solution. With more, the
+//! linear solution is the start of Levenberg–Marquardt, which minimizes the sum of squared
+//! distances on the plane, as `cv2.findHomography` does.
 
 use crate::projective::{self, Matrix};
 use crate::solve::{SIZE, solve};
 use thiserror::Error;
 
-/// A point as it is seen and where it is.
+/// A point in the image and on the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
-    /// In the picture, px.
+    /// Position in the image, px.
     pub pixel: [f64; 2],
-    /// On the plane, mm.
+    /// Position on the plane, mm.
     pub plane_mm: [f64; 2],
 }
 
-/// Why pairs of points make no homography.
+/// Why pairs of points do not determine a homography.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HomographyError {
     /// Fewer than four pairs.
     #[error("{0} points do not determine a plane's perspective: give four, or better more")]
     TooFew(usize),
-    /// More pairs than are taken.
+    /// More pairs than are accepted.
     #[error("{0} points are too many: give at most {MOST}")]
     TooMany(usize),
     /// A coordinate that is not finite.
     #[error("point {0} is not a position: give finite numbers of pixels and millimetres")]
     NotAPoint(usize),
-    /// Three of four points in a line.
+    /// Three of four points are in a line.
     #[error(
         "points {}, {} and {} lie in one line {place}: choose four of which no three do, such as the corners of a sheet of \
          paper", .points[0], .points[1], .points[2]
     )]
     InLine {
-        /// Which, from 1.
+        /// Their numbers, from 1.
         points: [usize; 3],
         /// `in the picture` or `on the plane`.
         place: &'static str,
     },
-    /// All points, but at most one, in a line, or several in one place.
+    /// All points except at most one are in a line, or several coincide.
     #[error("the points lie in one line, but for at most one: spread them over the table")]
     Degenerate,
-    /// The points' order is turned, or the like.
+    /// The order of the points is reversed, or similar.
     #[error(
         "no camera sees the points so: some would lie beyond the horizon of the others. Look whether two of them, or x and y, \
          have changed places"
@@ -53,15 +56,16 @@ pub enum HomographyError {
     BothSides,
 }
 
-/// Pairs at most: a chess board has hundreds.
+/// Maximum number of pairs; a chess board has hundreds.
 const MOST: usize = 10_000;
-/// Three points whose triangle is lower than this share of its longest side count as in a line: a click that is a pixel
-/// off would turn it.
+/// Three points count as in a line if their triangle is lower than this share of its longest side:
+/// an error of one pixel could flip it.
 const FLAT: f64 = 0.01;
-/// Steps of Levenberg–Marquardt at most.
+/// Maximum number of Levenberg–Marquardt steps.
 const STEPS: usize = 100;
 
-/// The homography from pixels to the plane, with a positive third coordinate at all points.
+/// Computes the homography from pixels to the plane, with a positive third coordinate at all
+/// points.
 pub(crate) fn of_pairs(pairs: &[Pair]) -> Result<Matrix, HomographyError> {
     check(pairs)?;
     let from = Normal::of(pairs, |pair| pair.pixel).ok_or(HomographyError::Degenerate)?;
@@ -86,7 +90,7 @@ pub(crate) fn of_pairs(pairs: &[Pair]) -> Result<Matrix, HomographyError> {
         &to.back(),
         &projective::product(&matrix(&h), &from.matrix()),
     );
-    // Points of the plane in one line make a map onto that line.
+    // If the points on the plane are in a line, the result maps onto that line.
     match projective::inverse(&h) {
         Some(_) => Ok(h),
         None => Err(HomographyError::Degenerate),
@@ -131,14 +135,14 @@ fn is_flat([a, b, c]: [[f64; 2]; 3]) -> bool {
     area <= FLAT * longest.fold(0.0, f64::max)
 }
 
-/// A shift and a scale.
+/// Normalization by a shift and a scale.
 struct Normal {
     middle: [f64; 2],
     scale: f64,
 }
 
 impl Normal {
-    /// Such that the points have mean 0 and mean distance √2; `None` if they all lie in one place.
+    /// Normalizes the points to mean 0 and mean distance √2; `None` if all of them coincide.
     fn of(pairs: &[Pair], place: impl Fn(&Pair) -> [f64; 2]) -> Option<Self> {
         let count = pairs.len() as f64;
         let middle = [0, 1].map(|i| pairs.iter().map(|p| place(p)[i]).sum::<f64>() / count);
@@ -173,7 +177,7 @@ impl Normal {
     }
 }
 
-/// The first eight numbers of the matrix whose last is 1.
+/// The matrix with these first eight numbers, whose last is 1.
 fn matrix(h: &[f64; SIZE]) -> Matrix {
     [[h[0], h[1], h[2]], [h[3], h[4], h[5]], [h[6], h[7], 1.0]]
 }
@@ -192,7 +196,7 @@ fn equations(pair: &Pair) -> [([f64; SIZE], f64); 2] {
     ]
 }
 
-/// The solution of the linear equations: exact for four pairs, else the least squares of their residuals.
+/// Solves the linear equations: exactly for four pairs, otherwise by least squares.
 fn start(pairs: &[Pair]) -> Option<[f64; SIZE]> {
     let mut rows = pairs.iter().flat_map(equations);
     let (mut a, mut b) = ([[0.0; SIZE]; SIZE], [0.0; SIZE]);
@@ -218,7 +222,7 @@ fn add_square(a: &mut [[f64; SIZE]; SIZE], b: &mut [f64; SIZE], row: &[f64; SIZE
     }
 }
 
-/// The sum of squared distances on the plane; infinite if a point is not before the horizon.
+/// Sum of squared distances on the plane; infinite if a point is not in front of the horizon.
 fn cost(h: &[f64; SIZE], pairs: &[Pair]) -> f64 {
     let matrix = matrix(h);
     let squares = pairs.iter().map(|pair| {
@@ -230,8 +234,9 @@ fn cost(h: &[f64; SIZE], pairs: &[Pair]) -> f64 {
     squares.sum()
 }
 
-/// Levenberg–Marquardt from `h` to the least squared distances. The sum of squares tells two places apart to the root of a
-/// rounding error only, so the last steps, undamped, go by their own length: each is shorter than the one before.
+/// Minimizes the squared distances by Levenberg–Marquardt from `h`. The sum of squares resolves
+/// positions only to the square root of a rounding error. The last, undamped steps are therefore
+/// judged by their length: each must be shorter than the one before.
 fn refine(mut h: [f64; SIZE], pairs: &[Pair]) -> [f64; SIZE] {
     let mut now = cost(&h, pairs);
     let mut damping = 1e-6;
@@ -266,7 +271,7 @@ fn refine(mut h: [f64; SIZE], pairs: &[Pair]) -> [f64; SIZE] {
     h
 }
 
-/// One damped step of Gauss and Newton.
+/// One damped Gauss–Newton step.
 fn step(h: &[f64; SIZE], pairs: &[Pair], damping: f64) -> Option<[f64; SIZE]> {
     let (mut a, mut b) = ([[0.0; SIZE]; SIZE], [0.0; SIZE]);
     for pair in pairs {
@@ -276,7 +281,7 @@ fn step(h: &[f64; SIZE], pairs: &[Pair], damping: f64) -> Option<[f64; SIZE]> {
             plane_mm: place.point,
             ..*pair
         };
-        // An equation by the depth is the derivative of the distance on the plane.
+        // Dividing an equation by the depth gives the derivative of the distance on the plane.
         for (i, (row, _)) in equations(&at).into_iter().enumerate() {
             let row = row.map(|x| x / depth);
             add_square(&mut a, &mut b, &row, pair.plane_mm[i] - place.point[i]);

@@ -1,36 +1,41 @@
-//! What a lens does to the normalized coordinates of a point (tangents of its angle to the axis), and how that is undone.
+//! The distortion of a point's normalized coordinates (tangents of its angle to the axis) by a
+//! lens, and the inverse.
 //!
-//! **Where a model may be asked.** Far from the middle a polynomial turns round and folds the picture over itself: then several
-//! rays are seen at one pixel, and `cv2.undistortPoints` gives any of them or none. Where the symmetric part of the
-//! derivative is positive definite throughout a convex region, the map is one-to-one there: the way from `f(a)` to `f(b)` then
-//! has a positive component along `b − a`, `(b − a)ᵀ(f(b) − f(a)) = ∫ (b − a)ᵀ J (b − a) > 0`. So a lens is used within the
-//! largest disc about its axis in which that holds, looked for when it is made, and a pixel whose ray would lie outside of it is
-//! refused. For radial distortion that is exactly up to the fold.
+//! **Domain of a model.** Far from the center, a polynomial turns back and folds the image over
+//! itself. Several rays are then seen at one pixel, and `cv2.undistortPoints` returns any of them
+//! or none. If the symmetric part of the derivative is positive definite throughout a convex
+//! region, the map is one-to-one there: the vector from `f(a)` to `f(b)` then has a positive
+//! component along `b − a`, `(b − a)ᵀ(f(b) − f(a)) = ∫ (b − a)ᵀ J (b − a) > 0`. A lens is therefore
+//! used within the largest disc around its axis in which that holds. The disc is determined when
+//! the lens is created, and a pixel whose ray would be outside of it is refused. For radial
+//! distortion, the disc ends exactly at the fold.
 //!
-//! **How it is undone.** By Newton's method from the distorted point, each step shortened until it comes nearer and stays in
-//! the disc, to the last bits.
+//! **Inverse.** Newton's method starts at the distorted point. It shortens each step until it gets
+//! closer and stays in the disc, and converges to the last bits.
 
 use crate::brown::Brown;
 use crate::fisheye::Fisheye;
 use crate::jacobian::{self, IDENTITY, Place, determinant, is_monotone, times};
 
-/// Rays farther from the axis than this are never asked for: their tangent, and so their place on any plane square to the
-/// axis, is out of proportion to anything that is measured.
+/// Maximum angle of a ray to the axis. The tangent of a larger one, and so its place on any plane
+/// perpendicular to the axis, is out of proportion to any measurement.
 const WIDEST_DEG: f64 = 89.0;
-/// Steps of the search for the disc, and directions looked at for each.
+/// Number of rings in the search for the disc, and of directions on each.
 const RINGS: usize = 712;
 const SPOKES: usize = 64;
-/// Steps of Newton's method, and of shortening one, at most: near the fold it takes some 10, elsewhere 3 to 5.
+/// Maximum number of Newton steps, and of halvings of a step. Near the fold it takes about 10
+/// steps, elsewhere 3 to 5.
 const STEPS: usize = 48;
 const HALVINGS: usize = 24;
-/// A normalized coordinate is right when the ray it means is seen this near: 10⁻⁹ px at a focal length of 10 000 px.
+/// Tolerance for the place where the ray of a normalized coordinate is seen: 10⁻⁹ px at a focal
+/// length of 10 000 px.
 const NEAR: f64 = 1e-13;
 
-/// A lens: how it bends, and how far from its axis it may be asked.
+/// A lens: its distortion, and how far from its axis it can be used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     model: Model,
-    /// The radius of the disc in which the model is one-to-one, as a tangent.
+    /// Radius of the disc in which the model is one-to-one, as a tangent.
     widest: f64,
 }
 
@@ -52,9 +57,9 @@ impl Lens {
         widest: f64::INFINITY,
     };
 
-    /// Brown–Conrady, from at most 14 coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ k₄ k₅ k₆ s₁ s₂ s₃ s₄ τₓ τᵧ. Those left out
-    /// are 0. `None` if there are more, if one is not a finite number, or if they leave no region in which the lens is
-    /// one-to-one.
+    /// Creates a Brown–Conrady lens from at most 14 coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃
+    /// k₄ k₅ k₆ s₁ s₂ s₃ s₄ τₓ τᵧ. Missing ones are 0. Returns `None` if there are more, if one is
+    /// not finite, or if they leave no region in which the lens is one-to-one.
     pub fn brown_conrady(coefficients: &[f64]) -> Option<Self> {
         let sound = coefficients.len() <= 14 && coefficients.iter().all(|c| c.is_finite());
         sound.then_some(())?;
@@ -64,7 +69,8 @@ impl Lens {
         Self::of(Model::Brown(Brown::new(coefficients)?))
     }
 
-    /// Kannala–Brandt's fisheye, k₁ to k₄. `None` as for the other.
+    /// Creates a Kannala–Brandt fisheye lens from k₁ to k₄. Returns `None` as
+    /// [`brown_conrady`](Self::brown_conrady) does.
     pub fn fisheye(coefficients: [f64; 4]) -> Option<Self> {
         coefficients.iter().all(|c| c.is_finite()).then_some(())?;
         Self::of(Model::Fisheye(Fisheye(coefficients)))
@@ -72,11 +78,11 @@ impl Lens {
 
     fn of(model: Model) -> Option<Self> {
         let widest = widest(&model);
-        // Less than a degree is no picture.
+        // A field of about a degree is not usable.
         (widest > 0.02).then_some(Self { model, widest })
     }
 
-    /// The model by its name in ROS's `sensor_msgs/CameraInfo`, and its coefficients in OpenCV's order.
+    /// Name of the model in ROS's `sensor_msgs/CameraInfo`, and its coefficients in OpenCV's order.
     pub fn model(&self) -> (&'static str, Vec<f64>) {
         match &self.model {
             Model::Ideal => ("plumb_bob", vec![0.0; 5]),
@@ -94,14 +100,15 @@ impl Lens {
         }
     }
 
-    /// How far from the axis the model may be asked, degrees.
+    /// Maximum angle to the axis at which the model can be used, in degrees.
     pub fn widest_deg(&self) -> f64 {
         libm::atan(self.widest).to_degrees()
     }
 
-    /// Where a ray with these tangents is seen. `None` outside of the disc in which the model is one-to-one.
+    /// Maps the tangents of a ray to the place where it is seen. `None` outside of the disc in
+    /// which the model is one-to-one.
     pub fn distort(&self, ideal: [f64; 2]) -> Option<Place> {
-        // Not `>`: what is not a number is nowhere.
+        // Written with `<=`, so that NaN is refused.
         (libm::hypot(ideal[0], ideal[1]) <= self.widest).then_some(())?;
         match &self.model {
             Model::Ideal => Some(Place::itself(ideal)),
@@ -110,7 +117,8 @@ impl Lens {
         }
     }
 
-    /// The ray that is seen here; with the derivative by where it is seen. `None` where no ray of the disc is.
+    /// Maps a place back to the ray that is seen there, with the derivative by that place. `None`
+    /// if no ray of the disc is seen there.
     pub fn undistort(&self, seen: [f64; 2]) -> Option<Place> {
         seen.iter().all(|c| c.is_finite()).then_some(())?;
         match &self.model {
@@ -135,7 +143,8 @@ impl Lens {
     }
 }
 
-/// The ideal point that the lens bends to `seen`, with the derivative *of the bend* there.
+/// Finds the ideal point that the lens distorts to `seen`. The derivative is *that of the
+/// distortion* there.
 fn newton(brown: &Brown, seen: [f64; 2], widest: f64) -> Option<Place> {
     let away = |p: [f64; 2]| [p[0] - seen[0], p[1] - seen[1]];
     let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
@@ -151,7 +160,7 @@ fn newton(brown: &Brown, seen: [f64; 2], widest: f64) -> Option<Place> {
     let mut miss = away(bent.point);
     for _ in 0..STEPS {
         if length(miss) <= tolerance {
-            // One more step costs little and leaves rounding alone.
+            // One more step costs little and leaves only rounding errors.
             let step = times(&jacobian::inverse(&bent.jacobian), miss);
             let last = [point[0] - step[0], point[1] - step[1]];
             let better = brown
@@ -177,7 +186,8 @@ fn newton(brown: &Brown, seen: [f64; 2], widest: f64) -> Option<Place> {
     None
 }
 
-/// The radius of the largest disc about the axis in which the model is one-to-one, as far as rings and spokes show it.
+/// Radius of the largest disc around the axis in which the model is one-to-one, tested on rings and
+/// spokes.
 fn widest(model: &Model) -> f64 {
     let is_good = |radius: f64| {
         (0..SPOKES).all(|spoke| {

@@ -1,4 +1,4 @@
-//! The whole way from a pixel of a frame to its place on the plane, and back.
+//! Maps a pixel of a frame to its place on the plane, and back.
 
 use crate::camera::Camera;
 use crate::jacobian::{self, Place, determinant};
@@ -6,23 +6,23 @@ use crate::plane::Plane;
 use crate::projective::{self, Matrix};
 use thiserror::Error;
 
-/// Why a calibration is not for these frames.
+/// Why a calibration does not fit the frames.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SizeError {
-    /// The sides have another ratio.
+    /// The aspect ratios differ.
     #[error(
         "it was measured in images of {}×{} pixels and the frames have {}×{}: the sides' ratio differs, so that they show \
          another part of the scene. Calibrate at the frames' size, or run the camera at the calibration's", .own[0], .own[1],
         .frames[0], .frames[1]
     )]
     Aspect {
-        /// Width and height it was measured in.
+        /// Width and height of the images used for calibration.
         own: [u32; 2],
         /// Width and height of the frames.
         frames: [u32; 2],
     },
-    /// The frames show more than the calibration's region.
+    /// The frames are larger than the calibration's region.
     #[error(
         "it is for a region (roi) of {}×{} pixels of the sensor, and the frames of {}×{} pixels are larger: remove roi from the \
          calibration file if the frames show the whole sensor", .region[0], .region[1], .frames[0], .frames[1]
@@ -33,7 +33,7 @@ pub enum SizeError {
         /// Width and height of the frames.
         frames: [u32; 2],
     },
-    /// The principal point is elsewhere.
+    /// The principal point is outside of the frames.
     #[error(
         "its principal point ({:.1}, {:.1}) lies outside of the frames of {}×{} pixels: it is for larger images. Say which by \
          image_width and image_height in the calibration file", .center_px[0], .center_px[1], .frames[0], .frames[1]
@@ -44,7 +44,7 @@ pub enum SizeError {
         /// Width and height of the frames.
         frames: [u32; 2],
     },
-    /// The plane was measured in other pixels.
+    /// The plane was measured in pixels of another calibration.
     #[error(
         "the plane was measured in pixels that another lens calibration had been applied to: measure it again, by `lariat \
          calibrate plane` with this --calibration"
@@ -56,22 +56,22 @@ pub enum SizeError {
          (--calibration FILE)"
     )]
     NoCamera,
-    /// Numbers too large or too small to be turned round.
+    /// Numbers too large or too small to invert.
     #[error("the plane's homography cannot be inverted at the frames' size: measure it again")]
     Singular,
 }
 
-/// Why a pixel has no place.
+/// Why a pixel cannot be mapped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Outside {
-    /// The lens's model folds over there, or ends.
+    /// The lens model folds over or ends there.
     #[error(
         "a point lies where the calibration's lens model is not one-to-one any more (it folds over towards the corners): \
          calibrate with pictures that reach there, or look at the middle only (--roi)"
     )]
     Lens,
-    /// No point of the plane is seen there.
+    /// The pixel shows no point of the plane.
     #[error(
         "a point lies at the horizon of the plane or beyond it, where no table is: look whether the plane's points were \
          taken rightly, or at the table only (--roi)"
@@ -79,17 +79,17 @@ pub enum Outside {
     Horizon,
 }
 
-/// From pixels of frames of one size to the plane, or, without one, to ideal pixels.
+/// Maps pixels of frames of one size to the plane or, without a plane, to ideal pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mapping {
     camera: Option<Camera>,
-    /// To the plane and back.
+    /// Matrices to the plane and back.
     plane: Option<[Matrix; 2]>,
     size: [u32; 2],
 }
 
 impl Mapping {
-    /// For frames of this width and height.
+    /// Creates a mapping for frames of this width and height.
     ///
     /// # Errors
     /// The camera or the plane is for other images.
@@ -116,10 +116,10 @@ impl Mapping {
         self.size
     }
 
-    /// Where what is seen at a pixel lies, and how that moves with the pixel.
+    /// Maps a pixel to its place, with the derivative by the pixel.
     ///
     /// # Errors
-    /// Nowhere.
+    /// The pixel cannot be mapped.
     pub fn place(&self, pixel: [f64; 2]) -> Result<Place, Outside> {
         let ideal = match &self.camera {
             None => Place::itself(pixel),
@@ -135,7 +135,7 @@ impl Mapping {
         })
     }
 
-    /// Where a point is seen; `None` if it is not.
+    /// Maps a place back to its pixel; `None` if it is not visible.
     pub fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         let ideal = match &self.plane {
             None => point,
@@ -147,10 +147,11 @@ impl Mapping {
         }
     }
 
-    /// How long a pixel is there (mm, or ideal pixels): the root of the area that one covers.
+    /// Size of a pixel at its place (mm, or ideal pixels): the square root of the area that it
+    /// covers.
     ///
     /// # Errors
-    /// The pixel has no place.
+    /// The pixel cannot be mapped.
     pub fn unit_per_px(&self, pixel: [f64; 2]) -> Result<f64, Outside> {
         let place = self.place(pixel)?;
         Ok(determinant(&place.jacobian).abs().sqrt())

@@ -1,4 +1,4 @@
-//! The plane that the rope lies on, as a camera without distortion sees it.
+//! The plane on which the rope lies, as a camera without distortion sees it.
 
 use crate::camera::{self, Camera};
 use crate::homography::{self, HomographyError, Pair};
@@ -7,7 +7,7 @@ use crate::projective::{self, Matrix};
 use crate::rotation::{is_rotation, rodrigues};
 use thiserror::Error;
 
-/// Why numbers make no plane.
+/// Why numbers do not describe a plane.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlaneError {
@@ -26,7 +26,7 @@ pub enum PlaneError {
          cv2.Rodrigues do"
     )]
     Rotation,
-    /// The camera lies in the plane.
+    /// The camera is in the plane.
     #[error(
         "the camera would lie in the plane and see it edge-on: look at the translation, which is from the camera to the \
          plane's origin in mm"
@@ -34,21 +34,22 @@ pub enum PlaneError {
     EdgeOn,
 }
 
-/// A plane: where each ideal pixel lies on it, mm.
+/// A plane, which maps ideal pixels to positions on it, in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     to_mm: Matrix,
     size: Option<[u32; 2]>,
-    /// The intrinsics (focal lengths, principal point) of the camera whose lens was taken off the pixels.
+    /// Intrinsics (focal lengths, principal point) of the camera whose distortion was removed from
+    /// the pixels.
     undistorted_by: Option<[f64; 4]>,
 }
 
 impl Plane {
-    /// By the matrix that takes ideal pixels (x, y, 1) to millimetres; its third coordinate is positive on the visible
-    /// side of the plane's horizon.
+    /// Creates a plane from the matrix that maps ideal pixels (x, y, 1) to millimeters. Its third
+    /// coordinate must be positive on the visible side of the plane's horizon.
     ///
     /// # Errors
-    /// It has no inverse.
+    /// The matrix is not invertible.
     pub fn from_homography(matrix: [[f64; 3]; 3]) -> Result<Self, PlaneError> {
         if !matrix.as_flattened().iter().all(|x| x.is_finite()) {
             return Err(PlaneError::NotFinite);
@@ -61,10 +62,10 @@ impl Plane {
         })
     }
 
-    /// By points as they are seen, in ideal pixels, and where they are.
+    /// Creates a plane from points in the image, in ideal pixels, and their positions on the plane.
     ///
     /// # Errors
-    /// They do not determine it.
+    /// The points do not determine a plane.
     pub fn from_pairs(pairs: &[Pair]) -> Result<Self, HomographyError> {
         Ok(Self {
             to_mm: homography::of_pairs(pairs)?,
@@ -73,12 +74,13 @@ impl Plane {
         })
     }
 
-    /// By where it stands before the camera: a point (X, Y) of it is at `R (X, Y, 0) + t` in the camera's frame (x right,
-    /// y down, z ahead), with `R` of the vector of Rodrigues `rotation`, radians, and `t` in mm: what `cv2.solvePnP` gives
-    /// for points of a board that lies in it.
+    /// Creates a plane from its pose in front of the camera. A point (X, Y) on it is at `R (X, Y,
+    /// 0) + t` in the camera's frame (x right, y down, z ahead). `R` is given by the Rodrigues
+    /// vector `rotation`, in radians, and `t` is in mm. `cv2.solvePnP` returns both for points of a
+    /// board that lies in the plane.
     ///
     /// # Errors
-    /// The camera sees it edge-on.
+    /// The camera sees the plane edge-on.
     pub fn from_pose(
         rotation: [f64; 3],
         translation_mm: [f64; 3],
@@ -90,10 +92,10 @@ impl Plane {
         Self::from_rotation(rodrigues(rotation), translation_mm, camera)
     }
 
-    /// As [`from_pose`](Self::from_pose), with the rotation as a matrix.
+    /// Same as [`from_pose`](Self::from_pose), with the rotation as a matrix.
     ///
     /// # Errors
-    /// It is no rotation, or the camera sees the plane edge-on.
+    /// The matrix is not a rotation, or the camera sees the plane edge-on.
     pub fn from_rotation(
         r: [[f64; 3]; 3],
         t: [f64; 3],
@@ -123,7 +125,7 @@ impl Plane {
         })
     }
 
-    /// The same, known to be for images of this size.
+    /// Declares that the plane was measured in images of this size.
     pub fn in_images_of(self, size: [u32; 2]) -> Self {
         Self {
             size: Some(size),
@@ -131,7 +133,8 @@ impl Plane {
         }
     }
 
-    /// The same, known to be for pixels that this camera's lens was taken off.
+    /// Declares that this camera's distortion was removed from the pixels in which the plane was
+    /// measured.
     pub fn undistorted_by(self, intrinsics: [f64; 4]) -> Self {
         Self {
             undistorted_by: Some(intrinsics),
@@ -144,21 +147,22 @@ impl Plane {
         self.to_mm
     }
 
-    /// Whether its pixels are those of this camera (or of none, as they are seen).
+    /// Returns whether the plane fits this camera: the distortion removed from its pixels was this
+    /// camera's, or none was removed.
     pub(crate) fn is_of(&self, camera: Option<&Camera>) -> bool {
         match (self.undistorted_by, camera) {
             (None, _) => true,
             (Some(_), None) => false,
             (Some(own), Some(camera)) => {
                 let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
-                // Files hold some digits fewer than numbers do.
+                // Files contain slightly fewer digits than numbers have.
                 (own.iter().zip([fx, fy, cx, cy]))
                     .all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b.abs()))
             }
         }
     }
 
-    /// Its matrix, and the inverse, in images of this size.
+    /// The matrix and its inverse, for images of this size.
     pub(crate) fn maps(&self, frames: [u32; 2]) -> Result<[Matrix; 2], SizeError> {
         let mut to_mm = self.to_mm;
         if let Some(own) = self.size {

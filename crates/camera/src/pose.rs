@@ -1,11 +1,11 @@
-//! Where one frame of coordinates stands in another.
+//! The pose of one coordinate frame in another.
 
 use crate::calibration::{self, CalibrationError};
 use crate::document::{self, Node};
 use crate::rotation::is_rotation;
 use thiserror::Error;
 
-/// Why numbers make no pose.
+/// Why numbers are not a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PoseError {
@@ -19,18 +19,20 @@ pub enum PoseError {
     Translation,
 }
 
-/// The least distance of a camera from the frame of a robot or a table, mm. It is the shortest working distance of a lens, and
-/// lengths in metres that are read as millimetres are below it within 10 m.
+/// Minimum distance of a camera from the frame of a robot or a table, mm. It is the shortest
+/// working distance of a lens. Lengths in meters that are read as millimeters are below it up to 10
+/// m.
 pub const LEAST_MM: f64 = 10.0;
-/// The least distance of a depth camera from its colour camera, if they are not one: housings are below 1 m, as numbers below this.
+/// Minimum distance between a depth camera and its color camera, mm, unless they coincide. A
+/// housing is shorter than 1 m, so that its length in meters is below this.
 pub(crate) const LEAST_BESIDE_MM: f64 = 1.0;
-/// Shifts up to here are the same to every rope, mm: a micrometre.
+/// Shifts up to this are negligible for every rope, mm: a micrometer.
 const NONE_MM: f64 = 1e-3;
 
-/// A shift that may be in millimetres.
+/// Checks that a shift can be in millimeters.
 ///
 /// # Errors
-/// It is too short: more likely metres.
+/// It is too short, and more likely in meters.
 fn in_plausible_mm(
     key: &str,
     shift: [f64; 3],
@@ -49,7 +51,7 @@ fn in_plausible_mm(
     Ok(shift)
 }
 
-/// A turn and a shift: of points of one frame to another.
+/// A rotation and a translation of points from one frame to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     rotation: [[f64; 3]; 3],
@@ -57,16 +59,17 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The two frames are one.
+    /// The pose of two frames that coincide.
     pub const SAME: Self = Self {
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
     };
 
-    /// A point `p` goes to `rotation p + translation_mm`, the rotation's rows one by one.
+    /// Creates the pose that maps a point `p` to `rotation p + translation_mm`. The rotation is
+    /// given by rows.
     ///
     /// # Errors
-    /// The first is no rotation, or the second not below 100 m.
+    /// `rotation` is not a rotation, or the translation is not below 100 m.
     pub fn new(rotation: [[f64; 3]; 3], translation_mm: [f64; 3]) -> Result<Self, PoseError> {
         if !is_rotation(&rotation) {
             return Err(PoseError::Rotation);
@@ -80,11 +83,12 @@ impl Pose {
         })
     }
 
-    /// Reads the pose of a camera before the robot, of YAML: `rotation`, nine numbers row by row or a quaternion x, y, z, w, and
-    /// `translation_mm`, three numbers, or `translation_m`.
+    /// Reads the pose of a camera relative to the robot from YAML. The keys are `rotation`, nine
+    /// numbers row by row or a quaternion x, y, z, w, and `translation_mm`, three numbers, or
+    /// `translation_m`.
     ///
     /// # Errors
-    /// It has no such keys, or they say what cannot be.
+    /// The keys are missing, or their values are invalid.
     pub fn from_yaml(text: &str) -> Result<Self, CalibrationError> {
         let file = document::read(text)?;
         Self::read(&file, LEAST_MM)?.ok_or(CalibrationError::Missing(
@@ -93,7 +97,8 @@ impl Pose {
         ))
     }
 
-    /// Reads the pose of a file; `None` without one. A shift of less than `least_mm` under `translation_mm` is refused as metres.
+    /// Reads the pose of a file, if there is one. A `translation_mm` shorter than `least_mm` is
+    /// refused as being in meters.
     pub(crate) fn read(file: &Node, least_mm: f64) -> Result<Option<Self>, CalibrationError> {
         let rotation = calibration::find(file, &["rotation"]);
         let in_mm = calibration::find(file, &["translationmm"]);
@@ -136,7 +141,7 @@ impl Pose {
         }
     }
 
-    /// The way back.
+    /// Returns the inverse pose.
     pub fn inverse(&self) -> Self {
         let back = [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.rotation[j][i]));
         Self {
@@ -145,18 +150,18 @@ impl Pose {
         }
     }
 
-    /// Where a point is in the other frame, mm.
+    /// Transforms a point to the other frame, mm.
     pub fn point(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| dot(self.rotation[k], point) + self.translation[k])
     }
 
-    /// A direction, or a velocity, in the other frame.
+    /// Rotates a direction, or a velocity, to the other frame.
     pub fn way(&self, way: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.rotation;
         [dot(x, way), dot(y, way), dot(z, way)]
     }
 
-    /// Its shift, mm.
+    /// The translation, mm.
     pub(crate) fn translation_mm(&self) -> [f64; 3] {
         self.translation
     }

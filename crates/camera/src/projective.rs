@@ -1,12 +1,12 @@
-//! A projective map of the plane, `(x, y, 1) → H (x, y, 1)`, for as far as what it maps lies before its horizon.
+//! A projective map of the plane, `(x, y, 1) → H (x, y, 1)`, for points in front of its horizon.
 
 use crate::jacobian::Place;
 
-/// Three rows of a 3×3 matrix.
+/// A 3×3 matrix as three rows.
 pub(crate) type Matrix = [[f64; 3]; 3];
 
-/// The image of a point and its derivative; `None` on the horizon of `h` and beyond it, where the third homogeneous
-/// coordinate is not positive.
+/// Maps a point, with the derivative. `None` on or beyond the horizon of `h`, where the third
+/// homogeneous coordinate is not positive.
 pub(crate) fn map(h: &Matrix, [x, y]: [f64; 2]) -> Option<Place> {
     let [u, v, w] = h.map(|row| row[0] * x + row[1] * y + row[2]);
     let point = [u / w, v / w];
@@ -21,7 +21,8 @@ pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     a.map(|row| [0, 1, 2].map(|j| (0..3).map(|k| row[k] * b[k][j]).sum()))
 }
 
-/// The inverse up to a positive factor: the adjugate, with the determinant's sign. `None` for a matrix without one.
+/// Inverse up to a positive factor: the adjugate, with the determinant's sign. `None` if `m` is
+/// singular.
 pub(crate) fn inverse(m: &Matrix) -> Option<Matrix> {
     let cofactor = |i: usize, j: usize| {
         let [a, b] = [(i + 1) % 3, (i + 2) % 3];

@@ -1,11 +1,11 @@
-//! Rotations: a vector of Rodrigues as a matrix, and whether a matrix is one.
+//! Rotations: converts a Rodrigues vector to a matrix, and tests whether a matrix is a rotation.
 
 use crate::projective::Matrix;
 
-/// How far a rotation's columns may be from orthonormal: files hold six digits and more.
+/// Maximum deviation of a rotation's columns from orthonormal. Files have six digits or more.
 const ORTHONORMAL: f64 = 1e-4;
 
-/// The rotation about `r` by its length, radians (Rodrigues; OpenCV's `rvec`).
+/// Returns the rotation about `r` by its length in radians (Rodrigues; OpenCV's `rvec`).
 pub(crate) fn rodrigues(r: [f64; 3]) -> Matrix {
     let angle = r.iter().map(|c| c * c).sum::<f64>().sqrt();
     // The limits for small angles: sin(a)/a and (1 − cos a)/a².
@@ -26,7 +26,7 @@ pub(crate) fn rodrigues(r: [f64; 3]) -> Matrix {
     })
 }
 
-/// Whether it turns and does nothing else.
+/// Returns whether a matrix is a rotation.
 pub(crate) fn is_rotation(m: &Matrix) -> bool {
     let dot = |a: usize, b: usize| (0..3).map(|k| m[k][a] * m[k][b]).sum::<f64>();
     let orthonormal = (0..3)

@@ -1,14 +1,16 @@
-//! Eight linear equations in eight unknowns.
+//! Solves eight linear equations in eight unknowns.
 
 pub(crate) const SIZE: usize = 8;
 
-/// Below this share of the largest number of its row a pivot is rounding's: the points do not determine a homography.
+/// Smallest pivot, as a share of the largest number in its row. A smaller one is a rounding error:
+/// the points do not determine a homography.
 const LEAST_PIVOT: f64 = 1e-11;
 
-/// The `x` of `a x = b`, by elimination with scaled partial pivoting; `None` if `a` is singular but for rounding.
+/// Solves `a x = b` by elimination with scaled partial pivoting; `None` if `a` is singular except
+/// for rounding.
 pub(crate) fn solve(mut a: [[f64; SIZE]; SIZE], mut b: [f64; SIZE]) -> Option<[f64; SIZE]> {
     let largest = |row: &[f64; SIZE]| row.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    // Rows of one size, so that pivots can be compared.
+    // Scales the rows alike, so that pivots can be compared.
     for (row, right) in a.iter_mut().zip(&mut b) {
         let scale = largest(row);
         let sound = scale.is_finite() && scale > 0.0;

@@ -1,4 +1,5 @@
-//! A rope as a camera sees it, and its points in space: what a depth image and a second view share.
+//! A rope as a camera sees it, and its points in 3-D. Depth images and second views share these
+//! types.
 
 mod ends;
 pub(crate) mod sight;
@@ -6,51 +7,54 @@ pub(crate) mod sight;
 pub(crate) use ends::cut_ends;
 pub(crate) use sight::Sight;
 
-/// A rope in a colour image.
+/// A rope in a color image.
 #[derive(Debug, Clone, Copy)]
 pub struct SeenRope<'a> {
-    /// Points of its centerline in their order, px.
+    /// Points of its centerline in order, px.
     pub points: &'a [[f32; 2]],
-    /// Its width at each, px.
+    /// Width at each point, px.
     pub widths_px: &'a [f32],
-    /// Whether something else is seen at each of them: another strand, or a hand.
+    /// True at each point where another object is visible instead: another strand, or a hand.
     pub hidden: &'a [bool],
-    /// Whether the first comes after the last.
+    /// True if the first point follows the last.
     pub closed: bool,
-    /// Whether its first and its last end are seen: not where it leaves the image, or goes on under something.
+    /// True for the first and the last end if it is visible. False if the rope leaves the image
+    /// there or continues under something.
     pub ends: [bool; 2],
 }
 
 impl SeenRope<'_> {
-    /// Whether it has 8 points or more, each with its width and whether it is hidden.
+    /// Returns whether it has 8 or more points, each with a width and a hidden flag.
     pub(crate) fn is_whole(&self) -> bool {
         let count = self.points.len();
         count >= 8 && self.widths_px.len() == count && self.hidden.len() == count
     }
 }
 
-/// A point of a rope's axis in space, in the colour camera's frame: x right, y down, z ahead, mm.
+/// A point of a rope's axis in 3-D, in the color camera's frame: x right, y down, z ahead, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SpacePoint {
-    /// Where it is.
+    /// Position of the point.
     pub point: [f64; 3],
-    /// Its derivative by the pixel, mm/px, as far as an error of the pixel is not in `variance`.
+    /// Derivative by the pixel, mm/px, for the pixel errors that are not in `variance`.
     pub by_pixel: [[f64; 2]; 3],
-    /// Its derivative by the depth: along the ray.
+    /// Derivative by the depth, which is along the ray.
     pub ray: [f64; 3],
-    /// The variance of the depth, mm².
+    /// Variance of the depth, mm².
     pub variance: f64,
-    /// The share of that variance which its neighbors have in common with it: 0 where it was measured by itself, 1 where it was bridged.
+    /// Share of that variance that is common to neighboring points: 0 if the point was measured by
+    /// itself, 1 if it was bridged.
     pub in_common: f64,
-    /// Whether it was measured here; otherwise it is bridged from where it was.
+    /// True if the point was measured; otherwise it is bridged from measured points.
     pub is_measured: bool,
-    /// How far beside the rope the pixel may be, px, as its neighbors are, too: as a depth image shows the rope there to one side of
-    /// it, or not at all, or as light falls on one side of it.
+    /// Possible offset of the pixel from the rope, px, common to neighboring points. The cause is
+    /// light from one side, or a depth image that shows the rope to one side of the pixel or not at
+    /// all.
     pub doubt_px: f64,
-    /// And how far its depth is off then, mm, as its neighbors' are, too.
+    /// Resulting error of the depth, mm, also common to neighboring points.
     pub doubt_mm: f64,
-    /// The rope's width there, mm.
+    /// Width of the rope at the point, mm.
     pub width_mm: f64,
 }
 

@@ -2,13 +2,18 @@
 
     python3 crates/camera/tests/opencv.py > crates/camera/tests/opencv.json
 
-Made with Python 3.11.7, NumPy 2.4.6, SciPy 1.17.1, OpenCV 5.0.0
-(opencv-python). `lenses`: for cameras of each number of coefficients, ideal
-pixels, where cv2.projectPoints (or cv2.fisheye.distortPoints) sees them, and what cv2.undistortPoints (or its fisheye twin),
-iterated to 1e-15, makes of that again; the camera as cv2.FileStorage wrote it. `homographies`: noisy pairs of points,
-cv2.findHomography with method 0, and cv2.perspectiveTransform of further points; and, as OpenCV stops some 10⁻⁶ mm short of the
-least squares where there are more than four pairs, the same by SciPy's least_squares begun there (`least`). `poses`: points of a plane, and where
-cv2.projectPoints sees them without distortion.
+Made with Python 3.11.7, NumPy 2.4.6, SciPy 1.17.1, OpenCV 5.0.0 (opencv-python).
+
+`lenses`: for a camera of each number of coefficients, `yaml` is the camera as cv2.FileStorage wrote
+it, and `ideal` are ideal pixels. `seen` is where cv2.projectPoints (or cv2.fisheye.distortPoints) maps
+them, and `back` is what cv2.undistortPoints (or its fisheye counterpart), iterated to 1e-15, makes of
+that.
+
+`homographies`: noisy pairs of points, the result of cv2.findHomography with method 0, and that of
+cv2.perspectiveTransform for further points (`lies`). With more than four pairs, OpenCV stops about
+10⁻⁶ mm short of the least squares, so SciPy's least_squares continues from there (`least`).
+
+`poses`: points of a plane, and where cv2.projectPoints maps them without distortion.
 """
 
 import json
@@ -67,13 +72,14 @@ def homography(count, noise_mm):
     pixels = np.concatenate([corners, inner])[:count]
     plane = cv2.perspectiveTransform(pixels.reshape(-1, 1, 2), true).reshape(-1, 2)
     plane = plane + rng.normal(0, noise_mm, plane.shape)
-    # OpenCV takes the pairs as float32: numbers that are the same in both.
+    # OpenCV converts the pairs to float32, in which these numbers are exact too.
     pixels, plane = (np.round(64 * numbers) / 64 for numbers in (pixels, plane))
     found, _ = cv2.findHomography(pixels, plane, 0)
     asked = rng.uniform([0, 0], [640, 480], (20, 2))
 
     def lies(numbers, points):
-        # Pixels by 300: numbers of one size, for the solver's differences.
+        # Pixels divided by 300, so that all numbers have similar sizes for the solver's
+        # differences.
         mapped = np.c_[points / 300, np.ones(len(points))] @ np.append(numbers, 1).reshape(3, 3).T
         return mapped[:, :2] / mapped[:, 2:]
 

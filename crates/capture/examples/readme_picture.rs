@@ -1,12 +1,12 @@
-//! Draws the README's picture: `readme_picture FILE.png`. A frame of a rendered rope in which it crosses itself, small
-//! and without noise, so that the file is small too.
+//! Draws the README's picture: `readme_picture FILE.png`. It is one frame of a rendered rope that
+//! crosses itself, small and without noise so that the file is small too.
 
 use std::error::Error;
 
 use image::RgbImage;
 use lariat_capture::{RenderOptions, Source, open};
 
-/// A rope and a moment that show a crossing.
+/// A rope, and a moment at which it crosses itself.
 const SEED: u64 = 2;
 const MOMENT_S: f64 = 7.0;
 
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         width: 480,
         height: 360,
         noise: 0.0,
-        // The first frame is at 0 s, the second at the moment.
+        // The first frame is at 0 s, the second at that moment.
         frame_interval_s: MOMENT_S,
         ..RenderOptions::default()
     }))?;

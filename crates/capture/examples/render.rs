@@ -1,5 +1,5 @@
-//! Looks at the rendered rope: `render DIR [SEED]` writes frames over 20 s as PNGs and all of them on one sheet,
-//! `render --time` prints what a frame costs.
+//! Shows the rendered rope: `render DIR [SEED]` writes frames over 20 s as PNGs, and all of them on
+//! one sheet. `render --time` prints the time per frame.
 
 use std::error::Error;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn rendered(options: RenderOptions) -> Result<Box<dyn FrameSource>, Box<dyn Erro
     Ok(open(&Source::Rendered(options))?)
 }
 
-/// Every second of 20 s as a file, and all of them at half the size on a sheet of 4 × 5.
+/// Writes a file for every second of 20 s, and all of them at half the size on a sheet of 4 × 5.
 fn sheet(folder: &Path, seed: u64) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let mut source = rendered(RenderOptions {
@@ -50,7 +50,7 @@ fn sheet(folder: &Path, seed: u64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Medians of 2000 frames, in microseconds.
+/// Prints medians of 2000 frames, in microseconds.
 fn time() -> Result<(), Box<dyn Error>> {
     let mut source = rendered(RenderOptions::default())?;
     let mut pixels = vec![0; source.largest_frame_bytes()];

@@ -1,7 +1,8 @@
-//! Decodes ahead: a thread keeps a few frames ready, so that none is decoded at the moment it is due.
+//! Decodes ahead: a thread keeps a few frames ready, so that none is decoded at the moment it is
+//! due.
 //!
-//! It decodes into the slots it is lent; where it is lent none, into buffers of its own that go round: thread → frame in
-//! use → thread. A small set that is shown again and again is decoded once and kept.
+//! The thread decodes into the slots it is lent. If it is lent none, it uses its own buffers, which
+//! circulate between the thread and the frame in use. A small looped set is decoded once and kept.
 
 mod clock;
 mod thread;
@@ -18,16 +19,16 @@ use crate::until::Until;
 use clock::OwnClock;
 use thread::{Room, decode_ahead};
 
-/// Frames that wait decoded.
+/// Number of decoded frames that wait.
 const AHEAD: usize = 3;
-/// Buffers that go round: those, one in use and one in the making.
+/// Number of own buffers: the waiting ones, one in use and one being decoded.
 const OWN: usize = AHEAD + 2;
-/// Slots that are lent: one is on its way, and one is in the making.
+/// Number of slots that are lent: the waiting ones and one being decoded.
 const LENT: usize = AHEAD + 1;
-/// A looped set is kept if it is no larger decoded.
+/// Maximum decoded size of a looped set that is kept.
 pub(crate) const KEPT_BYTES: u64 = 64 << 20;
 
-/// A frame's geometry, not yet numbered.
+/// A frame's geometry, without its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub(crate) width: u32,
@@ -60,50 +61,51 @@ impl Layout {
     }
 }
 
-/// One try at the next frame.
+/// Outcome of one attempt at the next frame.
 pub(crate) enum Step {
-    /// It is decoded.
+    /// A frame was decoded.
     Decoded(Layout),
-    /// It is decoded, and was numbered and timed when it was recorded.
+    /// A frame was decoded, with the number and time from its recording.
     Recorded(Layout, Moment),
-    /// There was one, and it is lost: a sentence that says why.
+    /// A frame was lost; the sentence says why.
     Lost(String),
-    /// Something is wrong, of which the numbers tell how many frames it cost: a sentence.
+    /// An error; the frame numbers show how many frames it cost. The text is a sentence.
     Wrong(String),
-    /// Worth knowing, and nothing is lost: a sentence.
+    /// A sentence worth reporting; nothing is lost.
     News(String),
-    /// The pass is over: what was wrong with the end of it, if anything was.
+    /// The pass has ended, with a sentence if its end is damaged.
     End(Option<String>),
 }
 
-/// Which of a pass's frames it is, and when.
+/// Number and time of a frame within its pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Moment {
-    /// From 1; a gap is a loss.
+    /// Number from 1; a gap is a loss.
     pub(crate) number: u64,
-    /// How long after the pass's first frame, in nanoseconds: more than that of the frame before.
+    /// Time since the first frame of the pass, in nanoseconds. It increases from frame to frame.
     pub(crate) after_ns: u64,
 }
 
-/// What turns files into frames.
+/// Turns files into frames.
 pub(crate) trait Decode: Send + 'static {
-    /// Goes (back) to the first frame.
+    /// Moves (back) to the first frame.
     fn rewind(&mut self) -> Result<(), SourceError>;
 
-    /// Decodes the next frame into the beginning of `pixels`, which has room for the largest.
+    /// Decodes the next frame into the start of `pixels`, which has room for the largest one.
     fn decode(&mut self, pixels: &mut [u8]) -> Step;
 
-    /// Fills in the truth of the frame just decoded, as [`FrameSource::truth`] does; `false` if it is not known.
+    /// Fills in the truth of the frame just decoded, as [`FrameSource::truth`] does. Returns
+    /// `false` if it is unknown.
     fn truth(&mut self, _truth: &mut Centerlines) -> bool {
         false
     }
 
-    /// A sentence on the frame just decoded that is worth knowing and not wrong.
+    /// Returns a sentence about the frame just decoded that is not an error.
     fn take_news(&mut self) -> Option<String> {
         None
     }
 
-    /// Why a pass had no frame and nothing was wrong.
+    /// Reason for an empty pass in which nothing failed.
     fn nothing(&self) -> SourceError {
         SourceError::NothingDecoded {
             reason: "there is none".to_owned(),
@@ -111,15 +113,15 @@ pub(crate) trait Decode: Send + 'static {
     }
 }
 
-/// What is known of a set of frames before the first.
+/// Properties of a set of frames that are known before the first.
 pub(crate) struct Plan {
     pub(crate) kind: SourceKind,
     pub(crate) largest_frame_bytes: usize,
     pub(crate) native_fps: Option<f64>,
     pub(crate) looped: bool,
-    /// Whether the truth of its frames is known.
+    /// True if the truth of its frames is known.
     pub(crate) has_truth: bool,
-    /// Decoded bytes of the whole set.
+    /// Size of the whole set when decoded, in bytes.
     pub(crate) total_bytes: u64,
     pub(crate) warnings: Vec<String>,
     pub(crate) news: Option<String>,
@@ -128,7 +130,7 @@ pub(crate) struct Plan {
 /// Memory that a frame is decoded into.
 struct Buffer {
     pixels: Memory,
-    /// None where there is none to be known.
+    /// `None` if the source knows no truth.
     truth: Option<Box<Truth>>,
 }
 
@@ -154,9 +156,9 @@ impl Buffer {
 
 struct Picture {
     frame: Frame,
-    /// How long after its pass's first frame it was, if that is known.
+    /// Time since the first frame of its pass, if known.
     after_ns: Option<u64>,
-    /// None where the frame says which slot it is in.
+    /// Empty if the frame is in a slot.
     pixels: Vec<u8>,
     truth: Option<Box<Truth>>,
 }
@@ -165,7 +167,7 @@ enum Message {
     Decoded(Frame, Option<u64>, Buffer),
     Warning(String),
     News(String),
-    /// All is decoded; so many sequence numbers were used.
+    /// All frames are decoded; contains the number of sequence numbers used.
     End(u64),
     Failed(SourceError),
 }
@@ -173,35 +175,35 @@ enum Message {
 /// A source whose frames are decoded ahead.
 pub(crate) struct Ahead {
     plan: Plan,
-    /// Both are none once the source is dropped.
+    /// `None` once the source is dropped, as is `spare`.
     ready: Option<Receiver<Message>>,
     spare: Option<Sender<Buffer>>,
     decoder: Option<JoinHandle<()>>,
     warnings: VecDeque<String>,
     news: VecDeque<String>,
-    /// Whether all pictures are held, to be shown again; else only the one in use.
+    /// True if all pictures are held, to be shown again; otherwise only the current one is.
     keeps: bool,
     held: Vec<Picture>,
     current: usize,
-    /// Whether the first frame is held and not yet shown.
+    /// True if the first frame is held and not yet shown.
     is_primed: bool,
-    /// Whether there are buffers to decode the others into.
+    /// True if there are buffers to decode the other frames into.
     is_supplied: bool,
-    /// How many sequence numbers a round has, once the thread has ended.
+    /// Number of sequence numbers in a round, once the thread has ended.
     round: Option<u64>,
     rounds: u64,
     clock: OwnClock,
-    /// Room for truths that is in no buffer.
+    /// Spare truth buffers.
     spare_truths: Vec<Box<Truth>>,
     has_ended: bool,
 }
 
 impl Ahead {
-    /// Decodes the first frame, so that what cannot be decoded at all is known before it is due; the others are begun
-    /// with when it is known where they belong.
+    /// Decodes the first frame, so that a set that cannot be decoded is known before a frame is
+    /// due. The others follow once there are buffers for them.
     pub(crate) fn start(decoder: impl Decode, plan: Plan) -> Result<Self, SourceError> {
         let (ready_in, ready) = bounded(AHEAD);
-        // Never full: all buffers there are.
+        // Never full: it holds all buffers that exist.
         let (spare, spare_out) = bounded(OWN + LENT);
         let keeps = plan.looped && plan.total_bytes <= KEPT_BYTES;
         let again = plan.looped && !keeps;
@@ -237,7 +239,7 @@ impl Ahead {
         Ok(source)
     }
 
-    /// Gives the thread a buffer to decode into. If it has ended there is no use for it.
+    /// Gives the thread a buffer to decode into, unless the thread has ended.
     fn supply(&mut self, pixels: Memory) {
         let none = || {
             Box::new(Truth {
@@ -252,7 +254,7 @@ impl Ahead {
         }
     }
 
-    /// Makes the next picture the current one; `false` at the end.
+    /// Makes the next picture the current one. Returns `false` at the end.
     fn turn(&mut self) -> Result<bool, SourceError> {
         while self.round.is_none() {
             match self.ready.as_ref().and_then(|ready| ready.recv().ok()) {
@@ -334,7 +336,7 @@ impl FrameSource for Ahead {
     }
 
     fn slots_wanted(&self) -> usize {
-        // What is kept is copied each time it is shown.
+        // Kept pictures are copied each time they are shown.
         if self.keeps { 0 } else { LENT }
     }
 
@@ -371,7 +373,7 @@ impl FrameSource for Ahead {
         let until = Until::forever();
         while let Next::Frame(frame) = self.advance(&until)? {
             if frame.sequence > sequence {
-                // It is shown when it is asked for.
+                // This frame is shown at the next call.
                 self.is_primed = true;
                 break;
             }
@@ -418,11 +420,12 @@ impl FrameSource for Ahead {
 }
 
 impl Drop for Ahead {
-    /// Lets go of what it was lent: the thread ends at its next message, and it may be decoding into a slot until then.
+    /// Waits until the thread has released its slots. It ends at its next message, and may write
+    /// into a slot until then.
     fn drop(&mut self) {
         (self.ready, self.spare) = (None, None);
         if let Some(decoder) = self.decoder.take() {
-            // That it broke off was told where its frames were missing.
+            // A panic was already reported where its frames were missing.
             let _ = decoder.join();
         }
     }

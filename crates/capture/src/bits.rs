@@ -1,21 +1,23 @@
-//! Samples of fewer than 16 bits in numbers of 16.
+//! Samples of fewer than 16 bits, stored in 16.
 //!
-//! Cameras of 10 and 12 bits write their samples into the low bits of 16. No file format says so: the largest sample of
-//! the first picture tells, and what was concluded is reported.
+//! Cameras with 10 and 12 bits store a sample in the low bits of 16. No file format records that.
+//! The number of bits is inferred from the largest sample of the first picture, and reported.
 
-/// The number of bits in the samples of a source.
+/// Number of bits in a source's samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Bits {
     /// 0 until a sample is not 0.
     count: u32,
 }
 
-/// The numbers of low bits that are recognised. Not 14: an underexposed picture in full range has no larger samples.
+/// Recognized numbers of low bits. 14 is missing, because the samples of an underexposed picture in
+/// full range may all fit into 14 bits.
 const NARROW: [u32; 3] = [8, 10, 12];
 const ALL: u32 = 16;
 
 impl Bits {
-    /// Looks at the largest sample of a picture; a sentence where it changes what samples mean.
+    /// Takes note of the largest sample of a picture. Returns a sentence if that changes the number
+    /// of bits.
     pub(crate) fn see(&mut self, largest: u16) -> Option<String> {
         let fits = |bits: &u32| u32::from(largest) < 1 << bits;
         let count = NARROW.into_iter().find(fits).unwrap_or(ALL);
@@ -35,15 +37,15 @@ impl Bits {
         }
     }
 
-    /// A sample as one of 16 bits: that of white is 65535.
+    /// Scales a sample to 16 bits, where white is 65535.
     pub(crate) fn widen(self, sample: u16) -> u16 {
         let count = if self.count == 0 { ALL } else { self.count };
         let white = (1u32 << count) - 1;
-        // No overflow: both are less than 2¹⁶.
+        // No overflow: both factors are less than 2¹⁶.
         ((u32::from(sample).min(white) * 65535 + white / 2) / white) as u16
     }
 
-    /// Widens 16-bit samples in the machine's own order in place.
+    /// Widens native-endian 16-bit samples in place.
     pub(crate) fn widen_all(self, bytes: &mut [u8]) {
         if matches!(self.count, 0 | ALL) {
             return;
@@ -54,7 +56,7 @@ impl Bits {
     }
 }
 
-/// The largest of 16-bit samples in the machine's own order.
+/// Returns the largest of native-endian 16-bit samples.
 pub(crate) fn largest(bytes: &[u8]) -> u16 {
     let samples = bytes.as_chunks::<2>().0.iter();
     samples

@@ -1,37 +1,40 @@
-//! From the limited range of video to the full range of frames that travel.
+//! Expands the limited range of video to full range.
 //!
-//! In limited range (ITU-R BT.601 and BT.709) black is 16, white 235, and U and V reach from 16 to 240. Frames travel in
-//! full range, 0 to 255, as extraction, recordings and pictures have them: a limited source is expanded where it is read, so
-//! that its colours are those of a picture of the same scene.
+//! In limited range (ITU-R BT.601 and BT.709) black is 16, white is 235, and U and V range from 16
+//! to
+//! 240. The pipeline uses full range, 0 to 255, as do recordings and pictures. A limited source is
+//!      expanded where it is read, so that its colors match those of a picture of the same scene.
 
 use lariat_message::PixelFormat;
 
-/// The levels that a source uses.
+/// Range of levels that a source uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum ColorRange {
     /// 16 to 235, and 16 to 240 for U and V.
     Limited,
-    /// All.
+    /// 0 to 255.
     #[default]
     Full,
 }
 
-/// A level of brightness in full range: 255 / 219 ≈ 149 / 128 of its distance from black. At most 0.6 off the exact value.
+/// Expands a luma level to full range: 255 / 219 ≈ 149 / 128 times its distance from black. The
+/// error is at most 0.6.
 fn luma(level: u8) -> u8 {
     let expanded = (u16::from(level.saturating_sub(16)) * 149 + 64) >> 7;
     expanded.min(255) as u8
 }
 
-/// A level of U or V in full range: 255 / 224 ≈ 146 / 128 of its distance from 128. At most 0.8 off the exact value.
+/// Expands a level of U or V to full range: 255 / 224 ≈ 146 / 128 times its distance from 128. The
+/// error is at most 0.8.
 fn chroma(level: u8) -> u8 {
-    // The product exceeds the result by 128 · 146 / 128 − 128 = 18; half a level is added for rounding.
+    // The product exceeds the result by 128 · 146 / 128 − 128 = 18. Half a level is for rounding.
     const OFF: u16 = 18 * 128 - 64;
     let expanded = (u16::from(level) * 146).saturating_sub(OFF) >> 7;
     expanded.min(255) as u8
 }
 
 impl ColorRange {
-    /// Brings an image of one of the YUV formats into full range; others are left as they are.
+    /// Expands an image in one of the YUV formats to full range; other formats stay unchanged.
     pub(crate) fn expand_yuv(
         self,
         format: PixelFormat,
@@ -44,7 +47,7 @@ impl ColorRange {
         }
     }
 
-    /// Brings an image of one of the YUV formats, or of brightness alone, into full range.
+    /// Expands an image in one of the YUV formats, or in gray, to full range.
     pub(crate) fn expand(self, format: PixelFormat, stride: u32, height: u32, pixels: &mut [u8]) {
         if self == Self::Full {
             return;
@@ -68,7 +71,7 @@ impl ColorRange {
                     (*y, *c) = (luma(*y), chroma(*c));
                 }
             }
-            // Neither Y, U, V nor ever limited.
+            // Neither YUV nor ever limited.
             _ => {}
         }
     }

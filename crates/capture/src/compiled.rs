@@ -1,5 +1,6 @@
-//! Reading and writing picture files by their names, compiled here, once, in a build for tests: both are generic, and without
-//! this list every test with pictures compiles all codecs again. In a release crates share no generic code.
+//! Compiles the reading and writing of picture files once, in a build for tests. Both functions are
+//! generic: without these references, every test with pictures would compile all codecs again. In a
+//! release, crates share no generic code.
 
 use image::{DynamicImage, ImageResult, RgbImage};
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! Depth images alongside the pictures of a folder: PNG or TIFF of 16 bits a pixel, paired by their names ([`depth_pairs`](crate::depth_pairs)).
+//! Depth images for the pictures of a folder: PNG or TIFF of 16 bits per pixel, paired by name
+//! ([`depth_pairs`](crate::depth_pairs)).
 
 use std::io::Cursor;
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ use crate::picture::read_file;
 use crate::pictures::{listed, selected};
 use crate::source::SourceError;
 
-/// The depth images that are read from files.
+/// Depth images that can be read from files.
 pub const READ: [[&str; 2]; 2] = [
     [
         "PNG, TIFF (where it is built in)",
@@ -23,11 +24,11 @@ pub const READ: [[&str; 2]; 2] = [
     ],
 ];
 
-/// Depth images as files.
+/// Depth images in files.
 #[derive(Debug)]
 pub struct DepthFiles {
     files: Vec<PathBuf>,
-    /// For each picture that is shown: its name, and which of the files is its depth image.
+    /// Name of each picture that is shown, and the index of its depth image in `files`.
     pictures: Vec<(PathBuf, Option<usize>)>,
     notice: String,
     looped: bool,
@@ -36,11 +37,12 @@ pub struct DepthFiles {
 }
 
 impl DepthFiles {
-    /// Finds the depth images of these pictures: files and folders in the order given, a folder's in natural order. The options choose
-    /// among the pictures.
+    /// Finds the depth images of these pictures. Files and folders come in the given order, and a
+    /// folder's files in natural order. The options choose among the pictures.
     ///
     /// # Errors
-    /// A path that does not exist, a folder without pictures, names that contradict each other, or no depth image in the first file.
+    /// A path that does not exist, a folder without pictures, names that contradict each other, or
+    /// a first file without a depth image.
     pub fn open(
         paths: &[PathBuf],
         pictures: &[PathBuf],
@@ -64,25 +66,27 @@ impl DepthFiles {
         Ok(images)
     }
 
-    /// A sentence about how depth images and pictures were paired.
+    /// A sentence that says how depth images and pictures were paired.
     pub fn notice(&self) -> &str {
         &self.notice
     }
 
-    /// Width and height of the first.
+    /// Width and height of the first depth image, in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Bytes of each.
+    /// Size of each depth image, in bytes.
     pub fn bytes(&self) -> usize {
         2 * self.size[0] as usize * self.size[1] as usize
     }
 
-    /// Writes the depth image of the picture of this number, from 1: whole numbers of 16 bits in the machine's own order.
+    /// Writes the depth image of the picture with this number, from 1, as native-endian 16-bit
+    /// integers.
     ///
     /// # Errors
-    /// A sentence: there is none, it cannot be decoded, shows nothing, or has another size than the first.
+    /// A sentence: the image is missing, cannot be decoded, shows nothing, or differs in size from
+    /// the first.
     pub fn write(&mut self, sequence: u64, pixels: &mut [u8]) -> Result<(), String> {
         let count = self.pictures.len() as u64;
         let place = sequence.saturating_sub(1);
@@ -114,7 +118,7 @@ impl DepthFiles {
         Ok(())
     }
 
-    /// Its size; and its pixels, where they are wanted.
+    /// Returns the size of a depth image, and decodes it if `pixels` is given.
     fn decode(&mut self, place: usize, pixels: Option<&mut [u8]>) -> Result<[u32; 2], String> {
         let path = &self.files[place];
         let broken = |why: String| format!("the depth image {} {why}", path.display());

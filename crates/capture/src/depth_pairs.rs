@@ -1,19 +1,21 @@
-//! Pairs of pictures and depth images that are files: by the number or the time in their names, or by their order.
+//! Pairs picture files with depth image files: by the number or the time in their names, or by
+//! order.
 //!
-//! Data sets leave images out, or take both by clocks of their own, so that the n-th of one folder is not the n-th of the other. A
-//! number that is different in every name of a folder identifies its files. Equal numbers in both folders
-//! belong together. Times need not be equal: the nearest belong together, within three fifths of the depth images' period, as for cameras
+//! Data sets leave images out or stamp both kinds by different clocks, so the n-th files of two
+//! folders need not match. A number that differs in every name of a folder identifies its files.
+//! Files with equal numbers belong together. Times need not be equal: the nearest ones belong
+//! together, within three fifths of the depth images' period, as for cameras
 //! ([`Pairing`](crate::pairing::Pairing)).
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// A whole number is a time from here on: seconds of Unix time have ten digits since 2001.
+/// Smallest whole number that counts as a time. Unix time in seconds has had ten digits since 2001.
 const FIRST_TIME_S: u128 = 1_000_000_000;
-/// Units of a number's value: fractions are read to nine digits.
+/// Units in a number's value: fractions are read to nine digits.
 const UNITS: u128 = 1_000_000_000;
 
-/// How depth images and pictures were told to belong together.
+/// How depth images and pictures were paired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum By {
     Number,
@@ -21,7 +23,8 @@ pub(crate) enum By {
     Order,
 }
 
-/// For each picture its depth image, and how that is known. An error is a sentence: the names contradict each other.
+/// Returns each picture's depth image and how they were paired. The error is a sentence about names
+/// that contradict each other.
 pub(crate) fn pair(
     pictures: &[PathBuf],
     depths: &[PathBuf],
@@ -59,12 +62,12 @@ pub(crate) fn pair(
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Number {
-    /// In billionths.
+    /// Value in billionths.
     value: u128,
     is_time: bool,
 }
 
-/// The numbers of each name of a folder.
+/// The numbers in each name of a folder.
 struct Numbers(Vec<Vec<Number>>);
 
 impl Numbers {
@@ -76,7 +79,7 @@ impl Numbers {
         self.0.iter().map(|numbers| numbers[place]).collect()
     }
 
-    /// Numbers that each name has, and no two names alike; the last first.
+    /// Places with a number in every name that differs between all names, the last place first.
     fn places(&self) -> Vec<usize> {
         let count = self.0.iter().map(Vec::len).min().unwrap_or(0);
         let differ = |place: &usize| {
@@ -88,7 +91,8 @@ impl Numbers {
         (0..count).rev().filter(differ).collect()
     }
 
-    /// Places of both that may mean the same: equal ones, if names of both have as many numbers.
+    /// Pairs of places that may mean the same: equal places only, if all names have the same count
+    /// of numbers.
     fn places_with(&self, other: &Self) -> Vec<(usize, usize)> {
         let counts: HashSet<usize> = self.0.iter().chain(&other.0).map(Vec::len).collect();
         let theirs = other.places();
@@ -100,7 +104,7 @@ impl Numbers {
     }
 }
 
-/// The numbers in a file's name; digits after a point that follows digits are a fraction.
+/// Extracts the numbers in a file's name. Digits after a point that follows digits are a fraction.
 fn numbers(file: &Path) -> Vec<Number> {
     let stem = file.file_stem().map(|stem| stem.to_string_lossy());
     let stem = stem.unwrap_or_default();
@@ -121,7 +125,7 @@ fn numbers(file: &Path) -> Vec<Number> {
                 .iter()
                 .fold(0_u128, |n, d| 10 * n + u128::from(d - b'0'))
         };
-        // No counter and no clock has more digits.
+        // No counter or clock has more digits.
         if whole.len() > 24 {
             continue;
         }
@@ -153,14 +157,15 @@ fn equal(pictures: &[Number], depths: &[Number]) -> Vec<Option<usize>> {
     found.collect()
 }
 
-/// The depth image nearest in time to each picture, if it is near enough.
+/// Returns the depth image nearest in time to each picture, if it is near enough.
 fn nearest(pictures: &[Number], depths: &[Number]) -> Vec<Option<usize>> {
     let mut sorted: Vec<(u128, usize)> =
         depths.iter().map(|number| number.value).zip(0..).collect();
     sorted.sort_unstable();
     let mut steps: Vec<u128> = sorted.windows(2).map(|two| two[1].0 - two[0].0).collect();
     steps.sort_unstable();
-    // Images that were left out make steps longer. A single image has no period, and needs an equal time.
+    // The lower median, because missing images make steps longer. A single image gives a period of
+    // 0 and must match exactly.
     let period = steps
         .get(steps.len().saturating_sub(1) / 2)
         .copied()
@@ -209,7 +214,7 @@ mod tests {
 
     #[test]
     fn names_of_data_sets_are_paired_as_their_authors_pair_them() {
-        // TUM: seconds, by two clocks.
+        // TUM: seconds from two clocks.
         let rgb = [
             "1305031102.175304.png",
             "1305031102.211214.png",
@@ -227,7 +232,7 @@ mod tests {
             "the nearest, which may be that of two"
         );
         assert_eq!(paired(&rgb[1..], &depth).unwrap().0, [Some(2), Some(2)]);
-        // Redwood: a number, and a time of each camera.
+        // Redwood: a number, and a time from each camera.
         let rgb = [
             "0000001-000000000000.jpg",
             "0000002-000000033369.jpg",

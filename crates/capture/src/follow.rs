@@ -1,7 +1,8 @@
-//! A folder that grows: its pictures, and then each one as it comes.
+//! Follows a folder that grows: shows its pictures, then each new one as it arrives.
 //!
-//! A picture is taken when whoever wrote it has closed it, or when it is moved into place: never half of one. It was taken
-//! ("exposed") at that moment, to the few milliseconds that the decoding of the one before may take. The folder has no end.
+//! A picture is read once its writer has closed it or moved it into place, so it is never
+//! incomplete. That moment is its exposure time, to within the few milliseconds that it takes to
+//! decode the previous picture. The source never ends.
 
 mod folder;
 
@@ -28,9 +29,10 @@ use folder::{Event, Folder};
 pub struct FollowOptions {
     /// The folder.
     pub folder: PathBuf,
-    /// The most frames per second: what comes faster waits. Without it, each is shown when it comes.
+    /// Maximum number of frames per second; pictures that come faster wait. `None` shows each as it
+    /// arrives.
     pub fps: Option<f64>,
-    /// Every n-th picture is shown, beginning with the first.
+    /// Shows every n-th picture, beginning with the first.
     pub every: NonZeroU64,
 }
 
@@ -38,11 +40,11 @@ pub struct FollowOptions {
 #[derive(Debug)]
 struct Waiting {
     path: PathBuf,
-    /// When it came; none if it was there before.
+    /// Time of arrival; `None` if the picture was there before.
     came_ns: Option<u64>,
 }
 
-/// What tells a picture from the same one under another name.
+/// Identifies a file under any name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Identity {
     inode: u64,
@@ -68,12 +70,12 @@ pub(crate) struct Follow {
     period_ns: u64,
     every: u64,
     waiting: VecDeque<Waiting>,
-    /// How many have come, of which each `every`-th is shown.
+    /// Number of pictures that have arrived. Every `every`-th of them is shown.
     came: u64,
     decoder: PictureDecoder,
-    /// The picture in hand, in room for the largest.
+    /// The current picture, in a buffer for the largest one.
     pixels: Vec<u8>,
-    /// The frame that is decoded and not yet due.
+    /// The frame that is decoded but not yet due.
     ready: Option<Frame>,
     shown: Option<Identity>,
     sequence: u64,
@@ -83,7 +85,7 @@ pub(crate) struct Follow {
 }
 
 impl Follow {
-    /// Watches a folder and notes what is there.
+    /// Watches a folder and lists what is in it.
     pub(crate) fn open(options: &FollowOptions) -> Result<Self, SourceError> {
         let path = &options.folder;
         let unreadable = |error| SourceError::Unreadable {
@@ -126,7 +128,7 @@ impl Follow {
         Ok(follow)
     }
 
-    /// Notes all that is there. What is told of the same files until then is in it.
+    /// Lists the pictures in the folder. Drops events about the same files up to now.
     fn list(&mut self) -> std::io::Result<()> {
         let (found, _) = pictures_in(&self.path)?;
         let mut happened = Vec::new();
@@ -144,7 +146,7 @@ impl Follow {
         Ok(())
     }
 
-    /// Notes a picture, if it is one that is shown.
+    /// Queues a file if it is a picture that is to be shown.
     fn note(&mut self, path: PathBuf, came_ns: Option<u64>) {
         if names_a_picture(&path) {
             if self.came.is_multiple_of(self.every) {
@@ -159,7 +161,7 @@ impl Follow {
             Event::Came(name) => {
                 let path = self.path.join(name);
                 if self.waiting.back().is_some_and(|last| last.path == path) {
-                    // Written over before it was read.
+                    // The file was overwritten before it was read.
                     self.waiting.pop_back();
                     self.sequence += 1;
                 }
@@ -179,7 +181,8 @@ impl Follow {
         }
     }
 
-    /// A picture was moved away: if under another name in the same folder, it comes as that.
+    /// Removes a picture that was moved away. If it was renamed within the folder, it arrives again
+    /// under its new name.
     fn leave(&mut self, name: &OsString) {
         let waited = self.waiting.len();
         let is_another = |picture: &Waiting| picture.path.file_name() != Some(name);
@@ -193,17 +196,18 @@ impl Follow {
             .push_back(format!("the folder {folder} {what}"));
     }
 
-    /// Takes up what has happened.
+    /// Handles all pending events.
     fn look(&mut self) {
         let mut happened = Vec::new();
         self.folder.drain(|event| happened.push(event));
         happened.into_iter().for_each(|event| self.take(event));
     }
 
-    /// Decodes one; none if it is no picture.
+    /// Decodes a picture; `None` if it yields no new frame.
     fn decode(&mut self, picture: &Waiting) -> Option<Frame> {
         let identity = Identity::of(&picture.path);
-        // Opened for writing and not written into, or moved within the folder after it was shown.
+        // The file was opened for writing but not written, or renamed within the folder after it
+        // was shown.
         if identity.is_some() && identity == self.shown {
             return None;
         }
@@ -217,7 +221,7 @@ impl Follow {
             self.pixels.clear();
         }
         self.news = self.news.take().or(self.decoder.take_news());
-        // Those that came meanwhile came now.
+        // Pictures that arrived meanwhile are stamped with the current time.
         self.look();
         let layout = match decoded {
             Ok(layout) => layout,
@@ -236,7 +240,7 @@ impl Follow {
         } = layout;
         let earliest_ns = match self.last_exposed_ns {
             0 => 0,
-            // The order of frames is that of their times.
+            // Times increase from frame to frame.
             last_ns => last_ns + self.period_ns.max(1),
         };
         self.last_exposed_ns = picture.came_ns.unwrap_or(taken_ns).max(earliest_ns);
@@ -251,7 +255,8 @@ impl Follow {
         })
     }
 
-    /// A picture cannot be decoded. One that was there at the beginning may still be in the making: it comes when it is closed.
+    /// Reports a picture that cannot be decoded. One that was there at the start may still be being
+    /// written; it arrives again when it is closed.
     fn lose(&mut self, picture: &Waiting, reason: &str) {
         self.warnings.push_back(if picture.came_ns.is_some() {
             self.sequence += 1;
@@ -287,7 +292,7 @@ impl FrameSource for Follow {
                 return Ok(Next::Frame(frame));
             }
             if !self.warnings.is_empty() || self.news.is_some() {
-                // To be said before the wait, which may be long.
+                // Report them before the wait, which may be long.
                 return Ok(Next::Nothing);
             }
             let event = Some((self.folder.as_fd(), PollFlags::IN));

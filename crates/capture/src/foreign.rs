@@ -1,4 +1,5 @@
-//! Files that lariat does not read, by their first bytes or their names, and the command that makes them readable.
+//! Recognizes files that lariat does not read, by their first bytes or their names, and gives the
+//! command that converts them.
 
 use std::path::Path;
 
@@ -14,11 +15,11 @@ pub(crate) struct Foreign {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Video,
-    /// Several pictures, or one of a kind that every ffmpeg reads.
+    /// Several pictures, or one in a format that every ffmpeg reads.
     Frames,
-    /// One picture, of a kind that only recent ffmpegs read.
+    /// One picture in a format that only recent versions of ffmpeg read.
     Picture,
-    /// Nothing: lariat reads it under its own name.
+    /// No conversion: lariat reads the file under its own name.
     Recording,
 }
 
@@ -41,7 +42,8 @@ const MPEG: Foreign = foreign("an MPEG or H.264 stream", Way::Video);
 const H264: Foreign = foreign("an H.264 or H.265 stream", Way::Video);
 const TRANSPORT: Foreign = foreign("an MPEG transport stream", Way::Video);
 
-/// The place and the bytes that identify each kind. A box of ISO/IEC 14496-12 begins with its length; its brand stands behind `ftyp`.
+/// Offset and bytes that identify each kind. A box of ISO/IEC 14496-12 begins with its length, and
+/// its brand follows `ftyp`.
 const MARKS: [(usize, &[u8], Foreign); 26] = [
     (0, b"GIF8", GIF),
     (4, b"ftypheic", HEIC),
@@ -75,7 +77,7 @@ const MARKS: [(usize, &[u8], Foreign); 26] = [
     (0, b"\x47\x40", TRANSPORT),
 ];
 
-/// The endings of names for the same kinds, in small letters.
+/// File name extensions of the same kinds, in lower case.
 const ENDINGS: [(&str, Foreign); 27] = [
     ("gif", GIF),
     ("heic", HEIC),
@@ -107,7 +109,7 @@ const ENDINGS: [(&str, Foreign); 27] = [
 ];
 
 impl Foreign {
-    /// The kind of a file with these first bytes.
+    /// Identifies a file by its first bytes.
     pub(crate) fn of(head: &[u8]) -> Option<Self> {
         let tells = |&&(at, mark, _): &&(usize, &[u8], Self)| {
             head.get(at..).is_some_and(|head| head.starts_with(mark))
@@ -115,14 +117,14 @@ impl Foreign {
         MARKS.iter().find(tells).map(|&(.., known)| known)
     }
 
-    /// The kind of a file by its name.
+    /// Identifies a file by its name.
     pub(crate) fn named(path: &Path) -> Option<Self> {
         let ending = path.extension()?;
         let known = |(known, _): &&(&str, Self)| ending.eq_ignore_ascii_case(known);
         ENDINGS.iter().find(known).map(|&(_, known)| known)
     }
 
-    /// The rest of a sentence that begins with the path: the kind of file, and the remedy.
+    /// End of a sentence that begins with the path: the kind of file, and what to do.
     pub(crate) fn advice(self, path: &Path) -> String {
         let Self { what, way } = self;
         let shown = path.display();

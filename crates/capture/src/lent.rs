@@ -1,41 +1,44 @@
-#![allow(unsafe_code)] // Memory that belongs to another is handed over to whoever fills it: a thread, or the kernel.
-//! Memory that a source is lent ahead of need, to be filled by a thread or by a driver while the last frame is on its way.
+#![allow(unsafe_code)] // Hands over memory to whoever fills it: a thread, or the kernel.
+//! Memory lent to a source ahead of need. A thread or a driver fills it while the previous frame is
+//! being sent.
 
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
 
-/// Which of the slots that are lent at a time. Only a slot that was let go of has one.
+/// Identifies a lent slot. Only a slot that was given back has a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SlotKey(usize);
 
 impl SlotKey {
-    /// The number that the slot was lent under.
+    /// Number under which the slot was lent.
     pub fn index(self) -> usize {
         self.0
     }
 }
 
-/// A slot of memory in a source's hands. Whoever has it alone reads and writes it; it holds what was last written there.
+/// A slot of memory that a source has borrowed. Only its holder reads and writes it. It contains
+/// what was last written there.
 #[derive(Debug)]
 pub struct LentSlot {
     index: usize,
     memory: NonNull<[u8]>,
 }
 
-// SAFETY: by the promise of `new` nobody else touches the memory, which has no tie to a thread.
+// SAFETY: by the contract of `new`, nobody else touches the memory. It is not tied to a thread.
 unsafe impl Send for LentSlot {}
 
 impl LentSlot {
     /// Lends `memory` under a number.
     ///
     /// # Safety
-    /// Until the source gives the slot back with a frame ([`Frame::slot`](crate::Frame::slot)), or is dropped, the
-    /// memory stays valid and at its place, and nobody else reads or writes it. Every byte of it is initialized.
+    /// The memory must stay valid and in place, and nobody else may read or write it. This ends
+    /// when the source gives the slot back with a frame ([`Frame::slot`](crate::Frame::slot)) or is
+    /// dropped. Every byte of the memory must be initialized.
     pub unsafe fn new(index: usize, memory: NonNull<[u8]>) -> Self {
         Self { index, memory }
     }
 
-    /// Lets go of the memory: the key that goes back with the frame in it.
+    /// Gives up the memory. The key goes back with the frame that is in it.
     pub fn give_back(self) -> SlotKey {
         SlotKey(self.index)
     }
@@ -45,14 +48,14 @@ impl Deref for LentSlot {
     type Target = [u8];
 
     fn deref(&self) -> &[u8] {
-        // SAFETY: valid, initialized and nobody else's, by the promise of `new`.
+        // SAFETY: valid, initialized and exclusive, by the contract of `new`.
         unsafe { self.memory.as_ref() }
     }
 }
 
 impl DerefMut for LentSlot {
     fn deref_mut(&mut self) -> &mut [u8] {
-        // SAFETY: as above; and it is borrowed as `self` is.
+        // SAFETY: as above, and the borrow is that of `self`.
         unsafe { self.memory.as_mut() }
     }
 }

@@ -1,7 +1,9 @@
-//! One mask file: how likely each pixel is rope, as a byte, whatever the file counts in.
+//! Reads a mask file into one byte per pixel: how likely the pixel is rope, whatever the file's
+//! format.
 //!
-//! A mask may be gray, coloured by instance, of 16 bits, or the alpha of a cut-out. This module turns each into levels, where 0 is background;
-//! labels of instances may still be small numbers in them.
+//! A mask may be gray, colored by instance, of 16 bits, or the alpha of a cut-out. This module
+//! converts each to levels, where 0 is background. They may still be small numbers that label
+//! instances.
 
 use std::path::Path;
 
@@ -10,7 +12,7 @@ use image::ColorType;
 use crate::picture::{FullPicture, PictureDecoder, read_file};
 use crate::source::SourceError;
 
-/// The colour of pixels without a label, number 255 in the palette of PASCAL VOC.
+/// Color of unlabeled pixels: number 255 in the PASCAL VOC palette.
 const UNLABELLED: [u16; 3] = [224, 224, 192];
 /// The largest value of one byte.
 const BYTE: u16 = 255;
@@ -22,14 +24,15 @@ pub struct MaskPicture {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// A byte a pixel, row by row without padding.
+    /// One byte per pixel, row by row without padding.
     pub levels: Vec<u8>,
-    /// A sentence on each thing that the file leaves open, and what was concluded.
+    /// One sentence for each ambiguity in the file, with the conclusion.
     pub news: Vec<String>,
 }
 
 impl MaskPicture {
-    /// Reads a mask file: a picture of any kind that lariat reads ([`PICTURES`](crate::PICTURES)).
+    /// Reads a mask file: a picture in any format that lariat reads
+    /// ([`PICTURES`](crate::PICTURES)).
     ///
     /// # Errors
     /// The file is missing, cut off, damaged, or not a picture.
@@ -55,7 +58,7 @@ impl MaskPicture {
     }
 }
 
-/// The samples of a picture, as many for each pixel as it has channels.
+/// The samples of a picture: one per channel of each pixel.
 struct Samples {
     values: Vec<u16>,
     colors: usize,
@@ -88,10 +91,10 @@ impl Samples {
         self.values.chunks_exact(channels)
     }
 
-    /// A byte for each pixel.
+    /// Converts each pixel to a byte.
     fn levels(&self, news: &mut Vec<String>) -> Vec<u8> {
         if let Some(alpha) = self.varying_alpha() {
-            news.push("its transparency varies: what is opaque is taken for rope".to_owned());
+            news.push("its transparency varies: opaque pixels count as rope".to_owned());
             return self.to_bytes(&alpha, news);
         }
         let colors = self.pixels().map(|pixel| &pixel[..self.colors]);
@@ -102,7 +105,7 @@ impl Samples {
         self.to_bytes(&gray, news)
     }
 
-    /// The alpha of each pixel, if it says anything.
+    /// The alpha of each pixel, if it varies.
     fn varying_alpha(&self) -> Option<Vec<u16>> {
         if !self.has_alpha {
             return None;
@@ -112,7 +115,8 @@ impl Samples {
         alpha.iter().any(|&a| Some(a) != first).then_some(alpha)
     }
 
-    /// The distance of each pixel's colour from the background's: black, unless another colour covers more than half.
+    /// Distance of each pixel's color from the background. The background is black, unless another
+    /// color covers more than half of the picture.
     fn by_color(&self, news: &mut Vec<String>) -> Vec<u16> {
         let color = |pixel: &[u16]| [pixel[0], pixel[1], pixel[2]];
         let ground = majority(self.pixels().map(color)).unwrap_or_default();
@@ -140,7 +144,8 @@ impl Samples {
         self.pixels().map(far).collect()
     }
 
-    /// Values of 16 bits as bytes. They stay as they are if all fit; otherwise the largest one tells how many bits they have.
+    /// Converts 16-bit values to bytes. Values that all fit stay unchanged. Otherwise the largest
+    /// one determines the number of bits.
     fn to_bytes(&self, values: &[u16], news: &mut Vec<String>) -> Vec<u8> {
         let largest = values.iter().copied().max().unwrap_or(0);
         if largest <= BYTE {
@@ -149,13 +154,14 @@ impl Samples {
         let mut bits = crate::bits::Bits::default();
         news.extend(bits.see(largest));
         let byte = |&value: &u16| ((u32::from(bits.widen(value)) + 128) / 257) as u8;
-        // A faint value of 16 bits stays above 0.
+        // A faint 16-bit value stays above 0.
         let level = |value: &u16| byte(value).max(u8::from(*value > 0 && self.is_wide));
         values.iter().map(level).collect()
     }
 }
 
-/// The colour of more than half of the pixels, by Boyer and Moore's vote ("MJRTY", 1991).
+/// The color of more than half of the pixels, by the majority vote of Boyer and Moore ("MJRTY",
+/// 1991).
 fn majority(colors: impl Iterator<Item = [u16; 3]> + Clone) -> Option<[u16; 3]> {
     let (mut candidate, mut votes) = (None, 0usize);
     for color in colors.clone() {
@@ -181,7 +187,7 @@ mod tests {
     use super::*;
     use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba};
 
-    /// The mask of a picture that is written as PNG.
+    /// Writes a picture as PNG and reads it as a mask.
     fn mask(picture: impl Into<DynamicImage>) -> MaskPicture {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("mask.png");

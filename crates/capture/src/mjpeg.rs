@@ -1,13 +1,14 @@
-//! A camera's MJPG frames: each a JPEG of its own, decoded straight into lent memory.
+//! A camera's MJPG frames. Each is a complete JPEG, decoded straight into lent memory.
 //!
-//! zune-jpeg decodes. What stands here is what a camera does and a picture file does not: Huffman tables left out
-//! ([`tables`]), bytes behind the end of the image, frames cut off by packets that were lost on the way, a size that
-//! is not the one agreed on.
+//! zune-jpeg decodes. This module handles what cameras do and picture files do not: missing Huffman
+//! tables ([`tables`]), bytes after the end of the image, frames cut off by lost packets, and a
+//! size other than the negotiated one.
 //!
-//! Frames with colour come out as `Rgb8`: the decoder's step from Y, U, V to red, green, blue runs in wide registers
-//! while a row is at hand, and takes no longer than its step to interleaved Y, U, V, which would have to be packed into
-//! `Yuyv` by one more pass over memory. Extraction takes as long for the one as for the other. It also leaves no doubt
-//! about the range: a JPEG's Y, U, V are BT.601 in full range (JFIF 1.02), a camera's `YUYV` mostly in video range.
+//! Frames with color become `Rgb8`. The decoder converts YUV to RGB in SIMD registers while a row
+//! is at hand. Interleaved YUV would take it as long, and one more pass over memory would have to
+//! pack that into `Yuyv`. Extraction takes equally long for both formats. `Rgb8` also leaves no
+//! doubt about the range: YUV in a JPEG is BT.601 in full range (JFIF 1.02), but a camera's `YUYV`
+//! mostly has video range.
 
 mod head;
 mod tables;
@@ -24,25 +25,25 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use head::Head;
 
-/// The decoder holds fewer bits than these that it has read and not used.
+/// The decoder holds fewer bits than this that it has read but not used.
 const READ_AHEAD_BITS: usize = 64;
 
-/// Why an MJPG frame is no image.
+/// Why an MJPG frame cannot be decoded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum MjpegError {
-    /// It has no bytes.
+    /// The frame is empty.
     #[error("the frame is empty: the camera sent nothing for it")]
     Empty,
-    /// It ends before its image does.
+    /// The frame ends before its image does.
     #[error(
         "the frame is cut off: a part of it was lost on the way, as on a bus with too much traffic (ask for a smaller \
          size or a lower rate, or plug the camera into a bus of its own)"
     )]
     CutOff,
-    /// Its bytes do not make a JPEG.
+    /// The frame is not a valid JPEG.
     #[error("the frame is damaged ({what}): if most are, ask the camera for another pixel format")]
     Damaged {
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// A JPEG of a kind that cameras do not send.
@@ -50,10 +51,10 @@ pub enum MjpegError {
         "the frame is {what}, which lariat does not decode: ask the camera for another pixel format"
     )]
     Unsupported {
-        /// Of what kind it is.
+        /// Its kind.
         what: &'static str,
     },
-    /// It has another size than was agreed on.
+    /// Its size differs from the negotiated one.
     #[error(
         "the frame is {}×{} pixels where {}×{} were agreed on: ask the camera for one of the sizes that it lists",
         found[0], found[1], agreed[0], agreed[1]
@@ -61,15 +62,15 @@ pub enum MjpegError {
     Size {
         /// Width and height of the frame, in pixels.
         found: [u32; 2],
-        /// Width and height that were agreed on.
+        /// The negotiated width and height.
         agreed: [u32; 2],
     },
-    /// The memory lent is too short.
+    /// The lent memory is too short.
     #[error(
         "the frame takes {needed} bytes decoded and only {given} were lent: lend as many as `Mjpeg::largest_frame_bytes` says"
     )]
     Room {
-        /// Bytes that it takes.
+        /// Bytes that it needs.
         needed: usize,
         /// Bytes that were lent.
         given: usize,
@@ -81,14 +82,14 @@ pub enum MjpegError {
 pub struct Mjpeg {
     width: u32,
     height: u32,
-    /// The frame with Huffman tables, if it came without.
+    /// The frame with Huffman tables added, if it came without.
     completed: Vec<u8>,
 }
 
 impl Mjpeg {
-    /// A decoder of frames of the size that was agreed on with the camera, in pixels.
+    /// Creates a decoder of frames with the size negotiated with the camera, in pixels.
     pub fn new(width: u32, height: u32) -> Self {
-        // A camera's frames are a fraction of this. Memory that is not written to takes no room.
+        // A camera's frames are a fraction of this size. Unwritten memory takes no space.
         let most = (2 * width as usize).saturating_mul(height as usize);
         Self {
             width,
@@ -97,32 +98,35 @@ impl Mjpeg {
         }
     }
 
-    /// The most bytes that a decoded frame takes.
+    /// Maximum number of bytes in a decoded frame.
     pub fn largest_frame_bytes(&self) -> usize {
         PixelFormat::Rgb8
             .row_bytes(self.width)
             .saturating_mul(self.height as usize)
     }
 
-    /// What [`decode`](Self::decode) makes of a frame, by its head: `Rgb8`, or `Gray8` if it is without colour, its rows one
-    /// after the other without padding.
+    /// Returns the format of a decoded frame from its header: `Rgb8`, or `Gray8` for a frame
+    /// without color. Rows are not padded.
     ///
     /// # Errors
-    /// As `decode`, but for what is wrong behind the head.
+    /// As [`decode`](Self::decode), except for errors after the header.
     pub fn format(&self, jpeg: &[u8]) -> Result<PixelFormat, MjpegError> {
         Ok(self.head(jpeg)?.format())
     }
 
-    /// Decodes a frame into `into`, which may be longer than the image; returns what [`format`](Self::format) says of it.
+    /// Decodes a frame into `into`, which may be longer than the image. Returns the same as
+    /// [`format`](Self::format).
     ///
-    /// Bytes behind the end of the image are passed over; a missing end marker alone is no harm. Once the longest frame has
-    /// come nothing is allocated here. The decoder itself takes memory for a few rows and gives it back, 17 pieces of 72 kB
-    /// in all at 640×480 with colour at half the width: it cannot be given memory to keep.
+    /// Bytes after the end of the image are ignored. A missing end marker alone is harmless. This
+    /// function allocates nothing after the longest frame. The decoder itself allocates memory for
+    /// a few rows and frees it, at 640×480 with color at half the width 17 blocks of 72 kB in all.
+    /// It cannot be given memory to keep.
     ///
     /// # Errors
-    /// When the frame is empty, cut off, damaged, of a kind that cameras do not send, or of another size than was agreed on;
-    /// when `into` is too short. What was in `into` may be overwritten then. Damage that leaves a valid code is not seen, as a
-    /// JPEG has no check sum; nor is a loss of the last few bytes.
+    /// The frame is empty, cut off, damaged, of a kind that cameras do not send, or not of the
+    /// negotiated size; or `into` is too short. The content of `into` may then be overwritten.
+    /// Damage that leaves a valid code stays undetected, because a JPEG lacks a checksum. So does
+    /// the loss of the last few bytes.
     pub fn decode(&mut self, jpeg: &[u8], into: &mut [u8]) -> Result<PixelFormat, MjpegError> {
         let head = self.head(jpeg)?;
         let format = head.format();
@@ -131,9 +135,10 @@ impl Mjpeg {
         let into = into
             .get_mut(..needed)
             .ok_or(MjpegError::Room { needed, given })?;
-        // Behind an end marker the decoder goes on in zeros without a word; where the bytes end, it does not: so it is not
-        // shown the marker. But then it must not have read all of them before it comes to the last row of blocks, as it may
-        // if that is short: a block is two bits at least.
+        // Past an end marker the decoder silently continues with zeros; at the end of the data it
+        // does not. The marker is therefore hidden from it. Its read-ahead must not reach the end
+        // of the data before the last row of blocks, which can happen if a row is short: a block
+        // has at least two bits.
         let end = if 2 * head.blocks_a_row() > READ_AHEAD_BITS {
             head.end(jpeg)
         } else {
@@ -162,7 +167,7 @@ impl Mjpeg {
         Ok(format)
     }
 
-    /// The head of a frame that can be decoded.
+    /// Reads the header of a frame that can be decoded.
     fn head(&self, jpeg: &[u8]) -> Result<Head, MjpegError> {
         let head = Head::read(jpeg)?;
         let agreed = [self.width, self.height];
@@ -174,7 +179,7 @@ impl Mjpeg {
     }
 }
 
-/// What the decoder says, as ours.
+/// Converts the decoder's error.
 fn told(error: DecodeErrors) -> MjpegError {
     match error {
         DecodeErrors::ExhaustedData

@@ -1,6 +1,8 @@
-//! MJPEG files: JPEG pictures one after the other, as `ffmpeg -c copy`, ustreamer and mjpg-streamer write them.
+//! MJPEG files: consecutive JPEG pictures, as written by `ffmpeg -c copy`, ustreamer and
+//! mjpg-streamer.
 //!
-//! Bytes between the pictures, such as the heads of an HTTP stream's parts, are passed over. Such a file says no frame rate.
+//! Bytes between the pictures, such as the part headers of an HTTP stream, are skipped. Such a file
+//! does not contain a frame rate.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -15,7 +17,7 @@ use crate::picture::{
 };
 use crate::source::SourceError;
 
-/// How names of such files end.
+/// File name extensions of such files.
 const ENDINGS: [&str; 3] = ["mjpeg", "mjpg", "mjpe"];
 
 /// Returns true if a path names an MJPEG file.
@@ -53,7 +55,7 @@ pub(crate) fn open_mjpeg(path: &Path, options: &FileOptions) -> Result<Ahead, So
     let last = frames
         .first
         .saturating_add((frames.of(count) - 1).saturating_mul(frames.every));
-    // In range: the first is within the parts.
+    // In range: the first frame is within the parts.
     let chosen = parts.into_iter().skip(frames.first as usize - 1);
     let parts: Vec<Part> = (chosen.step_by(frames.every as usize))
         .take(frames.of(count) as usize)
@@ -124,7 +126,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// The whole pictures, and whether one more is cut off.
+    /// Returns the complete pictures, and whether one more is cut off.
     fn parts(mut self) -> io::Result<(Vec<Part>, bool)> {
         let mut parts = Vec::new();
         while let Some(from) = self.start()? {
@@ -138,7 +140,7 @@ impl<R: Read> Scanner<R> {
                     part.bytes = self.at - from;
                     parts.push(part);
                 }
-                // These bytes lie between pictures.
+                // These bytes are between pictures.
                 Ok(false) => {}
                 Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
                     return Ok((parts, true));
@@ -156,7 +158,8 @@ impl<R: Read> Scanner<R> {
         Ok(byte[0])
     }
 
-    /// Goes behind the next byte of 255 and all that follow it; the byte after them, `None` at the end.
+    /// Skips to the next byte 0xFF and past all that follow it. Returns the byte after them, or
+    /// `None` at the end.
     fn behind_marker_byte(&mut self) -> io::Result<Option<u8>> {
         self.at += self.reader.skip_until(0xff)? as u64;
         loop {
@@ -169,7 +172,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// The place where the next picture begins; `None` at the end.
+    /// Returns where the next picture begins; `None` at the end.
     fn start(&mut self) -> io::Result<Option<u64>> {
         while let Some(byte) = self.behind_marker_byte()? {
             if byte == START_OF_IMAGE {
@@ -179,7 +182,7 @@ impl<R: Read> Scanner<R> {
         Ok(None)
     }
 
-    /// Follows a picture up to its end; false if it is not one.
+    /// Reads to the end of a picture. Returns `false` if it is not a picture.
     fn rest(&mut self, part: &mut Part) -> io::Result<bool> {
         let cut_off = || io::Error::from(io::ErrorKind::UnexpectedEof);
         if self.byte()? != 0xff {
@@ -224,7 +227,7 @@ impl<R: Read> Scanner<R> {
         Ok(six)
     }
 
-    /// The marker behind a scan's data; `None` at the end.
+    /// Returns the marker after a scan's data; `None` at the end.
     fn behind_scan(&mut self) -> io::Result<Option<u8>> {
         while let Some(byte) = self.behind_marker_byte()? {
             if !is_in_scan(byte) {
@@ -240,7 +243,7 @@ struct MjpegVideo {
     file: File,
     parts: Vec<Part>,
     next: usize,
-    /// The picture that is decoded.
+    /// The picture being decoded.
     jpeg: Vec<u8>,
     decoder: PictureDecoder,
 }

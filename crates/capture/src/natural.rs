@@ -1,12 +1,13 @@
-//! The order in which people number files: `img2` before `img10`.
+//! Natural order, in which people number files: `img2` comes before `img10`.
 
 use std::cmp::Ordering;
 
-/// Compares names piece by piece, numbers by their value; names that differ only in leading zeros or in case by their
-/// bytes. A total order.
+/// Compares names piece by piece, numbers by their values. Names that differ only in leading zeros
+/// or in case are compared by their bytes. This is a total order.
 ///
-/// Digits after a point that follows digits are a fraction: `1.125` is before `1.5`, as `f"{time.time()}.png"` needs it.
-/// Digits with more than one point (`1.2.10`, a date or a version) are whole numbers, each compared by its value.
+/// Digits after a point that follows digits are a fraction: `1.125` comes before `1.5`, as
+/// `f"{time.time()}.png"` needs it. Digits with more than one point (`1.2.10`, a date or a version)
+/// are whole numbers, each compared by its value.
 pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
@@ -31,12 +32,12 @@ pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
 /// Digits, with single points between them.
 struct Digits<'a> {
     whole: &'a [u8],
-    /// The digits and points behind the first point; empty without a point.
+    /// Digits and points after the first point; empty without a point.
     rest: &'a [u8],
 }
 
 impl<'a> Digits<'a> {
-    /// Takes the longest of them off the start of `text`.
+    /// Takes the longest such run off the start of `text`.
     fn take(text: &mut &'a [u8]) -> Self {
         let digits = |from: usize| {
             text[from..]
@@ -63,8 +64,8 @@ impl<'a> Digits<'a> {
         inner + usize::from(!self.rest.is_empty())
     }
 
-    /// A whole number is before one with a fraction, and that before one with several points: any order that does not
-    /// depend on the names compared would do.
+    /// Orders equal whole parts by kind: a whole number, a number with a fraction, one with several
+    /// points. Any order that does not depend on the names compared would do.
     fn cmp(&self, other: &Self) -> Ordering {
         let kind = |digits: &Self| digits.points().min(2);
         by_value(self.whole, other.whole)
@@ -77,7 +78,7 @@ impl<'a> Digits<'a> {
     }
 }
 
-/// Compares whole numbers: without leading zeros the longer one is the larger one, however long.
+/// Compares whole numbers of any length: without leading zeros, the longer one is larger.
 fn by_value(a: &[u8], b: &[u8]) -> Ordering {
     let [a, b] = [a, b].map(|digits| {
         let zeros = digits.iter().take_while(|&&c| c == b'0').count();
@@ -86,7 +87,7 @@ fn by_value(a: &[u8], b: &[u8]) -> Ordering {
     a.len().cmp(&b.len()).then_with(|| a.cmp(b))
 }
 
-/// Compares numbers with points between, one after the other.
+/// Compares runs of digits between points one by one.
 fn by_fields(a: &[u8], b: &[u8]) -> Ordering {
     let (mut a, mut b) = (a.split(|&c| c == b'.'), b.split(|&c| c == b'.'));
     loop {

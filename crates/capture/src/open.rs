@@ -1,4 +1,4 @@
-//! From what the user named to the source that it means.
+//! Maps the user's words to a source and opens it.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -18,22 +18,23 @@ use crate::source::{FrameSource, SourceError};
 use crate::v4l2::{CameraOptions, open_camera};
 use crate::video::open_video;
 
-/// What to take frames from.
+/// A source of frames to open.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// A rope drawn by lariat.
     Rendered(RenderOptions),
-    /// A rope that is simulated in real time; it rests if it is opened without commands
+    /// A rope simulated in real time. It rests if it is opened without commands
     /// ([`open_simulated`](crate::open_simulated)).
     Simulated(SimulatedOptions),
     /// Pictures ([`PICTURES`](crate::PICTURES)), folders of pictures, or one Y4M or MJPEG video.
     Paths {
-        /// Shown in this order; the pictures of a folder in natural order.
+        /// The paths, in the order in which they are shown. Pictures of a folder are in natural
+        /// order.
         paths: Vec<PathBuf>,
-        /// Which of them, and how often.
+        /// Which frames are shown, and how often.
         options: FileOptions,
     },
-    /// What a chain recorded.
+    /// A recording of a chain.
     Recording(RecordingOptions),
     /// A folder of pictures, and each picture that is put into it.
     Followed(FollowOptions),
@@ -41,24 +42,26 @@ pub enum Source {
     StandardInput(PipeOptions),
     /// A camera.
     Camera(CameraOptions),
-    /// A program of the user's, which writes frames into the chain itself: there is nothing to open.
+    /// The user's own program, which writes frames into the chain itself. There is nothing to open.
     External,
 }
 
 /// How a sequence of files is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FileOptions {
-    /// Which part of it.
+    /// The part that is shown.
     pub range: Range,
-    /// Whether to begin again after the last frame.
+    /// True if it starts again after the last frame.
     pub looped: bool,
-    /// Frames per second by which a time in the range is a frame, where the files themselves tell none.
+    /// Frames per second, which maps times in the range to frames. Used for files without a rate of
+    /// their own.
     pub fps: Option<f64>,
 }
 
 impl Source {
-    /// The source that these words name: `rendered` alone is the rendered rope, `external` a program of the user's, what [names a recording](names_a_recording)
-    /// one, anything else is paths (a folder of the name `rendered` is `./rendered`).
+    /// Returns the source with these names. `rendered` alone is the rendered rope, `external` the
+    /// user's own program, and a name [of a recording](names_a_recording) a recording. Anything
+    /// else is a list of paths (write `./rendered` for a folder of that name).
     pub fn named<P: AsRef<Path>>(
         names: &[P],
         options: FileOptions,
@@ -81,11 +84,11 @@ impl Source {
     }
 }
 
-/// Opens a source: everything that can be known to be wrong is said here, before the first frame.
+/// Opens a source and reports every error that can be known before the first frame.
 ///
 /// # Errors
-/// A path that does not exist, a folder without pictures, a file that is neither a picture nor a video, a range without a
-/// frame, a camera that cannot be used.
+/// The path does not exist. The folder has no pictures. The file is neither a picture nor a video.
+/// The range is empty. The camera cannot be used.
 pub fn open(source: &Source) -> Result<Box<dyn FrameSource>, SourceError> {
     match source {
         Source::Rendered(options) => Ok(Box::new(RenderedFrames::new(options)?)),
@@ -119,8 +122,8 @@ pub fn names_a_video(path: &Path) -> bool {
     is_named(path, "y4m") || names_mjpeg(path)
 }
 
-/// Returns true if a path is that of a recording: a file by its name, or a folder that holds such files and is none of pictures, as
-/// `ros2 bag record` makes it.
+/// Returns true if a path names a recording: a file with such a name, or a folder of such files
+/// rather than of pictures, as `ros2 bag record` makes it.
 pub fn names_a_recording(path: &Path) -> bool {
     if !path.is_dir() {
         return lariat_record::names_a_recording(path);

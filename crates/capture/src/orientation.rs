@@ -1,8 +1,8 @@
-//! Turns a picture upright, as the EXIF orientation that cameras write beside the pixels asks.
+//! Turns a picture upright according to the EXIF orientation that cameras store with the pixels.
 
 use image::metadata::Orientation;
 
-/// Whether width and height change places.
+/// Returns whether this orientation swaps width and height.
 pub(crate) fn is_sideways(orientation: Orientation) -> bool {
     matches!(
         orientation,
@@ -13,7 +13,8 @@ pub(crate) fn is_sideways(orientation: Orientation) -> bool {
     )
 }
 
-/// Writes the picture `stored`, of `width` × `height` pixels of `channels` bytes, into `upright`, which is as long.
+/// Turns the picture `stored`, of `width` × `height` pixels with `channels` bytes each, into
+/// `upright`, which has the same length.
 pub(crate) fn turn(
     orientation: Orientation,
     stored: &[u8],

@@ -1,24 +1,28 @@
-//! When each frame is due: absolute deadlines, so that lateness never adds up and is never hidden.
+//! Decides when each frame is due. Deadlines are absolute, so that delays neither add up nor stay
+//! hidden.
 //!
-//! Frame k is due at start + k periods, whatever happened before it. Capture has pixels and truth in their slot
-//! *before* that moment, sleeps until it, stamps and sends. `exposed_ns` is the moment the frame was due, not when it was
-//! sent: a chain that falls behind shows it as latency instead of slowing its own clock (coordinated omission). Moments more
-//! than 0.1 s past are given up, but for the newest, and count as frames lost at the source: a source too slow for its pace
-//! would otherwise be late for good. `--lossless` gives none up. With `--fps max` a frame is due when it is ready.
+//! Frame k is due at start + k periods, whatever happened before it. Capture puts pixels and truth
+//! into their slot *before* that moment, sleeps until it, then stamps and sends the frame.
+//! `exposed_ns` is the moment when the frame was due, not when it was sent. A chain that falls
+//! behind thus shows up as latency instead of slowing its own clock (coordinated omission).
+//!
+//! Moments more than 0.1 s past are given up, except the newest, and count as frames lost at the
+//! source. Otherwise a source too slow for its pace would stay late for good. `--lossless` gives
+//! none up. With `--fps max`, a frame is due when it is ready.
 
 use std::str::FromStr;
 
 const NS_PER_S: u64 = 1_000_000_000;
-/// A frame later than this helps no control loop; what a busy kernel or a host that takes its cores away costs is mostly
-/// shorter, and caught up with.
+/// A frame later than this is of no use to a control loop. Delays by a busy kernel or a host that
+/// preempts its cores are mostly shorter, and are caught up.
 const TOO_LATE_NS: u64 = NS_PER_S / 10;
 
-/// How fast frames are to come.
+/// Rate at which frames come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pace {
-    /// So many frames per second.
+    /// This many frames per second.
     Fps(f64),
-    /// Each as soon as the one before is sent.
+    /// Each frame as soon as the one before is sent.
     Max,
 }
 
@@ -43,7 +47,7 @@ impl Pace {
 impl FromStr for Pace {
     type Err = PaceError;
 
-    /// A number, or `max`.
+    /// Parses a number, or `max`.
     fn from_str(text: &str) -> Result<Self, PaceError> {
         let error = || PaceError(text.to_owned());
         let pace = match text.trim() {
@@ -57,9 +61,9 @@ impl FromStr for Pace {
 
 /// The schedule of frames.
 ///
-/// The k-th frame (from 0) is due at the first one's moment + k periods, whatever happened to the frames before it: a
-/// frame that comes late keeps its due time, so that its lateness counts as latency (no coordinated omission), and none
-/// is skipped to catch up, unless [`give_up`](Self::give_up) is asked to.
+/// The k-th frame (from 0) is due k periods after the first, whatever happened to the frames before
+/// it. A late frame keeps its due time, so that its lateness counts as latency (no coordinated
+/// omission). No frame is skipped to catch up, except by [`give_up`](Self::give_up).
 #[derive(Debug, Clone)]
 pub struct Pacer {
     period_ns: Option<f64>,
@@ -68,10 +72,10 @@ pub struct Pacer {
 }
 
 impl Pacer {
-    /// A schedule that begins when it is first asked.
+    /// Creates a schedule that begins at its first use.
     ///
     /// # Errors
-    /// A rate that is not above 0, or beyond 1 000 000 frames per second.
+    /// A rate that is not above 0, or above 1 000 000 frames per second.
     pub fn new(pace: Pace) -> Result<Self, PaceError> {
         Ok(Self {
             period_ns: pace.period_ns()?,
@@ -80,8 +84,9 @@ impl Pacer {
         })
     }
 
-    /// Passes over the moments that a source too slow for its pace has missed, if the next is more than 0.1 s past: all up
-    /// to `now_ns` but the last. Says how many; without it a source once overtaken would be late for good.
+    /// Skips the moments that a slow source has missed, all up to `now_ns` but the last, if the
+    /// next is more than 0.1 s past. Returns how many. Without this, a source that falls behind
+    /// once would stay late for good.
     pub fn give_up(&mut self, now_ns: u64) -> u64 {
         let (Some(start_ns), Some(period_ns)) = (self.start_ns, self.period_ns) else {
             return 0;
@@ -96,12 +101,12 @@ impl Pacer {
         missed
     }
 
-    /// The moment the next frame is due; each call is one frame further. The first frame is due at `now_ns`, and at
-    /// [`Pace::Max`] every frame is.
+    /// Returns when the next frame is due, and advances by one frame. The first frame is due at
+    /// `now_ns`; at [`Pace::Max`], every frame is.
     pub fn next_due_ns(&mut self, now_ns: u64) -> u64 {
         let start_ns = *self.start_ns.get_or_insert(now_ns);
         let due_ns = match self.period_ns {
-            // Exact to a nanosecond for 2⁵³ ns, a hundred days.
+            // Exact to a nanosecond for 2⁵³ ns, about a hundred days.
             Some(period_ns) => {
                 start_ns.saturating_add((self.count as f64 * period_ns).round() as u64)
             }
@@ -111,9 +116,9 @@ impl Pacer {
         due_ns
     }
 
-    /// The same for frames that have a pace of their own: the next one is due so long after the first. Frames later than 0.1 s
-    /// put all that follow off by as much, if `may_give_up`. Says how many moments were missed by that, too, at the mean pace so
-    /// far.
+    /// Same for frames with a pace of their own: the next one is due `after_ns` after the first. If
+    /// `may_give_up`, a frame more than 0.1 s late delays all that follow. Returns the due time,
+    /// and the number of moments missed at the mean pace up to then.
     pub fn own_due_ns(&mut self, now_ns: u64, after_ns: u64, may_give_up: bool) -> (u64, u64) {
         let start_ns = *self.start_ns.get_or_insert(now_ns.saturating_sub(after_ns));
         let due_ns = start_ns.saturating_add(after_ns);
@@ -125,7 +130,7 @@ impl Pacer {
             return (due_ns, 0);
         }
         let missed = late_ns / mean_ns;
-        // The newest of the moments that have passed.
+        // The newest of the past moments.
         let put_off_ns = missed * mean_ns;
         self.start_ns = Some(start_ns + put_off_ns);
         (due_ns + put_off_ns, missed)
@@ -174,7 +179,7 @@ mod tests {
         let mut pacer = Pacer::new(Pace::Max).unwrap();
         assert_eq!(pacer.own_due_ns(0, 0, true), (0, 0));
         assert_eq!(pacer.own_due_ns(0, second / 10, true), (second / 10, 0));
-        // 0.35 s late at a mean of 0.1 s.
+        // 0.35 s late at a mean interval of 0.1 s.
         let late_ns = second / 5 + second * 35 / 100;
         assert_eq!(pacer.own_due_ns(late_ns, second / 5, true), (second / 2, 3));
         assert_eq!(

@@ -1,40 +1,46 @@
-//! Which depth image belongs to which frame, where two cameras take them by clocks of their own: the one nearest in time.
+//! Pairs each frame with the depth image nearest in time, for two cameras that are not
+//! synchronized.
 //!
-//! Frames and images come in the order in which they were taken, each camera's whenever it likes. A frame's image is known
+//! Frames and images arrive in the order in which they were taken, but independently of each other.
+//! A frame's image is known
 //!
-//! - as soon as one is there that was taken later than the frame: those to come are farther away;
-//! - earlier, if one lies within half the depth camera's period before the frame: the next is then no nearer;
-//! - at the frame's own last moment, and at once while the depth camera is silent, from what is there.
+//! - as soon as an image taken later than the frame has arrived, because all others will be farther
+//!   away;
+//! - earlier, if an image is within half the depth camera's period before the frame, because the
+//!   next will not be nearer;
+//! - at the frame's deadline, or at once while the depth camera is silent, from the images at hand.
 //!
-//! An image too far from the frame is not its own. Frames are answered in their order. Nothing is allocated after the beginning, and
-//! nobody waits: with too many at a time the oldest make room, and are counted.
+//! An image too far from the frame is not paired with it. Frames are answered in order. Nothing is
+//! allocated after construction, and nothing blocks. If too many frames or images wait, the oldest
+//! are dropped and counted.
 
 use std::collections::VecDeque;
 
-/// Frames that can wait for their image at a time.
+/// Maximum number of frames that wait for their image.
 const MOST_FRAMES: usize = 16;
-/// Images that can wait for their frame at a time: as many periods may a frame come later than its image.
+/// Maximum number of images that wait for their frame. A frame may arrive this many periods after
+/// its image.
 pub const MOST_IMAGES: usize = 4;
 
-/// What found a partner, and what did not.
+/// Numbers of frames and images with and without a partner.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PairCounts {
     /// Frames with an image.
     pub paired: u64,
-    /// Frames without.
+    /// Frames without an image.
     pub alone: u64,
-    /// Images that were no frame's.
+    /// Images without a frame.
     pub unpaired: u64,
 }
 
-/// A frame's answer.
+/// The answer for a frame.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Paired<F, I> {
     /// No image is near enough.
     Alone(F),
-    /// Its image, which is no other frame's.
+    /// The frame and its image, which belongs to no other frame.
     With(F, I),
-    /// Its image is that of [`Pairing::shared`], which the next frame may want too.
+    /// The frame. Its image is [`Pairing::shared`], which the next frame may need too.
     Sharing(F),
 }
 
@@ -44,9 +50,9 @@ pub struct Pairing<F, I> {
     within_ns: u64,
     half_period_ns: Option<u64>,
     frames: VecDeque<Waiting<F>>,
-    /// The oldest first, each with whether it was a frame's.
+    /// Time, image, and whether it was paired with a frame; oldest first.
     images: VecDeque<(u64, I, bool)>,
-    /// When the last frame that was answered was taken, and how long after the one before.
+    /// When the last answered frame was taken, and its interval to the one before.
     last: (Option<u64>, Option<u64>),
     is_silent: bool,
     counts: PairCounts,
@@ -60,8 +66,8 @@ struct Waiting<F> {
 }
 
 impl<F, I> Pairing<F, I> {
-    /// `within_ns`: how far from its frame an image may be. `period_ns`: from one image of the depth camera to the next, if known. Until
-    /// the first image comes the depth camera is silent.
+    /// `within_ns`: maximum interval between a frame and its image. `period_ns`: period of the
+    /// depth camera, if known. The depth camera counts as silent until its first image.
     pub fn new(within_ns: u64, period_ns: Option<u64>) -> Self {
         Self {
             within_ns,
@@ -74,8 +80,8 @@ impl<F, I> Pairing<F, I> {
         }
     }
 
-    /// A frame was taken at that moment; it waits for its image until another, of the same clock. Returns the oldest frame if that
-    /// has to make room: it is alone.
+    /// Adds a frame taken at `exposed_ns`, which waits for its image until `until_ns` on the same
+    /// clock. If the oldest frame has to make room, it is returned, without an image.
     pub fn frame(&mut self, frame: F, exposed_ns: u64, until_ns: u64) -> Option<F> {
         let oldest = match self.frames.len() {
             MOST_FRAMES => self.frames.pop_front(),
@@ -90,10 +96,10 @@ impl<F, I> Pairing<F, I> {
         oldest.map(|waiting| waiting.frame)
     }
 
-    /// An image was taken at that moment.
+    /// Adds an image taken at `exposed_ns`.
     pub fn image(&mut self, image: I, exposed_ns: u64) {
         self.is_silent = false;
-        // A clock that has gone back: what was before says nothing any more.
+        // The clock went back, so earlier images no longer mean anything.
         while (self.images.back()).is_some_and(|&(before_ns, ..)| before_ns > exposed_ns) {
             let last = self.images.pop_back();
             self.let_go(last);
@@ -105,17 +111,17 @@ impl<F, I> Pairing<F, I> {
         self.images.push_back((exposed_ns, image, false));
     }
 
-    /// The depth camera has none to give for now: until the next comes no frame waits.
+    /// Reports that the depth camera is silent. No frame waits until its next image.
     pub fn silence(&mut self) {
         self.is_silent = true;
     }
 
-    /// When the next frame is answered even if nothing comes; `None`: no frame waits.
+    /// When the next frame is answered even if nothing arrives; `None` if no frame waits.
     pub fn due_ns(&self) -> Option<u64> {
         self.frames.front().map(|frame| frame.until_ns)
     }
 
-    /// The next frame's answer, if it is known.
+    /// Returns the answer for the next frame, if it is known.
     pub fn next(&mut self, now_ns: u64) -> Option<Paired<F, I>> {
         let &Waiting {
             exposed_ns,
@@ -134,7 +140,7 @@ impl<F, I> Pairing<F, I> {
         }
         let step_ns = self.step_to(exposed_ns);
         let frame = self.frames.pop_front()?.frame;
-        // Frames to come are later than this one: nothing before its nearest image is nearer to them.
+        // Later frames cannot be nearer to images before this frame's nearest one.
         for _ in 0..nearest.unwrap_or(0) {
             let older = self.images.pop_front();
             self.let_go(older);
@@ -150,7 +156,7 @@ impl<F, I> Pairing<F, I> {
             (Some(next), _) => Some(next.exposed_ns),
             (None, step_ns) => step_ns.map(|step_ns| exposed_ns + step_ns),
         };
-        // Where nothing is known of the next frame it is kept for it.
+        // If nothing is known about the next frame, the image is kept for it.
         if next_ns.is_none_or(|next_ns| next_ns <= *taken_ns + self.within_ns) {
             return Some(Paired::Sharing(frame));
         }
@@ -158,17 +164,17 @@ impl<F, I> Pairing<F, I> {
         Some(Paired::With(frame, image))
     }
 
-    /// The image of the frame that was answered last with [`Paired::Sharing`].
+    /// The image of the last frame answered with [`Paired::Sharing`].
     pub fn shared(&self) -> Option<&I> {
         self.images.front().map(|(_, image, _)| image)
     }
 
-    /// What was counted. Images that still wait are not.
+    /// Returns the current counts, without images that still wait.
     pub fn counts(&self) -> PairCounts {
         self.counts
     }
 
-    /// No frame is to come: the images that wait are counted.
+    /// Ends the pairing: counts the images that still wait.
     pub fn end(&mut self) -> PairCounts {
         while let Some(image) = self.images.pop_front() {
             self.let_go(Some(image));
@@ -176,7 +182,8 @@ impl<F, I> Pairing<F, I> {
         self.counts
     }
 
-    /// How far the frames are apart, by the last one and this. A frame that is lost makes a step longer, so the shorter of two counts.
+    /// Estimates the interval between frames from the last one and this one. A lost frame lengthens
+    /// a step, so the shorter of two steps counts.
     fn step_to(&mut self, exposed_ns: u64) -> Option<u64> {
         let (last_ns, before) = self.last;
         let step_ns = last_ns.map(|last_ns| exposed_ns.saturating_sub(last_ns));

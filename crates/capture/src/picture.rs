@@ -1,4 +1,4 @@
-//! One picture file: its size from its head, its pixels as Gray8 or Rgb8.
+//! Reads one picture file: its size from the header, its pixels as Gray8 or Rgb8.
 
 mod container;
 mod jpeg;
@@ -22,20 +22,21 @@ use container::{chunks, format_of, readable_format};
 pub(crate) use container::{is_picture, stranger};
 pub(crate) use jpeg::{END_OF_IMAGE, START_OF_IMAGE, START_OF_SCAN, is_in_scan, is_start_of_frame};
 
-/// Larger pictures are refused: more likely a broken head than a camera.
+/// Maximum size of a picture. A larger one more likely has a broken header than comes from a
+/// camera.
 pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
-/// Enough of a file for its size to be known, in all but odd cases.
+/// Number of leading bytes that include a file's size, except in unusual cases.
 const HEAD_BYTES: u64 = 64 << 10;
 
-/// The pictures that can be shown, as words of a sentence.
+/// The picture formats that can be shown, as words of a sentence.
 pub const PICTURES: &str = "PNG, JPEG, WebP, TIFF, BMP or PGM";
-/// How their names end.
+/// File name extensions of these formats.
 const ENDINGS: [&str; 11] = [
     "png", "jpg", "jpeg", "webp", "tif", "tiff", "bmp", "pgm", "ppm", "pbm", "pnm",
 ];
 
-/// Whether a file is a picture by its name. Hidden files are not: some systems put a `._0001.png` that is no picture beside
-/// each `0001.png`.
+/// Returns whether a file is a picture by its name. Hidden files are not: some systems add a
+/// `._0001.png`, which is not a picture, to each `0001.png`.
 pub fn names_a_picture(path: &Path) -> bool {
     let known = |extension: &std::ffi::OsStr| {
         (ENDINGS.iter()).any(|known| extension.eq_ignore_ascii_case(known))
@@ -49,7 +50,7 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
     name.is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }
 
-/// What a file's head says of its pixels; a sentence if it says nothing good.
+/// Reads the layout of a file's pixels from its header. The error is a sentence.
 pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
     let unreadable = |error: io::Error| broken(path, error);
     let mut file = File::open(path).map_err(unreadable)?;
@@ -60,7 +61,7 @@ pub(crate) fn probe(path: &Path) -> Result<Layout, String> {
         if (head_size as u64) < HEAD_BYTES || format_of(&bytes).is_none() {
             return Err(error);
         }
-        // A long profile or preview may stand before the size.
+        // A long profile or preview may precede the size.
         let mut rest = file.take(LARGEST_BYTES);
         rest.read_to_end(&mut bytes).map_err(unreadable)?;
         layout(path, &bytes)
@@ -83,9 +84,9 @@ fn broken(path: &Path, error: impl std::fmt::Display) -> String {
     format!("{} cannot be decoded ({error})", path.display())
 }
 
-/// A picture file whose head was read.
+/// A picture file whose header was read.
 struct Opened<'a> {
-    /// A decoder of the pixels as they are stored.
+    /// Decoder of the stored pixels.
     decoder: Box<dyn ImageDecoder + 'a>,
     /// The layout of the upright picture.
     layout: Layout,
@@ -96,9 +97,9 @@ struct Opened<'a> {
 impl<'a> Opened<'a> {
     fn new(path: &Path, bytes: &'a [u8], format: ImageFormat) -> Result<Self, String> {
         let mut decoder = Box::new(decoder(path, bytes, format)?);
-        // A damaged note beside the pixels does not spoil them.
+        // Damaged metadata does not spoil the pixels.
         let orientation = match format {
-            // The decoder knows no notes behind the pixels, where some programs put them.
+            // The decoder does not read metadata after the pixels, where some programs store it.
             ImageFormat::Png => png_note(bytes).and_then(Orientation::from_exif_chunk),
             _ => decoder.orientation().ok(),
         }
@@ -109,7 +110,7 @@ impl<'a> Opened<'a> {
         } else {
             PixelFormat::Gray8
         };
-        // The decoder's own pixels have 8 bytes at most.
+        // The decoder uses at most 8 bytes per pixel.
         if u64::from(width) * u64::from(height) > LARGEST_BYTES / 8 {
             let reason = format!("{width}×{height} pixels are too many");
             return Err(broken(path, reason));
@@ -133,7 +134,7 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// A decoder of a file of a format that this build reads.
+/// Creates a decoder of a file in a format that this build reads.
 fn decoder<'a>(
     path: &Path,
     bytes: &'a [u8],
@@ -141,7 +142,7 @@ fn decoder<'a>(
 ) -> Result<impl ImageDecoder + 'a, String> {
     let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
     decoder.map_err(|error| {
-        // The reason may be one that is known here.
+        // Gives a more precise reason if there is one.
         if let Err(known) = container::check(path, bytes, format) {
             return known;
         }
@@ -154,7 +155,7 @@ fn decoder<'a>(
     })
 }
 
-/// The command that converts a picture to a kind that lariat reads.
+/// The command that converts a picture to a format that lariat reads.
 fn conversion(path: &Path) -> String {
     let shown = path.display();
     format!(
@@ -162,26 +163,26 @@ fn conversion(path: &Path) -> String {
     )
 }
 
-/// A picture file, decoded as a source of frames shows it: upright, without alpha, 8 bits a channel.
+/// A picture file, decoded as a frame source shows it: upright, without alpha, 8 bits per channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StillPicture {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// `Gray8` if the file has no colour, else `Rgb8`.
+    /// `Gray8` for a file without color, otherwise `Rgb8`.
     pub format: PixelFormat,
-    /// Rows one after the other, without padding.
+    /// Rows in order, without padding.
     pub pixels: Vec<u8>,
-    /// A sentence on what its samples mean, if the file leaves it open.
+    /// A sentence about the meaning of its samples, if the file leaves that open.
     pub news: Option<String>,
 }
 
 impl StillPicture {
-    /// Reads a picture file ([`PICTURES`]), whatever its name says.
+    /// Reads a picture file ([`PICTURES`]), whatever its extension.
     ///
     /// # Errors
-    /// There is no such file, it is no picture, or it is cut off or damaged.
+    /// The file is missing, is not a picture, or is cut off or damaged.
     pub fn load(path: &Path) -> Result<Self, SourceError> {
         let broken = |reason| SourceError::Picture { reason };
         let mut pixels = vec![0; probe(path).map_err(broken)?.bytes()];
@@ -198,21 +199,22 @@ impl StillPicture {
     }
 }
 
-/// Decodes one picture after the other, in the same memory.
+/// Decodes pictures one after another, in the same memory.
 #[derive(Default)]
 pub(crate) struct PictureDecoder {
     file: Vec<u8>,
-    /// Pixels with alpha or of 16 bits, before they are reduced.
+    /// Pixels with alpha or 16 bits, before they are reduced.
     full: Vec<u8>,
-    /// Pixels as they are stored, before they are turned upright.
+    /// Stored pixels, before they are turned upright.
     stored: Vec<u8>,
-    /// The number of bits in samples of pictures of 16 bits.
+    /// Number of bits in the samples of 16-bit pictures.
     bits: Bits,
     news: Option<String>,
 }
 
 impl PictureDecoder {
-    /// Decodes a file into the beginning of `pixels`, upright; alpha is left out, 16 bits become 8. A sentence if it cannot.
+    /// Decodes a file into the start of `pixels`, upright. Drops alpha and reduces 16 bits to 8.
+    /// The error is a sentence.
     pub(crate) fn decode(&mut self, path: &Path, pixels: &mut [u8]) -> Result<Layout, String> {
         let mut file = std::mem::take(&mut self.file);
         file.clear();
@@ -224,17 +226,18 @@ impl PictureDecoder {
         decoded
     }
 
-    /// Bytes of the pixels of such a file; a sentence if it says nothing good of them.
+    /// Returns the number of bytes of a file's pixels. The error is a sentence.
     pub(crate) fn size(path: &Path, file: &[u8]) -> Result<usize, String> {
         layout(path, file).map(|layout| layout.bytes())
     }
 
-    /// A sentence on what the samples of the last picture mean, once, if the file leaves it open.
+    /// Returns a sentence about the meaning of the last picture's samples, once, if the file leaves
+    /// that open.
     pub(crate) fn take_news(&mut self) -> Option<String> {
         self.news.take()
     }
 
-    /// Decodes the bytes of a file with all that its samples say. `path`: what to call it.
+    /// Decodes the bytes of a file without reducing its samples. `path` is used in messages.
     pub(crate) fn decode_full(&mut self, path: &Path, file: &[u8]) -> Result<FullPicture, String> {
         let format = readable_format(path, file)?;
         container::check(path, file, format)?;
@@ -264,7 +267,7 @@ impl PictureDecoder {
         })
     }
 
-    /// Decodes the bytes of a file. `path`: what to call it.
+    /// Decodes the bytes of a file. `path` is used in messages.
     pub(crate) fn decode_file(
         &mut self,
         path: &Path,
@@ -302,7 +305,7 @@ impl PictureDecoder {
         decoded.map(|()| layout)
     }
 
-    /// Decodes pixels as they are stored.
+    /// Decodes the stored pixels.
     fn decode_stored(
         &mut self,
         path: &Path,
@@ -315,7 +318,7 @@ impl PictureDecoder {
             return self.read(path, file, (format, opened), pixels);
         }
         let mut full = std::mem::take(&mut self.full);
-        // In range: `Opened` has looked.
+        // In range: checked by `Opened`.
         full.resize(opened.decoder.total_bytes() as usize, 0);
         let read = self.read(path, file, (format, opened), &mut full);
         let reduced = read.and_then(|()| {
@@ -328,7 +331,7 @@ impl PictureDecoder {
         reduced
     }
 
-    /// Reads the samples of a file as they are.
+    /// Reads the samples of a file unchanged.
     fn read(
         &self,
         path: &Path,
@@ -363,16 +366,16 @@ impl PictureDecoder {
     }
 }
 
-/// A picture with all that its samples say, upright.
+/// An upright picture with samples that are not reduced.
 pub(crate) struct FullPicture {
     /// Width and height, in pixels.
     pub(crate) size: [u32; 2],
     pub(crate) color: ColorType,
-    /// As the decoder gives them: numbers of 16 bits in the machine's order.
+    /// Samples from the decoder; those of 16 bits are native-endian.
     pub(crate) samples: Vec<u8>,
 }
 
-/// The EXIF note of a PNG.
+/// The EXIF data of a PNG.
 fn png_note(file: &[u8]) -> Option<&[u8]> {
     let note = chunks(file).find(|(name, _)| name == b"eXIf");
     note.map(|(_, data)| data)

@@ -1,4 +1,4 @@
-//! Picture files and folders of them as one sequence of frames.
+//! Shows picture files and folders of them as one sequence of frames.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -16,8 +16,8 @@ use crate::picture::{
 use crate::range::Frames;
 use crate::source::SourceError;
 
-/// The files that pictures and folders mean, in the order given, a folder's in natural order; and sentences about files that were
-/// left out.
+/// Lists the files of these pictures and folders in the given order, a folder's files in natural
+/// order. Also returns sentences about files that were left out.
 pub(crate) fn listed(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), SourceError> {
     let mut files = Vec::new();
     let mut warnings = Vec::new();
@@ -44,7 +44,7 @@ pub(crate) fn listed(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<String>), S
     Ok((files, warnings))
 }
 
-/// The reason to refuse a file with these first bytes.
+/// The error for a file with these first bytes.
 fn not_a_picture(path: &Path, head: &[u8]) -> SourceError {
     SourceError::NotAPicture {
         path: path.to_owned(),
@@ -52,7 +52,7 @@ fn not_a_picture(path: &Path, head: &[u8]) -> SourceError {
     }
 }
 
-/// Opens pictures and folders, shown in the order given; a folder's pictures in natural order.
+/// Opens pictures and folders, shown in the given order. A folder's pictures are in natural order.
 pub(crate) fn open_pictures(
     paths: &[PathBuf],
     options: &FileOptions,
@@ -60,7 +60,7 @@ pub(crate) fn open_pictures(
     let (files, warnings) = listed(paths)?;
     let frames = options.range.frames(options.fps)?;
     let files = selected(files, frames)?;
-    // A file whose head is broken is left in the sequence, to be lost when its turn comes.
+    // A file with a broken header stays in the sequence and is lost when its turn comes.
     let (mut total_bytes, mut largest_frame_bytes) = (0, 0);
     for layout in files.iter().filter_map(|file| probe(file).ok()) {
         total_bytes += layout.bytes() as u64;
@@ -84,7 +84,7 @@ pub(crate) fn open_pictures(
     Ahead::start(pictures, plan)
 }
 
-/// Those of the files that are in the range.
+/// Returns the files that are in the range.
 pub(crate) fn selected<T>(files: Vec<T>, frames: Frames) -> Result<Vec<T>, SourceError> {
     let count = files.len() as u64;
     if frames.of(count) == 0 {
@@ -99,7 +99,7 @@ pub(crate) fn selected<T>(files: Vec<T>, frames: Frames) -> Result<Vec<T>, Sourc
     Ok(chosen.take(frames.of(count) as usize).collect())
 }
 
-/// Adds a folder's pictures; a sentence if it holds other files too.
+/// Adds a folder's pictures. Returns a sentence if it contains other files too.
 fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>, SourceError> {
     let unreadable = |error| SourceError::Unreadable {
         path: folder.to_owned(),
@@ -127,7 +127,8 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
     }))
 }
 
-/// A sentence on the first of these files by name that is a picture or a video to be converted first; `None`: none is.
+/// Returns a sentence about the first of these files, by name, that is a picture or video to
+/// convert first, if any.
 pub fn foreign_example(files: &[PathBuf]) -> Option<String> {
     let known = files
         .iter()
@@ -140,7 +141,7 @@ pub fn foreign_example(files: &[PathBuf]) -> Option<String> {
     Some(format!("{} {}", known.display(), foreign.advice(known)))
 }
 
-/// The pictures of a folder by their names, in natural order, and its other files.
+/// Lists a folder's pictures, recognized by name, in natural order, and its other files.
 pub(crate) fn pictures_in(folder: &Path) -> io::Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let mut found = Vec::new();
     let mut ignored = Vec::new();

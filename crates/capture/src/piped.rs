@@ -1,7 +1,8 @@
-//! Frames out of a pipe, mostly standard input: a Y4M video, or frames as they are, one behind the other.
+//! Frames from a pipe, usually standard input: a Y4M video, or consecutive raw frames.
 //!
-//! A pipe is live: unless a pace is asked for, a frame was taken ("exposed") when the last of it came. It is read where frames are
-//! waited for, so that a writer that stands still keeps nobody from being stopped, and no faster than frames are asked for.
+//! A pipe is live: unless a pace is requested, a frame's exposure time is when its last byte
+//! arrived. The pipe is read while the caller waits for a frame, so that a stalled writer does not
+//! prevent a stop. It is read no faster than frames are requested.
 
 use std::fs::File;
 use std::io::{self, IsTerminal, Read};
@@ -18,21 +19,21 @@ use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 use crate::y4m::{FRAME, Head, LARGEST_SIDE, LINE_BYTES, MAGIC, begins_frame};
 
-/// How a pipe is read.
+/// How to read a pipe.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PipeOptions {
-    /// What frames without any words between them are; without it, a Y4M video is expected.
+    /// Size and format of raw frames; `None` expects a Y4M video.
     pub raw: Option<RawFrames>,
-    /// Whether frames are shown at a pace that somebody else says, not when they come.
+    /// True if the caller sets the pace; otherwise frames are shown when they arrive.
     pub paced: bool,
 }
 
-/// Frames as they are.
+/// Raw frames without headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RawFrames {
-    /// Width and height, px.
+    /// Width and height, in pixels.
     pub size: [u32; 2],
-    /// How bytes make pixels; rows have no padding.
+    /// Pixel format; rows are not padded.
     pub format: RawFormat,
 }
 
@@ -63,9 +64,9 @@ impl RawFrames {
         self.format.frame_bytes(self.size)
     }
 
-    /// A usual size, or another format, in which this many bytes are whole frames.
+    /// Guesses another common size, or another format, in which this many bytes are whole frames.
     fn likely(self, total: usize) -> Option<String> {
-        // From VGA's half to 4K, as cameras and encoders have them.
+        // Sizes from 320×240 to 4K that cameras and encoders use.
         const USUAL: [[u32; 2]; 14] = [
             [320, 240],
             [424, 240],
@@ -93,7 +94,8 @@ impl RawFrames {
         if let Some(Self { size: [w, h], .. }) = nearest {
             return Some(format!("{w}x{h} {}", self.format.name()));
         }
-        // The fewest frames, so that two bytes a pixel are not two frames of one; the first of several.
+        // Prefers the fewest frames, so that one frame with two bytes per pixel does not count as
+        // two frames with one, then the first format.
         let formats = RawFormat::names().filter_map(RawFormat::from_name);
         let formats = formats.map(|format| Self { format, ..self });
         let other = formats
@@ -103,37 +105,37 @@ impl RawFrames {
     }
 }
 
-/// What is being read.
+/// The part of the stream being read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
-    /// A video's first line.
+    /// The header of a video.
     Head,
     /// The line before a frame.
     Line(Head),
     /// A frame's planes.
     Planes(Head),
-    /// A frame as it is.
+    /// A raw frame.
     Raw(RawFrames),
 }
 
-/// A pipe that is read.
+/// A pipe being read.
 pub(crate) struct Piped {
     pipe: File,
     paced: bool,
     part: Part,
-    /// The part: this much of it is there, and so much is needed to go on.
+    /// Bytes of the current part: `have` of them were read, and `need` complete it.
     bytes: Vec<u8>,
     have: usize,
     need: usize,
     sequence: u64,
     has_ended: bool,
-    /// The number of bits in samples of raw frames of 16 bits.
+    /// Number of bits in the samples of 16-bit raw frames.
     bits: Bits,
     news: Option<String>,
 }
 
 impl Piped {
-    /// Standard input.
+    /// Opens standard input.
     pub(crate) fn standard_input(options: &PipeOptions) -> Result<Self, SourceError> {
         let input = io::stdin();
         let refuse = |what: &dyn std::fmt::Display| SourceError::Pipe {
@@ -175,7 +177,8 @@ impl Piped {
         (self.part, self.have, self.need) = (part, 0, need);
     }
 
-    /// Reads on as long as it is let; `None` when it is to stop, else whether there was more.
+    /// Waits for data and reads it. Returns `None` if the wait was interrupted, otherwise whether
+    /// there was more data.
     fn read(&mut self, until: &Until) -> io::Result<Option<bool>> {
         let event = Some((self.pipe.as_fd(), PollFlags::IN));
         if until.wait(event, None) == Woken::Interrupted {
@@ -201,7 +204,7 @@ impl Piped {
         }
     }
 
-    /// Takes what was waited for; a frame, if it is one.
+    /// Handles a complete part. Returns its layout if it is a frame.
     fn take(&mut self) -> Result<Option<Layout>, SourceError> {
         let there = &self.bytes[..self.have];
         let refuse = |what: &str| SourceError::Pipe {
@@ -239,7 +242,7 @@ impl Piped {
         Ok(None)
     }
 
-    /// There is nothing more to read.
+    /// Handles the end of the stream.
     fn end(&mut self) -> Result<Next, SourceError> {
         self.has_ended = true;
         let is_between = match self.part {
@@ -294,7 +297,7 @@ impl FrameSource for Piped {
         if self.has_ended {
             return Ok(Next::End);
         }
-        // What was there is shown.
+        // The last part was a frame, which has been shown.
         if self.have == self.need {
             match self.part {
                 Part::Planes(head) => self.goes_on_with(Part::Line(head), FRAME.len()),
@@ -356,7 +359,7 @@ impl FrameSource for Piped {
     }
 }
 
-/// A sentence on a stream with these first bytes that is not a video, and the remedy.
+/// A sentence about a stream with these first bytes that is not a video, and what to do.
 fn stranger(begin: &[u8]) -> String {
     let picture = [
         (&b"\x89PNG"[..], "a PNG picture"),
@@ -392,7 +395,7 @@ mod tests {
 
     use super::*;
 
-    /// A pipe, and the end to write into.
+    /// Creates a pipe. Also returns the end to write into.
     fn pipe(raw: Option<RawFrames>, paced: bool) -> (Piped, File) {
         let (out, into) = rustix::pipe::pipe().expect("a pipe");
         let [out, into] = [out, into].map(|end: OwnedFd| File::from(end));
@@ -406,7 +409,7 @@ mod tests {
         pixels
     }
 
-    /// What it says when it is given these bytes, after so many frames.
+    /// The error for these bytes, after `frames` whole frames.
     fn refusal(raw: Option<RawFrames>, bytes: &[u8], frames: u64) -> String {
         let (mut piped, mut into) = pipe(raw, false);
         into.write_all(bytes).unwrap();

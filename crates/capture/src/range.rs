@@ -1,4 +1,4 @@
-//! Which frames of a sequence of files are shown: from where, up to where, and every n-th.
+//! Selects the frames of a file sequence that are shown: the first, the last, and every n-th.
 
 use std::num::NonZeroU64;
 use std::time::Duration;
@@ -10,23 +10,25 @@ use crate::source::SourceError;
 pub enum Position {
     /// A frame's number, from 1.
     Frame(u64),
-    /// So long after the first frame.
+    /// Time after the first frame.
     Time(Duration),
 }
 
-/// A part of a sequence of frames: a sequence itself, whose frames are numbered from 1 on.
+/// A part of a sequence of frames. It is a sequence itself, whose frames are numbered from 1: by
+/// their numbers in the whole, frames left out by `every` would count as losses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Range {
-    /// The first frame that is shown; a time is that of the first frame that is not before it.
+    /// First frame shown. A time selects the first frame that is not before it.
     pub from: Option<Position>,
-    /// The last one; of a time the last frame before it, so that what ends there and what begins there share none.
+    /// Last frame shown. A time selects the last frame before it, so that two ranges that meet at a
+    /// time share no frame.
     pub to: Option<Position>,
-    /// Every n-th of these, beginning with the first.
+    /// Shows every n-th of these frames, beginning with the first.
     pub every: NonZeroU64,
 }
 
 impl Default for Range {
-    /// All.
+    /// The whole sequence.
     fn default() -> Self {
         Self {
             from: None,
@@ -36,25 +38,25 @@ impl Default for Range {
     }
 }
 
-/// The same in frames.
+/// A range in frame numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Frames {
-    /// From 1.
+    /// Number of the first frame, from 1.
     pub(crate) first: u64,
-    /// At least `first`.
+    /// Number of the last frame, at least `first`.
     pub(crate) last: u64,
     pub(crate) every: u64,
 }
 
 impl Range {
-    /// The frames meant, at so many a second.
+    /// Converts the range to frame numbers, at `fps` frames per second.
     ///
     /// # Errors
-    /// A time where there is no rate, and a range without a frame.
+    /// The range has a time but the rate is unknown, or the range is empty.
     pub(crate) fn frames(&self, fps: Option<f64>) -> Result<Frames, SourceError> {
-        // How many frames are before a moment.
+        // Number of frames before a moment.
         let before = |time: Duration| match fps {
-            // A ten-thousandth of a frame is rounding of what the user wrote.
+            // Allows for rounding by the user: a ten-thousandth of a frame.
             Some(fps) => Ok((time.as_secs_f64() * fps - 1e-4).ceil().max(0.0) as u64),
             None => Err(SourceError::NoRate { time }),
         };
@@ -80,7 +82,7 @@ impl Range {
 }
 
 impl Frames {
-    /// How a frame is found again by its number in the part; nothing to say if it is all.
+    /// Says how the part's frame numbers map to those of the whole; `None` if they are equal.
     pub(crate) fn news(&self) -> Option<String> {
         let Self { first, every, .. } = *self;
         match (first, every) {
@@ -92,7 +94,7 @@ impl Frames {
         }
     }
 
-    /// How many frames these are of a sequence of `count`.
+    /// Number of these frames in a sequence of `count`.
     pub(crate) fn of(&self, count: u64) -> u64 {
         match self.last.min(count).checked_sub(self.first) {
             Some(steps) => steps / self.every + 1,
@@ -123,7 +125,7 @@ mod tests {
             let mut next = 1;
             for second in 1..=120 {
                 let ends = range(time(1000 * (second - 1)), time(1000 * second));
-                // At a tenth of a frame per second most seconds have none.
+                // At a tenth of a frame per second, most seconds contain no frame.
                 let Ok(frames) = ends.frames(Some(fps)) else {
                     continue;
                 };

@@ -1,7 +1,8 @@
-//! Formats of raw frames: those of the messages, and those that are rearranged into one of them when they are read.
+//! Formats of raw frames: those of messages, and others that are converted to one of them when
+//! read.
 //!
-//! Names are lariat's, and those of ffmpeg, GStreamer and ROS for the same bytes. Y, U, V are in limited range, as these programs
-//! write them, but for ffmpeg's `yuvj…`.
+//! Formats have lariat's names, and those of ffmpeg, GStreamer and ROS for the same bytes. YUV is
+//! in limited range, as these programs write it, except for ffmpeg's `yuvj…`.
 
 use lariat_message::PixelFormat;
 
@@ -9,7 +10,7 @@ use crate::ahead::Layout;
 use crate::color_range::ColorRange;
 use crate::yuv::{Chroma, write_rgb};
 
-/// The arrangement of the bytes of raw frames.
+/// Arrangement of the bytes in raw frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RawFormat {
     name: &'static str,
@@ -17,18 +18,18 @@ pub struct RawFormat {
     range: ColorRange,
 }
 
-/// The places of the samples.
+/// Arrangement of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Lie {
-    /// As in a message.
+    /// Same as in a message.
     Known(PixelFormat),
     /// Planes of Y, U and V, or of Y, V and U.
     Planes(Chroma, Order),
-    /// A plane of Y, and one of V U pairs at half the size.
+    /// A plane of Y, and one of VU pairs at half the size.
     Nv21,
-    /// A plane of Y, and one of pairs in full size.
+    /// A plane of Y, and one of pairs at full size.
     Nv24(Order),
-    /// Four bytes a pixel: where red, green and blue are.
+    /// Four bytes per pixel; contains the places of red, green and blue.
     Four([usize; 3]),
 }
 
@@ -41,7 +42,7 @@ enum Order {
 
 const RED_FIRST: [usize; 3] = [0, 1, 2];
 
-/// Every name, and what it stands for; the first of several for the same is its own.
+/// All names and their formats. The first of several names for a format is its own name.
 const NAMES: [(&str, Lie, ColorRange); 50] = {
     use ColorRange::{Full, Limited};
     use Lie::{Four, Known, Nv21, Nv24, Planes};
@@ -104,11 +105,11 @@ const NAMES: [(&str, Lie, ColorRange); 50] = {
         ("abgr", Four([3, 2, 1]), Full),
     ]
 };
-/// The number of names that are not another name of one before.
+/// Number of leading entries whose name is not an alias of an earlier one.
 const OWN_NAMES: usize = 26;
 
 impl RawFormat {
-    /// The format of this name, in small letters or large ones.
+    /// Returns the format with this name, in upper or lower case.
     pub fn from_name(name: &str) -> Option<Self> {
         let known = NAMES
             .iter()
@@ -122,17 +123,18 @@ impl RawFormat {
         })
     }
 
-    /// Its name.
+    /// Name of the format.
     pub const fn name(self) -> &'static str {
         self.name
     }
 
-    /// The names of all formats.
+    /// Names of all formats.
     pub fn names() -> impl Iterator<Item = &'static str> {
         NAMES[..OWN_NAMES].iter().map(|&(name, ..)| name)
     }
 
-    /// The pixels, across and down, that share a colour: sides of frames are multiples of these.
+    /// Number of pixels, across and down, that share a color sample. A frame's sides are multiples
+    /// of these.
     fn shared(self) -> [u32; 2] {
         match self.lie {
             Lie::Known(PixelFormat::Nv12) | Lie::Nv21 | Lie::Planes(Chroma::Half, _) => [2, 2],
@@ -143,13 +145,13 @@ impl RawFormat {
         }
     }
 
-    /// Returns true if frames of this size are whole.
+    /// Returns true if a frame can have this size.
     pub(crate) fn fits(self, [width, height]: [u32; 2]) -> bool {
         let [across, down] = self.shared();
         width.is_multiple_of(across) && height.is_multiple_of(down)
     }
 
-    /// The layout in which frames of this size travel.
+    /// Layout of converted frames of this size.
     pub(crate) fn layout(self, [width, height]: [u32; 2]) -> Layout {
         let format = match self.lie {
             Lie::Known(format) => format,
@@ -165,7 +167,7 @@ impl RawFormat {
         }
     }
 
-    /// Bytes of a frame of this size, as it comes.
+    /// Number of bytes in an unconverted frame of this size.
     pub(crate) fn frame_bytes(self, size: [u32; 2]) -> usize {
         let [width, height] = size.map(|side| side as usize);
         match self.lie {
@@ -176,7 +178,7 @@ impl RawFormat {
         }
     }
 
-    /// Writes a frame as it travels.
+    /// Converts a frame.
     pub(crate) fn write(self, layout: &Layout, frame: &[u8], pixels: &mut [u8]) {
         let (width, height) = (layout.width as usize, layout.height as usize);
         let (light, color) = frame.split_at((width * height).min(frame.len()));
@@ -222,7 +224,7 @@ impl RawFormat {
 mod tests {
     use super::*;
 
-    /// A frame of 4 × 2 pixels in a format, as it travels.
+    /// Converts a frame of 4 × 2 pixels.
     fn written(name: &str, frame: &[u8]) -> (PixelFormat, Vec<u8>) {
         let format = RawFormat::from_name(name).expect("a format");
         assert_eq!(format.frame_bytes([4, 2]), frame.len(), "{name}");
@@ -261,7 +263,7 @@ mod tests {
             let expected = (PixelFormat::Rgb8, [1, 2, 3].repeat(8));
             assert_eq!(written(name, &pixel.repeat(8)), expected, "{name}");
         }
-        // Red of BT.601 in limited range.
+        // Red in BT.601, limited range.
         let near = |pixels: &[u8]| {
             let is_red = |p: &[u8]| p[0] > 252 && p[1] < 3 && p[2] < 3;
             pixels.chunks_exact(3).all(is_red)

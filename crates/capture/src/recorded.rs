@@ -1,7 +1,7 @@
-//! A recording as a source: its frames as they came, at their own pace if nobody says otherwise, with the truth where it
-//! was recorded.
+//! Shows a recording: its frames at their own pace unless another is requested, with the truth if
+//! it was recorded.
 //!
-//! What was lost then is lost again: the numbers have the same gaps. What had no image has none now.
+//! Losses are reproduced: the frame numbers have the same gaps, and blank frames stay blank.
 
 mod lookahead;
 mod timing;
@@ -25,12 +25,12 @@ use timing::Timing;
 pub struct RecordingOptions {
     /// The file.
     pub path: PathBuf,
-    /// The topic whose images are shown; needed only where there are those of several cameras.
+    /// Topic whose images are shown. Needed only if the recording has images of several cameras.
     pub topic: Option<String>,
-    /// Numbers are frames' places among those that were recorded; times count from the beginning. Of what is left every
-    /// n-th *moment* of the source is shown, so that a frame that was lost then is not made up for by its neighbour.
+    /// Numbers count recorded frames, and times count from the beginning. Within the range, every
+    /// n-th *moment* of the source is shown, so that a neighbor does not replace a lost frame.
     pub range: Range,
-    /// Whether to begin again after the last frame.
+    /// True if it starts again after the last frame.
     pub looped: bool,
 }
 
@@ -76,7 +76,8 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
         message_bytes,
     } = Opening::of(&mut first);
     let (largest, total_bytes) = match size {
-        // A picture file tells its size by itself; the others are taken to be no larger.
+        // Only a picture file itself contains its decoded size. The others are assumed to be at
+        // most as large.
         Size::Unpacked(bytes) => (bytes, u64::MAX),
         Size::Raw(bytes) if largest > message_bytes as u64 + BESIDE_BYTES => {
             (largest_of(&mut first).max(bytes), total_bytes)
@@ -114,7 +115,7 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
     Ahead::start(recorded, plan)
 }
 
-/// An error with what caused it, as one sentence.
+/// Joins an error and its causes into one sentence.
 fn with_causes(error: &dyn std::error::Error) -> String {
     let causes = std::iter::successors(Some(error), |error| error.source());
     let causes: Vec<_> = causes.map(ToString::to_string).collect();
@@ -122,7 +123,7 @@ fn with_causes(error: &dyn std::error::Error) -> String {
 }
 
 fn span_of(range: &Range) -> Result<Span, SourceError> {
-    // Only to see whether it is one: the two may be a number and a time.
+    // Only checks for an empty range; the two may be a number and a time.
     if let (Some(Position::Frame(_)), Some(Position::Frame(_))) = (range.from, range.to) {
         range.frames(None)?;
     }
@@ -135,15 +136,16 @@ fn span_of(range: &Range) -> Result<Span, SourceError> {
     };
     Ok(Span {
         from: range.from.map(|from| place(from, 0)),
-        // A number is that of the last frame, and a span's end is behind it.
+        // The number is that of the last frame, and a span's end is one past it.
         to: range.to.map(|to| place(to, 1)),
     })
 }
 
-/// What may stand beside an image between it and the next message, in the index: what a topic is and how it is defined.
+/// Maximum size of the data that can be between an image and the next message in the index: the
+/// descriptions of topics and their schemas.
 const BESIDE_BYTES: u64 = 64 << 10;
 
-/// What the first frame with an image tells.
+/// Facts from the first frame with an image.
 struct Opening {
     kind: SourceKind,
     size: Size,
@@ -154,7 +156,7 @@ struct Opening {
 /// Bytes of the first image's pixels.
 enum Size {
     Raw(usize),
-    /// Of a picture file.
+    /// Size of a decoded picture file.
     Unpacked(usize),
 }
 
@@ -164,7 +166,7 @@ impl Opening {
         let size = loop {
             let frame = match messages.next_frame() {
                 Ok(None) => break Size::Raw(0),
-                // What is damaged is said when its turn comes.
+                // Damage is reported when its turn comes.
                 Err(_) => continue,
                 Ok(Some(frame)) => frame,
             };
@@ -187,8 +189,8 @@ impl Opening {
     }
 }
 
-/// The bytes of the largest of the images that follow. For this all is read: the index of a recording whose images are of
-/// many sizes says how large they are, but also that of a damaged one may.
+/// Returns the size of the largest image that follows, in bytes. It reads them all: a large size in
+/// the index is real if images differ in size, but it may also come from a damaged index.
 fn largest_of(messages: &mut Messages) -> usize {
     let mut largest = 0;
     loop {
@@ -204,45 +206,45 @@ fn largest_of(messages: &mut Messages) -> usize {
     }
 }
 
-/// A recording that is being read.
+/// A recording being read.
 struct Recorded {
     path: PathBuf,
     recording: Recording,
     span: Span,
     every: u64,
     messages: Messages,
-    /// Whether nothing has been read since the last rewind.
+    /// True if nothing has been read since the last rewind.
     is_fresh: bool,
-    /// True if lariat recorded it, with frames as they travel.
+    /// True if lariat recorded it, so that its frames need no conversion.
     is_own: bool,
     reader: Reader,
     lookahead: Lookahead,
     timing: Timing,
 }
 
-/// Makes pixels of recorded ones.
+/// Converts recorded frames to pixels.
 #[derive(Default)]
 struct Reader {
     pictures: PictureDecoder,
     foreign: ForeignFrames,
 }
 
-/// Brings other programs' raw frames into the range in which frames travel.
+/// Converts other programs' raw frames to the full range that lariat uses.
 #[derive(Debug, Default)]
 pub struct ForeignFrames {
-    /// The number of bits in samples of 16.
+    /// Number of bits in 16-bit samples.
     bits: Bits,
     news: Option<String>,
 }
 
 impl ForeignFrames {
-    /// Conclusion about the samples, reported once.
+    /// Returns a conclusion about the samples, once.
     pub fn take_news(&mut self) -> Option<String> {
         self.news.take()
     }
 
-    /// One frame's pixels, in place: Y, U, V are in limited range, as cameras' drivers give them, and samples of 16 bits may use
-    /// fewer.
+    /// Converts one frame's pixels in place. YUV is in limited range, as camera drivers deliver it,
+    /// and 16-bit samples may use fewer bits.
     pub fn normalize(&mut self, header: &FrameHeader, pixels: &mut [u8]) {
         let Some(format) = header.format() else {
             return;
@@ -255,7 +257,7 @@ impl ForeignFrames {
     }
 }
 
-/// Writes a recorded frame's pixels where they belong.
+/// Writes a recorded frame's pixels into `pixels`.
 fn fill(
     header: &FrameHeader,
     recorded: Pixels,
@@ -378,7 +380,7 @@ impl Decode for Recorded {
 mod tests {
     use super::*;
 
-    /// A frame of 2 × 1 pixels as it is shown, and the notice on it.
+    /// Returns a frame of 2 × 1 pixels as it is shown, and its notice.
     fn shown(is_own: bool, format: PixelFormat, bytes: &[u8]) -> (Vec<u8>, Option<String>) {
         let header = FrameHeader {
             width: 2,

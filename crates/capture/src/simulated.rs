@@ -1,8 +1,9 @@
-//! A rope that is simulated in real time, held by grippers that take commands, and drawn as a camera would see it.
+//! Simulates a rope in real time, held by grippers that take commands, and draws it as a camera
+//! would see it.
 //!
-//! A frame is a camera's: its moment comes, whatever anyone does, and shows what is there then. The simulation goes on to
-//! that moment, each command taking effect when it was sent; a little behind the clock meanwhile, so that little is left
-//! to do when the moment comes.
+//! As with a camera, a frame shows what is there at its moment. The simulation runs up to that
+//! moment, and each command takes effect when it was sent. Meanwhile the simulation stays slightly
+//! behind the clock, so that little work remains when the moment comes.
 
 mod world;
 
@@ -19,32 +20,36 @@ use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 use world::World;
 
-/// Between two frames it looks for commands so often: at 1000 a second fewer come than may wait.
+/// Interval at which it reads commands between two frames. At 1000 commands per second, fewer
+/// arrive in it than can wait.
 const LOOK_NS: u64 = 4_000_000;
-/// So far behind the clock it stays before the moment comes: a command that was sent meanwhile is there by then.
+/// Lag behind the clock between frames. A command has arrived before the simulation gets to the
+/// time when it was sent.
 const BEHIND_NS: u64 = 3_000_000;
-/// How far ahead the moment of a command may be: one that claims more is of now.
+/// Maximum lead of a command's time over the clock. A command that claims more counts as sent now.
 const FARTHEST_NS: u64 = 1_000_000_000;
-/// The most commands that are kept; older ones make room.
+/// Maximum number of commands kept; older ones are dropped.
 const MOST_COMMANDS: usize = 64;
 
-/// Where commands come from: the oldest that waits, `None` if there is none. Never blocks.
+/// Source of commands. Returns the oldest one that waits, or `None`. Never blocks.
 pub type Commands = Box<dyn FnMut() -> Option<Command> + Send>;
 
-/// What is simulated, and how it is seen.
+/// Options of the simulation and its camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimulatedOptions {
-    /// The rope, the table and the robot. The picture has whole pixels, 200 to 8192 each way.
+    /// The rope, the table and the robot. The picture's width and height are integers from 200 to
+    /// 8192 pixels.
     pub simulation: lariat_simulation::Options,
-    /// Whether the rope is lifted, and seen by a depth camera, too: pixels are millimetres of the table then.
+    /// True if the rope is lifted and is also seen by a depth camera. A pixel is then a millimeter
+    /// of the table.
     pub lifted: bool,
-    /// How often the camera takes a picture.
+    /// Rate at which the camera takes pictures.
     pub pace: Pace,
-    /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
+    /// Standard deviation of the camera's noise, in 8-bit levels, 0 to 4.
     pub noise: f64,
     /// A hand that covers the rope.
     pub hand: Option<HandOptions>,
-    /// How many points the true centerline has, 2 to 256.
+    /// Number of points on the true centerline, 2 to 256.
     pub truth_points: u32,
 }
 
@@ -61,10 +66,10 @@ impl Default for SimulatedOptions {
     }
 }
 
-/// Opens a simulated rope that is commanded by whoever sends such commands. A rope without any rests.
+/// Opens a simulated rope that moves by the commands it is sent. Without commands it rests.
 ///
 /// # Errors
-/// Options out of their ranges.
+/// An option is out of range.
 pub fn open_simulated(
     options: &SimulatedOptions,
     commands: Commands,
@@ -75,10 +80,10 @@ pub fn open_simulated(
 pub(crate) struct Simulated {
     world: World,
     commands: Commands,
-    /// Those whose moment has not come.
+    /// Commands whose moment has not come.
     waiting: VecDeque<Command>,
     pacer: Pacer,
-    /// The moment of the first frame, which is the simulation's first.
+    /// Moment of the first frame, at which the simulation starts.
     start_ns: Option<u64>,
     /// The moment of the next frame.
     due_ns: Option<u64>,
@@ -114,12 +119,12 @@ impl Simulated {
         })
     }
 
-    /// Takes in what was sent.
+    /// Reads the commands that have arrived.
     fn hear(&mut self) {
         while let Some(mut command) = (self.commands)() {
             let now_ns = now_ns();
             if command.sent_ns > now_ns.saturating_add(FARTHEST_NS) {
-                // Those behind it would wait for its moment.
+                // Otherwise, later commands would wait for its moment.
                 command.sent_ns = now_ns;
             }
             if self.waiting.len() == MOST_COMMANDS {
@@ -147,7 +152,8 @@ impl Simulated {
         }
     }
 
-    /// Waits for a frame's moment, simulating meanwhile; `false` if that was ended before.
+    /// Waits for a frame's moment and simulates meanwhile. Returns `false` if the wait ended
+    /// before.
     fn wait_for(&mut self, due_ns: u64, until: &Until) -> bool {
         loop {
             self.hear();
@@ -195,7 +201,7 @@ impl FrameSource for Simulated {
         let due_ns = match self.due_ns {
             Some(due_ns) => due_ns,
             None => {
-                // A camera's next picture does not wait for who is late for this one.
+                // A camera takes its next picture even if the reader is late for this one.
                 self.sequence += 1 + self.pacer.give_up(now_ns);
                 self.pacer.next_due_ns(now_ns)
             }

@@ -1,4 +1,5 @@
-//! What every source of frames is: geometry first, then the pixels into memory lent by the caller.
+//! The trait that every source of frames implements. It reports a frame's geometry first, then
+//! writes the pixels into memory lent by the caller.
 
 use std::io;
 use std::path::PathBuf;
@@ -24,15 +25,16 @@ pub struct Frame {
     pub stride: u32,
     /// How the bytes make pixels.
     pub format: PixelFormat,
-    /// When the image was taken, on the clock of [`now_ns`](lariat_message::now_ns); `None`: whoever shows it says when it
-    /// is due.
+    /// When the image was taken, on the clock of [`now_ns`](lariat_message::now_ns). `None` if the
+    /// caller's schedule decides when it is due.
     pub exposed_ns: Option<u64>,
-    /// The slot that holds the pixels already; `None`: they are [written](FrameSource::write) when they are asked for.
+    /// Slot that already holds the pixels. `None` if they still have to be
+    /// [written](FrameSource::write).
     pub slot: Option<SlotKey>,
 }
 
 impl Frame {
-    /// A frame without an image: at this moment the source has none to give, though it is time for one.
+    /// A frame without an image, sent when one is due but the source cannot give it.
     pub fn blank(sequence: u64, now_ns: u64) -> Self {
         Self {
             sequence,
@@ -51,53 +53,56 @@ impl Frame {
     }
 }
 
-/// What a source has.
+/// Outcome of [`FrameSource::advance`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
     /// The next frame.
     Frame(Frame),
-    /// No frame yet, and the wait for it was ended.
+    /// No frame yet; the wait ended early.
     Nothing,
-    /// No frame any more.
+    /// The source has ended.
     End,
 }
 
-/// One frame after the other: [`advance`](Self::advance), then, unless the pixels are in a slot already,
-/// [`write`](Self::write).
+/// Yields one frame after another: call [`advance`](Self::advance), then [`write`](Self::write)
+/// unless the pixels are already in a slot.
 ///
-/// A source that fills memory ahead of need (a thread that draws or decodes, a camera's driver) is lent slots by whoever
-/// sends the frames, as many as it [asks for](Self::slots_wanted). It gives one back with each frame whose pixels are in
-/// it, and is lent another for it. When it is dropped it has let go of them all: its thread is joined, its driver stopped.
+/// A source that fills memory ahead of need (a thread that draws or decodes, a camera's driver)
+/// borrows slots from the sender. It gets as many as it [asks for](Self::slots_wanted). It gives a
+/// slot back with each frame that is in one, and is lent another in return. Dropping the source
+/// releases all slots: it joins its thread or stops its driver.
 pub trait FrameSource: Send {
-    /// What kind of source it is.
+    /// Kind of this source.
     fn kind(&self) -> SourceKind;
 
-    /// The most bytes a frame of this source can have. 0 if that is not known before the first frame: then it is known when
-    /// that is ready, and has to be [written](Self::write).
+    /// Maximum number of bytes in a frame of this source. 0 if that is unknown before the first
+    /// frame. It is then known once that frame is ready, and the frame has to be
+    /// [written](Self::write).
     fn largest_frame_bytes(&self) -> usize;
 
-    /// Whether [`truth`](Self::truth) has an answer.
+    /// Returns whether [`truth`](Self::truth) has an answer.
     fn has_truth(&self) -> bool {
         false
     }
 
-    /// The frame rate the source itself asks for, in frames per second.
+    /// The source's own frame rate, in frames per second.
     fn native_fps(&self) -> Option<f64> {
         None
     }
 
-    /// How many slots of [`largest_frame_bytes`](Self::largest_frame_bytes) the source is best lent at a time. It does
-    /// with fewer, and with none.
+    /// Number of slots of [`largest_frame_bytes`](Self::largest_frame_bytes) that the source works
+    /// best with. It also works with fewer, or with none.
     fn slots_wanted(&self) -> usize {
         0
     }
 
-    /// Takes a slot into its hands, under a number that none of those has that it holds.
+    /// Lends the source a slot. The slot's number differs from those of all slots that it holds.
     fn lend(&mut self, _slot: LentSlot) {}
 
-    /// Continues after the frame of this number, the last one of another source with the same settings. Called before the first
-    /// frame or slot. `false` if the source starts from the beginning: a live one has nothing to skip, and a looped one does not
-    /// know how many rounds to skip.
+    /// Continues after the frame with this number, the last one of another source with the same
+    /// settings. Call it before the first frame or slot. Returns `false` if the source starts from
+    /// the beginning: a live one has nothing to skip, and a looped one does not know how many
+    /// rounds to skip.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -105,15 +110,16 @@ pub trait FrameSource: Send {
         Ok(false)
     }
 
-    /// Makes the next frame ready, waiting for it as long as `until` lets it; [`Next::End`] when the source has ended, and
-    /// from then on. What needs no waiting for the outside, such as a decoder, may be waited for in any case.
+    /// Makes the next frame ready and waits for it as long as `until` allows. Returns [`Next::End`]
+    /// once the source has ended. Work that needs nothing from outside, such as decoding, may take
+    /// longer.
     ///
     /// # Errors
-    /// Only what ends the source. A frame that is lost is a gap in [`Frame::sequence`] and a
+    /// Only an error that ends the source. A lost frame is a gap in [`Frame::sequence`] and a
     /// [warning](Self::take_warning) instead.
     fn advance(&mut self, until: &Until) -> Result<Next, SourceError>;
 
-    /// The next frame, waited for as long as it takes; `None` when the source has ended.
+    /// Returns the next frame, however long that takes, or `None` if the source has ended.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -128,50 +134,55 @@ pub trait FrameSource: Send {
         }
     }
 
-    /// Writes the pixels of the frame just made ready into `pixels`, which has exactly [`Frame::bytes`] bytes; a
-    /// shorter slice gets what fits. Call it at most once after each frame that is in no slot.
+    /// Writes the pixels of the frame just made ready into `pixels`, which has exactly
+    /// [`Frame::bytes`] bytes; a shorter slice gets what fits. Call it at most once for each frame
+    /// that is not in a slot.
     fn write(&mut self, pixels: &mut [u8]);
 
-    /// Fills in the true centerlines of the frame just made ready: width, height, counts and curves, not the trace.
-    /// `false`, and nothing is touched, if the source does not know them.
+    /// Fills in the true centerlines of the frame just made ready: width, height, counts and
+    /// curves, but not the trace. Returns `false`, and changes nothing, if the source does not know
+    /// them.
     fn truth(&self, _truth: &mut Centerlines) -> bool {
         false
     }
 
-    /// Width and height of the depth image that it has beside each frame; `None` if it has none.
+    /// Width and height of the depth image that comes with each frame; `None` without depth images.
     fn depth_size(&self) -> Option<[u32; 2]> {
         None
     }
 
-    /// Writes the depth image of the frame just made ready: two bytes a pixel, as the machine has them, row by row without padding. Only of
-    /// a source that has one.
+    /// Writes the depth image of the frame just made ready: two bytes per pixel in native byte
+    /// order, row by row without padding. Call it only if the source has depth images.
     fn write_depth(&mut self, _units: &mut [u8]) {}
 
-    /// Fills in where the ropes of the frame just made ready are in space, if it has a depth image: all but the trace, points without curves.
-    /// `false`, and nothing is touched, if the source does not know.
+    /// Fills in the true 3-D shape of the ropes in the frame just made ready, if it has a depth
+    /// image: all but the trace, as points without curves. Returns `false`, and changes nothing, if
+    /// the source does not know it.
     fn truth_in_space(&self, _truth: &mut Descriptors3) -> bool {
         false
     }
 
-    /// How long after the source's first frame the one just made ready is due at its own pace, in nanoseconds; none if it has
-    /// no pace of its own.
+    /// Time from the source's first frame to the one just made ready at the source's own pace, in
+    /// nanoseconds. `None` for a source without a pace of its own.
     fn due_after_ns(&self) -> Option<u64> {
         None
     }
 
-    /// A sentence on something that went wrong without ending the source, such as a broken file that was passed
-    /// over. Ask after each [`advance`](Self::advance) until there is none.
+    /// Returns a sentence about something that went wrong without ending the source, such as a
+    /// broken file that was skipped. Call it after each [`advance`](Self::advance) until it returns
+    /// `None`.
     fn take_warning(&mut self) -> Option<String> {
         None
     }
 
-    /// A sentence on something that is worth knowing and not wrong, such as a camera that is there again. Ask likewise.
+    /// Returns a sentence about something worth knowing that is not an error, such as a camera that
+    /// is back. Call it in the same way.
     fn take_news(&mut self) -> Option<String> {
         None
     }
 }
 
-/// Why a source cannot be opened, or cannot go on.
+/// Why a source cannot be opened or cannot continue.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// No source was named.
@@ -179,7 +190,7 @@ pub enum SourceError {
         "no source was named: say `rendered`, `simulated`, or the path of a picture, a folder of pictures or a .y4m video"
     )]
     Unnamed,
-    /// Frames from outside are a chain's alone.
+    /// The source is external, which only a chain can have.
     #[error(
         "frames of the source external go straight into a chain: start it with `lariat run --source external`, and the program that writes them alongside"
     )]
@@ -187,15 +198,15 @@ pub enum SourceError {
     /// A rope that cannot be simulated.
     #[error(transparent)]
     Simulated(#[from] lariat_simulation::OptionsError),
-    /// The size asked of the rendered rope makes no picture of a rope.
+    /// The requested size leaves no room for a rendered rope.
     #[error(transparent)]
     Rendered(#[from] lariat_drawn::RenderError),
-    /// A path that leads nowhere, or that may not be read.
+    /// A path that does not exist or cannot be read.
     #[error("cannot read {}: {error}", path.display())]
     Unreadable {
         /// The path as it was given.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
     /// A folder without a picture.
@@ -203,23 +214,23 @@ pub enum SourceError {
     NoPictures {
         /// The folder.
         path: PathBuf,
-        /// How many other files are in it.
+        /// Number of other files in it.
         ignored: usize,
-        /// What to do.
+        /// The remedy.
         advice: String,
     },
-    /// What is to be followed is no folder.
+    /// The path to follow is not a folder.
     #[error("{} is not a folder, and only a folder can be followed: name the one that pictures are put into", path.display())]
     NotAFolder {
         /// The path as it was given.
         path: PathBuf,
     },
-    /// The kernel does not tell what happens in a folder.
+    /// The kernel cannot watch the folder.
     #[error("cannot follow the folder {}: {error} (the limits are in /proc/sys/fs/inotify)", path.display())]
     Unwatchable {
         /// The folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         error: io::Error,
     },
     /// A file of another kind.
@@ -227,16 +238,16 @@ pub enum SourceError {
     NotAPicture {
         /// The file.
         path: PathBuf,
-        /// Its kind, and the remedy.
+        /// Its kind, and what to do.
         what: String,
     },
     /// A picture that cannot be decoded.
     #[error("{reason}")]
     Picture {
-        /// Which, and why.
+        /// Which one, and why.
         reason: String,
     },
-    /// A video named beside other paths.
+    /// A video named together with other paths.
     #[error("{} is a video, and a video is shown alone: name it without other paths", path.display())]
     VideoAmongOthers {
         /// The video.
@@ -247,19 +258,19 @@ pub enum SourceError {
     Video {
         /// The video.
         path: PathBuf,
-        /// What is wrong with it, and what would be right.
+        /// The fault, and how to correct it.
         what: String,
     },
-    /// What comes out of a pipe cannot be shown.
+    /// Frames from standard input that cannot be shown.
     #[error("cannot take frames from standard input: {what}")]
     Pipe {
-        /// What is wrong with it, and what would be right.
+        /// The fault, and how to correct it.
         what: String,
     },
-    /// A moment of a sequence that has no rate.
+    /// A time in a sequence without a frame rate.
     #[error("{} s do not name a frame, as the frames have no rate: name it by its number, or say how many frames a second are shown", time.as_secs_f64())]
     NoRate {
-        /// The moment, from the first frame on.
+        /// The time, counted from the first frame.
         time: Duration,
     },
     /// A range that ends before it begins.
@@ -267,17 +278,17 @@ pub enum SourceError {
         "frame {first} is to be the first and frame {last} the last: choose a range with a frame in it"
     )]
     EmptyRange {
-        /// The number of the first.
+        /// Number of the first frame.
         first: u64,
-        /// Of the last.
+        /// Number of the last frame.
         last: u64,
     },
-    /// A range that begins behind the end.
+    /// A range that begins after the end of the sequence.
     #[error("frame {first} is to be the first, and there are only {count}: begin earlier")]
     BehindEnd {
-        /// The number of the first that was asked for.
+        /// Number of the requested first frame.
         first: u64,
-        /// How many there are.
+        /// Number of frames in the sequence.
         count: u64,
     },
     /// A recording that cannot be shown.
@@ -285,30 +296,31 @@ pub enum SourceError {
     Recording {
         /// The recording.
         path: PathBuf,
-        /// What is wrong with it, and what would be right.
+        /// The fault, and how to correct it.
         what: String,
     },
-    /// Not one frame of the source can be decoded.
+    /// None of the source's frames can be decoded.
     #[error("no frame can be decoded, the first because {reason}")]
     NothingDecoded {
-        /// What is wrong with the first.
+        /// The fault of the first one.
         reason: String,
     },
     /// A camera that cannot be used.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The thread that decodes is gone.
+    /// The decoder thread has ended unexpectedly.
     #[error(
         "the decoder stopped in the middle: this is a defect of lariat, please report it with the file it was reading"
     )]
     DecoderGone,
-    /// The thread that decodes cannot be started.
+    /// The decoder thread cannot be started.
     #[error("cannot start the thread that decodes ahead: {0}")]
     NoThread(io::Error),
 }
 
 impl SourceError {
-    /// Whether it is a camera that is not there, or that another program (or a killed one that still ends) has: it may come back.
+    /// Returns whether the camera is absent or in use, perhaps by a killed program that has not
+    /// ended yet. It may come back.
     pub fn is_of_an_absent_camera(&self) -> bool {
         use CameraError::{Absent, Busy, Gone};
         matches!(

@@ -1,4 +1,4 @@
-//! What a source may wait for: its own event, but no longer than the caller wants.
+//! Limits a source's wait: for its own event, but no longer than the caller wants.
 
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
@@ -6,7 +6,7 @@ use std::os::fd::BorrowedFd;
 use lariat_message::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-/// What ends a wait for the next frame.
+/// The conditions that end a wait for the next frame.
 #[derive(Debug)]
 pub struct Until<'a> {
     deadline_ns: Option<u64>,
@@ -17,16 +17,16 @@ pub struct Until<'a> {
 /// How a wait ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Woken {
-    /// What was waited for is there: the events that `poll` tells.
+    /// The event occurred; contains the flags that `poll` returned.
     Ready(PollFlags),
     /// The source's own moment has come.
     Moment,
-    /// The caller wants to be answered now.
+    /// The caller wants an answer now.
     Interrupted,
 }
 
 impl<'a> Until<'a> {
-    /// Whatever comes is waited for.
+    /// Waits without limit.
     pub fn forever() -> Self {
         Self {
             deadline_ns: None,
@@ -35,7 +35,8 @@ impl<'a> Until<'a> {
         }
     }
 
-    /// Until a moment of [`now_ns`], if one is given, or until something can be read from `interrupt`.
+    /// Waits until `deadline_ns` on the clock of [`now_ns`], if given, or until `interrupt` is
+    /// readable.
     pub fn new(deadline_ns: Option<u64>, interrupt: BorrowedFd<'a>) -> Self {
         Self {
             deadline_ns,
@@ -44,13 +45,14 @@ impl<'a> Until<'a> {
         }
     }
 
-    /// The longest that was waited at a time: whether the thread has slept, and not only looked.
+    /// The longest single wait, which shows whether the thread has slept.
     pub fn waited_ns(&self) -> u64 {
         self.waited_ns.get()
     }
 
-    /// Waits for one of these events, for a moment of [`now_ns`], or for both; for nothing but the interruption if neither
-    /// is given. What is ready at once is told without sleep, and an interruption before everything else.
+    /// Waits for an event, for a moment on the clock of [`now_ns`], or for both. If neither is
+    /// given, it waits only for the interruption. An event that is ready is reported without
+    /// sleeping, and an interruption before everything else.
     pub fn wait(&self, event: Option<(BorrowedFd, PollFlags)>, moment_ns: Option<u64>) -> Woken {
         let mut began_ns = now_ns();
         loop {
@@ -75,7 +77,8 @@ impl<'a> Until<'a> {
         }
     }
 
-    /// One sleep, which a signal may end early: whether it was interrupted, and what the event's descriptor tells.
+    /// Sleeps once; a signal may end that early. Returns whether it was interrupted, and the flags
+    /// of the event's descriptor.
     fn poll(
         &self,
         event: Option<(BorrowedFd, PollFlags)>,
@@ -85,7 +88,8 @@ impl<'a> Until<'a> {
             tv_sec: (ns / 1_000_000_000) as i64,
             tv_nsec: (ns % 1_000_000_000) as _,
         });
-        // What `poll` returns does not matter: the descriptors and the clock say what happened.
+        // The return value of `poll` does not matter: the descriptors and the clock say what
+        // happened.
         match (self.interrupt, event) {
             (None, None) => {
                 let _ = poll(&mut [], left.as_ref());

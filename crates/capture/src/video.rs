@@ -1,4 +1,4 @@
-//! Y4M video files: raw planes behind a line of text.
+//! Y4M video files: a text header followed by raw planes.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -19,7 +19,7 @@ pub(crate) fn open_video(path: &Path, options: &FileOptions) -> Result<Ahead, So
         error,
     })?;
     if !file.is_file() {
-        // A pipe can be read neither twice nor ahead of its writer.
+        // A pipe cannot be read twice, or ahead of its writer.
         return Err(SourceError::Video {
             path: path.to_owned(),
             what: "it is not a regular file (standard input is `--source -`)".to_owned(),
@@ -48,7 +48,7 @@ pub(crate) fn open_video(path: &Path, options: &FileOptions) -> Result<Ahead, So
     Ahead::start(video, plan)
 }
 
-/// The frame rate that a Y4M video asks for; none if it is no such video, or asks for none.
+/// Frame rate of a Y4M video. `None` for other files, and for a video without a rate.
 pub fn video_fps(path: &Path) -> Option<f64> {
     Stream::open(path).ok()?.head.fps
 }
@@ -57,33 +57,33 @@ struct Video {
     path: PathBuf,
     stream: Stream,
     frames: Frames,
-    /// The frame that was passed last, in this pass: 0 before the first.
+    /// Number of the last frame read or skipped in this pass, 0 before the first.
     at: u64,
 }
 
-/// A file that is being read.
+/// A file being read.
 struct Stream {
     reader: BufReader<File>,
     head: Head,
-    /// The line that was read last.
+    /// The last line read.
     line: Vec<u8>,
     /// A frame's planes.
     planes: Vec<u8>,
 }
 
-/// What comes next in a file.
+/// Outcome of reading the next frame of a file.
 enum Found {
-    /// A frame, read or passed.
+    /// A frame, read or skipped.
     Frame,
     End,
-    /// A frame that is not all there.
+    /// An incomplete frame.
     Part,
     /// Something else.
     Other,
 }
 
 impl Stream {
-    /// The stream at its first frame.
+    /// Opens the stream at its first frame.
     fn open(path: &Path) -> Result<Self, SourceError> {
         let unreadable = |error| SourceError::Unreadable {
             path: path.to_owned(),
@@ -105,7 +105,7 @@ impl Stream {
         })
     }
 
-    /// Reads the next frame, or passes over it without reading its pixels.
+    /// Reads the next frame, or skips it without reading its pixels.
     fn next(&mut self, is_wanted: bool) -> io::Result<Found> {
         let line = &mut self.line;
         line.clear();
@@ -129,7 +129,7 @@ impl Stream {
             };
         }
         let end = self.reader.get_ref().metadata()?.len();
-        // Sizes are checked: a frame has less than 2³² bytes.
+        // Sizes are checked: a frame is shorter than 2³² bytes.
         self.reader.seek_relative(bytes as i64)?;
         let is_whole = io::Seek::stream_position(&mut self.reader)? <= end;
         Ok(if is_whole { Found::Frame } else { Found::Part })
@@ -137,7 +137,7 @@ impl Stream {
 }
 
 impl Video {
-    /// Goes back to the beginning. At first the stream stands where it was opened.
+    /// Returns to the beginning.
     fn reopen(&mut self) -> Result<(), SourceError> {
         let stream = Stream::open(&self.path)?;
         if stream.head.layout != self.stream.head.layout {
@@ -150,7 +150,7 @@ impl Video {
         Ok(())
     }
 
-    /// How many frames lie before the next one that is shown.
+    /// Number of frames to skip before the next one that is shown.
     fn between(&self) -> u64 {
         match self.at {
             0 => self.frames.first - 1,
@@ -174,7 +174,7 @@ impl Decode for Video {
         }
         let path = self.path.display();
         for left in (0..=between).rev() {
-            // Where the next frame would begin after anything else is not known.
+            // After any other content, the start of the next frame is unknown.
             let reason = match self.stream.next(left == 0) {
                 Ok(Found::Frame) => {
                     self.at += 1;
@@ -189,7 +189,7 @@ impl Decode for Video {
             return Step::End(Some(reason));
         }
         let Stream { head, planes, .. } = &mut self.stream;
-        // The room was made for this layout.
+        // The buffer was allocated for this layout.
         head.write(planes, &mut pixels[..head.layout.bytes()]);
         Step::Decoded(head.layout)
     }

@@ -1,38 +1,39 @@
-//! What a Y4M video says of itself: its first line, and the line before each frame.
+//! Parses the text in a Y4M video: its header, and the line before each frame.
 
 use crate::ahead::Layout;
 use crate::color_range::ColorRange;
 use crate::yuv::Chroma;
 
-/// How a video begins.
+/// First bytes of a video.
 pub(crate) const MAGIC: &[u8] = b"YUV4MPEG2 ";
-/// A line is no longer, in bytes.
+/// Maximum length of a line, in bytes.
 pub(crate) const LINE_BYTES: usize = 1024;
-/// How the line before a frame begins, and mostly all of it.
+/// Start of the line before a frame, and usually the whole line.
 pub(crate) const FRAME: &[u8] = b"FRAME\n";
-/// Wider or higher is more likely a broken head than a camera.
+/// Maximum width and height. A larger value more likely comes from a broken header than from a
+/// camera.
 pub(crate) const LARGEST_SIDE: u64 = 16384;
 
-/// The first line.
+/// Header of a video (its first line).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Head {
     chroma: Chroma,
-    /// Bits of a sample, which has one byte for 8 and two for more.
+    /// Bits per sample. A sample takes one byte for 8 bits and two bytes for more.
     bits: u32,
-    /// True if a plane of alpha follows.
+    /// True if an alpha plane follows.
     has_alpha: bool,
     range: ColorRange,
-    /// How its frames travel.
+    /// Layout of the decoded frames.
     pub(crate) layout: Layout,
-    /// Frames a second, if it says any.
+    /// Frames per second, if the header has a rate.
     pub(crate) fps: Option<f64>,
 }
 
 impl Head {
-    /// Reads the line, from the beginning to its end of line, of the beginning of a video.
+    /// Parses the header at the start of a video.
     ///
     /// # Errors
-    /// What it says cannot be shown: a sentence's end.
+    /// The header is invalid, or the video cannot be shown. The text is the end of a sentence.
     pub(crate) fn of(begin: &[u8]) -> Result<Self, &'static str> {
         if begin.is_empty() {
             return Err("the file is empty");
@@ -69,7 +70,7 @@ impl Head {
             );
         };
         let says = |said: &[u8]| words().any(|word| word == said);
-        // Without the word video is limited. But ffmpeg writes gray in full range.
+        // The default is limited. However, ffmpeg writes gray in full range.
         let range = match chroma {
             Chroma::Mono if says(b"XCOLORRANGE=LIMITED") => ColorRange::Limited,
             Chroma::Mono => ColorRange::Full,
@@ -96,7 +97,7 @@ impl Head {
         samples * if self.bits > 8 { 2 } else { 1 }
     }
 
-    /// Writes a frame's planes as they travel. The planes may be changed.
+    /// Converts a frame's planes to pixels. The planes may be changed.
     pub(crate) fn write(&self, planes: &mut [u8], pixels: &mut [u8]) {
         let Layout { width, height, .. } = self.layout;
         let (width, height) = (width as usize, height as usize);
@@ -108,7 +109,7 @@ impl Head {
     }
 }
 
-/// The meaning of the word for samples: their sampling, their bits, and whether alpha follows.
+/// Decodes the parameter for samples: chroma sampling, bits, and whether alpha follows.
 fn samples_of(word: &[u8]) -> Option<(Chroma, u32, bool)> {
     let known = match word {
         b"420" | b"420jpeg" | b"420paldv" | b"420mpeg2" => (Chroma::Half, 8, false),
@@ -133,7 +134,7 @@ fn samples_of(word: &[u8]) -> Option<(Chroma, u32, bool)> {
     Some(known)
 }
 
-/// Reduces samples of two bytes, the lower first, to the nearest of 8 bits, at the beginning of their memory.
+/// Rounds two-byte little-endian samples to 8 bits, at the start of the same memory.
 fn narrow(bits: u32, planes: &mut [u8]) {
     if bits == 8 {
         return;
@@ -145,7 +146,7 @@ fn narrow(bits: u32, planes: &mut [u8]) {
     }
 }
 
-/// Whether a line, with its end, is that before a frame.
+/// Returns whether a line, including its end, is the one before a frame.
 pub(crate) fn begins_frame(line: &[u8]) -> bool {
     line == FRAME || (line.starts_with(b"FRAME ") && line.ends_with(b"\n"))
 }
@@ -154,7 +155,7 @@ fn number(digits: &[u8]) -> Option<u64> {
     std::str::from_utf8(digits).ok()?.parse().ok()
 }
 
-/// `30000:1001`.
+/// Parses a rate such as `30000:1001`.
 fn rate_of(rate: &[u8]) -> Option<[u64; 2]> {
     let colon = rate.iter().position(|&c| c == b':')?;
     Some([number(&rate[..colon])?, number(&rate[colon + 1..])?])

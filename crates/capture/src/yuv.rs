@@ -1,34 +1,35 @@
-//! From the planes of a video to the formats that travel.
+//! Converts the planes of a video to the pixel formats of frames.
 
 use lariat_message::PixelFormat;
 
 use crate::ahead::Layout;
 use crate::color_range::ColorRange;
 
-/// How a video stores its colour.
+/// Chroma sampling of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Chroma {
-    /// None.
+    /// No color.
     Mono,
-    /// At half the width and half the height.
+    /// Half the width and half the height.
     Half,
-    /// At half the width.
+    /// Half the width.
     HalfWidth,
-    /// At a quarter of the width.
+    /// A quarter of the width.
     QuarterWidth,
-    /// For each pixel.
+    /// One sample per pixel.
     Full,
 }
 
-/// Three planes without padding: Y, U, V; U and V empty for mono.
+/// Planes of Y, U and V without padding; U and V are empty for mono.
 pub(crate) type Planes<'a> = [&'a [u8]; 3];
 
 impl Chroma {
-    /// The frame that [`write`](Self::write) makes.
+    /// Layout of the frame that [`write`](Self::write) makes.
     pub(crate) fn layout(self, width: u32, height: u32) -> Layout {
         let (format, stride) = match self {
             Self::Mono => (PixelFormat::Gray8, width),
-            // A row of U V pairs needs an even number of bytes, also where the image has an odd number of columns.
+            // A row of UV pairs needs an even number of bytes, even if the image has an odd number
+            // of columns.
             Self::Half => (PixelFormat::Nv12, width.next_multiple_of(2)),
             Self::HalfWidth | Self::QuarterWidth => {
                 (PixelFormat::Yuyv, 2 * width.next_multiple_of(2))
@@ -43,7 +44,7 @@ impl Chroma {
         }
     }
 
-    /// Samples of U, and as many of V.
+    /// Number of samples of U, and also of V.
     pub(crate) fn samples(self, width: usize, height: usize) -> usize {
         match self {
             Self::Mono => 0,
@@ -78,7 +79,7 @@ fn write_nv12(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
     let (luma, chroma) = pixels.split_at_mut(stride * layout.height as usize);
     for (to, from) in luma.chunks_exact_mut(stride).zip(y.chunks_exact(width)) {
         to[..width].copy_from_slice(from);
-        // The column that an odd width lacks.
+        // Repeats the last column if the width is odd.
         to[width..].fill(from[width - 1]);
     }
     for (pair, (u, v)) in chroma.chunks_exact_mut(2).zip(u.iter().zip(v)) {
@@ -86,7 +87,7 @@ fn write_nv12(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
     }
 }
 
-/// `pairs`: of pixels side by side that share their colour.
+/// `pairs`: number of horizontal pixel pairs that share a color sample.
 fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pairs: usize, pixels: &mut [u8]) {
     let (width, stride) = (layout.width as usize, layout.stride as usize);
     let chroma_width = width.div_ceil(2 * pairs);
@@ -102,9 +103,9 @@ fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pairs: usize, pixels: &mut [u8
     }
 }
 
-/// ITU-R BT.601, in 16-bit fixed point.
+/// Converts YUV to RGB by ITU-R BT.601, in 16-bit fixed point.
 pub(crate) fn write_rgb(range: ColorRange, [y, u, v]: Planes, pixels: &mut [u8]) {
-    // Of Y; of V in red; of U and of V in green; of U in blue.
+    // Factors of Y; of V for red; of U and V for green; of U for blue.
     let ([luma, red, green_u, green_v, blue], black) = if range == ColorRange::Full {
         ([65536, 91881, 22554, 46802, 116_130], 0)
     } else {
@@ -164,7 +165,7 @@ mod tests {
 
     #[test]
     fn every_sampling_of_a_limited_colour_is_the_same_colour() {
-        // Red of BT.601 in limited range, and in full range.
+        // Red in BT.601, in limited range and in full range.
         let (y, u, v) = ([81; 8], [90; 8], [240; 8]);
         for chroma in [Chroma::Half, Chroma::HalfWidth, Chroma::QuarterWidth] {
             let layout = chroma.layout(4, 2);
@@ -184,7 +185,7 @@ mod tests {
 
     #[test]
     fn black_white_and_the_primaries_come_out() {
-        // Y, U, V of BT.601 in video range, and the colour.
+        // YUV in BT.601 video range, and the color.
         let known = [
             ([16, 128, 128], [0, 0, 0]),
             ([235, 128, 128], [255, 255, 255]),

@@ -1,17 +1,18 @@
-//! Files that are read whole, up to a size that none of their kind has: a device or a film in the place of a settings file would
-//! fill the memory first.
+//! Reads whole files up to a size limit. Without the limit, a device or a video named instead of a
+//! settings file would fill the memory.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Settings, calibrations, planes, points: the longest are some kilobytes.
+/// Size limit for settings, calibrations, planes and points. The longest of them take a few
+/// kilobytes.
 pub const LONGEST_TEXT: u64 = 4 << 20;
 
-/// The bytes of a file of at most so many.
+/// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// It cannot be read, or is larger.
+/// Returns an error if the file cannot be read or is larger.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -22,10 +23,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a file of at most [`LONGEST_TEXT`] bytes.
+/// Reads a text file of at most [`LONGEST_TEXT`] bytes.
 ///
 /// # Errors
-/// It cannot be read, is larger, or is not UTF-8.
+/// Returns an error if the file cannot be read, is larger, or is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let bytes = read(path, LONGEST_TEXT)?;
     String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"))

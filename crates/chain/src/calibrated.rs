@@ -1,4 +1,4 @@
-//! What `[camera]` names, read: the lens, the plane, and the unit that descriptors come in.
+//! The calibration that `[camera]` names: the lens, the plane, and the unit of descriptors.
 
 use crate::plane_file;
 use crate::settings;
@@ -15,24 +15,25 @@ pub struct Calibrated {
     camera: Option<Camera>,
     plane: Option<Plane>,
     unit: Unit,
-    /// A sentence about the camera that was chosen among those of the calibration file.
+    /// Says which camera was chosen if the calibration file contains several.
     notice: Option<String>,
 }
 
-/// What stands beside the colour camera, so that ropes are found in space.
+/// A second device next to the color camera, used to compute rope positions in 3-D.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Beside {
     /// A depth camera.
     Depth(DepthCalibration),
-    /// A second colour camera.
+    /// A second color camera.
     Second(SecondCalibration),
 }
 
 impl Calibrated {
-    /// Reads the files that the settings name; `None` if points are to stay where they are seen.
+    /// Reads the files that the settings name. Returns `None` if points stay in image pixels.
     ///
     /// # Errors
-    /// A file that cannot be read or says what cannot be; millimetres without a plane.
+    /// Returns an error if a file cannot be read or is invalid, or if millimeters are requested
+    /// without a plane.
     pub fn load(settings: &settings::Camera) -> Result<Option<Self>> {
         let read = settings.calibration.as_deref();
         let read = read.map(read_first).transpose()?;
@@ -40,7 +41,7 @@ impl Calibrated {
             Some((camera, notice)) => (Some(camera), notice),
             None => (None, None),
         };
-        // What is in it is looked at even if it is not used now.
+        // Read the plane even if it is not used now, so that errors in it are reported.
         let plane = match &settings.plane {
             Some(path) => Some(plane_file::read(path, camera.as_ref())?),
             None => None,
@@ -67,11 +68,13 @@ impl Calibrated {
         }))
     }
 
-    /// What stands beside the colour camera, and that camera's pose before the robot; `None` if the settings name neither a depth
-    /// camera nor a second one. What is simulated has its own, for pictures of this size.
+    /// Reads the calibration of the second device and the camera's pose relative to the robot.
+    /// Returns `None` if the settings name neither a depth camera nor a second color camera. A
+    /// simulated device has a built-in calibration for pictures of this size.
     ///
     /// # Errors
-    /// As [`load`](Self::load); both of them; no calibration of the colour camera.
+    /// Fails like [`load`](Self::load). Also fails if the settings name both devices, or if the
+    /// color camera is not calibrated.
     pub fn beside(
         settings: &settings::Camera,
         picture: [u32; 2],
@@ -119,20 +122,20 @@ impl Calibrated {
         Ok(Some((beside, pose)))
     }
 
-    /// A sentence about the camera that was chosen among those of the calibration file, if it has several.
+    /// Says which camera was chosen, if the calibration file contains several.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }
 
-    /// What points come in.
+    /// Returns the unit of points.
     pub fn unit(&self) -> Unit {
         self.unit
     }
 
-    /// The way of points of frames of this size.
+    /// Creates the mapping for points in frames of this size.
     ///
     /// # Errors
-    /// The calibration or the plane is for other images.
+    /// Returns an error if the calibration or the plane is for another image size.
     pub fn mapping(&self, [width, height]: [u32; 2]) -> Result<Mapping> {
         Mapping::new(self.camera.as_ref(), self.plane.as_ref(), [width, height]).with_context(
             || format!("the calibration does not fit frames of {width}×{height} pixels"),
@@ -143,12 +146,13 @@ impl Calibrated {
 /// Reads a lens calibration.
 ///
 /// # Errors
-/// It cannot be read, or is not a calibration.
+/// Returns an error if the file cannot be read or is not a calibration.
 pub fn read_camera(path: &Path) -> Result<Camera> {
     read_first(path).map(|(camera, _)| camera)
 }
 
-/// Reads the lens calibration of a file's first camera; with a sentence that says so, if the file has several.
+/// Reads the lens calibration of the first camera in a file. Also returns a notice if the file
+/// contains several cameras.
 fn read_first(path: &Path) -> Result<(Camera, Option<String>)> {
     let shown = path.display();
     let text = crate::bounded::read_text(path)
@@ -157,7 +161,8 @@ fn read_first(path: &Path) -> Result<(Camera, Option<String>)> {
     Ok((camera, notice.map(|notice| format!("{shown}: {notice}"))))
 }
 
-/// The file of the lens calibration that a running rig goes by, as its fit says of itself; `None` if there is none.
+/// Returns the path of the lens calibration that a running rig uses, as its fit stage announces it.
+/// Returns `None` if the rig uses none.
 pub fn calibration_of(rig: &Rig) -> Option<PathBuf> {
     let members = members().ok()?;
     let fit = members

@@ -1,28 +1,28 @@
-//! Smooth lines and dots on a picture.
+//! Draws smooth lines and dots on a picture.
 //!
-//! A shape's coverage of a pixel is how far the pixel's centre lies inside it, clamped to a pixel's width: one
-//! distance a pixel, no supersampling. Shapes are put together first and inked once, so that the joints of
-//! a translucent line are no darker than the rest.
+//! A pixel's coverage is the depth of its center inside the shape, clamped to one pixel. This takes
+//! one distance per pixel and no supersampling. Shapes are combined before they are inked, so a
+//! translucent line is not darker at its joints.
 
 use image::{Rgb, RgbImage};
 
-/// A picture to draw on. Pixel centres are whole numbers, as everywhere in lariat.
+/// A picture to draw on. Pixel centers have integer coordinates, as everywhere in lariat.
 #[derive(Debug)]
 pub struct Canvas {
-    /// What it shows.
+    /// The picture with everything that has been inked.
     pub picture: RgbImage,
-    /// What is inked next.
+    /// Strokes that the next call of [`ink`](Self::ink) draws.
     shape: Vec<Stroke>,
 }
 
-/// All that is within `radius` of a segment.
+/// All points within `radius` of a segment.
 #[derive(Debug, Clone, Copy)]
 struct Stroke {
     ends: [[f64; 2]; 2],
     radius: f64,
 }
 
-/// A part of the picture: from `left`, `top` to just before `right`, `bottom`.
+/// A rectangle of pixels. `right` and `bottom` are exclusive.
 #[derive(Clone, Copy)]
 struct Area {
     left: usize,
@@ -32,7 +32,7 @@ struct Area {
 }
 
 impl Canvas {
-    /// A canvas that shows the picture.
+    /// Creates a canvas that shows the picture.
     pub fn on(picture: RgbImage) -> Self {
         Self {
             picture,
@@ -40,7 +40,7 @@ impl Canvas {
         }
     }
 
-    /// Adds lines through `path`, `width_px` wide, with round ends and joints.
+    /// Adds a line through `path`, `width_px` wide, with round ends and joints.
     pub fn line(&mut self, path: &[[f64; 2]], width_px: f64) -> &mut Self {
         let radius = 0.5 * width_px;
         let pairs = path.windows(2);
@@ -61,7 +61,7 @@ impl Canvas {
         self
     }
 
-    /// Adds the head of an arrow at a line's end.
+    /// Adds an arrowhead at the end of a line.
     pub fn head(&mut self, line: &[[f64; 2]], size_px: f64, width_px: f64) {
         let [.., before, tip] = line else {
             return;
@@ -78,7 +78,7 @@ impl Canvas {
         }
     }
 
-    /// Inks what was added since the last time, at an opacity from 0, invisible, to 1.
+    /// Inks all shapes added since the last call. `opacity` runs from 0 (invisible) to 1.
     pub fn ink(&mut self, rgb: [u8; 3], opacity: f64) {
         let strokes = std::mem::take(&mut self.shape);
         let Some(whole) = self.around(&strokes) else {
@@ -113,7 +113,7 @@ impl Canvas {
         }
     }
 
-    /// The pixels that the strokes could cover, if any.
+    /// Returns the pixels that the strokes could cover, if any.
     fn around(&self, strokes: &[Stroke]) -> Option<Area> {
         let size = [self.picture.width(), self.picture.height()];
         let mut bounds = [[0usize; 2]; 2];
@@ -131,7 +131,7 @@ impl Canvas {
                 .map(|(at, radius)| at + radius)
                 .fold(f64::NEG_INFINITY, f64::max)
                 + 2.0;
-            // Casts of floats saturate, so that far outside is the border.
+            // A cast from float saturates, so a point far outside becomes the border.
             bounds[axis] = [
                 low.max(0.0) as usize,
                 (high.max(0.0) as usize).min(size[axis] as usize),
@@ -149,7 +149,7 @@ impl Canvas {
     }
 }
 
-/// How far `p` is from the nearest point of the segment.
+/// Returns the distance of `p` from the segment.
 fn distance_to([a, b]: [[f64; 2]; 2], p: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let from_a = [p[0] - a[0], p[1] - a[1]];

@@ -1,13 +1,15 @@
-//! The confidence in a rope, as commands show it.
+//! How commands show the confidence in a rope.
 
 use lariat_wire::MIN_CONFIDENCE;
 
-/// Tells whether a rope of this confidence stands out: below [`MIN_CONFIDENCE`]. A value that is not a number does.
+/// Returns true if the confidence is below [`MIN_CONFIDENCE`] or not a number. Such a rope is
+/// highlighted.
 pub fn is_low(confidence: f64) -> bool {
     confidence.is_nan() || confidence < f64::from(MIN_CONFIDENCE)
 }
 
-/// The word for how much of a rope is seen: its status, or `unsure` where the confidence of one that is in sight is low.
+/// Returns the word that describes a rope: its status, or `unsure` if the rope is in sight and its
+/// confidence is low.
 pub fn status_word(status: &str, confidence: f64) -> &str {
     match status {
         "ok" | "partial" if is_low(confidence) => "unsure",

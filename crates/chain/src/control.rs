@@ -1,9 +1,10 @@
-//! How another process tells a running chain what to do, and is answered: a socket beside the rig's other files, which only their
-//! owner can open.
+//! Control socket: other processes send requests to a running chain and receive answers. The socket
+//! is in the same folder as the rig's other files, which only their owner can open.
 //!
-//! The client writes one request, and ends its side: `settings`, `file`, `restart STAGE`, or `set` and a line `section.name=value` for each
-//! change. The chain answers `ok`, `refused` or `wrong` (use), and what it has to say from the second line on. Both are small, and wait a
-//! second for each other at most.
+//! A client writes one request and shuts down its side of the connection. A request is `settings`,
+//! `file`, `restart STAGE`, or `set` followed by one line `section.name=value` for each change. The
+//! first line of the chain's answer is `ok`, `refused` or `wrong` (wrong use); the message follows
+//! from the second line on. The chain waits at most one second for a client.
 
 use std::fmt::Write as _;
 use std::io::{self, ErrorKind, Read, Write};
@@ -18,26 +19,27 @@ use crate::exit::{is_wrong_use, wrong_use};
 use anyhow::{Context, Result, anyhow, bail};
 use lariat_wire::{Rig, control_socket};
 
-/// The largest request or answer, in bytes.
+/// Maximum size of a request or an answer, in bytes.
 const LARGEST: u64 = 1 << 20;
-/// Clients whose requests are read at a time; others wait.
+/// Maximum number of clients whose requests are read at a time. Others wait.
 const MOST_CLIENTS: usize = 32;
-/// How long one waits for the other: the chain for a client that is slow to ask, a client for a chain that is starting a stage.
+/// Time limits: the chain's for a client that is slow to send its request, and the client's for a
+/// chain that is busy starting a stage.
 const ASKING: Duration = Duration::from_secs(1);
 const ANSWERING: Duration = Duration::from_secs(10);
-/// Time that a client gives a chain to try a change: six times the usual `start_limit_s`.
+/// Time that a client gives a chain to try a change: six times the default `start_limit_s`.
 const TRYING: Duration = Duration::from_secs(120);
 
-/// What a chain can be asked for.
+/// A request to a running chain.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Asked {
-    /// The settings that hold, as the text of a `lariat.toml`.
+    /// Return the settings in force, as the text of a `lariat.toml`.
     Settings,
-    /// Where the settings file is that it goes by, or would be: its whole path.
+    /// Return the absolute path of the settings file, even if the file does not exist.
     File,
-    /// That settings hold from now on, each written as `section.name=value`.
+    /// Change settings. Each change is written as `section.name=value`.
     Set(Vec<String>),
-    /// That a stage is restarted.
+    /// Restart a stage.
     Restart(String),
 }
 
@@ -67,10 +69,11 @@ impl Asked {
     }
 }
 
-/// Asks the chain of a rig, and returns what it says.
+/// Sends a request to the chain of a rig and returns its answer.
 ///
 /// # Errors
-/// There is none, or it refuses, in its own words.
+/// Returns an error if no chain runs on the rig, or if the chain refuses. The text of a refusal is
+/// the chain's.
 pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
     let path = control_socket(&rig.parse::<Rig>()?)?;
     let mut stream = match UnixStream::connect(&path) {
@@ -108,20 +111,23 @@ pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
     }
 }
 
-/// The chain's end: where it is asked. It never waits for a client.
+/// The chain's end of the control socket. It never blocks on a client.
 #[derive(Debug)]
 pub struct Control {
     listener: UnixListener,
-    /// Clients that have not ended their request.
+    /// Clients whose requests are incomplete.
     asking: Vec<Client>,
     path: PathBuf,
-    /// Device and number of the socket: another chain may make one of the same name, when this one's was removed.
+    /// Device and inode of the socket. If this socket is removed, another chain may create one of
+    /// the same name.
     file: [u64; 2],
 }
 
 impl Control {
+    /// Opens the control socket of a rig.
+    ///
     /// # Errors
-    /// The socket cannot be made.
+    /// Returns an error if the socket cannot be created.
     pub fn open(rig: &str) -> Result<Self> {
         Self::at(control_socket(&rig.parse::<Rig>()?)?)
     }
@@ -130,7 +136,7 @@ impl Control {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        // That of a chain that was killed is nobody's.
+        // A socket that refuses connections is left over from a chain that was killed.
         if UnixStream::connect(&path)
             .is_err_and(|cause| cause.kind() == ErrorKind::ConnectionRefused)
         {
@@ -148,13 +154,13 @@ impl Control {
         })
     }
 
-    /// Whether its socket is where it was made.
+    /// Returns true if the socket is still where it was created.
     pub fn is_there(&self) -> bool {
         file_at(&self.path) == Some(self.file)
     }
 
-    /// The next client that has ended its request, and what it asks for; an error: it has not within a second, or asks for nothing
-    /// that can be done.
+    /// Returns the next client whose request is complete, and the request. The request is an error
+    /// if the client took longer than a second or asked for something unknown.
     pub fn next_request(&mut self) -> Option<(Client, Result<Asked>)> {
         self.next_at(Instant::now())
     }
@@ -180,14 +186,15 @@ impl Control {
         self.asking.len() < MOST_CLIENTS
     }
 
-    /// Readable when [`next_request`](Self::next_request) has something to do.
+    /// Descriptors that become readable when [`next_request`](Self::next_request) has something to
+    /// do.
     pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         let listener = self.has_room().then(|| self.listener.as_fd());
         let clients = self.asking.iter().map(|client| client.stream.as_fd());
         listener.into_iter().chain(clients)
     }
 
-    /// When a client has asked for too long.
+    /// Returns the time at which the first pending request expires.
     pub fn deadline(&self) -> Option<Instant> {
         self.asking.iter().map(|client| client.until).min()
     }
@@ -206,13 +213,13 @@ fn file_at(path: &Path) -> Option<[u64; 2]> {
     Some([file.dev(), file.ino()])
 }
 
-/// One that asks.
+/// A client of the control socket.
 #[derive(Debug)]
 pub struct Client {
     stream: UnixStream,
-    /// Bytes of its request that have arrived.
+    /// Bytes of the request that have arrived.
     text: Vec<u8>,
-    /// By when its request is to end.
+    /// Deadline for the end of the request.
     until: Instant,
 }
 
@@ -226,7 +233,7 @@ impl Client {
         })
     }
 
-    /// Its request; `None` while that is incomplete.
+    /// Reads the request. Returns `None` while it is incomplete.
     fn asked(&mut self, now: Instant) -> Option<Result<Asked>> {
         let mut bytes = [0; 4096];
         loop {
@@ -248,14 +255,14 @@ impl Client {
         }
     }
 
-    /// Answers it.
+    /// Sends the answer to the client.
     pub fn answer(mut self, answer: Result<String>) {
         let text = match answer {
             Ok(said) => format!("ok\n{said}"),
             Err(why) if is_wrong_use(&why) => format!("wrong\n{why:#}\n"),
             Err(why) => format!("refused\n{why:#}\n"),
         };
-        // One that is gone need not be told.
+        // Errors are ignored: a client that is gone needs no answer.
         let _ = self.stream.set_nonblocking(false);
         let _ = self.stream.set_write_timeout(Some(ASKING));
         let _ = self.stream.write_all(text.as_bytes());

@@ -1,24 +1,27 @@
-//! Notices about a chain's results, for the user, but not in every frame.
+//! Decides which notices about a chain's results are reported to the user. A notice is not repeated
+//! for every frame.
 
 use lariat_extract::Notice;
 
-/// Frames for which a notice has to hold before it is told: a hand that passes is no reason.
+/// Number of consecutive frames for which a notice must hold before it is reported. A hand that
+/// passes through the picture must not trigger one.
 const HOLD: u32 = 10;
-/// Frames without it after which the same notice is told again, some ten seconds of a camera: one that comes and goes
-/// would fill the screen.
+/// Number of frames without a notice after which the same one is reported again. At 30 frames/s
+/// these are ten seconds. A notice that comes and goes would otherwise fill the screen.
 const FORGET: u32 = 300;
 
-/// Notices of one frame after the other, and which of them to tell.
+/// Filters the notices of successive frames.
 #[derive(Debug, Default)]
 pub struct Doubts {
-    /// What the last frames said, and how many did.
+    /// The notice of the last frames.
     last: Option<Notice>,
     held: u32,
     told: Option<Notice>,
 }
 
 impl Doubts {
-    /// Takes the next frame's; what to tell now, once for as long as it holds.
+    /// Takes the notice of the next frame. Returns the notice to report now, once for as long as it
+    /// holds.
     pub fn next(&mut self, notice: Option<Notice>) -> Option<Notice> {
         if notice != self.last {
             (self.last, self.held) = (notice, 0);
@@ -41,7 +44,7 @@ mod tests {
     use super::*;
     use Notice::{Black, CheckeredTable};
 
-    /// What is told in runs of so many frames of each notice.
+    /// Returns what is reported for runs of frames with the same notice.
     fn told(runs: &[(Option<Notice>, u32)]) -> Vec<Notice> {
         let mut doubts = Doubts::default();
         let frames = runs

@@ -3,13 +3,14 @@
 //! | code | |
 //! |---|---|
 //! | 0 | done |
-//! | 1 | it ran, and the answer is no, or something failed or was lost |
+//! | 1 | the command ran, and the answer is no, or something failed or was lost |
 //! | 2 | wrong use: the command line or the settings make no sense |
 //!
-//! [`is_wrong_use`] decides between 1 and 2. Wrong use is a [`WrongUse`] or [`Problems`] anywhere in an error's chain, or an
-//! invalid name for a rig or a domain. The same words may work a moment later if an input file, a camera, a rig or a chain is
-//! missing, or if an output file exists already: the code is 1. A settings file that cannot be read leaves every setting
-//! unknown: the code is 2. A running chain marks its refusal of a change as wrong use, and the client exits with that code
+//! [`is_wrong_use`] decides between 1 and 2. Wrong use is a [`WrongUse`] or [`Problems`] anywhere
+//! in an error's chain, or an invalid name for a rig or a domain. The code is 1 if an input file, a
+//! camera, a rig or a chain is missing, or if an output file already exists. The same command may
+//! work later. A settings file that cannot be read leaves every setting unknown, so the code is 2.
+//! A running chain marks its refusal of a change as wrong use, and the client exits with that code
 //! (`control.rs`).
 
 use crate::settings::Problems;
@@ -17,10 +18,11 @@ use lariat_wire::WireError;
 use std::fmt;
 use std::process::ExitCode;
 
-/// The same in the help.
+/// The exit codes as the help shows them.
 pub const CODES: &str = "Exit codes: 0 done; 1 failed, or a check failed; 2 wrong use or settings.";
 
-/// What was asked makes no sense, whatever the machine and the files. Its text is a sentence that says what to do.
+/// A request that makes no sense, regardless of the machine and its files. The text is a sentence
+/// that tells the user what to do.
 #[derive(Debug)]
 pub struct WrongUse(pub String);
 
@@ -32,7 +34,7 @@ impl fmt::Display for WrongUse {
 
 impl std::error::Error for WrongUse {}
 
-/// Leaves the function with a [`WrongUse`].
+/// Returns from the function with a [`WrongUse`].
 #[macro_export]
 macro_rules! wrong_use {
     ($($text:tt)*) => {
@@ -45,7 +47,8 @@ pub use crate::wrong_use;
 pub fn is_wrong_use(error: &anyhow::Error) -> bool {
     let names =
         |cause: &WireError| matches!(cause, WireError::RigName(_) | WireError::DomainName(_));
-    // A context is in the chain under another type, and only the error itself can be downcast to it.
+    // An error that serves as context is in the chain under another type. Only the outer error can
+    // be downcast to it.
     let has_context = error.downcast_ref::<WrongUse>().is_some();
     let is_one = |cause: &(dyn std::error::Error + 'static)| {
         cause.is::<WrongUse>() || cause.is::<Problems>() || cause.downcast_ref().is_some_and(names)
@@ -53,7 +56,7 @@ pub fn is_wrong_use(error: &anyhow::Error) -> bool {
     has_context || error.chain().any(is_one)
 }
 
-/// The code of an error.
+/// Returns the exit code for an error.
 pub fn code(error: &anyhow::Error) -> ExitCode {
     match is_wrong_use(error) {
         true => ExitCode::from(2),

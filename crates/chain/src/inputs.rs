@@ -1,4 +1,4 @@
-//! From the paths that the user named to the pictures they mean.
+//! Expands the paths that the user named to pictures.
 
 use anyhow::{Context, Result, bail};
 use lariat_capture::{
@@ -8,12 +8,13 @@ use std::cmp::Ordering;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-/// The pictures, in the user's order and a folder's in natural order; and what is wrong with the rest.
+/// Returns the pictures in the user's order, and an error for each path that is not usable. The
+/// pictures of a folder are in natural order.
 pub fn pictures(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<anyhow::Error>) {
     let (mut found, mut wrong) = (Vec::new(), Vec::new());
     for path in paths {
         if !path.is_dir() || names_a_recording(path) {
-            // Whether it is a picture, and there at all, shows when it is opened.
+            // Opening the file will show whether it exists and is a picture.
             found.push(path.clone());
             continue;
         }

@@ -1,19 +1,19 @@
-//! Text for a terminal: tables and paragraphs that fit its width.
+//! Formats text for a terminal: tables and paragraphs that fit its width.
 //!
-//! Where standard output is no terminal a line has 80 columns, or as many as `COLUMNS` says: what people read in a pipe or
-//! a log is as narrow, and programs have `--json`.
+//! If standard output is not a terminal, a line has `COLUMNS` columns, or 80 if that is not set.
+//! Pipes and logs that people read are equally narrow, and programs can use `--json`.
 
 use crate::messages;
 use rustix::termios::tcgetwinsize;
 use std::borrow::Cow;
 use std::io::stdout;
 
-/// Columns where nobody says how many there are.
+/// Number of columns if it is unknown.
 const USUAL_WIDTH: usize = 80;
-/// A narrower terminal is taken to have as many, and wraps by itself.
+/// Minimum number of columns. A narrower terminal wraps the lines.
 const LEAST_WIDTH: usize = 40;
 
-/// How many columns there are on standard output.
+/// Returns the number of columns on standard output.
 pub fn width() -> usize {
     let said = std::env::var("COLUMNS")
         .ok()
@@ -25,23 +25,24 @@ pub fn width() -> usize {
     said.or_else(seen).unwrap_or(USUAL_WIDTH).max(LEAST_WIDTH)
 }
 
-/// Returns true if colours may be written to a stream: it ends on a terminal, and `NO_COLOR` is not set.
+/// Returns true if colors may be written to a stream: it is a terminal, and `NO_COLOR` is not set.
 pub fn has_colours(is_terminal: bool) -> bool {
     let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|text| !text.is_empty());
     is_terminal && !is_unwanted
 }
 
-/// Text in yellow, for a terminal.
+/// Makes a text yellow on a terminal.
 pub fn yellow(text: &str) -> String {
     format!("\x1b[33m{text}\x1b[0m")
 }
 
-/// A paragraph in lines of at most `width` columns, if its words let it.
+/// Wraps a paragraph to lines of at most `width` columns, unless a single word is longer.
 pub fn wrapped(text: &str, width: usize) -> String {
     flowed(text.split_whitespace(), width)
 }
 
-/// What is said on standard error: its long lines are folded where that is a terminal, which would break them within words.
+/// Folds the long lines of a message if standard error is a terminal, which would break them within
+/// words.
 pub fn said(text: &str) -> Cow<'_, str> {
     if !messages::is_terminal() {
         return text.into();
@@ -54,13 +55,13 @@ pub fn said(text: &str) -> Cow<'_, str> {
     lines.collect::<Vec<_>>().join("\n").into()
 }
 
-/// The same below a first line that stands out by so many columns.
+/// Wraps a paragraph and indents every line but the first by `indent` columns.
 pub fn hanging(text: &str, indent: usize, width: usize) -> String {
     let lines = wrapped(text, width.saturating_sub(indent));
     lines.replace('\n', &format!("\n{:indent$}", ""))
 }
 
-/// What is not to be broken itself, as many a line as fit.
+/// Puts as many items on each line as fit. Items are not broken.
 pub fn flowed<T: AsRef<str>>(items: impl IntoIterator<Item = T>, width: usize) -> String {
     let mut lines = String::new();
     let mut column = 0;
@@ -80,7 +81,8 @@ pub fn flowed<T: AsRef<str>>(items: impl IntoIterator<Item = T>, width: usize) -
     lines
 }
 
-/// The end of a text that is longer than `width`: of a path, what tells it from its neighbours.
+/// Shortens a text to its last `width` columns. The end of a path distinguishes it from its
+/// neighbors.
 fn end_of(text: &str, width: usize) -> Cow<'_, str> {
     let excess = columns(text).saturating_sub(width);
     match excess {
@@ -89,7 +91,7 @@ fn end_of(text: &str, width: usize) -> Cow<'_, str> {
     }
 }
 
-/// Columns that a text takes. Escape codes for colours, `ESC [ … m`, take none.
+/// Returns the number of columns that a text takes. Color escape codes, `ESC [ … m`, take none.
 fn columns(text: &str) -> usize {
     let mut parts = text.split("\x1b[");
     let first = parts.next().map_or(0, |part| part.chars().count());
@@ -105,13 +107,14 @@ fn columns(text: &str) -> usize {
 pub struct Column {
     heading: String,
     is_words: bool,
-    /// Which columns go first where there is no room for all; 0 stays.
+    /// If there is too little room, columns of the highest rank are left out first. Rank 0 always
+    /// stays.
     rank: u8,
     width: usize,
 }
 
 impl Column {
-    /// Figures, which end below each other. The heading may have several lines.
+    /// Creates a right-aligned column of figures. The heading may have several lines.
     pub fn figures(heading: impl Into<String>) -> Self {
         let heading = heading.into();
         Self {
@@ -122,7 +125,8 @@ impl Column {
         }
     }
 
-    /// Words, which begin below each other. The first and the last column of a table are shortened if need be.
+    /// Creates a left-aligned column of words. If necessary, the first and the last column of a
+    /// table are shortened.
     pub fn words(heading: impl Into<String>) -> Self {
         Self {
             is_words: true,
@@ -130,13 +134,13 @@ impl Column {
         }
     }
 
-    /// Its cells have up to so many columns, as far as is known before they come.
+    /// Sets the expected width of the cells, for rows that are not known yet.
     pub fn wide(mut self, width: usize) -> Self {
         self.width = self.width.max(width);
         self
     }
 
-    /// Goes before those of a lower rank where there is no room.
+    /// Sets the rank. If there is too little room, a column is left out before those of lower rank.
     pub fn rank(mut self, rank: u8) -> Self {
         self.rank = rank;
         self
@@ -151,10 +155,10 @@ impl Column {
     }
 }
 
-/// Colours a text, as [`yellow`] does.
+/// Colors a text, as [`yellow`] does.
 pub type Paint = fn(&str) -> String;
 
-/// A table whose lines are written one by one, fitted to a width.
+/// A table that is written row by row and fits a width.
 #[derive(Debug)]
 pub struct Table {
     columns: Vec<Column>,
@@ -162,12 +166,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Between two columns.
+    /// Number of spaces between two columns.
     const GAP: usize = 2;
-    /// No column of words is shortened to less.
+    /// Minimum width to which a column of words is shortened.
     const LEAST_WORDS: usize = 14;
 
-    /// A table for rows that come one by one, in the columns' own widths.
+    /// Creates a table for rows that come one by one. The columns have their own widths.
     pub fn new(columns: Vec<Column>, width: usize) -> Self {
         let is_shown = vec![true; columns.len()];
         let mut table = Self { columns, is_shown };
@@ -175,7 +179,7 @@ impl Table {
         table
     }
 
-    /// A whole table of rows that are there, with its heading.
+    /// Formats a complete table with its heading.
     pub fn text(mut columns: Vec<Column>, rows: &[Vec<String>], width: usize) -> String {
         for row in rows {
             for (column, cell) in columns.iter_mut().zip(row) {
@@ -187,7 +191,7 @@ impl Table {
             .fold(table.head(), |text, row| text + &table.row(row))
     }
 
-    /// The headings, in as many lines as the tallest has.
+    /// Returns the headings, in as many lines as the longest heading has.
     pub fn head(&self) -> String {
         let shown = self
             .columns
@@ -199,7 +203,7 @@ impl Table {
             .max()
             .unwrap_or(0);
         let line = |line: usize| {
-            // The last lines stand side by side.
+            // Headings are aligned at their last lines.
             let of = |column: &Column| {
                 let above = lines.saturating_sub(column.heading.lines().count());
                 let part = line
@@ -212,12 +216,12 @@ impl Table {
         (0..lines).map(line).collect()
     }
 
-    /// One row.
+    /// Formats one row.
     pub fn row<T: AsRef<str>>(&self, cells: impl IntoIterator<Item = T>) -> String {
         self.painted_row(cells.into_iter().map(|cell| (cell, None)))
     }
 
-    /// One row with painted cells. Colours do not count towards a cell's width.
+    /// Formats one row of painted cells. Colors do not count towards a cell's width.
     pub fn painted_row<T: AsRef<str>>(
         &self,
         cells: impl IntoIterator<Item = (T, Option<Paint>)>,
@@ -234,7 +238,7 @@ impl Table {
         cells.join(&gap).trim_end().to_owned() + "\n"
     }
 
-    /// Leaves columns out and shortens words until it fits, as far as it can.
+    /// Leaves out columns and shortens words until the table fits, as far as possible.
     fn narrow(&mut self, width: usize) {
         let ends = [0, self.columns.len().saturating_sub(1)];
         let least = |place: usize, column: &Column| match column.is_words && ends.contains(&place) {

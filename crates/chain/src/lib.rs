@@ -1,23 +1,32 @@
-//! The chain: its four processes, what starts them, their settings, and what every command of lariat shares.
+//! The chain: its processes, their launcher, their settings, and code shared by lariat's commands.
 //!
-//! | room | what |
-//! |---|---|
-//! | [`settings`] | every setting once: flags, `lariat.toml`, defaults |
-//! | [`pipeline`] | from a frame to the shapes in it, without transport, clock or waiting |
-//! | [`stages`] | the processes around it: what each reads, computes and sends |
-//! | [`launcher`] | `lariat run`: starts the stages, watches them, stops them in order |
-//! | [`control`] | what a running chain can be asked for, and how |
-//! | [`notify`] | what a service manager is told |
-//! | [`stop`] | signals and the end of `--duration`, as something to `poll` |
-//! | [`output`], [`run_files`] | files written whole or not at all |
-//! | [`inputs`], [`picture`] | the pictures that a user named |
-//! | [`load`] | how busy the machine is |
-//! | [`recorded`] | recordings, frame by frame |
-//! | [`canvas`] | lines drawn over pictures |
-//! | [`calibrated`], [`plane_file`], [`measured_plane`] | camera and plane as files have them; a plane from points |
-//! | [`layout`], [`confidence`], [`messages`], [`doubts`], [`exit`] | what is said on a terminal, by which process, and the exit code |
+//! `ARCHITECTURE.md` shows how the parts work together.
+//!
+//! - [`settings`]: every setting once, from flags, `lariat.toml` and defaults
+//! - [`pipeline`]: from a frame to the shapes in it, without transport, clock or waiting
+//! - [`stages`]: the processes around the pipeline
+//! - [`launcher`]: `lariat run`, which starts the stages, watches them and stops them in order
+//! - [`control`]: requests to a running chain
+//! - [`notify`]: reports to a service manager
+//! - [`stop`]: signals, as a descriptor for `poll`
+//! - [`itself`]: starts this program again, from the running executable
+//! - [`output`], [`run_files`]: files that are complete or absent
+//! - [`bounded`], [`inputs`], [`picture`]: the files and pictures that a user named
+//! - [`load`]: how busy the machine is
+//! - [`recorded`]: recordings, frame by frame
+//! - [`canvas`]: lines drawn over pictures
+//! - [`calibrated`], [`plane_file`], [`measured_plane`], [`places`]: camera and plane, and the way
+//!   back to the image
+//! - [`layout`], [`confidence`], [`messages`], [`doubts`], [`exit`]: text on a terminal, and exit
+//!   codes
+//!
+//! # Known limitations
+//!
+//! - Linux only: the launcher needs `/proc`, memfd and parent-death signals.
+//! - The interface may change with any release.
 
-/// Says a line on standard error. The standard library's own would end the process where nobody reads it, in the middle of its work.
+/// Prints a line on standard error. The macro of the standard library would panic if nobody reads
+/// standard error any more.
 #[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => {{
@@ -25,7 +34,7 @@ macro_rules! eprintln {
     }};
 }
 
-/// Likewise, without the line's end.
+/// Prints text on standard error like [`eprintln`](crate::eprintln), but without a line end.
 #[macro_export]
 macro_rules! eprint {
     ($($text:tt)*) => {{

@@ -1,20 +1,20 @@
-//! How busy the machine is. Latencies that are measured on a busy machine are worse than lariat's own.
+//! The load of the machine. Latencies measured on a loaded machine are worse than lariat's own.
 
 use std::fmt;
 use std::fs;
 use std::thread::available_parallelism;
 
-/// The kernel's load average over the last minute, next to the cores that share it.
+/// The kernel's load average over the last minute, and the number of cores that share it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Average number of threads that ran or waited for a core.
     pub average: f64,
-    /// Cores that this process may use.
+    /// Number of cores that this process may use.
     pub cores: usize,
 }
 
 impl Load {
-    /// The load now; `None` if the kernel does not report it.
+    /// Returns the current load, or `None` if the kernel does not report it.
     pub fn now() -> Option<Self> {
         let text = fs::read_to_string("/proc/loadavg").ok()?;
         Some(Self {
@@ -23,13 +23,13 @@ impl Load {
         })
     }
 
-    /// Returns true if less than one core was idle on average: a chain that wakes then waits for a core. A single core counts
-    /// as busy from a half on.
+    /// Returns true if less than one core was idle on average, so a chain that wakes up has to wait
+    /// for a core. A single core counts as busy above a load of 0.5.
     pub fn is_busy(self) -> bool {
         self.average > (self.cores as f64 - 1.0).max(0.5)
     }
 
-    /// The load of a busy machine, and what that does to figures, as a sentence without its full stop.
+    /// Warns if the machine is loaded, in a sentence without a full stop.
     pub fn warning(self) -> Option<String> {
         let warning = || format!("{self}: figures will be worse than lariat's own");
         self.is_busy().then(warning)
@@ -43,7 +43,7 @@ impl fmt::Display for Load {
     }
 }
 
-/// The first number of `/proc/loadavg`, which is the last minute's.
+/// Returns the first number of `/proc/loadavg`, the average over the last minute.
 fn of_text(text: &str) -> Option<f64> {
     text.split_ascii_whitespace().next()?.parse().ok()
 }

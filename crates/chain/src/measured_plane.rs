@@ -1,18 +1,19 @@
-//! The plane of points that were measured: how it comes of them, how well they agree, and what it looks like in the picture.
+//! Computes a plane from measured points, the errors of the points, and a grid to show the plane in
+//! the picture.
 
 use anyhow::{Context, Result, bail};
 use lariat_camera::{Camera, LEAST_MM, Mapping, Pair, Plane};
 
 use crate::plane_file;
 
-/// Lines of the grid along its longer side, at most about so many.
+/// Approximate maximum number of grid lines along the longer side.
 const LINES: f64 = 16.0;
-/// How far the grid goes beyond the points, as a share of what they span.
+/// Margin of the grid around the points, as a fraction of their span.
 const BEYOND: f64 = 0.5;
-/// Points of a line of the grid: a lens bends it.
+/// Number of points on each grid line, which a lens bends.
 const BENDS: usize = 24;
 
-/// A plane, and the points that it comes from.
+/// A plane and the points that it was computed from.
 #[derive(Debug, Clone)]
 pub struct MeasuredPlane {
     pairs: Vec<Pair>,
@@ -21,29 +22,30 @@ pub struct MeasuredPlane {
     mapping: Mapping,
 }
 
-/// How far a point lies from where it was measured.
+/// Error of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Off {
-    /// On the plane; NaN if the point has no place there.
+    /// Distance on the plane; NaN if the pixel does not show the plane.
     pub mm: f64,
-    /// In the picture; NaN if the point is not seen.
+    /// Distance in the picture; NaN if the point is not visible.
     pub px: f64,
 }
 
-/// Lines of equal coordinates on the plane, as they are seen.
+/// Lines of equal coordinates on the plane, as they appear in the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// From one line to the next.
+    /// Distance between neighboring lines.
     pub step_mm: f64,
-    /// Each as points, px.
+    /// Points of each line, px.
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
 impl MeasuredPlane {
-    /// By points in images of this size, taken through this lens.
+    /// Computes the plane from points in images of this size, taken through this lens.
     ///
     /// # Errors
-    /// They determine no plane, or the lens is not for such images.
+    /// Returns an error if the points do not determine a plane, or if the lens is for another image
+    /// size.
     pub fn of(pairs: &[Pair], camera: Option<&Camera>, size: [u32; 2]) -> Result<Self> {
         let lens =
             Mapping::new(camera, None, size).context("the calibration does not fit the images")?;
@@ -71,12 +73,12 @@ impl MeasuredPlane {
         })
     }
 
-    /// From the images' pixels to the plane.
+    /// Returns the mapping from image pixels to the plane.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping
     }
 
-    /// How far each point is off, in their order.
+    /// Returns the error of each point, in the order of the points.
     pub fn off(&self) -> impl Iterator<Item = Off> {
         let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         self.pairs.iter().map(move |Pair { pixel, plane_mm }| Off {
@@ -91,7 +93,8 @@ impl MeasuredPlane {
         })
     }
 
-    /// The root of the mean square of what they are off, and the most, mm; `None` of four, which leave nothing to tell it by.
+    /// Returns the root mean square and the maximum error in mm. Returns `None` for four points,
+    /// which fit a plane exactly.
     pub fn error_mm(&self) -> Option<[f64; 2]> {
         let count = self.pairs.len();
         let squares: f64 = self.off().map(|off| off.mm * off.mm).sum();
@@ -99,7 +102,7 @@ impl MeasuredPlane {
         (count > 4).then(|| [(squares / count as f64).sqrt(), most])
     }
 
-    /// A grid about the points.
+    /// Returns a grid around the points.
     pub fn grid(&self) -> Grid {
         let spans = [0, 1].map(|axis| {
             let along = self.pairs.iter().map(|pair| pair.plane_mm[axis]);
@@ -140,7 +143,7 @@ impl MeasuredPlane {
         Grid { step_mm, lines }
     }
 
-    /// Where a point of the plane is seen, if not far beside the picture.
+    /// Returns the pixel of a point on the plane, unless it is far outside the picture.
     fn seen(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         let seen = self.mapping.pixel(point)?;
         let sides = self.mapping.size().map(f64::from);
@@ -148,7 +151,7 @@ impl MeasuredPlane {
         is_near.then_some(seen)
     }
 
-    /// The plane's file.
+    /// Returns the text of the plane's file.
     pub fn file_text(&self, made_by: &str) -> String {
         let about = format!("From {} points, by {made_by}.", self.pairs.len());
         let (matrix, size) = (self.plane.homography(), self.mapping.size());
@@ -156,7 +159,7 @@ impl MeasuredPlane {
     }
 }
 
-/// The 1, 2 or 5 of a power of ten that is nearest above.
+/// Rounds up to 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let decade = 10f64.powf(step.log10().floor());
     let steps = [1.0, 2.0, 5.0].map(|times| times * decade);
@@ -166,8 +169,11 @@ fn round_step(step: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
+/// Checks the unit of the points.
+///
 /// # Errors
-/// The points lie nearer to each other than any camera is to a table: more likely metres.
+/// Returns an error if the points are closer together than any camera is to a table. Their
+/// coordinates are probably in meters.
 fn check_unit(pairs: &[Pair]) -> Result<()> {
     let span = |axis: usize| {
         let places = || pairs.iter().map(|pair| pair.plane_mm[axis]);
@@ -204,11 +210,11 @@ mod tests {
             [600.0, 430.0, 297.0, 210.0],
             [40.0, 440.0, 0.0, 210.0],
         ]);
-        // In images half as large as the calibration's.
+        // The images are half as large as the calibration's.
         let measured = MeasuredPlane::of(&pairs, Some(&camera), [640, 480]).unwrap();
         assert!(measured.off().all(|off| off.mm < 1e-6 && off.px < 1e-6));
         assert_eq!(measured.error_mm(), None);
-        // The very points, also at the calibration's own size.
+        // The same points at the calibration's own size.
         let large = Mapping::new(Some(&camera), Some(&measured.plane), [1280, 960]).unwrap();
         let corner = large
             .place([60.0, 50.0].map(|c| 2.0 * c + 0.5))
@@ -248,7 +254,7 @@ mod tests {
 
     #[test]
     fn the_grid_goes_through_round_places_and_not_beyond_the_horizon() {
-        // A table that is seen at a slant: its horizon is the row above the picture.
+        // A table seen at an angle. Its horizon is the row above the picture.
         let pairs = pairs(&[
             [220.0, 120.0, 0.0, 0.0],
             [420.0, 120.0, 300.0, 0.0],

@@ -1,11 +1,13 @@
-//! Messages on standard error, from all processes of a chain, on a terminal that also shows a live line.
+//! Writes the messages of all processes of a chain to standard error, which may be a terminal that
+//! also shows a live line.
 //!
-//! The terminal takes each `write` as a whole. A message that clears the live line first, in the same `write`, therefore never
-//! mixes with it; the live line is redrawn below the message.
+//! The terminal handles each `write` as a whole. A message therefore clears the live line in the
+//! same `write` and never mixes with it. The live line is redrawn below the message.
 //!
-//! `lariat run` alone writes to standard error. Each stage writes into a pipe, which a thread empties into a queue
-//! ([`Intake`]); another thread writes the queue ([`Relay`]). So a stage never waits for a terminal that stands still, and whatever a stage
-//! wrote before it died is still shown. The queue is bounded: messages beyond it are counted and not kept.
+//! Only `lariat run` writes to standard error. Each stage writes into a pipe, which a thread
+//! empties into a queue ([`Intake`]). Another thread writes the queue ([`Relay`]). So a stage never
+//! waits for a blocked terminal, and everything that a stage wrote before it died is shown. The
+//! queue is bounded: messages beyond its capacity are dropped and counted.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -17,17 +19,17 @@ use std::thread::JoinHandle;
 
 use crate::layout;
 
-/// The environment variable that tells a stage that its messages end up on a terminal.
+/// Environment variable that tells a stage that its messages go to a terminal.
 const TERMINAL: &str = "LARIAT_STDERR_IS_TERMINAL";
-/// Moves to the begin of the line and erases it.
+/// Moves the cursor to the start of the line and erases the line.
 const CLEAR: &str = "\r\x1b[K";
 /// Prefix of messages that are not log lines.
 const NAME: &[u8] = b"lariat: ";
-/// Erases from the cursor to the end of the line: the end of a live line.
+/// Erases from the cursor to the end of the line. Every live line ends with this code.
 const ERASE_REST: &[u8] = b"\x1b[K";
-/// Capacity of the queue, in bytes: some ten thousand messages.
+/// Capacity of the queue, in bytes: about ten thousand messages.
 const CAPACITY: usize = 1 << 20;
-/// Stack of a thread that only copies bytes.
+/// Stack size of a thread that only copies bytes.
 const STACK: usize = 128 << 10;
 
 /// Set once a live line may be on the terminal.
@@ -39,9 +41,9 @@ static CHANGED: Condvar = Condvar::new();
 struct Queue {
     waiting: VecDeque<Vec<u8>>,
     bytes: usize,
-    /// Messages that found no room.
+    /// Number of messages that did not fit.
     dropped: u64,
-    /// Set while a thread writes them.
+    /// Set while a thread writes the queue.
     is_open: bool,
 }
 
@@ -62,7 +64,7 @@ impl Queue {
         self.waiting.push_back(message);
     }
 
-    /// Everything that waits, as the bytes to write.
+    /// Empties the queue and returns the bytes to write.
     fn take(&mut self) -> Vec<u8> {
         let mut bytes: Vec<u8> = self.waiting.drain(..).flatten().collect();
         self.bytes = 0;
@@ -80,24 +82,24 @@ fn queue() -> MutexGuard<'static, Queue> {
     QUEUE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns true if messages of this process end up on a terminal.
+/// Returns true if the messages of this process go to a terminal.
 pub fn is_terminal() -> bool {
     stderr().is_terminal() || std::env::var_os(TERMINAL).is_some()
 }
 
-/// From now on, messages of this process clear the line that the cursor is in.
+/// Makes all further messages of this process clear the cursor's line first.
 pub fn expect_live_line() {
     HAS_LIVE_LINE.store(true, Ordering::Relaxed);
 }
 
-/// Writes a message to standard error, with the end of its last line. Long lines are folded to fit a terminal. Failures are
-/// ignored, as there is nowhere to report them.
+/// Writes a message and a line end to standard error. Long lines are folded to fit a terminal.
+/// Errors are ignored, because they cannot be reported anywhere.
 pub fn say(message: &str) {
     let message = format!("{}\n", layout::said(message));
     send(cleared(message.as_bytes()));
 }
 
-/// Writes a live line that goes to standard error.
+/// Writes a live line to standard error.
 pub(crate) fn show(live_line: &str) {
     send(live_line.as_bytes().into());
 }
@@ -113,9 +115,9 @@ fn send(message: Cow<[u8]>) {
     }
 }
 
-/// A message that clears the live line first, where there may be one.
+/// Prepends the code that clears the live line, if there may be one.
 fn cleared(message: &[u8]) -> Cow<'_, [u8]> {
-    // A live line itself overwrites the one before; an empty line ends it.
+    // A live line overwrites the previous one, and an empty line ends it.
     let is_of_live_line = message == b"\n" || message.starts_with(b"\r");
     match HAS_LIVE_LINE.load(Ordering::Relaxed) && !is_of_live_line && stderr().is_terminal() {
         true => [CLEAR.as_bytes(), message].concat().into(),
@@ -123,7 +125,7 @@ fn cleared(message: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// The log's writer: each event is one message.
+/// The writer of the log. Each event is one message.
 #[derive(Debug)]
 pub struct Log;
 
@@ -138,20 +140,21 @@ impl Write for Log {
     }
 }
 
-/// The thread that writes all messages of this process and of the processes that it starts. Dropped, it has written them.
+/// The thread that writes all messages of this process and of the processes that it starts.
+/// Dropping it waits until they are written.
 #[derive(Debug)]
 pub struct Relay(Option<JoinHandle<()>>);
 
 impl Relay {
-    /// Starts it.
+    /// Starts the thread.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Returns an error if the thread cannot be started.
     pub fn start() -> io::Result<Self> {
         expect_live_line();
         queue().is_open = true;
         let thread = thread("messages").spawn(write_queue);
-        // Without it messages are written directly, as before.
+        // Without the thread, messages are written directly.
         queue().is_open = thread.is_ok();
         thread.map(|thread| Self(Some(thread)))
     }
@@ -188,12 +191,13 @@ fn thread(name: &str) -> std::thread::Builder {
         .stack_size(STACK)
 }
 
-/// The thread that takes in the messages of a process that this one has started. It returns the last one.
+/// The thread that reads the messages of a process that this one has started. It returns the last
+/// message.
 #[derive(Debug)]
 pub struct Intake(JoinHandle<String>);
 
 impl Intake {
-    /// Prepares a command whose messages are to be taken in.
+    /// Prepares a command so that its messages can be read.
     pub fn prepare(command: &mut Command) -> &mut Command {
         match is_terminal() {
             true => command.env(TERMINAL, "1"),
@@ -202,10 +206,10 @@ impl Intake {
         command.stderr(std::process::Stdio::piped())
     }
 
-    /// Takes in the messages of the process at the other end.
+    /// Reads the messages of the process at the other end of the pipe.
     ///
     /// # Errors
-    /// The thread cannot be started.
+    /// Returns an error if the thread cannot be started.
     pub fn of(pipe: impl Read + Send + 'static) -> io::Result<Self> {
         let take_in = move || {
             let mut last = String::new();
@@ -220,14 +224,14 @@ impl Intake {
         Ok(Self(thread("intake").spawn(take_in)?))
     }
 
-    /// Waits until all messages of a process that has ended are taken in. Returns the last sentence that it said itself, without
-    /// its name; empty: none.
+    /// Waits until all messages of a process that has ended are read. Returns the last message that
+    /// starts with lariat's name, without the name. The string is empty without such a message.
     pub fn finish(self) -> String {
         self.0.join().unwrap_or_default()
     }
 }
 
-/// Reads to the end, and passes on each line, and each live line, as a whole.
+/// Reads to the end, and passes on each line and each live line as a whole.
 fn take_in(mut pipe: impl Read, mut pass_on: impl FnMut(&[u8])) {
     let (mut unread, mut buffer) = (Vec::new(), [0; 4096]);
     loop {
@@ -242,7 +246,7 @@ fn take_in(mut pipe: impl Read, mut pass_on: impl FnMut(&[u8])) {
             unread.drain(..end);
         }
     }
-    // The process died within a line.
+    // The process died in the middle of a line.
     if !unread.is_empty() {
         unread.push(b'\n');
         pass_on(&unread);
@@ -262,7 +266,7 @@ fn end_of_first(bytes: &[u8]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Gives one byte at a time.
+    /// A reader that returns one byte at a time.
     struct Slow<'a>(&'a [u8]);
 
     impl Read for Slow<'_> {

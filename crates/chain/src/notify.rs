@@ -1,8 +1,9 @@
-//! What a service manager is told: systemd's protocol, which others speak too. Datagrams of lines `NAME=value` go to the socket
-//! that the environment names (`sd_notify(3)`, `sd_watchdog_enabled(3)`).
+//! Notifies the service manager in systemd's protocol, which other managers use as well. Datagrams
+//! of lines `NAME=value` go to the socket that the environment names (`sd_notify(3)`,
+//! `sd_watchdog_enabled(3)`).
 //!
-//! Without a manager nothing is sent. A manager that stands still holds a message up for a second at most, and the first message
-//! that does not reach it is logged: the chain goes on.
+//! Without a manager nothing is sent. A manager that does not read delays a message by at most a
+//! second. The first message that does not reach it is logged, and the chain continues.
 
 use std::env;
 use std::ffi::OsStr;
@@ -12,10 +13,10 @@ use std::os::unix::ffi::OsStrExt;
 use std::os::unix::net::{SocketAddr, UnixDatagram};
 use std::time::Duration;
 
-/// How long a message waits for room in the manager's queue.
+/// Time for which a message waits for room in the manager's queue.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The manager that started this process, if one did and wants to hear of it.
+/// The manager that started this process, if there is one and it wants notifications.
 #[derive(Debug)]
 pub struct Notify {
     manager: Option<(UnixDatagram, SocketAddr)>,
@@ -24,9 +25,11 @@ pub struct Notify {
 }
 
 impl Notify {
-    /// As `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID` say. An address that makes no sense is logged, and nothing is sent.
+    /// Reads `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID`. An invalid address is logged, and
+    /// nothing is sent.
     ///
-    /// The variables stay set: who starts other processes takes them away from these, as the manager listens to one.
+    /// The variables stay set. Whoever starts other processes must remove them there, because the
+    /// manager listens to only one process.
     pub fn from_env() -> Self {
         let number = |name| env::var(name).ok().and_then(|text| text.parse().ok());
         let pid = number("WATCHDOG_PID");
@@ -36,7 +39,8 @@ impl Notify {
         Self::to(address.as_deref(), limit_us.map(Duration::from_micros))
     }
 
-    /// `address`: a path, or an abstract name behind an `@`. `limit`: how long the manager waits for a sign of life.
+    /// `address` is a path, or an abstract name after an `@`. `limit` is the time that the manager
+    /// waits for a sign of life.
     fn to(address: Option<&OsStr>, limit: Option<Duration>) -> Self {
         let manager = address.and_then(|address| {
             connected(address)
@@ -53,33 +57,34 @@ impl Notify {
         }
     }
 
-    /// Whether anybody listens.
+    /// Returns true if there is a manager.
     pub fn is_heard(&self) -> bool {
         self.manager.is_some()
     }
 
-    /// The chain is up: its rig can be read.
+    /// Reports that the chain is running and its rig can be read.
     pub fn ready(&mut self) {
         self.tell("READY=1");
     }
 
-    /// How it is, in one line for `systemctl status`.
+    /// Reports the state in one line for `systemctl status`.
     pub fn status(&mut self, line: &str) {
-        // A line's end would begin another message.
+        // A line break would start another message.
         self.tell(&format!("STATUS={}", line.replace('\n', " ")));
     }
 
-    /// It is alive and at work.
+    /// Reports that the chain is alive and at work.
     pub fn watchdog(&mut self) {
         self.tell("WATCHDOG=1");
     }
 
-    /// It comes to its end, in order.
+    /// Reports that the chain is stopping in order.
     pub fn stopping(&mut self) {
         self.tell("STOPPING=1");
     }
 
-    /// How often [`watchdog`](Self::watchdog) is to be called: half of what the manager waits. `None`: nobody waits.
+    /// Returns the interval at which to call [`watchdog`](Self::watchdog): half of the manager's
+    /// limit. Returns `None` without a watchdog.
     pub fn watchdog_period(&self) -> Option<Duration> {
         self.watchdog
     }
@@ -115,7 +120,7 @@ fn connected(address: &OsStr) -> io::Result<(UnixDatagram, SocketAddr)> {
 mod tests {
     use super::*;
 
-    /// What a manager hears while `say` talks to it.
+    /// Returns what a manager receives from `say`.
     fn heard(socket: &UnixDatagram, mut notify: Notify, say: fn(&mut Notify)) -> Vec<String> {
         say(&mut notify);
         socket.set_nonblocking(true).expect("a socket");
@@ -186,7 +191,7 @@ mod tests {
         let path = folder.path().join("notify");
         let _socket = UnixDatagram::bind(&path).expect("a socket");
         let mut notify = Notify::to(Some(path.as_os_str()), None);
-        // Its queue has room for some; the first message that finds none is given up.
+        // The queue has room for a few messages. The first one that does not fit is dropped.
         while !notify.has_failed {
             notify.watchdog();
         }

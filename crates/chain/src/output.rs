@@ -1,21 +1,21 @@
-//! Where a command writes: one rule for every file that any command makes, and for standard output.
+//! Decides where a command writes: one rule for every file that any command makes, and for standard
+//! output.
 //!
-//! `-` is standard output. A device or a pipe is written into. A link is followed. A file that is there is kept, unless `--force`
-//! says otherwise, and one that the same command reads is kept in any case. A file is there whole or not at all: it grows under another
-//! name beside its place. What stands against it is said before the work begins.
+//! * `-` is standard output. Links are followed. A device or a pipe is opened and written into.
+//! * An existing regular file is refused, or replaced with `--force`; its permissions are kept. A
+//!   file that the same command reads (same device and inode) is always refused.
+//! * A file is written completely or not at all: it grows under another name in the same folder and
+//!   is then renamed.
+//! * All this, and whether the folder is writable, is checked before the work begins. For `run`,
+//!   the chain's own process checks it before it starts any other.
+//! * Messages printed along with a file go to standard error if the file goes to standard output.
 //!
-//! # How it works
-//!
-//! `src/output.rs` decides for every file of every command. `-` is standard output; what is no regular file is opened and written
-//! into; links are followed. A regular file that is there is refused, or replaced with `--force`, its permissions kept; one that the same command reads
-//! (by device and inode) is refused always. A file grows beside its place under another name and is put there whole. All this,
-//! and whether the folder can be written to, is asked before the work begins: of `run` by the chain's own process, before it starts any other. What is
-//! printed beside a file that goes to standard output goes to standard error.
-//!
-//! A **closed pipe** (`| head`) ends the command in order, with exit code 1, as something was not printed: a chain says so, any other ends without a word. Rust has SIGPIPE ignored,
-//! so the write fails, and nothing is cut off in the middle: cameras get their controls back, shared memory is swept. Any other failure to
-//! write standard output is said, and the exit code is 1. A chain goes on while a full disk swallows its live line, as it has a
-//! robot to serve, and says it at its end. Standard error that nobody reads is nothing (the macros in `main.rs`).
+//! A **closed pipe** (`| head`) ends the command in order, with exit code 1 because something was
+//! not printed. Only a chain reports it. Rust ignores SIGPIPE, so the write fails and nothing is
+//! interrupted: cameras get their controls back, and shared memory is cleaned up. Any other failure
+//! to write standard output is reported, and the exit code is 1. A chain continues while a full
+//! disk swallows its live line, because its robot needs it, and reports the failure at its end. If
+//! nobody reads standard error, messages are discarded (the macros in `lib.rs`).
 
 mod folder;
 mod stdout;
@@ -33,26 +33,26 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// What to do where there is a file already.
+/// Policy for a file that already exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
-    /// The new one takes its place.
+    /// Replace it.
     Replace,
-    /// It stays, and the command refuses.
+    /// Keep it, and refuse to write.
     Keep,
 }
 
 impl Existing {
-    /// As `--force` says.
+    /// Returns the policy that `--force` selects.
     pub fn forced(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
 }
 
-/// Where a file goes.
+/// The destination of a file.
 #[derive(Debug, Clone)]
 pub struct Output {
-    /// As the user named it.
+    /// The path as the user wrote it.
     path: PathBuf,
     place: Place,
     existing: Existing,
@@ -63,15 +63,17 @@ enum Place {
     Stdout,
     /// A device or a pipe.
     Into,
-    /// A regular file, where links lead.
+    /// A regular file. Links have been followed.
     File(PathBuf),
 }
 
 impl Output {
-    /// Asks all that can be asked before anything is written. `inputs`: the files that the command reads.
+    /// Checks everything that can be checked before anything is written. `inputs` are the files
+    /// that the command reads.
     ///
     /// # Errors
-    /// It cannot be written to, there is a file that is to be kept, or it is one of the inputs.
+    /// Returns an error if the destination cannot be written or is one of the inputs, or if an
+    /// existing file is to be kept.
     pub fn new<'a>(
         path: &Path,
         existing: Existing,
@@ -98,10 +100,11 @@ impl Output {
         })
     }
 
-    /// A file's name says what is in it; what is no file may have any.
+    /// Requires the ending that matches the content of the file. Anything but a regular file may
+    /// have any name.
     ///
     /// # Errors
-    /// It does not end so.
+    /// Returns an error if the name has another ending.
     pub fn require_ending(&self, ending: &str) -> Result<()> {
         let has_it =
             (self.path.extension()).is_some_and(|found| found.eq_ignore_ascii_case(ending));
@@ -114,10 +117,10 @@ impl Output {
         Ok(())
     }
 
-    /// Writes all of it.
+    /// Writes the whole file.
     ///
     /// # Errors
-    /// It cannot be written, or there is a file by now.
+    /// Returns an error if the file cannot be written, or if it has come into existence meanwhile.
     pub fn write(&self, bytes: &[u8]) -> Result<()> {
         let mut file = self.begin()?;
         file.write_all(bytes)
@@ -128,11 +131,11 @@ impl Output {
     /// Begins to write.
     ///
     /// # Errors
-    /// It cannot be written to.
+    /// Returns an error if the destination cannot be written.
     pub fn begin(&self) -> Result<Growing> {
         let begin = || match &self.place {
             Place::Stdout => Ok(Body::Stdout(io::stdout())),
-            // What a descriptor leads to is written on where it stands.
+            // An open file behind a descriptor is extended, not truncated.
             Place::Into => File::options()
                 .append(true)
                 .open(&self.path)
@@ -145,10 +148,11 @@ impl Output {
         })
     }
 
-    /// Says something beside the file: on standard output, unless the file itself goes there.
+    /// Prints text on standard output, or on standard error if the file itself goes to standard
+    /// output.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Returns an error if the text cannot be written.
     pub fn print(&self, text: &str) -> Result<()> {
         if self.is_stdout() {
             eprint!("{text}");
@@ -157,17 +161,17 @@ impl Output {
         print(text)
     }
 
-    /// What is there from now on is this command's own, and a newer one takes its place.
+    /// Allows replacing the file from now on, because it is this command's own.
     pub fn replace_from_now_on(&mut self) {
         self.existing = Existing::Replace;
     }
 
-    /// Whether it is a regular file, which can be written whole again and again.
+    /// Returns true for a regular file, which can be rewritten as a whole.
     pub fn is_file(&self) -> bool {
         matches!(self.place, Place::File(_))
     }
 
-    /// Whether it goes to standard output.
+    /// Returns true if the file goes to standard output.
     pub fn is_stdout(&self) -> bool {
         matches!(self.place, Place::Stdout)
     }
@@ -186,7 +190,7 @@ impl fmt::Display for Output {
     }
 }
 
-/// The sentence about a file that is kept.
+/// Returns the error for an existing file that is kept.
 fn is_there(path: &Path) -> anyhow::Error {
     anyhow::anyhow!(
         "there is a file {} already: name another one, or overwrite it with --force",
@@ -194,7 +198,7 @@ fn is_there(path: &Path) -> anyhow::Error {
     )
 }
 
-/// What a name means.
+/// Determines what a path refers to.
 fn place(path: &Path) -> Result<Place> {
     const STDOUT: [&str; 4] = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
     if STDOUT.iter().any(|name| path == Path::new(name)) {
@@ -210,16 +214,16 @@ fn place(path: &Path) -> Result<Place> {
     }
 }
 
-/// Whether it is a name of something that is open already.
+/// Returns true if the path names a descriptor that is already open.
 fn is_descriptor(path: &Path) -> bool {
     ["/dev/fd", "/proc/self/fd", "/dev/stderr", "/dev/stdin"]
         .iter()
         .any(|name| path.starts_with(name))
 }
 
-/// Where links lead, also to what is not there yet.
+/// Follows links, even to a file that does not exist yet.
 fn followed(path: &Path) -> io::Result<PathBuf> {
-    // As many as the kernel follows.
+    // The kernel's own limit.
     const MOST_LINKS: usize = 40;
     let mut path = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -231,13 +235,13 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(rustix::io::Errno::LOOP.into())
 }
 
-/// What tells a file from all others, whatever its name.
+/// Identifies a file independently of its name.
 fn identity(path: &Path) -> Option<(u64, u64)> {
     let found = fs::metadata(path).ok()?;
     Some((found.dev(), found.ino()))
 }
 
-/// A file beside the one that is meant, which is gone if it is dropped.
+/// Creates a temporary file in the folder of the given file. It is deleted when dropped.
 fn begin_beside(file: &Path) -> io::Result<NamedTempFile> {
     let folder = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -247,14 +251,15 @@ fn begin_beside(file: &Path) -> io::Result<NamedTempFile> {
         let why = format!("there is no folder {}", folder.display());
         return Err(io::Error::new(io::ErrorKind::NotFound, why));
     }
-    // As readable as any file the user makes, where a temporary file is the user's alone.
+    // Give it the permissions of any new file, because a temporary file is readable only by its
+    // owner.
     tempfile::Builder::new()
         .permissions(fs::Permissions::from_mode(0o666))
         .tempfile_in(folder)
         .map_err(|cause| of_the_system(&cause))
 }
 
-/// The system's own word, without the name that the file has meanwhile.
+/// Returns the system's own error, without the temporary name of the file.
 pub fn of_the_system(cause: &io::Error) -> io::Error {
     let inner =
         std::error::Error::source(cause).and_then(|inner| inner.downcast_ref::<io::Error>());
@@ -262,8 +267,8 @@ pub fn of_the_system(cause: &io::Error) -> io::Error {
     code.map_or_else(|| cause.kind().into(), io::Error::from_raw_os_error)
 }
 
-/// A file that grows, and is put in its place when it is whole. Dropped before, there is nothing of it, but for what has gone into
-/// a device or a pipe.
+/// A file that is renamed to its destination when it is complete. If dropped before, it leaves
+/// nothing behind, except what was written into a device or a pipe.
 pub struct Growing {
     body: Body,
     output: Output,
@@ -279,7 +284,8 @@ impl Growing {
     /// Puts the file in its place.
     ///
     /// # Errors
-    /// It is not on the disk, or there is a file by now, and it is to be kept.
+    /// Returns an error if the file cannot be synced, or if a file exists meanwhile that is to be
+    /// kept.
     pub fn place(mut self) -> Result<()> {
         let path = &self.output.path;
         let about = || Output::failure(path);
@@ -296,7 +302,7 @@ impl Growing {
         file.as_file().sync_all().with_context(about)?;
         let placed = match self.output.existing {
             Existing::Replace => {
-                // As the old one was; where that may not be, as any new one.
+                // Keep the permissions of the old file if possible.
                 if let Ok(old) = fs::metadata(target) {
                     let _ = file.as_file().set_permissions(old.permissions());
                 }
@@ -317,7 +323,8 @@ impl Write for Growing {
         match &mut self.body {
             Body::Stdout(stdout) => stdout::kept(stdout.write(bytes)),
             Body::Into(file) => file.write(bytes),
-            // Not through the temporary file, whose errors have its name.
+            // Bypass the temporary file's own `write`, because its errors contain the temporary
+            // name.
             Body::Beside(file) => file.as_file_mut().write(bytes),
         }
     }

@@ -1,15 +1,15 @@
-//! The tables of `docs/outside.md`: they list what the code reads.
+//! Keeps the tables of `docs/outside.md` in step with the code: they list what it reads.
 
 use std::path::Path;
 
-/// The rows of a table below its head.
+/// Formats a table.
 fn table<const N: usize>(head: [&str; N], rows: &[[&str; N]]) -> String {
     let line = |cells: &[&str; N]| format!("| {} |\n", cells.join(" | "));
     let rows: String = rows.iter().map(line).collect();
     format!("{}{}{rows}", line(&head), line(&["---"; N]))
 }
 
-/// A document with the text between a mark and the next end replaced.
+/// Replaces the text between a mark and the next end mark in a document.
 fn with(document: &str, mark: &str, text: &str) -> String {
     let begin = format!("<!-- read: {mark} -->\n");
     let (before, rest) = document

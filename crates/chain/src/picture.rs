@@ -1,4 +1,4 @@
-//! A picture, decoded: a file, or a frame of any source.
+//! A decoded picture, from a file or from a frame of any source.
 
 use anyhow::{Context, Result};
 use image::RgbImage;
@@ -10,7 +10,8 @@ use std::path::Path;
 
 use crate::pipeline::pixel_format;
 
-/// A decoded picture. That of a file is grey if the file is, else RGB, 8 bits a channel.
+/// A decoded picture with 8 bits per channel if it comes from a file. It is gray if the file is
+/// gray, otherwise RGB.
 pub struct Picture {
     width: u32,
     height: u32,
@@ -20,11 +21,11 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Reads a picture file, whatever its name says, as the chain sees it. Warns where the file leaves open what its
-    /// samples mean.
+    /// Reads a picture file as the chain sees it, whatever its name. Warns if the file does not
+    /// define the meaning of its samples.
     ///
     /// # Errors
-    /// There is no such file, it is no picture, or it is cut off or damaged.
+    /// Returns an error if the file does not exist, is not a picture, or is truncated or damaged.
     pub fn load(path: &Path) -> Result<Self> {
         let shown = path.display();
         File::open(path).with_context(|| format!("cannot open the picture {shown}"))?;
@@ -47,7 +48,7 @@ impl Picture {
         })
     }
 
-    /// A frame, and its bytes.
+    /// Creates a picture from a frame and its bytes.
     pub fn of(frame: &Frame, pixels: Vec<u8>) -> Self {
         Self {
             width: frame.width,
@@ -58,20 +59,20 @@ impl Picture {
         }
     }
 
-    /// Pixels in a row.
+    /// Returns the number of pixels in a row.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The picture as the extractor takes it.
+    /// Returns the picture as input for the extractor.
     ///
     /// # Errors
-    /// It is larger than the extractor takes.
+    /// Returns an error if the picture is larger than the extractor accepts.
     pub fn image(&self) -> Result<Image<'_>, ImageError> {
         let [width, height, stride] =
             [self.width, self.height, self.stride].map(|length| length as usize);
@@ -84,11 +85,11 @@ impl Picture {
         )
     }
 
-    /// As red, green and blue.
+    /// Converts the picture to red, green and blue.
     pub fn into_rgb(self) -> RgbImage {
         let (width, height) = (self.width, self.height);
         let pixels = match self.format {
-            // Those of files are of any size.
+            // Pictures from files can be of any size, so they bypass the extractor's limit.
             PixelFormat::Rgb8 if self.stride == 3 * width => self.pixels,
             PixelFormat::Gray8 if self.stride == width => {
                 self.pixels.iter().flat_map(|&level| [level; 3]).collect()

@@ -1,4 +1,4 @@
-//! Where in the picture points are that were sent in millimetres, or in pixels without distortion: back through plane and lens.
+//! Maps points in millimeters or undistorted pixels back to the picture, through plane and lens.
 
 use crate::calibrated::Calibrated;
 use crate::settings::{settings_of, version_of};
@@ -6,7 +6,7 @@ use anyhow::Result;
 use lariat_camera::Mapping;
 use lariat_wire::{Descriptors, Member, Unit};
 
-/// The way that was asked for last, by what it comes from, and by the pictures' size.
+/// The last mapping with its key and its picture size.
 #[derive(Debug)]
 pub struct Places<K>(Option<(K, [u32; 2], Option<Mapping>)>);
 
@@ -17,8 +17,9 @@ impl<K> Default for Places<K> {
 }
 
 impl<K: PartialEq> Places<K> {
-    /// From the picture to where descriptors have their points; `None` if that is the picture, or not known. `load`: reads lens and
-    /// plane that `key` stands for.
+    /// Returns the mapping from the picture to the unit of the descriptors. Returns `None` if that
+    /// unit is image pixels, or if the mapping is unknown. `load` reads the lens and the plane that
+    /// belong to `key`.
     pub fn of(
         &mut self,
         shapes: &Descriptors,
@@ -43,7 +44,8 @@ impl<K: PartialEq> Places<K> {
 }
 
 impl Places<Member> {
-    /// By what a rig's fit says of itself, if that is what it went by when it made these.
+    /// Returns the mapping that the settings announced by a rig's fit stage describe, if they are
+    /// the settings that produced these shapes.
     pub fn of_rig(&mut self, shapes: &Descriptors, fit: Option<&Member>) -> Option<Mapping> {
         let fit = fit.filter(|fit| version_of(&fit.settings) == shapes.trace.settings)?;
         self.of(shapes, fit.clone(), |fit| {
@@ -52,8 +54,8 @@ impl Places<Member> {
     }
 }
 
-/// Where a point of descriptors is seen; `None` if it is not, or not known. `places`: the way there from the picture, if that is
-/// not where the points are.
+/// Returns the pixel of a descriptor's point. Returns `None` if it is not visible or unknown.
+/// `places` is the mapping from the picture, if the points are not in image pixels.
 pub fn pixel(shapes: &Descriptors, places: Option<&Mapping>, point: [f64; 2]) -> Option<[f64; 2]> {
     let is_number = point.iter().all(|x| x.is_finite());
     match places {

@@ -1,7 +1,10 @@
-//! `plane.toml`: the plane that the rope lies on, as `lariat calibrate plane` writes it or a user does.
+//! `plane.toml`: the plane on which the rope lies, written by `lariat calibrate plane` or by a
+//! user.
 //!
-//! Either a homography from ideal pixels to millimetres, with the size of the images and, if a lens was taken off, the
-//! intrinsics of its camera; or a pose, `rotation` (a vector of Rodrigues, or three rows) and `translation_mm` or `translation_m`.
+//! The file contains a homography or a pose. A homography maps ideal pixels to millimeters. It
+//! comes with the image size and, if the images were undistorted, the intrinsics of the camera. A
+//! pose consists of `rotation` (a Rodrigues vector or three rows) and `translation_mm` or
+//! `translation_m`.
 
 use crate::settings::number_text;
 use anyhow::{Context, Result, bail};
@@ -15,7 +18,7 @@ use std::path::Path;
 struct File {
     homography: Option<[[f64; 3]; 3]>,
     image_size: Option<[u32; 2]>,
-    /// Focal lengths and principal point of the camera whose lens was taken off, px.
+    /// Focal lengths and principal point of the camera whose images were undistorted, px.
     undistorted_by: Option<[f64; 4]>,
     rotation: Option<Rotation>,
     translation_mm: Option<[f64; 3]>,
@@ -29,10 +32,11 @@ enum Rotation {
     Rows([[f64; 3]; 3]),
 }
 
-/// Reads the plane in a file.
+/// Reads the plane from a file.
 ///
 /// # Errors
-/// It cannot be read, says neither or both, says what cannot be, or is a pose and no camera is given.
+/// Returns an error if the file is unreadable or invalid, or if it does not contain exactly one of
+/// homography and pose. A pose without a camera is an error, too.
 pub fn read(path: &Path, camera: Option<&Camera>) -> Result<Plane> {
     let shown = path.display();
     let text = crate::bounded::read_text(path).with_context(|| {
@@ -96,10 +100,11 @@ fn parse(text: &str, camera: Option<&Camera>) -> Result<Plane> {
     })
 }
 
-/// A translation that may be in millimetres.
+/// Checks that a translation can be in millimeters.
 ///
 /// # Errors
-/// It is shorter than any camera is from a table: more likely metres.
+/// Returns an error if it is shorter than the distance of any camera from a table. It is probably
+/// in meters.
 fn in_plausible_mm(translation: [f64; 3]) -> Result<[f64; 3]> {
     let size = length(translation);
     if size < LEAST_MM {
@@ -114,10 +119,13 @@ fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
+/// Checks the scale of a homography.
+///
 /// # Errors
-/// The images show less of the table than any camera does: more likely metres.
+/// Returns an error if the images show less of the table than those of any camera. The homography
+/// is probably in meters.
 fn check_scale(plane: &Plane, camera: Option<&Camera>, size: [u32; 2]) -> Result<()> {
-    // Whether both fit the frames is checked elsewhere.
+    // Another check reports if camera and plane do not fit the frames.
     let Ok(mapping) = Mapping::new(camera, Some(plane), size) else {
         return Ok(());
     };
@@ -140,7 +148,7 @@ fn check_scale(plane: &Plane, camera: Option<&Camera>, size: [u32; 2]) -> Result
     Ok(())
 }
 
-/// The text of a plane's file.
+/// Returns the text of a plane's file.
 pub fn text(
     homography: [[f64; 3]; 3],
     image_size: [u32; 2],

@@ -1,4 +1,5 @@
-//! Recordings frame by frame, as the commands about them and the page need them: messages brought together, pictures decoded.
+//! Reads recordings frame by frame, for the commands about them and the page: gathers messages and
+//! decodes pictures.
 
 mod gather;
 mod pixels;

@@ -1,7 +1,8 @@
-//! What a run writes: the report, the timeline and the recording. Whether they can be written is asked before the first frame.
+//! Files that a run writes: the report, the timeline and the recording. The chain checks that they
+//! can be written before the first frame.
 //!
-//! The report and the timeline are written at the end, and while the run goes on each time that the sink says so: each file is
-//! there whole, as it was last.
+//! The report and the timeline are written at the end, and during the run whenever the sink
+//! requests it. Each file is always complete, in its last state.
 
 use crate::exit::wrong_use;
 use anyhow::{Context, Result};
@@ -11,25 +12,28 @@ use std::path::{Path, PathBuf};
 use crate::output::{Existing, Output, OutputFolder};
 use crate::settings::Settings;
 
-/// The report's folder, and the timeline.
+/// The report's folder and the timeline.
 pub struct RunFiles {
     folder: Option<OutputFolder>,
     trace: Option<Output>,
-    /// Whether the recording goes to standard output.
+    /// True if the recording goes to standard output.
     record_takes_stdout: bool,
 }
 
 impl RunFiles {
+    /// Opens the report's folder and the timeline.
+    ///
     /// # Errors
-    /// One of them cannot be written, is there already, or is one that is read.
+    /// Returns an error if a file cannot be written, exists already, or is also an input.
     pub fn open(settings: &Settings) -> Result<Self> {
         Self::open_over(settings, existing(settings))
     }
 
-    /// Those of a run whose last sink is gone: what that one has written is the run's own.
+    /// Opens the files of a run whose last sink is gone. They belong to the run and may be
+    /// overwritten.
     ///
     /// # Errors
-    /// As of [`open`](Self::open).
+    /// Fails like [`open`](Self::open).
     pub fn reopen(settings: &Settings) -> Result<Self> {
         Self::open_over(settings, Existing::Replace)
     }
@@ -51,10 +55,11 @@ impl RunFiles {
         Ok(files)
     }
 
-    /// The same, and the recording: before anything is started that would find it out later.
+    /// Opens the files and checks the recording, before anything starts that would find the error
+    /// later.
     ///
     /// # Errors
-    /// As above.
+    /// Fails like [`open`](Self::open), also for the recording.
     pub fn open_all(settings: &Settings) -> Result<Self> {
         let files = Self::open(settings)?;
         if let Some(file) = &settings.run.record {
@@ -63,20 +68,21 @@ impl RunFiles {
         Ok(files)
     }
 
-    /// Whether standard output is one of the files, so that nothing else may be said there.
+    /// Returns true if standard output is one of the files, so that nothing else may be printed
+    /// there.
     pub fn take_stdout(&self) -> bool {
         self.record_takes_stdout || self.trace.as_ref().is_some_and(Output::is_stdout)
     }
 
-    /// Whether any of them can be written before the end.
+    /// Returns true if any of the files can be written before the end.
     pub fn can_be_renewed(&self) -> bool {
         self.folder.is_some() || self.trace.as_ref().is_some_and(Output::is_file)
     }
 
-    /// Writes those that can be written again, as they are now.
+    /// Writes the current state of all files that can be rewritten.
     ///
     /// # Errors
-    /// As of [`write`](Self::write).
+    /// Fails like [`write`](Self::write).
     pub fn renew(&mut self, report: &Report) -> Result<()> {
         if let Some(folder) = &mut self.folder {
             write_report(folder, report)?;
@@ -89,10 +95,10 @@ impl RunFiles {
         Ok(())
     }
 
-    /// Writes them.
+    /// Writes the files.
     ///
     /// # Errors
-    /// One of them could not be written; those before it are.
+    /// Returns an error if a file cannot be written. The files before it are written.
     pub fn write(&self, report: &Report) -> Result<()> {
         if let Some(folder) = &self.folder {
             write_report(folder, report)?;
@@ -107,7 +113,7 @@ impl RunFiles {
 /// Writes a report into its folder.
 ///
 /// # Errors
-/// A file could not be written.
+/// Returns an error if a file cannot be written.
 pub fn write_report(folder: &OutputFolder, report: &Report) -> Result<()> {
     let files = report.files().context("the report cannot be made")?;
     files
@@ -121,10 +127,11 @@ fn write_timeline(output: &Output, report: &Report) -> Result<()> {
     output.write(&json)
 }
 
-/// Whether a recording can be begun in this file. Of one that keeps the last seconds the names are made when it writes.
+/// Checks that a recording can be written to this file. The file names of a ring recording are
+/// chosen when it writes.
 ///
 /// # Errors
-/// It cannot, there is one already, or it is what is shown.
+/// Returns an error if the file cannot be written, exists already, or is also an input.
 pub fn check_recording(settings: &Settings, file: &Path) -> Result<()> {
     match settings.record.ring {
         None => output(settings, file).map(|_| ()),

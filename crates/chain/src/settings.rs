@@ -1,8 +1,9 @@
-//! What the user wants, from three places: the defaults, `lariat.toml`, and the flags, each overruling the
-//! one before.
+//! The user's settings. They come from the defaults, `lariat.toml` and the flags, each overriding
+//! the one before.
 //!
-//! Every setting is one row of the table in `table`: its field, name, kind, comment and flag. The file's check, `config
-//! init`, `config show`, the command line and its help all go by that table.
+//! Every setting is one row of the table in `table`, with its field, name, kind, comment and flag.
+//! The check of the file, `config init`, `config show`, the command line and its help all use that
+//! table.
 
 mod arrangement;
 mod camera;
@@ -50,10 +51,10 @@ use lariat_capture::Source;
 pub(crate) use run::nanoseconds;
 use std::path::{Path, PathBuf};
 
-/// The file that is read where none is named.
+/// The settings file that is read if none is named.
 pub const FILE_NAME: &str = "lariat.toml";
 
-/// The variable that holds the number of a file with a stage's settings.
+/// Environment variable with the number of a descriptor of a file with a stage's settings.
 pub const SETTINGS_FD: &str = "LARIAT_SETTINGS_FD";
 
 /// All settings of a chain, section by section.
@@ -77,16 +78,16 @@ pub struct Settings {
     pub record: Recording,
     /// The settings file that was read.
     pub file: Option<PathBuf>,
-    /// 0 for those that a chain begins with, one more for each change since.
+    /// Version of the settings: 0 at the start of a chain, one more after each change.
     pub version: u32,
-    /// Set while the curve is the default of the drawn rope and not the user's choice.
+    /// Set if the curve is the default of the drawn rope and not the user's choice.
     pub has_curve_of_source: bool,
 }
 
-/// `[sink]`: what is shown.
+/// `[sink]`: what is displayed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sink {
-    /// Whether a line of figures is shown while the chain runs.
+    /// True if a live line is shown while the chain runs.
     pub live: bool,
 }
 
@@ -97,25 +98,25 @@ impl Default for Sink {
 }
 
 impl Settings {
-    /// The settings that hold for these flags: defaults, then the file (`--config`, or `./lariat.toml` where
-    /// there is one), then the flags.
+    /// Resolves the settings for these flags: the defaults, then the file (`--config`, or
+    /// `./lariat.toml` if it exists), then the flags.
     ///
     /// # Errors
-    /// All that is wrong with the file and the flags, a sentence each.
+    /// Returns all errors in the file and the flags, with a sentence for each.
     pub fn resolve(flags: &Flags) -> Result<Self> {
         Ok(Resolved::new(flags)?.settings)
     }
 
-    /// Resolves the settings of a whole chain: as [`resolve`](Self::resolve), except that the drawn rope gets a curve of a fixed
-    /// size unless the user chooses one.
+    /// Resolves the settings of a whole chain, like [`resolve`](Self::resolve). However, the drawn
+    /// rope gets a curve of a fixed size unless the user chooses one.
     ///
     /// # Errors
-    /// As there.
+    /// Fails like [`resolve`](Self::resolve).
     pub fn of_chain(flags: &Flags) -> Result<Self> {
         Ok(Resolved::of_chain(flags)?.settings)
     }
 
-    /// The source that frames come from.
+    /// Returns the source of the frames.
     pub fn source(&self) -> Source {
         let points = self.extract.points;
         if self.capture.is_simulated() {
@@ -128,7 +129,7 @@ impl Settings {
         self.capture.source(points)
     }
 
-    /// The files that are read, which no output may overwrite.
+    /// Returns the input files, which no output may overwrite.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         let sources = self.capture.source.iter();
         let Camera {
@@ -154,7 +155,8 @@ impl Settings {
         named.map(PathBuf::as_path)
     }
 
-    /// What the sink is to count by. `from_start`: it was there before the first frame.
+    /// Returns the options of the sink. `from_start` is true if it was running before the first
+    /// frame.
     pub fn sink_options(&self, from_start: bool) -> lariat_sink::Options {
         let period_ns = match self.capture.fps {
             Fps::PerSecond(fps) => Some((1e9 / fps) as u64),
@@ -169,7 +171,8 @@ impl Settings {
         }
     }
 
-    /// All that is set, as the text of a `lariat.toml`; one that has changed says as which version.
+    /// Returns all settings as the text of a `lariat.toml`. If they have changed, the text includes
+    /// the version.
     pub fn text(&self) -> String {
         version_line(self.version)
             + &keys::document(|_, key| match (key.get)(self) {
@@ -178,11 +181,11 @@ impl Settings {
             })
     }
 
-    /// Those of a stage: what its chain has for it, if they have changed since the chain began; else as
-    /// [`resolve`](Self::resolve) has them.
+    /// Returns the settings of a stage. They come from its chain if they have changed since the
+    /// chain began, otherwise from [`resolve`](Self::resolve).
     ///
     /// # Errors
-    /// As there.
+    /// Fails like [`resolve`](Self::resolve).
     pub fn of_stage(flags: &Flags) -> Result<Self> {
         match std::env::var(SETTINGS_FD) {
             Ok(number) => {
@@ -190,7 +193,7 @@ impl Settings {
                     .with_context(|| format!("{SETTINGS_FD} names no file: unset it"))?;
                 Self::of_text(&text)
             }
-            // The chain has seen to it that there is a fitter.
+            // The chain has checked that a fitter exists.
             Err(_) if std::env::var_os(CHAIN_PID).is_some() => {
                 Ok(Resolved::read(flags)?.with_curve_of_source().settings)
             }
@@ -198,10 +201,10 @@ impl Settings {
         }
     }
 
-    /// The settings of one file alone.
+    /// Returns the settings of a single file.
     ///
     /// # Errors
-    /// All that is wrong with it, a sentence each.
+    /// Returns all errors in the file, with a sentence for each.
     pub fn of_file(path: &Path) -> Result<Self> {
         Self::resolve(&Flags::of_file(path.to_owned()))
     }

@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // A handler of signals is registered.
-//! SIGINT, SIGTERM and SIGHUP as a flag to look at and a descriptor to be woken by.
+#![allow(unsafe_code)] // This file registers signal handlers.
+//! SIGINT, SIGTERM and SIGHUP as a flag to read and a descriptor to wait for.
 
 use std::io::Write;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -12,20 +12,22 @@ use lariat_wire::now_ns;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// A signal this soon after the first is the same wish: `timeout -s INT` signals the process and then its group, and a
-/// terminal's Ctrl-C may arrive along with a parent's SIGINT. Nobody presses Ctrl-C twice within a tenth of a second.
+/// A signal this soon after the first one is the same request. `timeout -s INT` signals the process
+/// and then its group, and Ctrl-C on a terminal may arrive together with a parent's SIGINT. Nobody
+/// presses Ctrl-C twice within a tenth of a second.
 const SAME_NS: u64 = 100_000_000;
 
-/// The wish of a signal that this process come to its end; or of a [`Stopper`] that a thread of it does.
+/// A request to stop: of this process by a signal, or of one of its threads by a [`Stopper`].
 pub struct Stop {
     asked: Arc<AtomicBool>,
-    /// Readable from the first signal on: it is never emptied.
+    /// Readable from the first signal on, because it is never emptied.
     pipe: UnixStream,
 }
 
 impl Stop {
-    /// From now on the signals are a wish: Ctrl-C, SIGTERM, and a closed terminal's SIGHUP, unless that was ignored, as `nohup`
-    /// does. Ctrl-C a second time, 0.1 s after the first signal or later, ends the process at once.
+    /// Listens to signals: Ctrl-C, SIGTERM, and SIGHUP of a closed terminal unless it was ignored,
+    /// for example by `nohup`. A second Ctrl-C, at least 0.1 s after the first signal, ends the
+    /// process at once.
     pub fn on_signals() -> anyhow::Result<Self> {
         let asked = Arc::new(AtomicBool::new(false));
         let first_ns = Arc::new(AtomicU64::new(0));
@@ -41,7 +43,8 @@ impl Stop {
                         signal_hook::low_level::exit(130);
                     }
                 };
-                // SAFETY: stores to atomics, `clock_gettime` and `_exit`, all of which a handler may do (signal-safety(7)).
+                // SAFETY: The handler only stores to atomics and calls `clock_gettime` and `_exit`.
+                // All of this is allowed (signal-safety(7)).
                 unsafe { signal_hook::low_level::register(signal, handle)? };
                 signal_hook::low_level::pipe::register(signal, write.try_clone()?)?;
                 Ok(())
@@ -51,7 +54,7 @@ impl Stop {
         Ok(Self { asked, pipe })
     }
 
-    /// One that no signal touches, and who asks it.
+    /// Creates a request that ignores signals, and the stopper that makes it.
     pub fn by_another() -> anyhow::Result<(Self, Stopper)> {
         let asked = Arc::new(AtomicBool::new(false));
         let (pipe, write) =
@@ -63,17 +66,17 @@ impl Stop {
         Ok((Self { asked, pipe }, stopper))
     }
 
-    /// Whether a signal came.
+    /// Returns true if a stop was requested.
     pub fn asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// The flag itself, for a lossless writer.
+    /// Returns the flag itself, for a lossless writer.
     pub fn flag(&self) -> Arc<AtomicBool> {
         self.asked.clone()
     }
 
-    /// Sleeps until a moment of [`now_ns`]; `false` if a signal came first.
+    /// Sleeps until a time of [`now_ns`]. Returns `false` if a stop is requested first.
     pub fn sleep_until(&self, due_ns: u64) -> bool {
         while !self.asked() {
             let left_ns = due_ns.saturating_sub(now_ns());
@@ -84,14 +87,14 @@ impl Stop {
                 tv_sec: (left_ns / 1_000_000_000) as i64,
                 tv_nsec: (left_ns % 1_000_000_000) as _,
             };
-            // The result does not matter: the flag and the clock say what happened.
+            // Ignore the result: the flag and the clock show what happened.
             let _ = poll(&mut [PollFd::new(&self.pipe, PollFlags::IN)], Some(&left));
         }
         false
     }
 }
 
-/// Asks a [`Stop`] of its own making.
+/// Requests a stop from its [`Stop`].
 #[derive(Debug)]
 pub struct Stopper {
     asked: Arc<AtomicBool>,
@@ -99,10 +102,10 @@ pub struct Stopper {
 }
 
 impl Stopper {
-    /// Asks it.
+    /// Requests the stop.
     pub fn stop(&mut self) {
         self.asked.store(true, Ordering::Relaxed);
-        // A thread that has ended already need not be woken.
+        // A thread that has already ended need not be woken.
         let _ = self.write.write_all(&[0]);
     }
 }
@@ -113,13 +116,14 @@ impl AsFd for Stop {
     }
 }
 
-/// Returns true for a signal that comes long enough after the first one, and notes the moment of the first.
+/// Returns true for a signal that comes long enough after the first one. Notes the time of the
+/// first.
 fn is_another(first_ns: &AtomicU64, now_ns: u64) -> bool {
     let noted = first_ns.compare_exchange(0, now_ns, Ordering::Relaxed, Ordering::Relaxed);
     noted.is_err_and(|first_ns| now_ns.saturating_sub(first_ns) >= SAME_NS)
 }
 
-/// Whether a process ignores a signal, as the kernel says in its `status`.
+/// Returns true if a process ignores a signal, according to the kernel's `status` file.
 fn is_ignored(signal: i32, status: &str) -> bool {
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());

@@ -1,19 +1,19 @@
-//! Lists of floats that begin where a line of the cache does: the widest registers are as long as a line, and each that
-//! lies across two of them costs twice.
+//! Lists of floats aligned to a cache line. The widest registers are as long as a line, and an
+//! access that crosses two lines costs twice as much.
 
-/// Floats of a line.
+/// Floats in a cache line.
 pub(crate) const LINE: usize = 16;
 
-/// Some floats, the first at the start of a line.
+/// A list of floats whose first is at the start of a cache line.
 #[derive(Debug, Default)]
 pub(crate) struct Aligned {
-    /// Up to a line longer than it is.
+    /// Storage, up to a line longer than the aligned list.
     list: Vec<f32>,
     length: usize,
 }
 
 impl Aligned {
-    /// Makes it as long; what it holds is not kept.
+    /// Sets the length. The contents are unspecified afterwards.
     pub(crate) fn set_length(&mut self, length: usize) {
         self.list.resize(length + LINE - 1, 0.0);
         self.length = length;
@@ -28,7 +28,7 @@ impl Aligned {
         &mut self.list[skipped..][..self.length]
     }
 
-    /// Floats before the line; none where the machine cannot tell.
+    /// Floats before the aligned start; 0 if the alignment cannot be determined.
     fn skipped(&self) -> usize {
         let skipped = self.list.as_ptr().align_offset(LINE * size_of::<f32>());
         skipped.min(self.list.len() - self.length)

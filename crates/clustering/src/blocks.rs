@@ -1,33 +1,35 @@
-//! The runs of a mask in blocks: pieces of runs that lie close together, side by side in the lanes of a vector.
+//! Groups the runs of a mask into blocks: pieces of runs that are close together occupy the lanes
+//! of a vector.
 
 use super::Pixels;
 
-/// Pieces in a block, as many as the widest register has lanes.
+/// Pieces per block: the lanes of the widest register.
 pub(super) const LANES: usize = 16;
-/// A number for each piece.
+/// One number per piece.
 pub(super) type Lanes = [f32; LANES];
 
-/// The pieces in a column of this width, in this many rows, make blocks together. Ropes are some 5 to 40 pixels wide, and
-/// of 120 centers along one the next ten are at most some 100 pixels off: few of them matter to one block.
+/// Size of the tiles whose pieces form blocks. Ropes are some 5 to 40 pixels wide, and of 120
+/// centers along one the next ten are at most some 100 pixels away. Few centers therefore matter to
+/// a block.
 const TILE_WIDTH: u32 = 32;
 const TILE_HEIGHT: u16 = 16;
-/// A run is cut, where columns end, as long as it is longer than this: most runs across a rope stay whole.
+/// Runs longer than this are cut where tile columns end. Most runs across a rope stay whole.
 const LONGEST: u32 = 48;
 
-/// Pieces of runs.
+/// Pieces of runs that are close together.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// Their rows.
+    /// Rows of the pieces.
     pub(super) y: Lanes,
-    /// Their first pixels, and what lies behind the last; lanes without a piece have the same of both.
+    /// Their first columns, and the columns after their last. In unused lanes the two are equal.
     pub(super) from: Lanes,
     pub(super) to: Lanes,
-    /// Their numbers, in the order of runs.
+    /// Their indices in the order of runs.
     pub(super) pieces: [u32; LANES],
-    /// How many there are.
+    /// Number of pieces.
     pub(super) count: usize,
-    /// The least and the largest column of their pixels, and row.
+    /// Minimum and maximum column, and row, of their pixels.
     pub(super) columns: [f32; 2],
     pub(super) rows: [f32; 2],
 }
@@ -36,14 +38,15 @@ pub(super) struct Block {
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
     pub(super) blocks: Vec<Block>,
-    /// How many pieces there are.
+    /// Number of pieces.
     pub(super) pieces: u32,
-    /// Of each column of tiles the row of tiles, counted from 1, and the block that takes its pieces.
+    /// For each column of tiles: the current row of tiles, counted from 1, and the block that
+    /// receives its pieces.
     open: Vec<(u32, u32)>,
 }
 
 impl Blocks {
-    /// Takes the runs of `pixels`.
+    /// Replaces the contents by the runs of `pixels`.
     pub(super) fn take(&mut self, pixels: &Pixels) {
         self.blocks.clear();
         self.pieces = 0;

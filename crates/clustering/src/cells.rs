@@ -1,4 +1,4 @@
-//! The cells of centers in a mask: which pixels have which center nearest.
+//! The cells of centers in a mask: for each center, the pixels nearest to it.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -6,16 +6,16 @@ use super::Pixels;
 use super::blocks::Blocks;
 use super::nearest::Nearest;
 
-/// Pixels of one row, side by side, that have the same center nearest.
+/// Adjacent pixels of one row with the same nearest center.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// Which row.
+    /// The row.
     pub y: u16,
     /// The first pixel.
     pub from: u16,
-    /// Behind the last pixel.
+    /// The column after the last pixel.
     pub to: u16,
-    /// Which center.
+    /// Index of the center.
     pub center: u16,
 }
 
@@ -24,15 +24,17 @@ pub struct Cell {
 pub struct Cells {
     blocks: Blocks,
     nearest: Nearest,
-    /// What each center has of each piece, block by block: where it ends, and the center.
+    /// Parts of each piece that belong to one center, block by block: the end column, and the
+    /// center.
     parts: Vec<(u16, u16)>,
-    /// Of each piece, where its parts begin and end.
+    /// First and last (exclusive) part of each piece.
     of_piece: Vec<[u32; 2]>,
     cells: Vec<Cell>,
 }
 
 impl Cells {
-    /// Finds the cells of `centers`, all finite, at most 65,536. Without centers there are none.
+    /// Finds the cells of `centers`, which must be finite and at most 65,536. Without centers there
+    /// are no cells.
     pub fn assign(&mut self, pixels: &Pixels, centers: &[[f32; 2]]) {
         self.cells.clear();
         if centers.is_empty() {
@@ -44,18 +46,18 @@ impl Cells {
         self.gather(pixels);
     }
 
-    /// The cells' runs, in the order of rows: together they are the runs of the mask.
+    /// The cells' runs in row order. Together they cover the runs of the mask.
     pub fn runs(&self) -> &[Cell] {
         &self.cells
     }
 
-    /// Puts the parts of all pieces into the order of runs.
+    /// Sorts the parts of all pieces into the order of runs.
     fn gather(&mut self, pixels: &Pixels) {
         let mut pieces = self.of_piece.iter();
         for run in pixels.runs() {
             let mut from = run.from;
             while from < run.to {
-                // The pieces make up the runs: there is one for each pixel.
+                // The pieces cover the runs, so there is one for each pixel.
                 let Some(&[first, end]) = pieces.next() else {
                     return;
                 };
@@ -104,7 +106,7 @@ impl WithSimd for Listing<'_> {
             for lane in 0..block.count {
                 let first = parts.len();
                 let mut from = block.from[lane];
-                // Where three centers are equally far, rounding may leave a pixel to none of them.
+                // If three centers are equidistant, rounding may assign a pixel to none of them.
                 let mut rank = nearest.near.first().map_or(0, |near| near.rank);
                 for (i, near) in nearest.near[..count].iter().enumerate() {
                     let (begin, end) = (nearest.begins[i][lane], nearest.ends[i][lane]);
@@ -130,7 +132,7 @@ mod tests {
     use crate::Run;
     use proptest::prelude::*;
 
-    /// Runs drawn from pairs of a gap and a length.
+    /// Creates runs from pairs of a gap and a length.
     fn pixels(rows: &[Vec<(u16, u16)>]) -> Pixels {
         let mut pixels = Pixels::default();
         for (y, row) in rows.iter().enumerate() {
@@ -148,7 +150,7 @@ mod tests {
         pixels
     }
 
-    /// Holds the cells against the distances of every pixel from every center.
+    /// Compares the cells with the distances of every pixel from every center.
     fn check(pixels: &Pixels, centers: &[[f32; 2]]) -> Result<(), TestCaseError> {
         let mut cells = Cells::default();
         cells.assign(pixels, centers);
@@ -166,7 +168,7 @@ mod tests {
                 };
                 let least = centers.iter().map(off).fold(f64::INFINITY, f64::min);
                 let found = off(&centers[usize::from(cell.center)]);
-                // Columns where cells end are known to 1e-4 pixels.
+                // The columns where cells end are accurate to 1e-4 pixels.
                 prop_assert!(
                     found <= least + 2e-4,
                     "({}, {}): {} {}",
@@ -180,7 +182,7 @@ mod tests {
         prop_assert_eq!(places.next(), None);
         let pairs = cells.runs().windows(2);
         for (a, b) in pairs.map(|pair| (pair[0], pair[1])) {
-            // What lies side by side in one run has different centers.
+            // Adjacent cells of one run have different centers.
             if a.y == b.y && a.to == b.from && a.center == b.center {
                 let apart = pixels
                     .runs()

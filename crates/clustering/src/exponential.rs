@@ -1,21 +1,24 @@
-//! Powers of two and their logarithms, as many at a time as a register holds.
+//! Powers of two and base-2 logarithms of a register of numbers.
 //!
 //! ```text
 //! 2^z     z = n + f, |f| ≤ ½, n whole     →  p(f), its exponent raised by n;  p of degree 6
 //! log₂ s  s = 2ⁿ m, √½ ≤ m < √2           →  n + 2/ln 2 · (t + t³/3 + t⁵/5 + t⁷/7),  t = (m − 1)/(m + 1)
 //! ```
 //!
-//! The first is off by 3·10⁻⁷ of the power at most, the second by 3·10⁻⁷, or that part of logarithms beyond 1.
+//! The relative error of a power is at most 3·10⁻⁷. The error of a logarithm is at most 3·10⁻⁷ too:
+//! absolute up to 1, relative beyond.
 
 use lariat_portable::Simd;
 
-/// Below this, powers are taken to be 2 to this: they and their sums stay normal numbers.
+/// Exponents are clamped to at least this, so that powers and their sums stay normal numbers.
 const LEAST: f32 = -120.0;
-/// A float of this size has nothing behind the point, and the whole number in its last bits, negative ones as well.
+/// Adding this rounds a float to an integer and leaves the integer in its last bits. Negative
+/// integers work as well.
 const WHOLE: f32 = 12_582_912.0;
-/// Bits of a float behind its exponent.
+/// Bits of a float's mantissa.
 const MANTISSA: u32 = 23;
-/// 2^f where |f| ≤ ½, interpolated at Chebyshev's points: within 2·10⁻⁸, before rounding.
+/// Coefficients of 2^f for |f| ≤ ½, interpolated at Chebyshev points. The error is at most 2·10⁻⁸
+/// before rounding.
 const POWERS: [f32; 7] = [
     1.0,
     std::f32::consts::LN_2,
@@ -26,7 +29,7 @@ const POWERS: [f32; 7] = [
     0.000_154_697_32,
 ];
 
-/// 2 to each `z` of 0 or less; what is below −120 counts as −120.
+/// Computes 2 to each `z` of 0 or less. A `z` below −120 is treated as −120.
 #[inline(always)]
 pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let z = simd.max_f32s(z, simd.splat_f32s(LEAST));
@@ -41,13 +44,13 @@ pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     simd.transmute_f32s_u32s(simd.add_u32s(simd.transmute_u32s_f32s(power), raised))
 }
 
-/// The logarithm to base 2 of each `s`, a normal number above 0.
+/// Computes the base-2 logarithm of each `s`, a normal number above 0.
 #[inline(always)]
 pub(crate) fn logarithm<S: Simd>(simd: S, s: S::f32s) -> S::f32s {
-    // √½: mantissas from there on, not from 1 on, begin the next power.
+    // √½: mantissas from here on, rather than from 1, start the next power.
     const HALF_ROOT: u32 = 0x3F35_04F3;
     let bits = simd.sub_u32s(simd.transmute_u32s_f32s(s), simd.splat_u32s(HALF_ROOT));
-    // 127 is added to the exponent, so that none is below 0, and taken off again.
+    // The bias of 127 keeps the exponent nonnegative and is subtracted afterwards.
     let bits = simd.add_u32s(bits, simd.splat_u32s(127 << MANTISSA));
     let n = simd.wrapping_dyn_shr_u32s(bits, simd.splat_u32s(MANTISSA));
     let mantissa = simd.and_u32s(bits, simd.splat_u32s((1 << MANTISSA) - 1));

@@ -1,8 +1,8 @@
-//! The box around all pixels, which no center has a reason to leave.
+//! The bounding box of all pixels, which centers never need to leave.
 
 use super::Pixels;
 
-/// The least and the largest coordinate, x and y.
+/// Minimum and maximum coordinates, x and y.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     low: [f32; 2],
@@ -10,7 +10,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// None without pixels.
+    /// Computes the bounding box; `None` without pixels.
     pub(crate) fn of(pixels: &Pixels) -> Option<Self> {
         let mut extent = Self {
             low: [f32::INFINITY; 2],
@@ -28,12 +28,12 @@ impl Extent {
         (extent.low[0] <= extent.high[0]).then_some(extent)
     }
 
-    /// Its middle.
+    /// Returns the middle of the box.
     pub(crate) fn middle(&self) -> [f32; 2] {
         [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]))
     }
 
-    /// Brings each center to the nearest point of the box.
+    /// Moves each center to the nearest point of the box.
     pub(crate) fn confine(&self, centers: &mut [[f32; 2]]) {
         for center in centers {
             for (axis, c) in center.iter_mut().enumerate() {

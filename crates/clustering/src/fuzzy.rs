@@ -1,5 +1,5 @@
-//! Fuzzy c-means (J. Bezdek, Pattern Recognition with Fuzzy Objective Function Algorithms, 1981) with the exponent m = 2:
-//! each pixel belongs to all centers, to the near ones more.
+//! Fuzzy c-means (J. Bezdek, Pattern Recognition with Fuzzy Objective Function Algorithms, 1981)
+//! with the exponent m = 2. Each pixel belongs to all centers, and more to the near ones.
 //!
 //! ```text
 //! uᵢₖ = (1/d²ᵢₖ) / Σⱼ 1/d²ᵢⱼ           how much pixel i belongs to center k
@@ -7,9 +7,10 @@
 //! J   = Σᵢₖ u²ᵢₖ d²ᵢₖ = Σᵢ 1/Σₖ 1/d²ᵢₖ   where the u are the first line's
 //! ```
 //!
-//! This is scikit-fuzzy's `cmeans(m = 2)` whose first memberships are those to the given centers. They fall off so slowly
-//! that all centers matter to all pixels: nothing can be left out. A few registers of pixels are taken at a time, and the
-//! weights 1/d² to all centers kept near by between the two passes that each of them needs.
+//! This is scikit-fuzzy's `cmeans(m = 2)`, with initial memberships computed from the given
+//! centers. Memberships decay so slowly that all centers matter to all pixels, and nothing can be
+//! left out. Each step takes a few registers of pixels and makes two passes over all centers.
+//! Between the passes, the weights 1/d² stay in the cache.
 
 mod membership;
 
@@ -20,16 +21,17 @@ use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
 use membership::{Distortion, Memory, Moved, Round};
 
-/// Rounds at most: by then J mostly falls by less than a ten-thousandth a round. And the change of all memberships
-/// together, the root of the sum of their squares, below which it ends: that of scikit-fuzzy's own examples (the
-/// function has no default).
+/// Maximum number of rounds, by which J usually falls by less than a ten-thousandth per round. The
+/// tolerance is the change of all memberships (the root of the sum of squares) below which the
+/// rounds end. It is that of scikit-fuzzy's examples, as the function has no default.
 pub(super) const MOST_ROUNDS: u32 = 300;
 const TOLERANCE: f64 = 0.005;
-/// Rounds at most from the last frame's centers. They follow a rope that moved by 4 px to where J is within a thousandth
-/// of what 300 rounds reach; what takes hundreds is that centers even out along it, and that goes on from frame to frame.
+/// Maximum number of rounds from the last frame's centers. After a rope has moved by 4 px, 5 rounds
+/// bring J within a thousandth of what 300 rounds reach. The remaining rounds spread the centers
+/// evenly along the rope, which continues from frame to frame.
 const CONTINUED_ROUNDS: u32 = 5;
 
-/// Fuzzy c-means. Keeps its memory from run to run.
+/// Fuzzy c-means clustering. It keeps its memory from run to run.
 #[derive(Debug, Default)]
 pub struct FuzzyMeans {
     seeding: Seeding,
@@ -38,11 +40,14 @@ pub struct FuzzyMeans {
 }
 
 impl FuzzyMeans {
-    /// Moves the `centers` to where the `pixels` belong to them, until all memberships together change by less than 0.005
-    /// (the root of the sum of squares): 300 rounds at most from [`Start::Seeded`], 5 from [`Start::Given`]. Centers
-    /// stay within the box around the pixels. Without pixels nothing changes.
+    /// Moves `centers` according to the memberships of `pixels`.
     ///
-    /// The objective is J in px², with the memberships to the centers as they are at the end.
+    /// The rounds end when all memberships together (the root of the sum of squares) change by less
+    /// than 0.005. There are at most 300 rounds from [`Start::Seeded`], and 5 from
+    /// [`Start::Given`]. Centers stay within the bounding box of the pixels. Without pixels nothing
+    /// changes.
+    ///
+    /// The objective is J in px², with the memberships to the final centers.
     pub fn run(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) -> Outcome {
         self.seeding.begin(pixels, start, centers);
         let most_rounds = match start {
@@ -75,7 +80,7 @@ impl FuzzyMeans {
                 memory: &mut self.memory,
                 centers,
             });
-            // Rounding may have led a center just outside.
+            // Rounding may have moved a center just outside the box.
             extent.confine(centers);
             outcome.rounds += 1;
             let moved = arch.dispatch(Moved {

@@ -1,9 +1,9 @@
-//! k-means by Lloyd's rounds (S. Lloyd, Least Squares Quantization in PCM, 1982): every center to the mean of the pixels
-//! that it is nearest to, until they stay.
+//! k-means by Lloyd's rounds (S. Lloyd, Least Squares Quantization in PCM, 1982). Each round moves
+//! every center to the mean of the pixels nearest to it, until the centers stay in place.
 //!
-//! A round looks at no pixel: `nearest` says which columns of each piece of a run are a center's, and n pixels from column
-//! a on have the sum n·(a + (n − 1)/2). Sums are taken from the center, so that they are how far it moves, without
-//! cancellation.
+//! A round visits no single pixel. `nearest` finds which columns of each piece of a run belong to a
+//! center. n pixels from column a have the sum n·(a + (n − 1)/2). Sums are relative to the center,
+//! so that they give its move without cancellation.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -12,26 +12,27 @@ use super::nearest::Nearest;
 use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
 
-/// Rounds at most, as in scikit-learn's `KMeans` (`max_iter`).
+/// Maximum number of rounds, as in scikit-learn's `KMeans` (`max_iter`).
 const MOST_ROUNDS: u32 = 300;
-/// The rounds end when the squares of the centers' moves come to no more than this share of the pixels' variance (the
-/// mean of that of the columns and that of the rows), as in scikit-learn's `KMeans` (`tol`).
+/// The rounds end when the squared moves of the centers sum to at most this share of the pixels'
+/// variance. The variance is the mean over columns and rows, as in scikit-learn's `KMeans` (`tol`).
 const TOLERANCE: f64 = 1e-4;
 
-/// k-means; keeps its memory, so that once warm no run allocates.
+/// k-means clustering. It keeps its memory, so that once warm no run allocates.
 #[derive(Debug, Default)]
 pub struct KMeans {
     seeding: Seeding,
     blocks: Blocks,
     nearest: Nearest,
-    /// Of each center, from left to right: sums over its pixels in each lane, and in all.
+    /// Sums over each center's pixels, with centers from left to right: first per lane, then in
+    /// total.
     lanes: Vec<LaneSums>,
     sums: Vec<Sums>,
-    /// Pixels far from their centers, the farthest first, for centers that have none.
+    /// Pixels farthest from their centers, farthest first, for centers without pixels.
     far: Vec<Far>,
 }
 
-/// Pixels, and how far they are from their center in sum; by lanes.
+/// Number of pixels and the sum of their offsets from their center, per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct LaneSums {
@@ -40,7 +41,7 @@ struct LaneSums {
     y: Lanes,
 }
 
-/// The same of all lanes.
+/// The same sums over all lanes.
 #[derive(Clone, Copy, Debug)]
 struct Sums {
     count: f32,
@@ -48,7 +49,7 @@ struct Sums {
     y: f32,
 }
 
-/// A pixel, the square of its distance from its center, and that center's rank.
+/// A pixel, its squared distance from its center, and that center's rank.
 #[derive(Clone, Copy, Debug)]
 struct Far {
     square: f32,
@@ -57,12 +58,12 @@ struct Far {
 }
 
 impl KMeans {
-    /// Moves `centers` until they stay. The objective is the inertia, the sum of the squares of all pixels' distances from
-    /// the nearest center, in px².
+    /// Moves `centers` until they stay in place. The objective is the inertia: the sum over all
+    /// pixels of the squared distance from the nearest center, in px².
     ///
-    /// A center that no pixel has as its nearest is laid on the pixel farthest from its own, as scikit-learn does, as long
-    /// as there is one that is not a center itself: of more centers than pixels the rest stay. Without pixels all stay and
-    /// there is no round.
+    /// A center that no pixel is nearest to moves to the pixel farthest from its own center, as in
+    /// scikit-learn. This needs a pixel that is not alone in its cell, so if there are more centers
+    /// than pixels, some stay in place. Without pixels, all centers stay and no round is run.
     pub fn run(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) -> Outcome {
         let mut outcome = Outcome {
             rounds: 0,
@@ -73,7 +74,7 @@ impl KMeans {
         }
         self.seeding.begin(pixels, start, centers);
         self.blocks.take(pixels);
-        // Rarely needed, and not only when warm.
+        // Rarely needed, and then not only in the first run, so reserve in advance.
         self.far.clear();
         self.far.reserve(centers.len());
         let tolerance = TOLERANCE * variance(pixels);
@@ -94,7 +95,7 @@ impl KMeans {
         outcome
     }
 
-    /// Moves every center to the mean of its pixels; the sum of the squares of the moves.
+    /// Moves every center to the mean of its pixels. Returns the sum of the squared moves.
     fn advance(&self, centers: &mut [[f32; 2]]) -> f64 {
         let mut squares = 0.0;
         for (sums, &center) in self.sums.iter().zip(&self.nearest.order) {
@@ -108,7 +109,7 @@ impl KMeans {
         squares
     }
 
-    /// Gives every center without pixels the one that is farthest from its own.
+    /// Gives every center without pixels the pixel that is farthest from its own center.
     #[cold]
     fn fill_empty(&mut self, centers: &[[f32; 2]]) {
         let empty = self.sums.iter().filter(|sums| sums.count == 0.0).count();
@@ -122,7 +123,7 @@ impl KMeans {
             if self.sums[rank].count > 0.0 {
                 continue;
             }
-            // One that is all that its center has stays there.
+            // A pixel that is alone in its cell stays there.
             let Some(pixel) = far.find(|far| self.sums[far.rank as usize].count > 1.0) else {
                 return;
             };
@@ -144,7 +145,7 @@ impl KMeans {
     }
 }
 
-/// The mean of the variances of columns and rows, px².
+/// Mean of the variances of columns and rows, in px².
 fn variance(pixels: &Pixels) -> f64 {
     let origin = pixels.runs()[0];
     let (mut count, mut sum, mut squares) = (0.0, [0.0; 2], 0.0);
@@ -161,14 +162,15 @@ fn variance(pixels: &Pixels) -> f64 {
     0.5 * ((squares - of_mean) / count).max(0.0)
 }
 
-/// The pixels of a center in the pieces of a block: how many, and where their middle is from the center.
+/// A center's pixels in the pieces of a block: their number, and the offset of their middle from
+/// the center.
 struct Part<V> {
     count: V,
     x: V,
     y: V,
 }
 
-/// What the `i`-th near center has of the `lane`-th vector of a block's pieces.
+/// Returns the part of the `i`-th near center in the `lane`-th vector of a block's pieces.
 #[inline(always)]
 fn part<S: Simd>(
     simd: S,
@@ -183,7 +185,7 @@ fn part<S: Simd>(
     let near = nearest.near[i];
     let count = simd.max_f32s(simd.sub_f32s(end, begin), simd.splat_f32s(0.0));
     let half = simd.splat_f32s(0.5);
-    // Behind the middle by a half, as is the sum of both.
+    // Half a pixel right of the middle, since `end` is exclusive.
     let middle = simd.mul_f32s(half, simd.add_f32s(begin, end));
     Part {
         count,
@@ -248,7 +250,7 @@ fn total<S: Simd>(simd: S, lanes: &Lanes) -> f32 {
     simd.reduce_sum_f32s(sum)
 }
 
-/// Sums up the squares of the pixels' distances.
+/// Sums up the pixels' squared distances.
 struct Measuring<'a>(&'a mut KMeans);
 
 impl WithSimd for Measuring<'_> {
@@ -266,7 +268,7 @@ impl WithSimd for Measuring<'_> {
             for i in 0..nearest.cut(simd, block) {
                 for lane in 0..S::as_simd_f32s(&block.y).0.len() {
                     let Part { count, x, y } = part(simd, block, nearest, i, lane);
-                    // Of n pixels around their middle: (n² − 1)/12 each.
+                    // n pixels around their middle contribute (n² − 1)/12 each.
                     let around = simd.sub_f32s(simd.mul_f32s(count, count), one);
                     let mut square = simd.mul_f32s(around, twelfth);
                     square = simd.mul_add_f32s(x, x, square);
@@ -280,7 +282,7 @@ impl WithSimd for Measuring<'_> {
     }
 }
 
-/// Lists the pixels farthest from their centers, the farthest first, none that is its center.
+/// Lists the pixels farthest from their centers, farthest first.
 struct Searching<'a> {
     memory: &'a mut KMeans,
     most: usize,
@@ -301,7 +303,8 @@ impl WithSimd for Searching<'_> {
             for i in 0..nearest.cut(simd, block) {
                 let near = nearest.near[i];
                 for lane in 0..block.count {
-                    // The farthest is at one of the two ends, and so is the next of what is left.
+                    // The farthest pixel is at one of the two ends, and so is the farthest of the
+                    // rest.
                     let y = block.y[lane];
                     let (mut from, mut to) = (nearest.begins[i][lane], nearest.ends[i][lane]);
                     while from < to {
@@ -327,7 +330,7 @@ impl WithSimd for Searching<'_> {
     }
 }
 
-/// Puts a pixel among the `most` farthest, if it is one of them.
+/// Inserts a pixel into the list of the `most` farthest, if it is one of them.
 fn offer(far: &mut Vec<Far>, most: usize, pixel: Far) -> bool {
     if far.len() == most {
         if far.last().is_none_or(|last| pixel.square <= last.square) {

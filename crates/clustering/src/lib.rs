@@ -1,9 +1,11 @@
-//! Centers in a mask: the ways that the paper (F. Chen, arXiv 2312.16502, fig. 1) tries on the way to a centerline.
+//! Clusters the pixels of a mask. These are the methods that the paper (F. Chen, arXiv 2312.16502,
+//! fig. 1) compares as a step toward a centerline.
 //!
-//! Each takes the pixels of one rope and moves K centers, of which it says nothing else: not their order. All are begun the
-//! same way, from centers chosen among the pixels (k-means++) or from those of the last frame.
+//! Each method takes the pixels of one rope and moves K centers. It does not order them. All start
+//! the same way: from centers chosen among the pixels (k-means++), or from those of the last frame.
 //!
-//! Pure: no I/O, no clock, no threads; once warm nothing allocates. The same bits on every machine, whatever vectors it has.
+//! The crate does no I/O, reads no clock and starts no threads. Once warm, it does not allocate.
+//! Results have the same bits on every machine, whatever its vector registers.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -31,20 +33,21 @@ pub use pixels::{Pixels, Run};
 pub use seeding::seed_centers;
 pub use som::Som;
 
-/// Where the centers come from.
+/// Origin of the initial centers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// Chosen among the pixels, by a generator that begins at this number.
+    /// Centers are chosen among the pixels, by a generator with this seed.
     Seeded(u64),
-    /// As they are handed in: those of the last frame, or of anyone else.
+    /// Centers are used as given, for example those of the last frame.
     Given,
 }
 
-/// How a clustering ended.
+/// Result of a clustering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Rounds over the pixels that it took.
+    /// Number of rounds over the pixels.
     pub rounds: u32,
-    /// What it makes small (of mixtures: large), at the end; each method says what that is and in which unit.
+    /// Final value of the objective, whose meaning and unit each method documents. It is minimized,
+    /// except that a mixture maximizes it.
     pub objective: f64,
 }

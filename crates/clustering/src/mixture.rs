@@ -1,5 +1,6 @@
-//! A mixture of round Gaussians, by expectation and maximization (A. Dempster, N. Laird and D. Rubin, Maximum Likelihood
-//! from Incomplete Data via the EM Algorithm, Journal of the Royal Statistical Society B 39, 1977).
+//! A mixture of isotropic Gaussians, fitted by expectation-maximization (A. Dempster, N. Laird and
+//! D. Rubin, Maximum Likelihood from Incomplete Data via the EM Algorithm, Journal of the Royal
+//! Statistical Society B 39, 1977).
 //!
 //! ```text
 //! p(x)  = Σₖ wₖ N(x; μₖ, vₖI)
@@ -7,13 +8,13 @@
 //! nₖ    = Σᵢ rᵢₖ,  wₖ = nₖ/N,  μₖ = Σᵢ rᵢₖ xᵢ/nₖ,  vₖ = Σᵢ rᵢₖ|xᵢ − μₖ|²/2nₖ + ε  (maximization)
 //! ```
 //!
-//! This is scikit-learn's `GaussianMixture(covariance_type="spherical")` with its defaults. It begins where
-//! the pixels belong to the nearest center each, from which the first maximization makes weights, means and variances:
-//! scikit-learn does the same with the labels that its k-means gave the pixels.
+//! This is scikit-learn's `GaussianMixture(covariance_type="spherical")` with its defaults. At the
+//! start, each pixel belongs to its nearest center. The first maximization computes weights, means
+//! and variances from that. scikit-learn does the same with the labels of its k-means.
 //!
-//! Far from a Gaussian's middle nothing is left of it. The pixels of a tile (`tiles`) are only asked about those that
-//! somewhere in the tile have a share worth a float's last bit; how many these are is by the density of the centers,
-//! not by K.
+//! A Gaussian's density vanishes far from its mean. The pixels of a tile (`tiles`) are evaluated
+//! only for Gaussians whose share somewhere in the tile reaches a float's last bit. The number of
+//! these depends on the density of the centers, not on K.
 
 mod expectation;
 
@@ -25,17 +26,18 @@ use super::tiles::{LANES, Tiles};
 use super::{Outcome, Pixels, Start};
 use expectation::{Expectation, Memory};
 
-/// Rounds at most, and the gain in log-likelihood per pixel below which it ends; what is added to each variance, in px²:
-/// scikit-learn's defaults.
+/// scikit-learn's defaults: the maximum number of rounds, the gain in log-likelihood per pixel
+/// below which the rounds end, and the constant added to each variance, in px².
 const MOST_ROUNDS: u32 = 100;
 const TOLERANCE: f64 = 1e-3;
 const REGULARIZATION: f64 = 1e-6;
-/// All variances at the start, in px²: so small that each pixel belongs to its nearest center, or to equal parts to several.
+/// Initial variance of all Gaussians, in px². It is so small that each pixel belongs to its nearest
+/// center, or in equal parts to several equidistant ones.
 const POINTED: f64 = 1e-4;
-/// A Gaussian with less than this of all pixels together is given up, and stays where it is.
+/// A Gaussian with less than this share of all pixels is given up and stays where it is.
 const LEAST_PIXELS: f64 = 1e-9;
 
-/// One Gaussian.
+/// A weighted isotropic Gaussian.
 #[derive(Clone, Copy, Debug)]
 struct Gaussian {
     weight: f64,
@@ -43,7 +45,7 @@ struct Gaussian {
     variance: f64,
 }
 
-/// What a round sums up for one Gaussian: Σr, Σrx, Σry, Σr|x|².
+/// Sums of a round for one Gaussian: Σr, Σrx, Σry, Σr|x|².
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     count: f64,
@@ -51,7 +53,7 @@ struct Sums {
     second: f64,
 }
 
-/// A mixture of round Gaussians. Keeps its memory from run to run.
+/// A mixture of isotropic Gaussians. It keeps its memory from run to run.
 #[derive(Debug, Default)]
 pub struct Mixture {
     seeding: Seeding,
@@ -62,13 +64,16 @@ pub struct Mixture {
 }
 
 impl Mixture {
-    /// Fits as many Gaussians to the `pixels` as there are `centers`, which become their means: until a round adds less
-    /// than 0.001 to the log-likelihood, 100 rounds at most. All begin with the variance and the weight of the pixels
-    /// nearest to them; with [`Start::Given`] as well, as only the centers are given. Means lie within the box around the
-    /// pixels; a Gaussian that no pixel belongs to stays where it is. Without pixels nothing changes.
+    /// Fits one Gaussian per center to `pixels`. Their means replace `centers`.
     ///
-    /// The objective is the mean log-likelihood of a pixel in nats, of the Gaussians before the last round moved them:
-    /// scikit-learn's `lower_bound_`.
+    /// The rounds end when one adds less than 0.001 to the log-likelihood, and after 100 at the
+    /// latest. Each Gaussian starts with the variance and the weight of the pixels nearest to it.
+    /// This also holds for [`Start::Given`], since only centers are given. Means stay within the
+    /// bounding box of the pixels. A Gaussian without pixels stays where it is. Without pixels
+    /// nothing changes.
+    ///
+    /// The objective is the mean log-likelihood of a pixel in nats, before the last round moved the
+    /// Gaussians: scikit-learn's `lower_bound_`.
     pub fn run(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) -> Outcome {
         let mut outcome = Outcome {
             rounds: 0,
@@ -101,12 +106,12 @@ impl Mixture {
         for (center, gaussian) in centers.iter_mut().zip(&self.gaussians) {
             *center = gaussian.mean.map(|c| c as f32);
         }
-        // Rounding may have led a mean just outside.
+        // Rounding may have moved a mean just outside the box.
         extent.confine(centers);
         outcome
     }
 
-    /// Both steps; returns the mean log-likelihood before the second.
+    /// Runs both steps. Returns the mean log-likelihood before the second.
     fn round(&mut self, pixels: usize) -> f64 {
         self.memory.take(&self.gaussians);
         self.sums.fill(Sums::default());
@@ -136,7 +141,8 @@ impl Gaussian {
         self.variance = 0.5 * spread.max(0.0) + REGULARIZATION;
     }
 
-    /// The logarithm to base 2 of its part of the density at its middle, and how it falls: log₂ = level − fall·d².
+    /// Returns `level` and `fall` of its weighted density: at distance d from the mean, log₂ =
+    /// level − fall·d².
     fn shape(&self) -> [f64; 2] {
         let level = libm::log2(self.weight / (std::f64::consts::TAU * self.variance));
         [level, 0.5 * std::f64::consts::LOG2_E / self.variance]

@@ -1,9 +1,11 @@
-//! Which pixels have which center nearest, without a look at any pixel.
+//! Finds the pixels nearest to each center without visiting single pixels.
 //!
-//! Along a row the square of the distance from center c is x² − 2·cₓ·x + const: of two centers the left one is nearer up to
-//! a column, where the line in the middle between them crosses the row, and the right one behind it. So a center's pixels
-//! in a piece of a run are what all other centers leave of it between two columns; their number, sum and squares are closed
-//! forms. One assignment costs by the number of pieces, 16 of them at a time, not by that of pixels.
+//! Along a row, the squared distance from center c is x² − 2·cₓ·x + const. The left of two centers
+//! is therefore nearer up to the column where their bisector crosses the row, and the right one
+//! after it. A center's pixels in a piece of a run are thus the range between two columns that all
+//! other centers leave to it. Their number, sum and squares have closed forms. The cost of an
+//! assignment grows with the number of pieces, processed 16 at a time, not with the number of
+//! pixels.
 //!
 //! ```text
 //! for each block of pieces
@@ -11,48 +13,51 @@
 //!   for each pair of them, a left of b: x ← middle + slope · (y − middle); a's end ≤ x, b's begin ≥ x
 //! ```
 //!
-//! A pixel as far from one as from the other goes to the right one; of centers on one place the first has all.
+//! A pixel equidistant from two centers belongs to the right one. If centers coincide, the first
+//! one has all pixels.
 
 use lariat_portable::Simd;
 
 use super::blocks::{Block, LANES, Lanes};
 
-/// Where no center is, and far from all of them.
+/// A coordinate far from all pixels, for unused lanes.
 const NOWHERE: f32 = 1e9;
-/// Centers in one column are taken for this far apart in it, so that the slope is a number: the bisector then turns within
-/// a column.
+/// Horizontal distance assumed for centers in the same column, so that the slope is finite. The
+/// bisector then turns within a column.
 const SAME_COLUMN: f32 = 1e-30;
-/// Bounds of squares are compared with this much to spare, more than they are rounded.
+/// Factor by which bounds of squares are relaxed when compared. It exceeds their rounding error.
 const SPARE: f32 = 1.0 + 1e-5;
 
-/// A center that may be the nearest to a pixel of the block at hand.
+/// A center that may be the nearest to a pixel of the current block.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Near {
     pub(super) x: f32,
     pub(super) y: f32,
-    /// Its rank among all.
+    /// The center's rank from left to right.
     pub(super) rank: u32,
 }
 
-/// The centers from left to right, and the cells of the block at hand.
+/// The centers from left to right, and the cells of the current block.
 #[derive(Debug, Default)]
 pub(super) struct Nearest {
-    /// The columns and rows of the centers, those on a place of another left out, filled up to whole lanes.
+    /// Columns and rows of the centers, padded to whole lanes. A center that coincides with an
+    /// earlier one is left out.
     xs: Vec<Lanes>,
     ys: Vec<Lanes>,
-    /// Which center each of them is.
+    /// Index of the center at each rank.
     pub(super) order: Vec<u32>,
-    /// The square of the distance of each from the block's box.
+    /// Squared distance of each center from the block's box.
     squares: Vec<Lanes>,
     pub(super) near: Vec<Near>,
-    /// Where the pixels of each near center begin in each piece, and what lies behind the last; whole numbers. There are
-    /// none where it does not begin before that.
+    /// First column of each near center's pixels in each piece, and the column after the last;
+    /// integers. The
+    /// range is empty if begin is not less than end.
     pub(super) begins: Vec<Lanes>,
     pub(super) ends: Vec<Lanes>,
 }
 
 impl Nearest {
-    /// Takes the centers, all of them places.
+    /// Stores the centers, whose coordinates must be finite.
     pub(super) fn take(&mut self, centers: &[[f32; 2]]) {
         let at = |i: u32| centers[i as usize];
         if self.order.len() != centers.len() {
@@ -83,7 +88,7 @@ impl Nearest {
         self.ends.resize(LANES * groups, [0.0; LANES]);
     }
 
-    /// Makes `begins` and `ends` those of a block, and answers how many centers are near.
+    /// Computes `begins` and `ends` for a block. Returns the number of near centers.
     #[inline(always)]
     pub(super) fn cut<S: Simd>(&mut self, simd: S, block: &Block) -> usize {
         let count = self.choose(simd, block);
@@ -114,7 +119,7 @@ impl Nearest {
                     *begin = simd.max_f32s(*begin, x);
                 }
                 let begin = &mut S::as_mut_simd_f32s(&mut begins[i]).0[part];
-                // Within the piece: no more is rounded than can be.
+                // Clamped to the piece, because `round_up` takes a limited range.
                 *begin = round_up(simd, simd.min_f32s(*begin, to[part]));
                 let end = simd.max_f32s(end, from[part]);
                 S::as_mut_simd_f32s(&mut ends[i]).0[part] = round_up(simd, end);
@@ -151,7 +156,7 @@ impl Nearest {
         }
         let bound = SPARE * simd.reduce_min_f32s(bound);
         let mut count = 0;
-        // From left to right most centers are far off: whole vectors of them are passed by.
+        // Most centers are far away, so whole vectors of them are skipped.
         let width = size_of::<S::f32s>() / size_of::<f32>();
         let vectors = S::as_simd_f32s(self.squares.as_flattened()).0.iter();
         let squares = self.squares.as_flattened().chunks_exact(width);
@@ -176,10 +181,10 @@ impl Nearest {
     }
 }
 
-/// The least whole numbers that are no smaller, of numbers from 0 to 2²³.
+/// Rounds numbers from 0 to 2²³ up to integers.
 #[inline(always)]
 fn round_up<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
-    // From here on floats are whole numbers.
+    // Floats of this size and above are integers.
     let whole = simd.splat_f32s(8_388_608.0);
     let rounded = simd.sub_f32s(simd.add_f32s(x, whole), whole);
     let next = simd.add_f32s(rounded, simd.splat_f32s(1.0));

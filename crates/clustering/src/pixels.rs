@@ -1,17 +1,17 @@
 //! The pixels of a mask, as runs along the rows and as two lists of coordinates.
 
-/// Pixels of one row, side by side.
+/// Adjacent pixels of one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// Which row.
+    /// The row.
     pub y: u16,
     /// The first pixel.
     pub from: u16,
-    /// Behind the last pixel.
+    /// The column after the last pixel.
     pub to: u16,
 }
 
-/// The pixels of a mask in the order of rows; (0, 0) is the middle of the top left one.
+/// The pixels of a mask in row order. The middle of the top left pixel is (0, 0).
 #[derive(Clone, Debug, Default)]
 pub struct Pixels {
     runs: Vec<Run>,
@@ -20,7 +20,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// Of a mask's rows, a byte a pixel, those that are 128 or more. A row has at most 65,535 pixels, and there are as many rows.
+    /// Collects the pixels of at least 128 from a mask's rows, one byte per pixel. Sides are at
+    /// most 65,535 pixels long.
     pub fn of_rows<'a>(rows: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let mut pixels = Self::default();
         for (y, row) in rows.into_iter().enumerate() {
@@ -42,14 +43,14 @@ impl Pixels {
         pixels
     }
 
-    /// Forgets all pixels, keeping the memory.
+    /// Removes all pixels but keeps the memory.
     pub fn clear(&mut self) {
         self.runs.clear();
         self.xs.clear();
         self.ys.clear();
     }
 
-    /// Adds a run that lies behind all others, in the order of rows.
+    /// Appends a run, which must come after all others in row order.
     pub fn push(&mut self, run: Run) {
         let many = usize::from(run.to - run.from);
         self.runs.push(run);
@@ -57,27 +58,27 @@ impl Pixels {
         self.ys.resize(self.ys.len() + many, f32::from(run.y));
     }
 
-    /// The runs, in the order of rows.
+    /// The runs in row order.
     pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
-    /// Each pixel's column.
+    /// Column of each pixel.
     pub fn xs(&self) -> &[f32] {
         &self.xs
     }
 
-    /// Each pixel's row.
+    /// Row of each pixel.
     pub fn ys(&self) -> &[f32] {
         &self.ys
     }
 
-    /// How many pixels there are.
+    /// Number of pixels.
     pub fn len(&self) -> usize {
         self.xs.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.xs.is_empty()
     }

@@ -1,5 +1,5 @@
-//! Self-organizing map, mixture and fuzzy c-means against MiniSom, scikit-learn and scikit-fuzzy from the same start; the
-//! script beside the fixture (`tests/clusterings.py`) says how it was made.
+//! Compares the self-organizing map, mixture and fuzzy c-means with MiniSom, scikit-learn and
+//! scikit-fuzzy, from the same start. The script that made the fixture is `tests/clusterings.py`.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use super::fuzzy::MOST_ROUNDS;
 use super::som::Training;
 use super::{FuzzyMeans, Mixture, Pixels, Run, Som, Start};
 
-/// One start, and what the references made of it.
+/// A start, and the references' results from it.
 struct Case {
     pixels: Pixels,
     centers: Vec<[f32; 2]>,
@@ -58,7 +58,7 @@ fn the_map_is_as_near_to_the_pixels_as_minisoms() {
         let outcome = som.train(&case.pixels, Training::COLD, seed, &mut case.centers);
         let count = case.centers.len();
         assert_eq!(outcome.rounds, 10_000);
-        // Rounding now and then lets another of two nodes win that are as near.
+        // If two nodes are nearly equidistant, rounding occasionally makes the other one win.
         let expected = number(&expected["quantization_error"]);
         assert_near(outcome.objective, expected, 0.02, count);
     }
@@ -88,7 +88,8 @@ fn fuzzy_means_are_where_scikit_fuzzys_are() {
         assert_near(outcome.objective, objective, 1e-4, count);
         let expected = points(&expected["centers"]);
         for (center, expected) in case.centers.iter().zip(&expected) {
-            // Along the rope 120 centers are nearly free to move: rounding adds up over 300 rounds.
+            // Along the rope, 120 centers are nearly free to move, so rounding errors add up over
+            // 300 rounds.
             let off = (center[0] - expected[0]).hypot(center[1] - expected[1]);
             assert!(off < 0.1, "{count} centers: {center:?}, not {expected:?}");
         }

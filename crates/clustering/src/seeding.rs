@@ -1,23 +1,27 @@
-//! Where a clustering begins: k-means++ (D. Arthur and S. Vassilvitskii, SODA 2007), every next center a pixel drawn by
-//! the square of its distance from the centers before it.
+//! Initial centers by k-means++ (D. Arthur and S. Vassilvitskii, SODA 2007). Each further center is
+//! a pixel drawn with a probability proportional to its squared distance from the nearest earlier
+//! center.
 //!
-//! The pixels lie in blocks. A new center is nearer than those before it only to what lies around it: a block whose box
-//! is farther from it than its farthest pixel is from a center is not looked at. So all K centers cost about as much as
-//! ln K passes over the pixels, not K.
+//! The pixels are grouped into blocks. A new center is the nearest only for pixels around it. A
+//! block is skipped if its box is farther from the new center than its farthest pixel is from its
+//! nearest center. All K centers therefore cost about as much as ln K passes over the pixels, not
+//! K.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::{Pixels, Start};
 use lariat_portable::SplitMix64;
 
-/// Pixels in a block.
+/// Pixels per block.
 const BLOCK: usize = 64;
-/// Sums that run side by side, as many as the widest register holds.
+/// Number of parallel sums: the lanes of the widest register.
 const LANES: usize = 16;
-/// Centers farther out than this, in pixels, do not count: images have 16,384 pixels a side, lists of runs 65,536.
+/// Centers with a larger coordinate, in pixels, are ignored. Images have up to 16,384 pixels per
+/// side, and lists of runs up to 65,536.
 const FAR: f32 = 131_072.0;
 
-/// Pixels and the squares of their distances from the nearest center; the last block is filled up with distances of 0.
+/// Pixels and their squared distances from the nearest center. The last block is padded with
+/// distances of 0.
 #[derive(Clone, Debug)]
 struct Block {
     xs: [f32; BLOCK],
@@ -25,13 +29,13 @@ struct Block {
     squares: [f32; BLOCK],
 }
 
-/// What has to be known of each block to pass it by.
+/// Bounds that allow a block to be skipped.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
-    /// The least and the largest column and row.
+    /// Minimum and maximum column and row.
     x: [f32; 2],
     y: [f32; 2],
-    /// The largest square.
+    /// The largest squared distance.
     most: f32,
 }
 
@@ -40,24 +44,25 @@ struct Bounds {
 pub(crate) struct Seeding {
     blocks: Vec<Block>,
     bounds: Vec<Bounds>,
-    /// Of each block the sum of its squares, filled up to whole lanes.
+    /// Sum of each block's squared distances, padded to whole lanes.
     sums: Vec<f32>,
 }
 
-/// Makes `centers` those that [`Start::Seeded`] begins with: pixels drawn by k-means++. Without pixels they are left as
-/// they are. For handing the same start to others: allocates.
+/// Sets `centers` to those that [`Start::Seeded`] begins with: pixels drawn by k-means++. Without
+/// pixels they do not change. Use it to give the same start to other methods. It allocates.
 pub fn seed_centers(pixels: &Pixels, seed: u64, centers: &mut [[f32; 2]]) {
     Seeding::default().begin(pixels, Start::Seeded(seed), centers);
 }
 
-/// Whether a center is where a pixel could be near it.
+/// Returns whether a center is near enough to matter.
 fn is_place(center: &[f32; 2]) -> bool {
     center.iter().all(|c| c.abs() <= FAR)
 }
 
 impl Seeding {
-    /// Makes `centers` those that `start` says. Those given that are no numbers, or beyond all pictures, are chosen
-    /// among the pixels, as if the others had been chosen before them. Without pixels all are left as they are.
+    /// Initializes `centers` according to `start`. Given centers that are not finite or far outside
+    /// any picture are replaced by pixels, drawn as if the others had been chosen before them.
+    /// Without pixels all centers stay.
     pub(crate) fn begin(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) {
         let seed = match start {
             Start::Given if centers.iter().all(is_place) => return,
@@ -118,7 +123,7 @@ impl Seeding {
     }
 }
 
-/// The choice itself, in the widest registers.
+/// The choice itself, dispatched to the widest registers.
 struct Choosing<'a> {
     memory: &'a mut Seeding,
     pixels: &'a Pixels,
@@ -142,7 +147,7 @@ impl NullaryFnOnce for Choosing<'_> {
             } else {
                 None
             };
-            // Every pixel has a center: what is left is laid on any of them.
+            // Every pixel already has a center, so any pixel will do.
             *center = drawn.unwrap_or_else(|| {
                 let i = self.random.below(self.pixels.len());
                 [self.pixels.xs()[i], self.pixels.ys()[i]]
@@ -154,7 +159,7 @@ impl NullaryFnOnce for Choosing<'_> {
 }
 
 impl Seeding {
-    /// One more center.
+    /// Adds a center.
     #[inline(always)]
     fn add(&mut self, center: [f32; 2]) {
         let [x, y] = center;
@@ -168,7 +173,7 @@ impl Seeding {
         }
     }
 
-    /// A pixel, each by the share of its square; none when all are 0.
+    /// Draws a pixel with a probability proportional to its square; `None` if all are 0.
     #[inline(always)]
     fn draw(&self, random: &mut SplitMix64) -> Option<[f32; 2]> {
         let mut lanes = [0.0f32; LANES];
@@ -181,7 +186,8 @@ impl Seeding {
         for lane in lanes {
             total += lane;
         }
-        // In any order each pixel has its share: first the lane, then the block, then the pixel.
+        // The order does not change a pixel's share: first the lane, then the block, then the
+        // pixel.
         let mut rest = random.unit_f32() * total;
         let lane = fall(lanes.iter(), &mut rest)?;
         let row = fall(self.sums[lane..].iter().step_by(LANES), &mut rest)?;
@@ -192,7 +198,7 @@ impl Seeding {
 }
 
 impl Block {
-    /// One more center at (x, y): the largest square, and the sum of all.
+    /// Adds a center at (x, y). Returns the largest square and the sum of all.
     #[inline(always)]
     fn add(&mut self, x: f32, y: f32) -> (f32, f32) {
         let (mut most, mut sums) = ([0.0f32; LANES], [0.0f32; LANES]);
@@ -206,7 +212,7 @@ impl Block {
                 sums[i] += squares[i];
             }
         }
-        // In halves: sixteen one after the other would be waited for.
+        // Pairwise reduction, to shorten the chain of dependent operations.
         let mut half = LANES / 2;
         while half > 0 {
             for i in 0..half {
@@ -219,8 +225,8 @@ impl Block {
     }
 }
 
-/// Which of these `rest` falls into, and what of it is left then. Where rounding leads past the end, the last that is not
-/// 0; none when all are.
+/// Returns the index of the share that `rest` falls into and leaves the remainder in `rest`. If
+/// rounding leads past the end, it returns the last share that is not 0; `None` if all are 0.
 #[inline(always)]
 fn fall<'a>(shares: impl Iterator<Item = &'a f32>, rest: &mut f32) -> Option<usize> {
     let mut last = None;
@@ -236,7 +242,7 @@ fn fall<'a>(shares: impl Iterator<Item = &'a f32>, rest: &mut f32) -> Option<usi
     last
 }
 
-// Not `f32::min` and `max`, which look for NaN: these are one instruction.
+// `f32::min` and `f32::max` check for NaN, whereas these compile to one instruction.
 #[inline(always)]
 fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -252,7 +258,7 @@ mod tests {
     use super::*;
     use crate::Run;
 
-    /// A ring of 10 to 20 pixels around (100, 100).
+    /// A ring with radii of 10 to 20 pixels around (100, 100).
     fn ring() -> Pixels {
         let mut pixels = Pixels::default();
         for y in 80..=120u16 {
@@ -311,7 +317,7 @@ mod tests {
 
     #[test]
     fn a_pixel_is_drawn_by_the_square_of_its_distance() {
-        // Three pixels, the squares of whose distances from the given center are 1, 4 and 9.
+        // The pixels' squared distances from the given center are 1, 4 and 9.
         let mut pixels = Pixels::default();
         let run = |x| Run {
             y: 0,

@@ -1,6 +1,6 @@
-//! A self-organizing map (T. Kohonen, Self-organized formation of topologically correct feature maps, Biological
-//! Cybernetics 43, 1982): a line of nodes, of which one pixel after the other draws the nearest toward itself, and its
-//! neighbors on the line less.
+//! A self-organizing map (T. Kohonen, Self-organized formation of topologically correct feature
+//! maps, Biological Cybernetics 43, 1982). The map is a line of nodes. Each pixel in turn pulls the
+//! nearest node toward itself, and that node's neighbors on the line less.
 //!
 //! ```text
 //! in each round t of T: a pixel x, drawn at random
@@ -9,7 +9,8 @@
 //!   then narrower   η = η₀/(1 + 2t/T),  σ = σ₀/(1 + 2t/T)
 //! ```
 //!
-//! This is `MiniSom(1, K, 2)` with its Gaussian neighborhood and its default decay, to a third of where it began.
+//! This is `MiniSom(1, K, 2)` with its Gaussian neighborhood and its default decay, to a third of
+//! the initial values.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -19,38 +20,40 @@ use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
 use lariat_portable::SplitMix64;
 
-/// Nodes that are worked on side by side, as many as the widest register holds.
+/// Nodes processed in parallel: the lanes of the widest register.
 const LANES: usize = 16;
-/// Where no node is: so far from all pixels that it never is the nearest.
+/// A coordinate so far from all pixels that it is never the nearest, for unused lanes.
 const NOWHERE: f32 = 1e18;
-/// A neighbor so much less than the winner, e^(−u²/2), is not moved: 2⁻²⁴, what a float cannot tell from nothing.
+/// Neighbors beyond this many standard deviations are not moved. There, e^(−u²/2) is 2⁻²⁴, the
+/// precision of a float.
 const REACH: f32 = 5.768;
-/// The samples of a map that continues are these, in every frame.
+/// Seed of the samples in frames that continue a map; the same in every frame.
 const CONTINUED: u64 = 0;
 
-/// How long and how strongly a map is trained.
+/// Duration and strength of a training.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Training {
-    /// Samples, one a round.
+    /// Number of samples, one per round.
     rounds: u32,
-    /// The share of the way to the sample that the winner goes, at first.
+    /// Initial share of the distance to the sample by which the winner moves.
     rate: f32,
-    /// The neighborhood's standard deviation in nodes, at first.
+    /// Initial standard deviation of the neighborhood, in nodes.
     sigma: f32,
 }
 
 impl Training {
-    /// From a start that knows nothing. Each of 120 nodes wins some 80 rounds; the rate is MiniSom's default. Its
-    /// default of σ = 1 is too narrow to straighten a line of 120 nodes that begins in no order: nodes whose neighbors lie
-    /// on other parts of the rope stay between them, on the table. From 4 on the nodes are drawn together, and stand
-    /// farther from the pixels in the end.
+    /// Training from scratch. Each of 120 nodes wins some 80 rounds. The rate is MiniSom's default.
+    /// MiniSom's default of σ = 1 is too narrow to straighten an unordered line of 120 nodes: nodes
+    /// whose neighbors are on other parts of the rope stay between them, on the table. From σ = 4,
+    /// nodes contract and end farther from the pixels.
     pub(super) const COLD: Self = Self {
         rounds: 10_000,
         rate: 0.5,
         sigma: 3.0,
     };
-    /// From the last frame's nodes: it goes on where the other one ends, at a third of its rate and σ. A node is met often
-    /// enough, some 17 times of 120 nodes, to go nine tenths of the way to where the rope now is.
+    /// Training that continues from the last frame's nodes. It starts where the previous training
+    /// ends, at a third of its rate and σ. Each of 120 nodes wins some 17 rounds, enough to move
+    /// nine tenths of the way to the rope's new position.
     const CONTINUED: Self = Self {
         rounds: 2_000,
         rate: Self::COLD.rate / 3.0,
@@ -58,21 +61,24 @@ impl Training {
     };
 }
 
-/// A self-organizing map: a line of nodes. Keeps its memory from run to run.
+/// A self-organizing map: a line of nodes. It keeps its memory from run to run.
 #[derive(Debug, Default)]
 pub struct Som {
     seeding: Seeding,
-    /// The nodes, x and y, filled up to whole registers.
+    /// Coordinates of the nodes, x and y, padded to whole registers.
     nodes: [Vec<f32>; 2],
 }
 
 impl Som {
-    /// Trains the map whose nodes are `centers` on `pixels`, drawn at random: the same for the same start. From
-    /// [`Start::Seeded`] for 10,000 rounds, from [`Start::Given`] for 2,000 that move less. The centers stay within the
-    /// box around the pixels, and neighbors in the list mostly are neighbors on the rope. Without pixels nothing changes.
+    /// Trains the map whose nodes are `centers` on randomly drawn `pixels`. The same start draws
+    /// the same pixels.
     ///
-    /// The objective is the quantization error, the pixels' mean distance from the nearest center in pixels; a round is
-    /// one sample.
+    /// From [`Start::Seeded`] it runs 10,000 rounds, and from [`Start::Given`] 2,000 that move
+    /// less. The centers stay within the bounding box of the pixels. Neighbors in the list are
+    /// mostly neighbors on the rope. Without pixels nothing changes.
+    ///
+    /// The objective is the quantization error: the mean distance of pixels from the nearest
+    /// center, in pixels. A round is one sample.
     pub fn run(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) -> Outcome {
         self.seeding.begin(pixels, start, centers);
         let (training, seed) = match start {
@@ -82,7 +88,7 @@ impl Som {
         self.train(pixels, training, seed, centers)
     }
 
-    /// Trains on the pixels that a generator begun at `seed` draws.
+    /// Trains on pixels drawn by a generator with this seed.
     pub(super) fn train(
         &mut self,
         pixels: &Pixels,
@@ -113,7 +119,7 @@ impl Som {
         for (i, center) in centers.iter_mut().enumerate() {
             *center = [self.nodes[0][i], self.nodes[1][i]];
         }
-        // Rounding may have led a node just outside.
+        // Rounding may have moved a node just outside the box.
         extent.confine(centers);
         Outcome {
             rounds: training.rounds,
@@ -122,7 +128,7 @@ impl Som {
     }
 }
 
-/// The whole of it; returns the quantization error.
+/// The whole training. Returns the quantization error.
 struct Train<'a> {
     pixels: &'a Pixels,
     training: Training,
@@ -177,7 +183,7 @@ struct Line<'a, S: Simd> {
 }
 
 impl<S: Simd> Line<'_, S> {
-    /// The node nearest to a place, the first of several, and the square of its distance.
+    /// Returns the node nearest to a place, the first of several, and its squared distance.
     #[inline(always)]
     fn nearest(&self, [x, y]: [f32; 2]) -> (f32, f32) {
         let simd = self.simd;
@@ -199,7 +205,7 @@ impl<S: Simd> Line<'_, S> {
         (simd.reduce_min_f32s(winner), square)
     }
 
-    /// Draws the winner and those around it toward a place.
+    /// Pulls the winner and its neighbors toward a place.
     #[inline(always)]
     fn draw(&mut self, [x, y]: [f32; 2], winner: f32, rate: f32, sigma: f32) {
         let simd = self.simd;
@@ -215,7 +221,7 @@ impl<S: Simd> Line<'_, S> {
             let away = simd.sub_f32s(index, winner);
             let z = simd.mul_f32s(simd.mul_f32s(away, away), narrow);
             let share = simd.mul_f32s(rate, power_of_two(simd, z));
-            // What only fills up the registers stays where it is.
+            // Padding lanes stay where they are.
             let is_node = simd.less_than_f32s(index, self.count);
             let share = simd.select_f32s(is_node, share, simd.splat_f32s(0.0));
             for (at, c) in [(x, &mut self.x[i]), (y, &mut self.y[i])] {
@@ -249,7 +255,7 @@ mod tests {
                 let [dx, dy] = [i32::from(x) - i32::from(place.0), i32::from(y) - i32::from(place.1)];
                 dx * dx + dy * dy
             };
-            // The first of several is what this takes as well.
+            // `min_by_key` also returns the first of several.
             let winner = (0..nodes.len()).min_by_key(|&i| square(&nodes[i])).expect("there is a node");
             for arch in [Arch::new(), Arch::Plain] {
                 let (mut found_x, mut found_y) = (x.clone(), y.clone());

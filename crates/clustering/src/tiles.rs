@@ -1,23 +1,24 @@
-//! Pixels by the square tile of the picture in which they lie, so that what concerns a place is asked once for all of its
-//! pixels, and their coordinates are small numbers.
+//! Pixels grouped by square tiles of the picture. A question about a place is then asked once per
+//! tile, and coordinates are small numbers.
 
 use super::{Pixels, Run};
 
-/// A tile's side in pixels: about as wide as ropes are, so that it holds some hundred pixels.
+/// A tile's side in pixels. It is about a rope's width, so that a tile contains some hundred
+/// pixels.
 const SIDE: u16 = 16;
-/// Pixels are filled up to a multiple of this, the lanes of the widest register.
+/// Each tile's pixels are padded to a multiple of this, the lanes of the widest register.
 pub(crate) const LANES: usize = 16;
 
-/// Some pixels that lie together.
+/// The pixels of one tile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tile {
-    /// Where its pixels are in the lists; a multiple of [`LANES`], as is `to`.
+    /// Start of its pixels in the lists; a multiple of [`LANES`], as is `to`.
     pub(crate) from: usize,
-    /// Behind its last one and what is filled up.
+    /// End of its pixels and padding, exclusive.
     pub(crate) to: usize,
-    /// Its middle, from which its pixels are measured.
+    /// Middle of the tile, the origin of its pixels' coordinates.
     pub(crate) middle: [f32; 2],
-    /// The least coordinates of its pixels, and the largest.
+    /// Minimum and maximum coordinates of its pixels.
     pub(crate) low: [f32; 2],
     pub(crate) high: [f32; 2],
 }
@@ -26,17 +27,18 @@ pub(crate) struct Tile {
 #[derive(Debug, Default)]
 pub(crate) struct Tiles {
     tiles: Vec<Tile>,
-    /// From the tile's middle.
+    /// Coordinates relative to the tile's middle.
     x: Vec<f32>,
     y: Vec<f32>,
-    /// 1 for a pixel, 0 where it is only the last one once more, to fill up.
+    /// 1 for a pixel, 0 for padding, which repeats the last pixel.
     counts: Vec<f32>,
-    /// Of the band of tiles that is worked on: how many pixels each holds, then where the next one goes.
+    /// For each tile of the current band: first the number of its pixels, then the index of the
+    /// next one to store.
     places: Vec<usize>,
 }
 
 impl Tiles {
-    /// Takes up the pixels.
+    /// Replaces the contents by these pixels.
     pub(crate) fn fill(&mut self, pixels: &Pixels) {
         self.tiles.clear();
         self.x.clear();
@@ -60,12 +62,13 @@ impl Tiles {
         }
     }
 
-    /// The tiles that hold pixels.
+    /// Returns the tiles that contain pixels.
     pub(crate) fn tiles(&self) -> &[Tile] {
         &self.tiles
     }
 
-    /// The pixels' x and y from the middle of their tile, and 1 for each that counts.
+    /// Returns the pixels' x and y relative to the middle of their tile, and 1 for each pixel or 0
+    /// for padding.
     pub(crate) fn lists(&self) -> [&[f32]; 3] {
         [&self.x, &self.y, &self.counts]
     }
@@ -81,7 +84,7 @@ impl Tiles {
         }
     }
 
-    /// Makes room for the band's pixels.
+    /// Allocates space for the band's pixels.
     fn lay_out(&mut self, row: u16) {
         let middle = |tile: usize| (usize::from(SIDE) * tile) as f32 + 0.5 * f32::from(SIDE - 1);
         for (column, place) in self.places.iter_mut().enumerate() {
@@ -115,7 +118,7 @@ impl Tiles {
                 self.y[*place] = y;
                 *place += 1;
             }
-            // Whatever is filled up is the last pixel again: the next one of the tile overwrites it.
+            // Padding repeats the last pixel; the tile's next pixel overwrites it.
             let end = place.next_multiple_of(LANES);
             let last = [self.x[*place - 1], self.y[*place - 1]];
             self.x[*place..end].fill(last[0]);
@@ -124,7 +127,7 @@ impl Tiles {
     }
 }
 
-/// The runs, cut where a tile ends.
+/// Splits the runs at tile boundaries.
 fn parts(band: &[Run]) -> impl Iterator<Item = Run> {
     band.iter().filter(|run| run.from < run.to).flat_map(|run| {
         (run.from / SIDE..=(run.to - 1) / SIDE).map(move |column| Run {
@@ -150,7 +153,7 @@ mod tests {
                 pixels.push(Run { y, from, to: from + length });
             }
             let mut tiles = Tiles::default();
-            // The second time its memory is not new.
+            // The second pass reuses memory.
             for _ in 0..2 {
                 tiles.fill(&pixels);
             }

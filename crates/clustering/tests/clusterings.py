@@ -1,16 +1,18 @@
-"""Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for src/clustering/references.rs.
+"""Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for
+src/clustering/references.rs.
 
     python3 crates/clustering/tests/clusterings.py > crates/clustering/tests/clusterings.json
 
-Made with Python 3.11.7, NumPy 2.4.6, MiniSom 2.3.6, scikit-learn 1.9.1, scikit-fuzzy 0.5.0. The pixels are those
-within 4.5 px of a curve that crosses itself. All three begin from the same centers, chosen among the pixels, each one
-the farthest of ten from those before it, and end with the defaults that the modules of ours name. What is kept:
+Made with Python 3.11.7, NumPy 2.4.6, MiniSom 2.3.6, scikit-learn 1.9.1, scikit-fuzzy 0.5.0. The
+pixels are those within 4.5 px of a curve that crosses itself. All three begin from the same
+centers, chosen among the pixels: each is the farthest of ten candidates from those before it. They
+end with the defaults that our modules name. The results are:
 
     som        the quantization error, of 10,000 samples drawn by splitmix64
     mixture    lower_bound_ and n_iter_, from the means, weights and variances of the pixels nearest to each center,
-               where a pixel belongs to equal parts to those that are equally near
+               where a pixel belongs in equal parts to equidistant centers
     fuzzy      J of the last centers with their own memberships, px^2, and the rounds, from the memberships to the first
-               centers; those of few centers end by the error, the others by the rounds
+               centers; few centers end by the error, many by the number of rounds
 """
 
 import json
@@ -21,7 +23,7 @@ from minisom import MiniSom
 from skfuzzy.cluster import cmeans
 from sklearn.mixture import GaussianMixture
 
-warnings.filterwarnings("ignore")  # of not having converged
+warnings.filterwarnings("ignore")  # convergence warnings
 rng = np.random.default_rng(2312)
 
 

@@ -2,9 +2,9 @@
 
     python3 crates/clustering/tests/kmeans.py > crates/clustering/tests/kmeans.json
 
-Made with Python 3.11.7, NumPy 2.4.6, scikit-learn 1.9.1, one thread. Each case holds the runs of a mask ([row, first
-column, behind the last column]), 40 centers to start from, and what sklearn.cluster.KMeans makes of them: the centers,
-the inertia (px²) and the rounds.
+Made with Python 3.11.7, NumPy 2.4.6, scikit-learn 1.9.1, one thread. Each case contains the runs of
+a mask ([row, first column, column after the last]), 40 initial centers, and the result of
+sklearn.cluster.KMeans: the centers, the inertia (px²) and the rounds.
 """
 
 import json
@@ -20,7 +20,7 @@ CENTERS = 40
 
 
 def mask_of(x, y, width_px, size):
-    """The pixels no farther than half a width from the curve (x, y)."""
+    """Returns the pixels within half a width of the curve (x, y)."""
     columns, rows = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
     squares = np.full(columns.shape, np.inf)
     for px, py in zip(x, y):
@@ -50,8 +50,8 @@ def case(name, mask, start):
 
 
 def drawn(mask):
-    """A start at different pixels, a little off them: between centers at pixels many others would be exactly in the middle,
-    and go where a rounding error says."""
+    """Returns initial centers near distinct pixels. They are jittered because exact pixel positions
+    would leave many pixels equidistant from two centers, where rounding errors decide."""
     pixels = np.argwhere(mask)[:, ::-1].astype(np.float64)
     chosen = pixels[rng.choice(len(pixels), CENTERS, replace=False)]
     return np.round(chosen + rng.uniform(-0.5, 0.5, chosen.shape), 3)
@@ -59,7 +59,7 @@ def drawn(mask):
 
 t = np.linspace(0.0, 1.0, 600)
 wave = mask_of(20 + 280 * t, 60 + 40 * np.sin(9 * t), 11, (320, 120))
-# A rope that crosses itself three times, on its way through rows, columns and slants.
+# A rope that crosses itself three times, with rows, columns and diagonals.
 a = 2 * np.pi * t[:560]
 knot = mask_of(110 + 80 * np.sin(2 * a), 100 + 80 * np.sin(3 * a), 9, (220, 200))
 bar = mask_of(20 + 260 * t, 20 + 50.3 * t, 7, (300, 90))

@@ -1,9 +1,10 @@
-//! How a servo does with a simulated rope: from many starts to each target, in simulated time.
+//! Measures a servo on a simulated rope: from many starts to each target, in simulated time.
 //!
-//! `cargo run --release -p lariat-control --example rope -- [NAME=VALUE …]`, with the names of `set`.
+//! `cargo run --release -p lariat-control --example rope -- [NAME=VALUE …]`, with the names in
+//! `set`.
 
 #[path = "../tests/rope/chain.rs"]
-#[allow(dead_code)] // What the tests look into.
+#[allow(dead_code)] // Parts are used only by the tests.
 mod chain;
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -92,7 +93,7 @@ fn set(study: &mut Study, name: &str, value: &str) -> bool {
     true
 }
 
-/// On two threads; each run is its seed's alone.
+/// Runs all seeds on two threads. Each run depends only on its seed.
 fn run(study: &Study, shape: TargetShape) -> Vec<Outcome> {
     let half = |odd: u64| -> Vec<(u64, Outcome)> {
         let seeds = (1..=study.seeds).filter(|seed| seed % 2 == odd);

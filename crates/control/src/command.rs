@@ -1,24 +1,24 @@
-//! What goes into a servo, and what comes out.
+//! Input and output of a servo.
 
 use std::fmt;
 
-/// A shape as an image shows it.
+/// A shape observed in an image.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
-    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px, in space `[x₀, y₀, z₀, …]`, mm (`control_points().as_flattened()` of a reader's
-    /// rope); as many as the target has.
+    /// The shape: points stacked `[x₀, y₀, x₁, y₁, …]`, px, in 3-D `[x₀, y₀, z₀, …]`, mm
+    /// (`control_points().as_flattened()` of a reader's rope). It has as many points as the target.
     pub features: &'a [f64],
-    /// How well each point is seen.
+    /// Accuracy of each point.
     pub weights: Weights<'a>,
-    /// When the image was taken, ns, by the clock that `now_ns` is of.
+    /// Time at which the image was exposed, ns, by the same clock as `now_ns`.
     pub exposed_ns: u64,
-    /// Whether a part of the rope is covered. Such a shape teaches nothing, and is steered by at half the speed, or not at all
-    /// ([`Options::hold_on_partial`](crate::Options::hold_on_partial)).
+    /// True if part of the rope is covered. The servo does not learn from such a shape. It steers
+    /// at half the speed, or holds ([`Options::hold_on_partial`](crate::Options::hold_on_partial)).
     pub partial: bool,
 }
 
 impl<'a> Observation<'a> {
-    /// A shape seen whole, every point as well as it can be.
+    /// Creates an observation of a whole shape with even weights.
     pub fn new(features: &'a [f64], exposed_ns: u64) -> Self {
         Self {
             features,
@@ -29,55 +29,61 @@ impl<'a> Observation<'a> {
     }
 }
 
-/// How well each point is seen: what a least-squares fit says of its control points.
+/// Accuracy of each point, as estimated by a least-squares fit for its control points.
 ///
-/// The law goes by what each point's variance is beside what it would be of even noise
-/// ([`Metric`](crate::Metric)); the estimator by the variances themselves.
+/// The law uses each point's variance relative to its variance under even noise
+/// ([`Metric`](crate::Metric)). The estimator uses the variances themselves.
 #[derive(Debug, Clone, Copy)]
 pub enum Weights<'a> {
-    /// As even noise of the curve makes them, with noise of [`Options::noise_px`](crate::Options::noise_px) in all.
+    /// The variances that noise of [`Options::noise_px`](crate::Options::noise_px), even along the
+    /// curve, would cause.
     Even,
-    /// One by the variance of each point's coordinates, 1/px²; from 10⁻¹² to 10¹².
+    /// Reciprocal variance of each point's coordinates, 1/px²; from 10⁻¹² to 10¹².
     Points(&'a [f64]),
-    /// The covariance of each point, `[xx, xy, yy]`, px², as a descriptor has it; up to 10¹².
+    /// Covariance of each point, `[xx, xy, yy]`, px², as in a descriptor; up to 10¹².
     Covariances(&'a [[f64; 3]]),
-    /// The same in space, `[xx, xy, xz, yy, yz, zz]`, mm².
+    /// Covariance of each point in 3-D, `[xx, xy, xz, yy, yz, zz]`, mm².
     Covariances3(&'a [[f64; 6]]),
 }
 
-/// What the robot is to do until the next command, and why.
+/// Motion of the robot until the next command, and the reason for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Command<const A: usize = 3> {
-    /// Of each gripper: px/s, px/s, rad/s; in space mm/s along three axes and rad/s about three. Never above the robot's limits. Of a gripper that is not there 0.
+    /// Velocity of each gripper: px/s, px/s, rad/s; in 3-D mm/s along three axes and rad/s about
+    /// three. Never above the robot's limits. Velocities of a missing gripper are 0.
     pub velocities: [[f64; A]; 2],
-    /// What the servo is at.
+    /// The servo's state.
     pub doing: Doing,
-    /// Distance of the last seen shape from the target, px: root mean square by the [`Metric`](crate::Metric). `None` before there was one.
+    /// Distance of the last observed shape from the target, px: root mean square by the
+    /// [`Metric`](crate::Metric). `None` before the first one.
     pub error_px: Option<f64>,
-    /// How much better the rope answers to the best motion of the grippers than to the worst: the condition number of `W^½J`, θ
-    /// measured by the robot's lever. Infinite where a motion does nothing. `None` unless steering.
+    /// Condition number of `W^½J`, with θ measured by the robot's lever: the ratio of the rope's
+    /// answers to the best and to the worst motion of the grippers. Infinite if a motion has no
+    /// effect. `None` unless steering.
     pub condition: Option<f64>,
 }
 
-/// What a servo is at.
+/// State of a servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Doing {
-    /// It moves one input there and back, to see how the rope answers.
+    /// The servo moves one input out and back, to measure the rope's answer.
     Exploring {
-        /// Of which gripper: 1 or 2.
+        /// The moving gripper: 1 or 2.
         gripper: usize,
-        /// Which: `x`, `y` or `θ`; in space `x`, `y`, `z`, or a turn, `θ₁`, `θ₂`, `θ₃`.
+        /// The moving coordinate: `x`, `y` or `θ`; in 3-D `x`, `y`, `z`, or a turn, `θ₁`, `θ₂`,
+        /// `θ₃`.
         axis: &'static str,
     },
-    /// It drives the rope to the target, or stands there and waits whether the rope stays.
+    /// The servo drives the rope to the target, or has stopped there and waits to see whether the
+    /// rope stays.
     Steering,
-    /// The rope is within the tolerance, and stays there: velocity 0.
+    /// The rope is within the tolerance and stays there. The velocity is 0.
     Arrived,
-    /// Velocity 0 until it knows better.
+    /// The velocity is 0 until the reason is gone.
     Holding {
-        /// What it waits for.
+        /// Reason for the hold.
         why: Why,
     },
 }
@@ -90,24 +96,25 @@ pub enum Why {
     Lost,
     /// The image is too old.
     Stale,
-    /// There is no shape: nothing came yet, several ropes, another run of the chain.
+    /// There is no shape: nothing has arrived yet, there are several ropes, or the chain has
+    /// restarted.
     Absent,
-    /// A part of the rope is covered.
+    /// Part of the rope is covered.
     Partial,
-    /// The shape has another number of coordinates than the target.
+    /// The shape and the target differ in the number of coordinates.
     Size {
-        /// How many came.
+        /// Number of coordinates received.
         given: usize,
-        /// How many the target has.
+        /// Number of coordinates of the target.
         expected: usize,
     },
-    /// A coordinate is no number, or farther off than 10⁶ px.
+    /// A coordinate is not a number, or exceeds 10⁶ px.
     NotAShape,
     /// Invalid weights: too few, negative, or not finite.
     Weights,
-    /// A time before one that was given, or an image of the future.
+    /// A time is earlier than a previous one, or the image is from the future.
     Clock,
-    /// Whoever runs the loop says so.
+    /// The caller requested it.
     Told,
 }
 

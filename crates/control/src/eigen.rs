@@ -1,10 +1,11 @@
-//! Eigenvalues and vectors of a symmetric matrix of few rows, by Jacobi's rotations (G. Golub, C. Van Loan, *Matrix
-//! Computations*, 4th edition, 8.5): to rounding also for the small ones, which say how near a Jacobian is to singular.
+//! Eigenvalues and eigenvectors of a small symmetric matrix by Jacobi rotations (G. Golub, C. Van
+//! Loan, *Matrix Computations*, 4th edition, 8.5). Small eigenvalues, which show how near a
+//! Jacobian is to singular, are also accurate to rounding.
 
-/// Sweeps after which it has long converged: quadratically, from the fourth or so on.
+/// Number of sweeps. Convergence is quadratic from about the fourth, so this is more than enough.
 const SWEEPS: usize = 12;
 
-/// Eigenvalues in no order, and their vectors as rows.
+/// Unordered eigenvalues, and their eigenvectors as rows.
 pub(crate) struct Eigen<const N: usize> {
     pub(crate) values: [f64; N],
     pub(crate) vectors: [[f64; N]; N],
@@ -28,7 +29,7 @@ pub(crate) fn eigen<const N: usize>(mut a: [[f64; N]; N]) -> Eigen<N> {
     }
 }
 
-/// Makes entry (i, j) zero: by the smaller of the two angles that do.
+/// Makes entry (i, j) zero, with the smaller of the two possible angles.
 fn rotate<const N: usize>(a: &mut [[f64; N]; N], vectors: &mut [[f64; N]; N], i: usize, j: usize) {
     if a[i][j] == 0.0 {
         return;

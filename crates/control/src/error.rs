@@ -1,110 +1,110 @@
-//! What can be wrong with a request, in sentences that say what to do instead.
+//! Errors of requests, in sentences that say what to do instead.
 
 use crate::MAX_POINTS;
 
-/// Why no [`Servo`](crate::Servo) can be made, or no target taken.
+/// Why a [`Servo`](crate::Servo) could not be made, or a target was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServoError {
     /// An option is out of its range.
     #[error("{name} is {given}: choose from {least} to {most}")]
     Option {
-        /// Which.
+        /// The option's name.
         name: &'static str,
-        /// What was asked for.
+        /// The requested value.
         given: f64,
-        /// The least allowed.
+        /// The minimum allowed.
         least: f64,
-        /// The most allowed.
+        /// The maximum allowed.
         most: f64,
     },
     /// No input may move.
     #[error("every speed limit is 0, so that nothing can be moved: allow one coordinate to move")]
     NothingMoves,
-    /// A workspace whose least is not below its most.
+    /// A workspace's minimum is not below its maximum.
     #[error(
         "the workspace of gripper {gripper} is empty along {axis}: its least must be below its most"
     )]
     Workspace {
-        /// 1 or 2.
+        /// The gripper: 1 or 2.
         gripper: usize,
-        /// `x`, `y` or `θ`; in space `x`, `y`, `z`, `θ₁`, `θ₂` or `θ₃`.
+        /// The coordinate: `x`, `y` or `θ`; in 3-D `x`, `y`, `z`, `θ₁`, `θ₂` or `θ₃`.
         axis: &'static str,
     },
-    /// The target is no stack of points.
+    /// The target is not a stack of points.
     #[error(
         "invalid target of {given} coordinates: give {of} of 1 to {MAX_POINTS} points",
         of = if *dimensions == 3 { "x, y and z" } else { "x and y" }
     )]
     TargetSize {
-        /// How many coordinates came.
+        /// Number of coordinates given.
         given: usize,
-        /// How many a point has.
+        /// Number of coordinates per point.
         dimensions: usize,
     },
-    /// Another number of coordinates than that of the first target.
+    /// The target and the first target differ in the number of coordinates.
     #[error(
         "the target has {given} coordinates, and the servo was made for {expected}: make another servo"
     )]
     OtherTarget {
-        /// How many came.
+        /// Number of coordinates given.
         given: usize,
-        /// How many the servo takes.
+        /// Number of coordinates that the servo expects.
         expected: usize,
     },
-    /// A coordinate of the target is no number, or absurdly large.
+    /// A coordinate of the target is not a number, or is too large.
     #[error("coordinate {index} of the target is {value}, which is not a position in a picture")]
     NotATarget {
-        /// Which, counted from 0.
+        /// The coordinate's index, counted from 0.
         index: usize,
         /// Its value.
         value: f64,
     },
-    /// No Jacobian of such shapes.
+    /// The rows are not a Jacobian of the servo's shapes.
     #[error(
         "{given} rows make no Jacobian of {expected} coordinates: give a row of finite numbers for each coordinate"
     )]
     NotAJacobian {
-        /// How many rows came.
+        /// Number of rows given.
         given: usize,
-        /// How many coordinates a shape has.
+        /// Number of coordinates of a shape.
         expected: usize,
     },
-    /// A metric for another number of points.
+    /// The metric is for another number of points.
     #[error(
         "the metric is of {metric} points and the target has {target}: make it of the target's basis"
     )]
     OtherMetric {
-        /// The metric's.
+        /// Number of points of the metric.
         metric: usize,
-        /// The target's.
+        /// Number of points of the target.
         target: usize,
     },
 }
 
-/// Why rows make no [`Metric`](crate::Metric).
+/// Why a [`Metric`](crate::Metric) could not be made from rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MetricError {
-    /// No control points, or too many.
+    /// There are no control points, or too many.
     #[error("a curve cannot have {count} control points here: choose from 1 to {MAX_POINTS}")]
     Count {
-        /// How many there are.
+        /// Number of control points.
         count: usize,
     },
-    /// Rows of different lengths.
+    /// Rows differ in length.
     #[error(
         "row {row} has {given} numbers and the first {expected}: give one for each control point"
     )]
     Row {
-        /// Which, counted from 0.
+        /// The row's index, counted from 0.
         row: usize,
         /// Its length.
         given: usize,
-        /// The first row's.
+        /// The length of the first row.
         expected: usize,
     },
-    /// Curves that differ and have no distance, or none that rounding leaves.
+    /// Different curves would have the distance 0, or a distance lost to rounding.
     #[error(
         "with these rows different control points can have the distance 0: give more points of the curve, or a lower order"
     )]

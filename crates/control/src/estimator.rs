@@ -1,22 +1,22 @@
-//! `J` kept up to date, by one rule or the other.
+//! Keeps `J` up to date by one of two rules.
 
 use crate::jacobian::{Jacobian, square};
 use crate::kalman::Kalman;
 use crate::options::Estimator;
 use crate::{Coordinates, Features, INPUTS, broyden};
 
-/// Two shapes, and what the grippers did between their exposures.
+/// The difference of two shapes, and of the grippers' positions at their exposures.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pair {
-    /// px-like.
+    /// Difference of the positions, px-like.
     pub(crate) dr: Coordinates,
-    /// px.
+    /// Difference of the shapes, px.
     pub(crate) ds: Features,
-    /// The mean square distance that noise alone makes of `ds`, px².
+    /// Mean square distance caused by noise alone in `ds`, px².
     pub(crate) noise_px2: f64,
 }
 
-/// The rule, with what it remembers.
+/// The rule and its state.
 #[derive(Debug, Clone)]
 pub(crate) enum Learner {
     Broyden { share: f64 },
@@ -31,21 +31,22 @@ impl Learner {
         }
     }
 
-    /// A column was measured again, with this variance (a mean square, as [`Pair::noise_px2`], by px²).
+    /// Records that a column was measured again, with this variance ([`Pair::noise_px2`], a mean
+    /// square, per px²).
     pub(crate) fn measured(&mut self, input: usize, variance: f64) {
         if let Self::Kalman(kalman) = self {
             kalman.measured(input, variance);
         }
     }
 
-    /// Learns from a pair. One that would leave `J` without finite numbers changes nothing.
+    /// Learns from a pair. A pair that would make an entry of `J` infinite or NaN has no effect.
     pub(crate) fn learn(&mut self, jacobian: &mut Jacobian, pair: &Pair) {
         let gain = match self {
             Self::Broyden { share } => broyden::gain(*share, &pair.dr),
             Self::Kalman(kalman) => kalman.gain(&pair.dr, pair.noise_px2),
         };
         let surprise = jacobian.surprise(&pair.dr, &pair.ds);
-        // A NaN makes the sum NaN, and that is not below.
+        // If any term is NaN, the sum is NaN and the comparison fails.
         let size: f64 = surprise.iter().map(|s| s * s).sum();
         if (size * square(&gain)).sqrt() < MOST_CHANGE {
             jacobian.add(&surprise, &gain);
@@ -53,10 +54,11 @@ impl Learner {
     }
 }
 
-/// A pair that changes `J` by more is no rope's answer, px by px: a jump of the whole shape at a step of some px.
+/// Largest plausible change of `J`, px per px. A larger one means that the whole shape jumped
+/// during a step of some px.
 const MOST_CHANGE: f64 = 100.0;
 
-/// No inputs.
+/// Zero for all inputs.
 pub(crate) const NONE: Coordinates = [0.0; INPUTS];
 
 #[cfg(test)]
@@ -82,7 +84,8 @@ mod tests {
         pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Steps along one input after the other, 5 px long, with noise of this standard deviation in each coordinate of `δs`.
+    /// Moves along one input after the other in steps of 5 px, with noise of this standard
+    /// deviation in each coordinate of `δs`.
     fn steps(
         learner: &mut Learner,
         truth: &Jacobian,
@@ -99,7 +102,7 @@ mod tests {
             ds[..SIZE]
                 .iter_mut()
                 .for_each(|ds| *ds += noise_px * random.normal());
-            // Of points: the mean over them of the squares of x and y.
+            // Noise per point: the mean of the squares of x and y together.
             let noise_px2 = 2.0 * noise_px * noise_px;
             learner.learn(&mut jacobian, &Pair { dr, ds, noise_px2 });
             way.push(jacobian.clone());
@@ -107,7 +110,7 @@ mod tests {
         way
     }
 
-    /// The error along each input falls by 1 − γ each time that it moves.
+    /// The error along each input falls by 1 − γ whenever it moves.
     #[test]
     fn broydens_rule_converges_on_a_linear_map_as_its_share_says() {
         let truth = truth(&mut SplitMix64::new(1));
@@ -120,7 +123,8 @@ mod tests {
         }
     }
 
-    /// Each entry is `e ← (1 − γ)e + γ n/‖δr‖`: a variance of γ/(2 − γ) (σ/‖δr‖)², in the mean over 108 entries and 50 turns.
+    /// Each entry follows `e ← (1 − γ)e + γ n/‖δr‖`, which has a variance of γ/(2 − γ) (σ/‖δr‖)².
+    /// The mean is over 108 entries and 50 turns.
     #[test]
     fn noise_leaves_in_broydens_rule_what_it_must() {
         let truth = truth(&mut SplitMix64::new(1));
@@ -131,12 +135,14 @@ mod tests {
         let mean = late.iter().map(|j| error(j, &truth).powi(2)).sum::<f64>()
             / (late.len() * SIZE * INPUTS) as f64;
         let wanted = share / (2.0 - share) * (sigma / 5.0f64).powi(2);
-        // Some 108 · 50 · ⅓ independent squares: 2.4 % of standard deviation. Five of these.
+        // Some 108 · 50 · ⅓ independent squares have a standard deviation of 2.4 %. The bound is
+        // five of these.
         assert!((mean / wanted - 1.0).abs() < 0.12, "{}", mean / wanted);
     }
 
-    /// Without drift it is least squares over all steps, from an entry that is 0 ± 1/√m at the start (the mean square of a rope's answer
-    /// is 1): after k steps of 5 px along an input its error has the variance σ²/(25 k), the start's pull aside.
+    /// Without drift, the filter is least squares over all steps. The initial entries are 0 ± 1/√m
+    /// (the mean square of a rope's answer is 1). After k steps of 5 px along an input, the error
+    /// has the variance σ²/(25 k), apart from the pull of the initial values.
     #[test]
     fn the_filter_converges_on_a_linear_map_as_least_squares_do() {
         let truth = truth(&mut SplitMix64::new(2));
@@ -150,7 +156,8 @@ mod tests {
         let way = steps(&mut learner, &truth, turns * INPUTS, sigma);
         let mean = error(&way[turns * INPUTS - 1], &truth).powi(2) / (SIZE * INPUTS) as f64;
         let wanted = sigma * sigma / (25.0 * turns as f64);
-        // 108 squares: 14 % of standard deviation. Three of these, and the start's pull of some hundredths.
+        // 108 squares have a standard deviation of 14 %. The bound is three of these, plus some
+        // hundredths for the pull of the initial values.
         assert!((mean / wanted - 1.0).abs() < 0.45, "{}", mean / wanted);
     }
 

@@ -1,9 +1,11 @@
-//! The first Jacobian: each input goes a little way out and back while the others stand still, and its column is the slope of the shape
-//! over it, by least squares over all images of that time (the exploratory motions of K. Hosoda, M. Asada, IROS 1994; H. Sutanto,
-//! R. Sharma, V. Varma, ICRA 1997).
+//! Finds the first Jacobian. Each input moves a short way out and back while the others stand
+//! still. Its column is the slope of the shape over the input, by least squares over all images of
+//! that time (the exploratory motions of K. Hosoda, M. Asada, IROS 1994; H. Sutanto, R. Sharma, V.
+//! Varma, ICRA 1997).
 //!
-//! Each image counts at the place where the input was when it was exposed, so that neither delay nor a hold on the way does harm. What a rope
-//! lags behind on the way out it lags behind on the way back, the other way, and the slope is between the two.
+//! Each image is assigned the input's position at its exposure, so neither delay nor a hold does
+//! harm. A rope lags by the same amount out and back, in opposite directions, so the slope is
+//! between the two.
 
 use crate::estimator::{Learner, NONE};
 use crate::jacobian::Jacobian;
@@ -12,34 +14,36 @@ use crate::options::Exploring;
 use crate::pairs::Frame;
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
 
-/// At home an input rests for so long, s, and until there is an image of after: the next one begins with a rope at rest.
+/// Time that an input rests at home, s, so that the next motion begins with a rope at rest. The
+/// rest also lasts until an image has been exposed after it.
 const REST_S: f64 = 0.05;
 
-/// An input is turned around when it lacks this share of its reach, and is home within the second one: the slope knows where it
-/// really was.
+/// An input turns around within the first share of its reach, and is home within the second. The
+/// slope uses its actual position.
 const OUT: f64 = 0.1;
 const HOME: f64 = 0.04;
 
-/// Towards its end a motion gets slower by this, 1/s; less where commands come so seldom that it would go beyond.
+/// Rate at which a motion slows down towards its end, 1/s. It is lower if commands are so
+/// infrequent that the input would overshoot.
 const APPROACH: f64 = 30.0;
 
 /// The motions of all inputs in turn.
 #[derive(Debug, Clone)]
 pub(crate) struct Explorer {
     exploring: Exploring,
-    /// The input that is moved, or about to be.
+    /// The input that is moving, or will move next.
     input: usize,
     leg: Option<Leg>,
 }
 
-/// One input's way.
+/// Motion of one input.
 #[derive(Debug, Clone)]
 struct Leg {
     begun_ns: u64,
     home: f64,
     sign: f64,
     way: Way,
-    /// How long it has been on this part of its way, s; holds do not count.
+    /// Time spent on this part of the motion, s, without holds.
     moving_s: f64,
     second_try: bool,
     slope: Slope,
@@ -61,7 +65,7 @@ impl Explorer {
         }
     }
 
-    /// Takes an image, and with the last one of a leg its column.
+    /// Adds an image. After the last image of a leg, stores the input's column.
     pub(crate) fn take(&mut self, frame: &Frame, jacobian: &mut Jacobian, learner: &mut Learner) {
         let Some(leg) = &mut self.leg else {
             return;
@@ -78,7 +82,7 @@ impl Explorer {
             jacobian.columns[self.input] = column;
             learner.measured(self.input, variance);
         } else if !leg.second_try {
-            // Too few images, or in its way a border.
+            // There were too few images, or a border is in the way. Try the other direction.
             let (home, sign) = (leg.home, -leg.sign);
             *leg = Leg::new(frame.at_ns, home, sign);
             leg.second_try = true;
@@ -88,7 +92,7 @@ impl Explorer {
         self.input += 1;
     }
 
-    /// Which input moves now, and how. `None` when all have.
+    /// Returns the input that moves now, and the velocities. Returns `None` when all have moved.
     pub(crate) fn drive(
         &mut self,
         now_ns: u64,
@@ -120,7 +124,7 @@ impl Explorer {
         });
         leg.moving_s += dt_s;
         let speed = speed_px_s.min(limits.speed(input));
-        // Three times as long as it takes, and it is against a border.
+        // After three times the expected duration, the input must be at a border.
         let late = leg.moving_s > 3.0 * reach_px / speed + 1.0;
         let mut velocity = NONE;
         let (goal, near) = match leg.way {
@@ -160,7 +164,7 @@ impl Leg {
     }
 }
 
-/// Sums for a line through all images.
+/// Sums for fitting a line through all images.
 #[derive(Debug, Clone)]
 struct Slope {
     count: f64,
@@ -201,7 +205,8 @@ impl Slope {
         self.most = self.most.max(r);
     }
 
-    /// The slope of each coordinate, and the variance that noise makes of it, over the shape.
+    /// Returns the slope of each coordinate, and the variance that noise causes in the slope, over
+    /// the shape.
     fn fit(&self) -> (Features, f64) {
         let spread = self.rr - self.r * self.r / self.count;
         let slope =
@@ -217,7 +222,8 @@ mod tests {
     use crate::{Estimator, Robot};
     use lariat_portable::SplitMix64;
 
-    /// Commands and images at 50/s, the images 100 ms late: the columns are the map's but for the noise, and all is home again.
+    /// Commands and images at 50/s, with images 100 ms late. The columns equal the map's up to
+    /// noise, and all inputs return home.
     #[test]
     fn out_and_back_each_column_is_found_whatever_the_delay() {
         let robot: Robot<6> = Robot {
@@ -257,7 +263,8 @@ mod tests {
         }
         for (found, column) in jacobian.columns.iter().zip(&truth.columns) {
             for (found, entry) in found.iter().zip(column) {
-                // Some 40 images over 13 px: a spread of more than 600 px². Five standard deviations.
+                // Some 40 images over 13 px have a spread of more than 600 px². The bound is five
+                // standard deviations.
                 assert!(
                     (found - entry).abs() < 5.0 * sigma / 600f64.sqrt(),
                     "{found} {entry}"

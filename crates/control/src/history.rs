@@ -1,11 +1,13 @@
-//! Where the grippers were commanded to be, at every moment of the last second or so: velocities, integrated.
+//! Commanded positions of the grippers at every moment of the last second or so: the integral of
+//! the velocities.
 //!
-//! An image is of the past. Which `r` belongs to it is told by its exposure, so that neither a Jacobian is learnt from a shape and the
-//! grippers of another moment, nor an error steered by that has been half corrected since.
+//! An image shows the past. Its exposure time determines the matching `r`. A Jacobian is therefore
+//! not learned from a shape and a pose of different moments, and an error that has been half
+//! corrected since is not corrected twice.
 
 use crate::{Coordinates, INPUTS};
 
-/// Moments kept; between them the way is taken for straight.
+/// Number of knots kept. Between them, the path is treated as straight.
 const KNOTS: usize = 1024;
 
 #[derive(Debug, Clone, Copy)]
@@ -14,47 +16,50 @@ struct Knot {
     r: Coordinates,
 }
 
-/// The way of the grippers.
+/// The grippers' path.
 #[derive(Debug, Clone)]
 pub(crate) struct History {
-    /// A ring: the newest is before `next`.
+    /// A ring whose newest knot is before `next`.
     knots: Box<[Knot]>,
     next: usize,
     kept: usize,
-    /// Least time between two knots, so that all of the span fits.
+    /// Minimum time between two knots, so that the ring covers the whole span.
     spacing_ns: u64,
     end: Knot,
-    /// Since the end.
+    /// Velocity since `end`.
     velocity: Coordinates,
 }
 
 impl History {
-    /// Grippers that have stood at `start` for ever, remembered for so long.
+    /// Creates a history of grippers that have always been at `start`. It remembers `span_s`
+    /// seconds.
     pub(crate) fn new(start: Coordinates, span_s: f64) -> Self {
         let knot = Knot { at_ns: 0, r: start };
         Self {
             knots: vec![knot; KNOTS].into_boxed_slice(),
             next: 0,
             kept: 0,
-            // Two knots less than there are: the newest may be just behind the end, the oldest just lost.
+            // Two knots fewer than the ring has: the newest may be just before the end, and the
+            // oldest may just have been overwritten.
             spacing_ns: (span_s * 1e9) as u64 / (KNOTS as u64 - 2) + 1,
             end: knot,
             velocity: [0.0; INPUTS],
         }
     }
 
-    /// They stand elsewhere, and always have; before the first command.
+    /// Sets where the grippers have always been. Only valid before the first command.
     pub(crate) fn stand_at(&mut self, r: Coordinates) {
         self.end.r = r;
     }
 
-    /// From this moment on they move like this. A moment before the last one counts as that.
+    /// Sets the velocity from this time on. A time before the last one is treated as the last one.
     pub(crate) fn drive(&mut self, now_ns: u64, velocity: Coordinates) {
         self.advance(now_ns);
         self.velocity = velocity;
     }
 
-    /// Where they were, are, or will be if they go on. `None` if that is forgotten.
+    /// Returns the position at a time. A future position assumes that the velocity continues.
+    /// Returns `None` if the time is no longer remembered.
     pub(crate) fn at(&self, at_ns: u64) -> Option<Coordinates> {
         if at_ns >= self.end.at_ns {
             return Some(along(&self.end, &self.velocity, at_ns));
@@ -67,11 +72,13 @@ impl History {
             }
             later = knot;
         }
-        // Nothing has been lost: before the first command they stood still.
+        // No knot has been overwritten, so this is before the first command, when the grippers
+        // stood still.
         (self.kept < KNOTS).then_some(later.r)
     }
 
-    /// They were measured to be elsewhere at that moment: all since is moved by as much.
+    /// Corrects the position at a time to a measured one, and shifts all later positions by the
+    /// same amount.
     pub(crate) fn correct(&mut self, at_ns: u64, measured: Coordinates) {
         self.advance(at_ns);
         let Some(believed) = self.at(at_ns) else {
@@ -162,7 +169,7 @@ mod tests {
                         std::array::from_fn(|i| r[i] + seconds * velocity[i])
                     }
                 };
-                // Between knots, 0.6 ms, a velocity may change by 200 px/s.
+                // Between knots, 0.6 ms apart, a velocity may change by 200 px/s.
                 near(history.at(at_ns), wanted, 0.12);
             }
         }

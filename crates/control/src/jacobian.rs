@@ -1,8 +1,9 @@
-//! `J = ∂s/∂r`: how each coordinate of the shape answers to each of the grippers, px by px.
+//! `J = ∂s/∂r`: the answer of each coordinate of the shape to each coordinate of the grippers, px
+//! per px.
 
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
 
-/// Column by column. Columns of inputs that cannot move are 0, and so is what lies behind the shape's size.
+/// The columns. Columns of inputs that cannot move are 0, as are entries after the shape's size.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Jacobian {
     pub(crate) columns: [Features; INPUTS],
@@ -13,7 +14,7 @@ impl Jacobian {
         columns: [[0.0; MAX_FEATURES]; INPUTS],
     };
 
-    /// `J δr`.
+    /// Returns `J δr`.
     pub(crate) fn times(&self, dr: &Coordinates) -> Features {
         let mut product = [0.0; MAX_FEATURES];
         for (column, dr) in self.columns.iter().zip(dr) {
@@ -24,7 +25,7 @@ impl Jacobian {
         product
     }
 
-    /// What `δs` has that `J δr` has not.
+    /// Returns the innovation `δs − J δr`.
     pub(crate) fn surprise(&self, dr: &Coordinates, ds: &Features) -> Features {
         let mut rest = *ds;
         for (rest, expected) in rest.iter_mut().zip(self.times(dr)) {

@@ -1,25 +1,27 @@
-//! A Kalman filter on the entries of `J` (J. Qian, J. Su, *Online estimation of image Jacobian matrix by Kalman–Bucy filter for
-//! uncalibrated stereo vision feedback*, ICRA 2002; in shape servoing D. Navarro-Alarcon and others, IEEE T-RO 32, 2016, by least squares
-//! with a memory).
+//! A Kalman filter on the entries of `J` (J. Qian, J. Su, *Online estimation of image Jacobian
+//! matrix by Kalman–Bucy filter for uncalibrated stereo vision feedback*, ICRA 2002; in shape
+//! servoing D. Navarro-Alarcon and others, IEEE T-RO 32, 2016, by least squares with a memory).
 //!
-//! Each row of `J` is a state that walks at random with the grippers' way, and a pair measures it along `δr`:
+//! Each row of `J` is a state. It performs a random walk along the grippers' path, and each pair
+//! measures it along `δr`:
 //!
 //! ```text
 //! P ← P + q‖δr‖ I,     k = P δr/(δrᵀP δr + R),     J ← J + (δs − J δr) kᵀ,     P ← (I − k δrᵀ) P (I − k δrᵀ)ᵀ + R k kᵀ
 //! ```
 //!
-//! In the coordinates in which the metric is a plain sum of squares all rows have the same noise, so that one `P` serves all; and as `k` is
-//! the same for all rows, the rule is the same in any coordinates. `P` and `R` are of the mean square over the shape: `P` 1 is a rope that
-//! moves by as much as the grippers.
+//! In coordinates where the metric is a plain sum of squares, all rows have the same noise, so one
+//! `P` serves all. Because `k` is the same for all rows, the rule is the same in any coordinates.
+//! `P` and `R` are mean squares over the shape. A `P` of 1 corresponds to a rope that moves as much
+//! as its grippers.
 
 use crate::estimator::NONE;
 use crate::jacobian::square;
 use crate::{Coordinates, INPUTS};
 
-/// Before anything is known, and never more: a rope moves about as much as its gripper.
+/// Initial variance, and the maximum: a rope moves about as much as its gripper.
 const MOST_VARIANCE: f64 = 1.0;
 
-/// How well `J` is known.
+/// Uncertainty of `J`.
 #[derive(Debug, Clone)]
 pub(crate) struct Kalman {
     p: [Coordinates; INPUTS],
@@ -39,7 +41,7 @@ impl Kalman {
         }
     }
 
-    /// The column of an input is known by itself with this variance.
+    /// Records that the column of an input was measured independently, with this variance.
     pub(crate) fn measured(&mut self, input: usize, variance: f64) {
         for row in &mut self.p {
             row[input] = 0.0;
@@ -48,12 +50,12 @@ impl Kalman {
         self.p[input][input] = variance.min(MOST_VARIANCE);
     }
 
-    /// What of the surprise each column takes; `P` is then that of after.
+    /// Returns the share of the innovation that each column takes, and updates `P`.
     pub(crate) fn gain(&mut self, dr: &Coordinates, noise_px2: f64) -> Coordinates {
         let way = square(dr).sqrt();
         self.drift(self.drift_per_px * way);
-        // The pair shows the mean over its way, where `J` is wanted at its end: of a random walk that differs by a third of what it
-        // walks.
+        // The pair measures the mean of `J` over its path, but `J` is wanted at the path's end. For
+        // a random walk, the variance of the difference is a third of the walk's.
         let noise = noise_px2 + self.drift_per_px * way.powi(3) / 3.0;
         let along: Coordinates = std::array::from_fn(|i| dot(&self.p[i], dr));
         let below = dot(&along, dr) + noise;
@@ -65,12 +67,12 @@ impl Kalman {
         gain
     }
 
-    /// Adds to each variance, but for what is already as unknown as at the start.
+    /// Adds to each variance, up to the initial one.
     fn drift(&mut self, variance: f64) {
         for i in 0..INPUTS {
             self.p[i][i] += variance;
             let share = (MOST_VARIANCE / self.p[i][i]).min(1.0).sqrt();
-            // Row and column alike, so that it stays a covariance.
+            // Scales row and column alike, so that the matrix remains a covariance.
             for j in 0..INPUTS {
                 self.p[i][j] *= share;
                 self.p[j][i] *= share;
@@ -78,7 +80,7 @@ impl Kalman {
         }
     }
 
-    /// Joseph's form: symmetric and positive whatever the rounding.
+    /// Updates `P` in Joseph's form, which stays symmetric and positive despite rounding.
     fn narrow(&mut self, dr: &Coordinates, gain: &Coordinates, noise: f64) {
         let rest: [Coordinates; INPUTS] = std::array::from_fn(|i| {
             std::array::from_fn(|j| f64::from(u8::from(i == j)) - gain[i] * dr[j])

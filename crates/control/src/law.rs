@@ -1,13 +1,14 @@
-//! Damped least squares (Y. Nakamura, H. Hanafusa, *Inverse kinematic solutions with singularity robustness*, ASME J. Dyn. Sys. Meas.
-//! Control 108, 1986; C. Wampler, IEEE SMC 16, 1986).
+//! Damped least squares (Y. Nakamura, H. Hanafusa, *Inverse kinematic solutions with singularity
+//! robustness*, ASME J. Dyn. Sys. Meas. Control 108, 1986; C. Wampler, IEEE SMC 16, 1986).
 //!
 //! ```text
 //! v = λ (A + μ²I)⁻¹ b,      A = JᵀWJ,  b = JᵀW (s* − s)
 //! ```
 //!
-//! by the eigenvectors of `A`: its eigenvalues are the squares of the `σᵢ` by which the shape answers to as many independent motions, and
-//! tell how near to singular it is. What a motion is asked for is then `λ uᵢ·b/(σᵢ² + μ²)`, and μ grows from where the least `σ` is
-//! below a share of the greatest:
+//! The solution uses the eigenvectors of `A`. Its eigenvalues are the squares of the singular
+//! values `σᵢ`, the shape's answers to independent motions, and show how near to singular it is.
+//! The component along an eigenvector is `λ uᵢ·b/(σᵢ² + μ²)`. μ grows once the smallest `σ` is
+//! below a share of the largest:
 //!
 //! ```text
 //! μ² = σ₁² (μ₀² + ε² (1 − (σₚ/εσ₁)²)),     ε = SINGULAR, the second term only for σₚ < εσ₁
@@ -18,20 +19,20 @@ use crate::jacobian::{Jacobian, square};
 use crate::weighing::Weighing;
 use crate::{Coordinates, Features, INPUTS};
 
-/// Nearer to singular than this share, damping grows: a motion that the shape answers to so little would be asked for twenty times
-/// as strongly as the others, on the word of a `J` that is known to some hundredths.
+/// Ratio of singular values below which damping grows. Otherwise, the law would command such a
+/// motion twenty times as fast as the others, based on a `J` that is accurate to some hundredths.
 const SINGULAR: f64 = 0.05;
 
-/// What the law asks for.
+/// Velocity that the law requests.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wish {
-    /// Not yet within any limit, px-like a second.
+    /// Velocity before any limit, px-like per second.
     pub(crate) velocity: Coordinates,
     /// `σ₁/σₚ`; infinite if nothing answers.
     pub(crate) condition: f64,
 }
 
-/// The normal equations, to be solved with one set of inputs or another.
+/// The normal equations, to be solved for different sets of inputs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Law {
     matrix: [Coordinates; INPUTS],
@@ -41,7 +42,7 @@ pub(crate) struct Law {
 }
 
 impl Law {
-    /// For a shape that is to change by `error`.
+    /// Sets up the equations for a shape that is to change by `error`.
     pub(crate) fn new(
         jacobian: &Jacobian,
         weighing: &Weighing,
@@ -58,12 +59,13 @@ impl Law {
         }
     }
 
-    /// The velocity, with these inputs only.
+    /// Solves for the velocity, with these inputs only.
     pub(crate) fn solve(&self, free: &[bool; INPUTS]) -> Wish {
         let mut matrix = self.matrix;
         for (i, row) in matrix.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
-                // Inputs that are not free stand apart, with the eigenvalue −1 that no other has.
+                // Inputs that are not free are decoupled, with an eigenvalue of −1, which no other
+                // has.
                 if !(free[i] && free[j]) {
                     *entry = if i == j { -1.0 } else { 0.0 };
                 }
@@ -83,7 +85,7 @@ impl Law {
             velocity: [0.0; INPUTS],
             condition: f64::INFINITY,
         };
-        // A shape that does not answer, or numbers beyond all measure.
+        // The shape does not answer, or the numbers overflow.
         let answers = greatest > 1e-12 && greatest.is_finite();
         if !answers {
             return nothing;
@@ -95,7 +97,7 @@ impl Law {
         for i in (0..INPUTS).filter(kept) {
             let along: f64 = vectors[i].iter().zip(&self.right).map(|(u, b)| u * b).sum();
             let below = values[i].max(0.0) + damping;
-            // Undamped, and no answer: not asked for.
+            // A motion without damping and without an answer is not requested.
             if below > 1e-14 * greatest {
                 for (v, u) in velocity.iter_mut().zip(&vectors[i]) {
                     *v += self.gain * along / below * u;
@@ -136,7 +138,8 @@ mod tests {
         (jacobian, weighing, features(random, SIZE), covariances)
     }
 
-    /// The normal equations written out, with the inverses of the covariances as they are, by Gauss's elimination.
+    /// The normal equations written out with the inverses of the covariances, solved by Gaussian
+    /// elimination.
     fn reference(
         jacobian: &Jacobian,
         error: &Features,
@@ -157,7 +160,7 @@ mod tests {
             (w[2 * j][2 * j + 1], w[2 * j + 1][2 * j]) = (-xy / det, -xy / det);
             trace += (xx + yy) / det;
         }
-        // The mean weight of a coordinate is 1, and the points are SIZE / 2.
+        // The mean weight of a coordinate is 1, and there are SIZE / 2 points.
         let scale = SIZE as f64 / trace / (SIZE / 2) as f64;
         let j = |k: usize, i: usize| if free[i] { jacobian.columns[i][k] } else { 0.0 };
         let mut a = [[0.0; INPUTS + 1]; INPUTS];
@@ -190,7 +193,7 @@ mod tests {
         std::array::from_fn(|i| a[i][INPUTS] / a[i][i])
     }
 
-    /// The greatest eigenvalue, by its power: so that the reference knows none of ours.
+    /// The largest eigenvalue by power iteration, independent of the code under test.
     fn greatest(law: &Law, free: &[bool; INPUTS]) -> f64 {
         let mut vector = [1.0; INPUTS];
         let mut size = 0.0;
@@ -214,7 +217,7 @@ mod tests {
             free[case % INPUTS] = case % 3 == 0;
             let law = Law::new(&jacobian, &weighing, &error, 2.0, 0.1);
             let wish = law.solve(&free);
-            // So that all of the damping is the one asked for.
+            // Ensures that all damping is the requested one.
             assert!(wish.condition < 1.0 / SINGULAR, "well conditioned");
             let damping = 0.01 * greatest(&law, &free);
             let wanted = reference(&jacobian, &error, &covariances, &free, damping);

@@ -1,19 +1,20 @@
-//! No velocity leaves this file that the robot may not have.
+//! Enforces the robot's limits on every velocity.
 
 use crate::robot::Robot;
 use crate::{Coordinates, INPUTS, dimensions};
 
-/// Towards a border no faster than would reach it in this time, s: so that commands that come at least as often do not cross it.
+/// A gripper moves towards a border at most as fast as would reach it in this time, s. Commands
+/// that come at least this often do not cross it.
 const BORDER_S: f64 = 0.1;
 
-/// Of all coordinates, px-like.
+/// Limits of all coordinates, px-like.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
-    /// How many a gripper has.
+    /// Coordinates per gripper.
     axes: usize,
-    /// What multiplies a coordinate to make it px-like.
+    /// Factors that convert coordinates to px-like ones.
     scale: Coordinates,
-    /// The limits of speed as they were given.
+    /// The speed limits as given.
     given: Coordinates,
     speeds: Coordinates,
     accelerations: Coordinates,
@@ -28,7 +29,7 @@ impl Limits {
             true => 1.0,
             false => robot.lever_px,
         });
-        // Behind the second gripper's there is nothing that could move.
+        // Coordinates after the second gripper's do not move.
         let each = |of: fn(&Robot<A>, usize) -> [f64; A]| -> Coordinates {
             std::array::from_fn(|i| scale[i] * of(robot, (i / A).min(1))[i % A])
         };
@@ -52,27 +53,27 @@ impl Limits {
         }
     }
 
-    /// Poses as px-like coordinates.
+    /// Converts poses to px-like coordinates.
     pub(crate) fn gather<const A: usize>(&self, poses: &[[f64; A]; 2]) -> Coordinates {
         gathered(poses, |i, coordinate| self.scale[i] * coordinate)
     }
 
-    /// Px-like coordinates as poses.
+    /// Converts px-like coordinates to poses.
     pub(crate) fn spread<const A: usize>(&self, r: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| r[i] / self.scale[i])
     }
 
-    /// Px-like velocities as those of poses: rounding puts none above its limit.
+    /// Converts px-like velocities to those of poses. Rounding does not exceed a limit.
     pub(crate) fn spread_velocity<const A: usize>(&self, velocity: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| (velocity[i] / self.scale[i]).clamp(-self.given[i], self.given[i]))
     }
 
-    /// A row of the Jacobian, by poses.
+    /// Converts a row of the Jacobian from px-like coordinates to poses.
     pub(crate) fn spread_row<const A: usize>(&self, row: &Coordinates) -> [[f64; A]; 2] {
         by_gripper(|i| row[i] * self.scale[i])
     }
 
-    /// A row of the Jacobian, by px-like coordinates.
+    /// Converts a row of the Jacobian from poses to px-like coordinates.
     pub(crate) fn gather_row<const A: usize>(&self, row: &[[f64; A]; 2]) -> Coordinates {
         gathered(row, |i, entry| entry / self.scale[i])
     }
@@ -81,31 +82,34 @@ impl Limits {
         self.speeds[input]
     }
 
-    /// A speed from which an input stops in less than this distance: in the half, so that commands may come seldom.
+    /// Speed from which an input stops within half of this distance. The other half allows for
+    /// infrequent commands.
     pub(crate) fn stops_within(&self, input: usize, distance_px: f64) -> f64 {
         (self.accelerations[input] * distance_px).sqrt()
     }
 
-    /// Which inputs can move at all.
+    /// Returns which inputs can move at all.
     pub(crate) fn movable(&self) -> [bool; INPUTS] {
         self.speeds.map(|speed| speed > 0.0)
     }
 
-    /// Whether the grippers may be here.
+    /// Returns whether the grippers may be here.
     pub(crate) fn allow(&self, r: &Coordinates) -> bool {
         let inside = (0..INPUTS)
             .all(|i| self.speeds[i] == 0.0 || (self.least[i]..=self.most[i]).contains(&r[i]));
         inside && self.apart(r).0 <= self.longest_apart_px
     }
 
-    /// Whether an input is at a border and would go on outwards: next to nothing is left there of its velocity.
+    /// Returns whether an input is at a border and moves outwards, so that almost nothing is left
+    /// of its velocity.
     pub(crate) fn blocks(&self, input: usize, r: &Coordinates, velocity: f64) -> bool {
         let (low, high) = self.room(input, r);
         let velocity = velocity.clamp(-self.speeds[input], self.speeds[input]);
         velocity.clamp(low, high).abs() < 0.1 * velocity.abs()
     }
 
-    /// What of a wish may be commanded: `share` of the full speed is allowed, `before` is the last command, `dt_s` ago.
+    /// Limits a wish to what may be commanded. `share` is the allowed share of the full speed, and
+    /// `before` is the last command, `dt_s` ago.
     pub(crate) fn keep(
         &self,
         wish: &Coordinates,
@@ -124,7 +128,7 @@ impl Limits {
             let (low, high) = self.room(i, r);
             *kept = kept.clamp(low, high);
         }
-        // A border may have stopped the one and not the other.
+        // A border may have stopped only one of the grippers.
         let opening = self.opening(&kept, r);
         let allowed = self.allowed_opening(r);
         if opening > allowed {
@@ -133,7 +137,7 @@ impl Limits {
         self.saturated(kept)
     }
 
-    /// The whole vector made shorter, its direction kept, until each input is within its limit.
+    /// Scales the whole vector down, keeping its direction, until each input is within its limit.
     fn saturated(&self, velocity: Coordinates) -> Coordinates {
         let mut share = 1.0f64;
         for (v, limit) in velocity.iter().zip(&self.speeds) {
@@ -141,17 +145,17 @@ impl Limits {
                 share = share.min(limit / v.abs());
             }
         }
-        // Rounding may put a product a last digit above.
+        // Rounding may exceed a limit in the last digit.
         std::array::from_fn(|i| (share * velocity[i]).clamp(-self.speeds[i], self.speeds[i]))
     }
 
-    /// From the last command towards the wish, as far as the accelerations go. Between two velocities that are within the limits of
-    /// speed so is this.
+    /// Moves from the last command towards the wish as far as the accelerations allow. If both are
+    /// within the speed limits, so is the result.
     fn accelerated(&self, wish: Coordinates, before: &Coordinates, dt_s: f64) -> Coordinates {
         let mut share = 1.0f64;
         for i in 0..INPUTS {
             let (change, most) = ((wish[i] - before[i]).abs(), self.accelerations[i] * dt_s);
-            // Without a limit it is infinite, or, in no time, no number.
+            // Without a limit, `most` is infinite, or NaN if `dt_s` is 0.
             if change > most {
                 share = share.min(most / change);
             }
@@ -162,14 +166,14 @@ impl Limits {
         std::array::from_fn(|i| before[i] + share * (wish[i] - before[i]))
     }
 
-    /// The least and the most velocity that does not lead out. Outside only back.
+    /// Range of velocities that do not lead outside. Outside, only those that lead back.
     fn room(&self, input: usize, r: &Coordinates) -> (f64, f64) {
         let low = (self.least[input] - r[input]) / BORDER_S;
         let high = (self.most[input] - r[input]) / BORDER_S;
         (low.min(0.0), high.max(0.0))
     }
 
-    /// What would pull the rope taut is taken off both grippers alike.
+    /// Removes the velocity that would pull the rope taut, half from each gripper.
     fn tethered(&self, mut velocity: Coordinates, r: &Coordinates) -> Coordinates {
         let excess = self.opening(&velocity, r) - self.allowed_opening(r);
         if excess.is_nan() || excess <= 0.0 {
@@ -183,14 +187,14 @@ impl Limits {
         velocity
     }
 
-    /// How fast the grippers go away from each other.
+    /// Speed at which the grippers move apart.
     fn opening(&self, velocity: &Coordinates, r: &Coordinates) -> f64 {
         let (_, [x, y, z]) = self.apart(r);
         let [u, v, w] = self.way_between(velocity);
         x * u + y * v + z * w
     }
 
-    /// How far they are from each other, and in which direction, from the first to the second.
+    /// Distance of the grippers, and the direction from the first to the second.
     fn apart(&self, r: &Coordinates) -> (f64, [f64; 3]) {
         let way = self.way_between(r);
         let [x, y, z] = way;
@@ -201,7 +205,7 @@ impl Limits {
         (distance, way.map(|c| c / distance))
     }
 
-    /// Of places or their velocities; in the plane without z.
+    /// Difference of the grippers' positions or velocities; z is 0 in the plane.
     fn way_between(&self, r: &Coordinates) -> [f64; 3] {
         std::array::from_fn(|axis| match axis < dimensions(self.axes) {
             true => r[self.axes + axis] - r[axis],
@@ -218,7 +222,7 @@ fn by_gripper<const A: usize>(number: impl Fn(usize) -> f64) -> [[f64; A]; 2] {
     std::array::from_fn(|gripper| std::array::from_fn(|axis| number(A * gripper + axis)))
 }
 
-/// What there is of grippers, as the first of the coordinates.
+/// Collects the coordinates of both grippers; the rest is 0.
 fn gathered<const A: usize>(of: &[[f64; A]; 2], number: impl Fn(usize, f64) -> f64) -> Coordinates {
     let mut all = [0.0; INPUTS];
     for (i, (to, from)) in all.iter_mut().zip(of.as_flattened()).enumerate() {

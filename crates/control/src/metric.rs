@@ -1,7 +1,8 @@
-//! What counts as the distance of two shapes.
+//! Distance of two shapes.
 //!
-//! The control points of a curve are not on it: noise that moves the curve by 1 px moves one of a Bezier curve of order 8 by 25. What
-//! the eye sees is the distance of the curves, which with the rows `B` of points of the curve is
+//! The control points of a curve are not on it. Noise that moves the curve by 1 px moves a control
+//! point of a Bezier curve of order 8 by 25 px. The visible distance is that of the curves. With
+//! the rows `B` of points of the curve, it is
 //!
 //! ```text
 //! ‖B e‖²/N = eᵀ (M ⊗ I₂) e,      M = BᵀB/N
@@ -11,13 +12,13 @@ use std::ops::Deref;
 
 use crate::{MAX_POINTS, MetricError};
 
-/// Square, of as many rows and columns as there are points.
+/// A square matrix with one row and column per point.
 type Gram = [[f64; MAX_POINTS]; MAX_POINTS];
 
-/// What counts as the distance of two shapes: the root of `eᵀ (M ⊗ I₂) e`, px, for a difference `e` of their points.
+/// Distance of two shapes: the root of `eᵀ (M ⊗ I₂) e`, px, for a difference `e` of their points.
 ///
-/// The default is of points: the root mean square of their distances, one by one. Where the points are control points, take the
-/// curve's.
+/// The default compares points: the root mean square of their distances. For control points, use
+/// the curve's metric.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Metric(Option<Box<Curve>>);
 
@@ -29,11 +30,12 @@ struct Curve {
 }
 
 impl Metric {
-    /// The mean over points of a curve, of which each row has what every control point adds to one of them: rows of `B`, which
-    /// a reader gives as `Shape::jacobian_at(ρ)`, at even steps of ρ. Some four times as many as control points are plenty.
+    /// Creates the metric of a curve from rows of `B` at equal steps of ρ. A row has the share of
+    /// each control point in one point of the curve. A reader provides it as
+    /// `Shape::jacobian_at(ρ)`. Four times as many rows as control points are plenty.
     ///
     /// # Errors
-    /// Rows of different lengths, or fewer different ones than control points.
+    /// Fails if rows differ in length, or if there are fewer distinct rows than control points.
     pub fn of_rows<Row: Deref<Target = [f64]>>(
         rows: impl IntoIterator<Item = Row>,
     ) -> Result<Self, MetricError> {
@@ -64,11 +66,12 @@ impl Metric {
         Self::of_gram(gram, count)
     }
 
-    /// The mean over ρ from 0 to 1 of a Bezier curve of this order, in closed form: `Mⱼₖ = ∫ BⱼBₖ dρ`, which is
-    /// `C(n, j) C(n, k) / C(2n, j + k) / (2n + 1)`.
+    /// Creates the metric of a Bezier curve of this order, the mean over ρ from 0 to 1 in closed
+    /// form: `Mⱼₖ = ∫ BⱼBₖ dρ`, which is `C(n, j) C(n, k) / C(2n, j + k) / (2n + 1)`.
     ///
     /// # Errors
-    /// An order of 0, or so high that rounding leaves no distance (from about 24 on: the condition number is `C(2n + 1, n)`).
+    /// Fails for an order of 0, and for orders so high that rounding destroys the distance (from
+    /// about 24: the condition number is `C(2n + 1, n)`).
     pub fn bezier(order: usize) -> Result<Self, MetricError> {
         let count = checked(order.saturating_add(1))?;
         let mut gram = [[0.0; MAX_POINTS]; MAX_POINTS];
@@ -87,13 +90,13 @@ impl Metric {
         Ok(Self(Some(Box::new(Curve { count, gram, gains }))))
     }
 
-    /// How many points it is of; `None` if of any number.
+    /// Number of points that the metric is for; `None` if it is for any number.
     pub(crate) fn points(&self) -> Option<usize> {
         self.0.as_ref().map(|curve| curve.count)
     }
 
-    /// `M` and the diagonal of its inverse, for a shape of so many points. The diagonal is how uncertain each of them is, beside the
-    /// others, where the noise of the curve is even.
+    /// Returns `M` and the diagonal of its inverse, for a shape of this many points. The diagonal
+    /// is the relative variance of each point under noise that is even along the curve.
     pub(crate) fn matrix(&self, count: usize) -> (Gram, [f64; MAX_POINTS]) {
         if let Some(curve) = &self.0 {
             return (curve.gram, curve.gains);
@@ -118,8 +121,8 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
 }
 
-/// The diagonal of `M⁻¹` by Cholesky's factor: `M = LLᵀ`, and column by column of `L⁻¹` the sum of its squares. `None` if a pivot
-/// is lost to rounding.
+/// Diagonal of `M⁻¹` by the Cholesky factor `M = LLᵀ`: the sums of squares of the columns of `L⁻¹`.
+/// `None` if a pivot is lost to rounding.
 fn diagonal_of_inverse(gram: &Gram, count: usize) -> Option<[f64; MAX_POINTS]> {
     let mut l = [[0.0; MAX_POINTS]; MAX_POINTS];
     for j in 0..count {
@@ -163,7 +166,7 @@ mod tests {
     fn the_closed_form_is_the_mean_over_many_points() {
         for order in [1, 3, 8] {
             let exact = Metric::bezier(order).expect("a metric").matrix(order + 1).0;
-            // The middle rule, whose error falls with the square of the step: 10⁻⁴ of it.
+            // The midpoint rule, whose error is proportional to the square of the step.
             let rows = (0..1000).map(|i| bernstein(order, (i as f64 + 0.5) / 1000.0));
             let mean = Metric::of_rows(rows).expect("a metric").matrix(order + 1).0;
             for (a, b) in exact.as_flattened().iter().zip(mean.as_flattened()) {
@@ -175,7 +178,8 @@ mod tests {
     #[test]
     fn a_control_point_in_the_middle_is_less_certain_than_the_curve() {
         let (_, gains) = Metric::bezier(8).expect("a metric").matrix(9);
-        // 120 points of noise 1: the root of the largest gain by 120 is the fit's noise gain of 25 (crates/fit).
+        // For 120 points with noise 1, the root of the largest gain divided by 120 is the fit's
+        // noise gain of 25 (crates/fit).
         let largest = gains.iter().copied().fold(0.0, f64::max);
         assert!(((largest / 120.0).sqrt() - 25.0).abs() < 2.0, "{largest}");
     }

@@ -1,4 +1,4 @@
-//! How a servo is to drive, to learn and to explore.
+//! Settings for steering, learning and exploring.
 
 use crate::error::ServoError;
 use crate::setters::setters;
@@ -9,43 +9,48 @@ use crate::{Metric, Robot};
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Options<const A: usize = 3> {
-    /// What may move, and how fast.
+    /// The grippers and their limits.
     pub robot: Robot<A>,
-    /// What counts as the distance of two shapes. Default: of points.
+    /// Distance of two shapes. Default: that of points.
     pub metric: Metric,
-    /// λ, 1/s: an error that can be taken away falls by `e^−λt`, as far as the limits of speed allow. From 10⁻³ to 100. With
-    /// `look_ahead` it is bounded by how well `J` is known and how fast the rope follows, without it by the whole delay T:
-    /// 0.37/T if nothing is to overshoot. Default: 2.
+    /// λ, 1/s: an error that can be corrected decays as `e^−λt`, as far as the speed limits allow.
+    /// From 10⁻³ to 100. With `look_ahead`, the accuracy of `J` and the lag of the rope limit it.
+    /// Without, the whole delay T does: 0.37/T is the maximum without overshoot. Default: 2.
     pub gain: f64,
-    /// μ as a share of how strongly the shape answers to the best motion; where the worst is nearly none it grows by itself. From 0 to
-    /// 1. Default: 0.05.
+    /// μ as a share of the shape's answer to the best motion. It grows automatically when the
+    /// answer to the worst motion is nearly zero. From 0 to 1. Default: 0.05.
     pub damping: f64,
-    /// The servo stands still when the shape is within this distance of the target, px. From 10⁻⁶ to 10⁴. Below what noise makes of
-    /// the shape it never does. Default: 2.
+    /// The servo stops when the shape is within this distance of the target, px. From 10⁻⁶ to 10⁴.
+    /// A tolerance below the noise of the shape is never reached. Default: 2.
     pub tolerance_px: f64,
-    /// It goes on when the distance has grown to this many times the tolerance. From 1 to 10. Default: 1.5.
+    /// The servo resumes when the distance has grown to this many times the tolerance. From 1
+    /// to 10. Default: 1.5.
     pub release: f64,
-    /// It has arrived when an image that was exposed this long after it began to stand there still shows the shape there, s: a rope may
-    /// follow its grippers late. From 0 to 10. Default: 0.2.
+    /// The servo has arrived when an image exposed this long after it stopped still shows the shape
+    /// within the tolerance, s. A rope may lag behind its grippers. From 0 to 10. Default: 0.2.
     pub settle_s: f64,
-    /// Steer by the shape as it should be now, not as it was when its image was exposed. Default: yes.
+    /// Steer by the shape predicted for now, rather than the shape at the image's exposure.
+    /// Default: yes.
     pub look_ahead: bool,
-    /// The target may be run through the other way: of the two, the one nearer to the first shape that is seen is taken. Not for Fourier
-    /// series, nor for knots or a metric that differ from end to end. Default: yes.
+    /// Allow the target in reverse order: of the two directions, the servo chooses the one nearer
+    /// to the first observed shape. Not for Fourier series, nor for knots or a metric that are not
+    /// symmetric. Default: yes.
     pub either_way: bool,
-    /// Hold while a part of the rope is covered; else steer by what is seen, at half the speed. Default: no.
+    /// Hold while part of the rope is covered. Otherwise, steer by the visible part at half the
+    /// speed. Default: no.
     pub hold_on_partial: bool,
-    /// An image older than this is not steered by, s. From 10⁻³ to 10. Default: 0.5.
+    /// Maximum age of an image to steer by, s. From 10⁻³ to 10. Default: 0.5.
     pub oldest_image_s: f64,
-    /// After a hold, the time in which the full speed comes back, s. From 0 to 10. Default: 0.3.
+    /// Time to return to full speed after a hold, s. From 0 to 10. Default: 0.3.
     pub ramp_s: f64,
-    /// What noise makes of a shape whose weights do not say, px: root mean square by the metric. From 0 to 10³. Default: 0.5.
+    /// Noise of shapes whose weights do not state it, px: root mean square by the metric. From 0 to
+    /// 10³. Default: 0.5.
     pub noise_px: f64,
-    /// How `J` is kept up to date. Default: a Kalman filter.
+    /// Rule that keeps `J` up to date. Default: a Kalman filter.
     pub estimator: Estimator,
-    /// What it is kept up to date by.
+    /// Pairs of images that the rule learns from.
     pub learning: Learning,
-    /// How `J` is found at the start.
+    /// Motions that find `J` at the start.
     pub exploring: Exploring,
 }
 
@@ -92,46 +97,49 @@ setters! {
     exploring: Exploring,
 }
 
-/// How the Jacobian follows the rope.
+/// Rule by which the Jacobian follows the rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Estimator {
-    /// C. Broyden's rank-one rule (*A class of methods for solving nonlinear simultaneous equations*, Math. Comp. 19, 1965), damped:
-    /// it changes `J` only along the last motion.
+    /// C. Broyden's rank-one rule (*A class of methods for solving nonlinear simultaneous
+    /// equations*, Math. Comp. 19, 1965), damped. It changes `J` only along the last motion.
     Broyden {
-        /// The share of each surprise that is taken over. Above 0, to 1.
+        /// Share of each innovation that is applied. Above 0, up to 1.
         share: f64,
     },
-    /// A Kalman filter on the entries of `J`, which it takes for a random walk: it remembers how well each motion's answer is known,
-    /// and weighs by the noise.
+    /// A Kalman filter on the entries of `J`, modeled as a random walk. It tracks how accurately
+    /// each motion's answer is known, and weights by the noise.
     Kalman {
-        /// By how much an entry has changed after 100 px of the grippers' way: a standard deviation, px by px. From 0 to 10.
+        /// Standard deviation of an entry's change after the grippers have moved by 100 px, px per
+        /// px. From 0 to 10.
         drift: f64,
     },
 }
 
 impl Default for Estimator {
-    /// The filter. An entry is of the order of 1, and a rope bends over some hundreds of px. With 0.1 a rope on a table now and then
-    /// stands before its target with a `J` of long ago; with more than 0.3 one that lags behind is sooner taken for one that answers
-    /// less.
+    /// The Kalman filter. An entry is of the order of 1, and a rope bends over some hundreds of px.
+    /// With 0.1, a rope on a table occasionally stalls before its target with an outdated `J`.
+    /// Above 0.3, a rope that lags is more readily mistaken for one that answers less.
     fn default() -> Self {
         Self::Kalman { drift: 0.2 }
     }
 }
 
 impl Estimator {
-    /// Broyden's rule at half its step: noise in `J` is a third of the variance that one pair makes, `γ/(2 − γ)`.
+    /// Broyden's rule at half its step. The noise of `J` is a third of the variance that one pair
+    /// causes, `γ/(2 − γ)`.
     pub const BROYDEN: Self = Self::Broyden { share: 0.5 };
 }
 
-/// Which pairs of images the estimator learns from.
+/// Criteria for the pairs of images that the estimator learns from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Learning {
-    /// Between the two the grippers must have moved by at least this, px; and by at least three times what noise makes of the
-    /// difference of the two shapes, so that noise does not turn `J`. From 10⁻³ to 10³. Default: 2.
+    /// Minimum motion of the grippers between the two images, px. It must also be at least three
+    /// times the noise of the difference of the two shapes, so that noise does not distort `J`.
+    /// From 10⁻³ to 10³. Default: 2.
     pub least_step_px: f64,
-    /// Images farther apart than this are no pair, s. From 10⁻³ to 60. Default: 1.
+    /// Maximum time between the two images, s. From 10⁻³ to 60. Default: 1.
     pub longest_pair_s: f64,
 }
 
@@ -150,18 +158,20 @@ setters! {
     longest_pair_s: f64,
 }
 
-/// The motions at the start, there and back with each input in turn.
+/// The motions at the start, out and back with each input in turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Exploring {
-    /// How far, px; a turn by as much at the robot's lever. Far above the noise, well below the rope's length. From 10⁻² to 10³. Default: 13.
+    /// Reach of the motions, px; a turn reaches as far at the robot's lever. Choose it far above
+    /// the noise and well below the rope's length. From 10⁻² to 10³. Default: 13.
     pub reach_px: f64,
-    /// How fast, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
+    /// Speed of the motions, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
     pub speed_px_s: f64,
-    /// Explore again when the error has not fallen by a twentieth for this long, s; up to four times as long where the limits leave
-    /// less of what the law asks for. From 0.1 to 10³. Default: 1.
+    /// Explore again when the error has not fallen by a twentieth for this long, s. The time is up
+    /// to four times as long if the limits leave less of the law's wish. From 0.1 to 10³. Default:
+    /// 1.
     pub stalled_s: f64,
-    /// How often at most. Default: 4.
+    /// Maximum number of repeated explorations. Default: 4.
     pub again: u32,
 }
 
@@ -213,7 +223,7 @@ impl<const A: usize> Options<A> {
     }
 }
 
-/// NaN is within no range.
+/// Also rejects NaN.
 pub(crate) fn within(
     name: &'static str,
     given: f64,

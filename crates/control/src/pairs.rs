@@ -1,27 +1,29 @@
-//! Which two images a Jacobian is learnt from: not each and the next, between which the grippers move by less than noise does, but such
-//! as lie far enough apart in `r` for their difference to say something, and near enough in time for it to be one rope's answer.
+//! Selects the two images from which a Jacobian is learned. Between consecutive images, the
+//! grippers move by less than the noise. A pair must be far enough apart in `r` to be informative,
+//! and close enough in time to show the answer of the same rope.
 
 use crate::estimator::Pair;
 use crate::jacobian::square;
 use crate::options::Learning;
 use crate::{Coordinates, Features};
 
-/// So many standard deviations of the noise of `δs` must the grippers have moved: noise then turns `J` by a third of what a rope answers
-/// that moves as much as they do, and by a half of that where half of it is taken.
+/// Minimum motion of the grippers, in standard deviations of the noise of `δs`. Noise then changes
+/// `J` by a third of the answer of a rope that moves as much as its grippers. With half steps, it
+/// is half of that.
 const STEP_BY_NOISE: f64 = 3.0;
 
-/// A shape, and where the grippers were when its image was exposed.
+/// A shape, and the grippers' positions when its image was exposed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub(crate) features: Features,
     pub(crate) r: Coordinates,
-    /// The moment of `r` in the commands' time.
+    /// Time of `r`, by the clock of the commands.
     pub(crate) at_ns: u64,
-    /// The mean square distance that noise makes, px².
+    /// Mean square distance caused by noise, px².
     pub(crate) noise_px2: f64,
 }
 
-/// Pairs each frame with one before.
+/// Pairs each frame with an earlier one.
 #[derive(Debug, Clone)]
 pub(crate) struct Pairs {
     learning: Learning,
@@ -40,7 +42,7 @@ impl Pairs {
         self.first = None;
     }
 
-    /// The pair that this frame ends, if it does.
+    /// Returns the pair that this frame completes, if any.
     pub(crate) fn pair(&mut self, frame: &Frame) -> Option<Pair> {
         let longest_ns = (self.learning.longest_pair_s * 1e9) as u64;
         let old = |first: &Frame| frame.at_ns.saturating_sub(first.at_ns) > longest_ns;

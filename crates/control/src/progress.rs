@@ -1,17 +1,19 @@
-//! Detects that the error no longer falls. `J` may then be wrong in a way that the current motion does not show, so the servo explores again.
+//! Detects that the error no longer falls. `J` may then be wrong in a way that the current motion
+//! does not show, so the servo explores again.
 
 use crate::options::Exploring;
 
-/// Falling by less than this share in all of the time does not count.
+/// Minimum share by which the error must fall to count as progress.
 const PROGRESS: f64 = 0.05;
 
-/// Of a command that the limits leave little of, so much of its time counts at least: it may stand against a border for ever.
+/// Minimum share of the time that counts, however little of a command the limits leave. A gripper
+/// may be stuck at a border forever.
 const LEAST_SHARE: f64 = 0.25;
 
-/// The least error so far.
+/// The smallest error so far, and the time since it fell.
 ///
-/// Time counts by the share of the law's wish that the robot's limits leave: a robot that does a tenth of what it is asked for takes
-/// ten times as long, with the best of all `J`.
+/// Time is weighted by the share of the law's wish that the robot's limits leave. A robot that
+/// executes a tenth of the request takes ten times as long, even with a perfect `J`.
 #[derive(Debug, Clone)]
 pub(crate) struct Progress {
     best_px: f64,
@@ -32,19 +34,20 @@ impl Progress {
         }
     }
 
-    /// Steering goes on from here: time before does not count.
+    /// Resumes steering. Earlier time does not count.
     pub(crate) fn resume(&mut self, now_ns: u64) {
         self.stalled_s = 0.0;
         self.last_ns = now_ns;
     }
 
-    /// Any error is progress from here on.
+    /// Starts over: any error counts as progress.
     pub(crate) fn begin(&mut self, now_ns: u64) {
         self.best_px = f64::INFINITY;
         self.resume(now_ns);
     }
 
-    /// True if it is time to explore again, which uses up one exploration. `share` of the law's wish has been done since the last call.
+    /// Returns true if it is time to explore again, and uses up one exploration. `share` is the
+    /// share of the law's wish that was executed since the last call.
     pub(crate) fn has_stalled(&mut self, error_px: f64, share: f64, now_ns: u64) -> bool {
         let since_s = now_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
         self.stalled_s += share.clamp(LEAST_SHARE, 1.0) * since_s;

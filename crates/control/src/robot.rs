@@ -1,33 +1,39 @@
-//! What the robot may do.
+//! The robot's limits.
 
 use crate::dimensions;
 use crate::error::ServoError;
 use crate::options::within;
 use crate::setters::setters;
 
-/// The grippers: where they are, and what they may do. Coordinates of a gripper are x px, y px, θ rad; of one in space (`A` is 6) x, y and z in
-/// mm, and three turns in rad. Each field has a method of its name that sets it: `Robot::default().grippers(2)`.
+/// The grippers, their positions and their limits. Coordinates of a gripper are x px, y px, θ rad;
+/// in 3-D (`A` is 6) x, y and z in mm, and three turns in rad. Each field has a method of the same
+/// name that sets it: `Robot::default().grippers(2)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Robot<const A: usize = 3> {
-    /// How many, 1 or 2. Default: 1.
+    /// Number of grippers, 1 or 2. Default: 1.
     pub grippers: usize,
-    /// Where they are at the start. Only [workspace](Self::workspaces) and [`longest_apart_px`](Self::longest_apart_px) ask where that
-    /// is; without these any place will do. Default: 0.
+    /// Poses at the start. Only [workspaces](Self::workspaces) and
+    /// [`longest_apart_px`](Self::longest_apart_px) depend on them; without these, any pose will
+    /// do. Default: 0.
     pub start: [[f64; A]; 2],
-    /// Limits of speed for each gripper: px/s, px/s, rad/s, up to 10⁵. A coordinate with the limit 0 does not move: `[100, 100, 0]` is
-    /// a gripper that cannot turn. Default: 100, 100, 1; in space 100 along each axis, and 1 about each.
+    /// Speed limits of each gripper: px/s, px/s, rad/s, up to 10⁵. A coordinate with the limit 0
+    /// does not move: `[100, 100, 0]` is a gripper that cannot turn. Default: 100, 100, 1; in 3-D
+    /// 100 along each axis, and 1 about each.
     pub speeds: [f64; A],
-    /// Limits of acceleration for each gripper: px/s², px/s², rad/s². To hold is not limited: that is at once. Default: none.
+    /// Acceleration limits of each gripper: px/s², px/s², rad/s². A hold is immediate and ignores
+    /// them. Default: none.
     pub accelerations: Option<[f64; A]>,
-    /// Where each gripper may be. Default: anywhere.
+    /// Allowed region of each gripper. Default: anywhere.
     pub workspaces: [Workspace<A>; 2],
-    /// How far two grippers may be from each other, px: a little less than the rope between them is long, which is never pulled
-    /// taut then. Default: infinity.
+    /// Maximum distance between two grippers, px. If it is a little less than the length of the
+    /// rope between them, the rope is never pulled taut. Default: infinity.
     pub longest_apart_px: f64,
-    /// The lever by which a turn counts: 1 rad is as much as so many px. Of the size of a bend of the rope. From 1 to 10⁴. Default: 100.
+    /// The lever that converts a turn of 1 rad to px. Choose the size of a bend of the rope. From 1
+    /// to 10⁴. Default: 100.
     pub lever_px: f64,
-    /// How long after a command the robot moves, s; and the rope, where that is known to follow late. From 0 to 1. Default: 0.
+    /// Delay between a command and the robot's motion, s, plus that of the rope if it is known to
+    /// lag. From 0 to 1. Default: 0.
     pub delay_s: f64,
 }
 
@@ -61,18 +67,18 @@ setters! {
     delay_s: f64,
 }
 
-/// Where a gripper may be, by its coordinates. It slows down towards the border and does not cross it, as long as commands come at
-/// least every 0.1 s; one that is outside may only come back.
+/// Bounds of a gripper's coordinates. The gripper slows down towards a border and does not cross it
+/// if commands come at least every 0.1 s. A gripper outside may only move back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workspace<const A: usize = 3> {
-    /// The least of each coordinate.
+    /// Minimum of each coordinate.
     pub least: [f64; A],
-    /// The most of each coordinate.
+    /// Maximum of each coordinate.
     pub most: [f64; A],
 }
 
 impl<const A: usize> Workspace<A> {
-    /// No bounds.
+    /// A workspace without bounds.
     pub const ANYWHERE: Self = Self {
         least: [f64::NEG_INFINITY; A],
         most: [f64::INFINITY; A],
@@ -105,7 +111,7 @@ impl<const A: usize> Robot<A> {
         for (index, workspace) in self.workspaces[..self.grippers].iter().enumerate() {
             let sides = workspace.least.iter().zip(&workspace.most);
             for ((least, most), axis) in sides.zip(axes(A)) {
-                // NaN is no side either.
+                // Also rejects NaN.
                 if least.partial_cmp(most) != Some(std::cmp::Ordering::Less) {
                     let gripper = index + 1;
                     return Err(ServoError::Workspace { gripper, axis });
@@ -116,7 +122,7 @@ impl<const A: usize> Robot<A> {
     }
 }
 
-/// What the coordinates of a gripper that has so many are called.
+/// Names of the coordinates of a gripper that has this many.
 pub(crate) const fn axes(count: usize) -> &'static [&'static str] {
     match count {
         6 => &["x", "y", "z", "θ₁", "θ₂", "θ₃"],

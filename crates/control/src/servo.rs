@@ -1,4 +1,4 @@
-//! The servo: what it is at, from image to image.
+//! The servo and its state from image to image.
 
 mod known;
 mod sight;
@@ -19,20 +19,21 @@ use crate::weighing::Weighing;
 use crate::{Coordinates, Features, MAX_POINTS, dimensions};
 use sight::{Sight, checked};
 
-/// Between commands farther apart than this a robot is not taken to have gone on gaining speed, s.
+/// Maximum time between commands for which the acceleration limit counts, s.
 const LONGEST_STEP_S: f64 = 0.1;
 
-/// The share of the full speed by which a partly covered rope is steered.
+/// Share of the full speed while the rope is partly covered.
 const PARTIAL_SHARE: f64 = 0.5;
 
-/// Drives a rope's shape to a target: [`see`](Self::see) for each image, or [`hold`](Self::hold) where there is none to go by.
+/// Drives a rope's shape to a target: call [`see`](Self::see) for each image, or
+/// [`hold`](Self::hold) if there is no usable one.
 ///
-/// Times are ns of any one clock that does not go back: that of the images' exposure.
+/// Times are ns of any monotonic clock, the same as that of the images' exposures.
 #[derive(Debug, Clone)]
 pub struct Servo<const A: usize = 3> {
     options: Options<A>,
     limits: Limits,
-    /// Coordinates of a shape.
+    /// Number of coordinates of a shape.
     size: usize,
     target: Features,
     way_chosen: bool,
@@ -47,18 +48,19 @@ pub struct Servo<const A: usize = 3> {
     exposed_ns: Option<u64>,
     error_px: Option<f64>,
     commanded: Option<Commanded>,
-    /// Since when it has not held.
+    /// Time since which the servo has not held.
     resumed_ns: Option<u64>,
 }
 
-/// A servo of ropes in space: coordinates of a gripper are x, y and z in mm, then three turns in rad; what is px elsewhere is mm.
+/// A servo for ropes in 3-D. Coordinates of a gripper are x, y and z in mm, then three turns in
+/// rad. Lengths in px are in mm instead.
 pub type SpaceServo = Servo<6>;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
     Exploring,
     Steering,
-    /// Within the tolerance, and standing there.
+    /// The shape is within the tolerance, and the grippers stand still.
     Within {
         since_ns: u64,
     },
@@ -68,11 +70,11 @@ enum Phase {
 struct Commanded {
     at_ns: u64,
     velocity: Coordinates,
-    /// Of what the law wished for, what the limits left.
+    /// Share of the law's wish that the limits left.
     share: f64,
 }
 
-/// What is wanted, before the limits.
+/// The wanted motion, before the limits.
 struct Plan {
     velocity: Coordinates,
     doing: Doing,
@@ -80,13 +82,15 @@ struct Plan {
 }
 
 impl<const A: usize> Servo<A> {
-    /// Coordinates of a point.
+    /// Coordinates per point.
     const DIMENSIONS: usize = dimensions(A);
 
-    /// A servo for shapes of as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px; in space `[x₀, y₀, z₀, …]`, mm. `A` is 3, or in space 6.
+    /// Creates a servo for shapes with as many points as the target: `[x₀, y₀, x₁, y₁, …]`, px; in
+    /// 3-D `[x₀, y₀, z₀, …]`, mm. `A` is 3, or 6 in 3-D.
     ///
     /// # Errors
-    /// An option out of range, an invalid target, a metric of another number of points.
+    /// Fails if an option is out of range, the target is invalid, or the metric is for another
+    /// number of points.
     pub fn new(options: Options<A>, target: &[f64]) -> Result<Self, ServoError> {
         const {
             assert!(
@@ -134,9 +138,11 @@ impl<const A: usize> Servo<A> {
         })
     }
 
-    /// What to do, by the newest image: for each that comes, and as often between as the robot likes, with the same image.
+    /// Returns the command for the newest image. Call it for each new image, and in between, with
+    /// the same image, as often as the robot needs commands.
     ///
-    /// A shape that cannot be steered by (too old, of another size, no numbers) is held by: the command says why.
+    /// If the shape is unusable (too old, of another size, not finite), the servo holds and the
+    /// command gives the reason.
     pub fn see(&mut self, seen: Observation<'_>, now_ns: u64) -> Command<A> {
         match self.sight(&seen, now_ns) {
             Ok(sight) => self.go_by(&sight, now_ns),
@@ -144,7 +150,8 @@ impl<const A: usize> Servo<A> {
         }
     }
 
-    /// Velocity 0, at once: to be asked for in each cycle in which there is no shape to steer by. The next [`see`](Self::see) goes on.
+    /// Commands velocity 0 at once. Call it in each cycle without a shape to steer by. The next
+    /// [`see`](Self::see) resumes.
     pub fn hold(&mut self, why: Why, now_ns: u64) -> Command<A> {
         self.resumed_ns = None;
         self.command(now_ns, NONE, 0.0);
@@ -156,10 +163,10 @@ impl<const A: usize> Servo<A> {
         }
     }
 
-    /// Another target, of as many points. What is known of the rope stays.
+    /// Sets another target with the same number of points. Knowledge of the rope is kept.
     ///
     /// # Errors
-    /// An invalid target, or one of another size.
+    /// Fails if the target is invalid or of another size.
     pub fn aim(&mut self, target: &[f64]) -> Result<(), ServoError> {
         if target.len() != self.size {
             return Err(ServoError::OtherTarget {
@@ -177,7 +184,8 @@ impl<const A: usize> Servo<A> {
         Ok(())
     }
 
-    /// Starts with another rope, or one that was released and gripped again: explores again, and keeps the grippers' positions.
+    /// Restarts with another rope, or with one that was released and gripped again. The servo
+    /// explores again, and keeps the grippers' positions.
     pub fn reset(&mut self) {
         self.jacobian = Jacobian::ZERO;
         self.learner = Learner::new(self.options.estimator);
@@ -199,7 +207,7 @@ impl<const A: usize> Servo<A> {
         if sight.is_new && !sight.partial {
             self.learn(&sight.frame);
         }
-        // No moment is later than now: it is always known.
+        // The history always covers the present.
         let r = self.history.at(now_ns).unwrap_or(sight.frame.r);
         let dt_s = self.step_s(now_ns);
         let plan = self.plan(sight, now_ns, dt_s, &r);
@@ -253,7 +261,7 @@ impl<const A: usize> Servo<A> {
         self.pursue(sight, now_ns, r)
     }
 
-    /// Steers, or has arrived, or finds that it stands still and begins to explore.
+    /// Steers, detects arrival, or starts to explore if the error has stalled.
     fn pursue(&mut self, sight: &Sight, now_ns: u64, r: &Coordinates) -> Plan {
         let mut error = sight.error;
         if self.options.look_ahead {
@@ -272,7 +280,7 @@ impl<const A: usize> Servo<A> {
             self.options.damping,
         );
         let wish = self.within_borders(&law, r);
-        // What was seen and what should be now: neither alone is believed to be there.
+        // Uses the larger of the observed and the predicted error, as both must be near the target.
         let error_px = sight.error_px.max(self.weighing.distance_px(&error));
         let within = self.is_within(error_px, now_ns);
         let share = self.commanded.map_or(0.0, |last| last.share);
@@ -287,7 +295,8 @@ impl<const A: usize> Servo<A> {
         }
     }
 
-    /// Whether the shape is near enough to the target to stand still, which it is for a little farther once it was.
+    /// Returns whether the shape is near enough to the target to stand still. Once it is, a larger
+    /// distance is allowed.
     fn is_within(&mut self, error_px: f64, now_ns: u64) -> bool {
         let tolerance_px = self.options.tolerance_px;
         match self.phase {
@@ -315,7 +324,8 @@ impl<const A: usize> Servo<A> {
         }
     }
 
-    /// The law's wish. What a border blocks is left out, and the other inputs do what they can without it.
+    /// Returns the law's wish. Inputs blocked by a border are left out, and the others compensate
+    /// as far as they can.
     fn within_borders(&self, law: &Law, r: &Coordinates) -> Wish {
         let mut free = self.limits.movable();
         loop {
@@ -327,7 +337,7 @@ impl<const A: usize> Servo<A> {
                     (*free, blocked) = (false, true);
                 }
             }
-            // Each round takes away one at least.
+            // Each repetition removes at least one input.
             if !blocked {
                 return wish;
             }
@@ -356,7 +366,7 @@ impl<const A: usize> Servo<A> {
     }
 }
 
-/// How much of a wish is kept; all of none.
+/// Share of a wish that is kept; 1 if the wish is zero.
 fn share_of(kept: &Coordinates, wish: &Coordinates) -> f64 {
     let (kept, wish) = (square(kept), square(wish));
     if wish == 0.0 {

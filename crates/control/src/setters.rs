@@ -1,6 +1,6 @@
-//! One setter for each option, so that options can be added without breaking programs that set some of them.
+//! One setter for each option, so that new options do not break programs that set some of them.
 
-/// Adds to a struct of options a method for each field, which sets it.
+/// Adds a setter method for each field of an options struct.
 macro_rules! setters {
     ({$($generics:tt)*} $options:ty; $($field:ident: $type:ty,)*) => {
         impl<$($generics)*> $options {$(

@@ -1,14 +1,16 @@
-//! A gripper's own axes in space, which turn with it.
+//! A gripper's own axes in 3-D, which turn with it.
 
-/// Which way a gripper points, and the axes that a [`SpaceServo`](crate::SpaceServo) turns it about: two across the rope, and the rope itself.
+/// The direction of a gripper, and the axes about which a [`SpaceServo`](crate::SpaceServo) turns
+/// it: two across the rope, and the rope itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tool {
-    /// Two across, then the rope's direction: each of length 1, at right angles.
+    /// Two axes across the rope, then the rope's direction: orthogonal unit vectors.
     axes: [[f64; 3]; 3],
 }
 
 impl Tool {
-    /// A gripper from which the rope goes this way, of any length but 0. The first axis across is level.
+    /// Creates the axes of a gripper from which the rope leaves in this direction, of any length
+    /// but 0. The first axis across is horizontal.
     pub fn new(along: [f64; 3]) -> Self {
         let along = unit(along).unwrap_or([1.0, 0.0, 0.0]);
         let level = unit(cross([0.0, 0.0, 1.0], along)).unwrap_or([1.0, 0.0, 0.0]);
@@ -17,19 +19,20 @@ impl Tool {
         }
     }
 
-    /// The direction of the rope that it holds.
+    /// Direction of the rope that the gripper holds.
     pub fn along(&self) -> [f64; 3] {
         self.axes[2]
     }
 
-    /// A servo's velocity as the robot's frame has it: along its x, y and z, and the turns about these, rad/s.
+    /// Converts a servo's velocity to the robot's frame: velocities along x, y and z, and turns
+    /// about these, rad/s.
     pub fn twist(&self, velocity: &[f64; 6]) -> [f64; 6] {
         let [x, y, z, turns @ ..] = *velocity;
         let about = |axis: usize| (0..3).map(|k| turns[k] * self.axes[k][axis]).sum();
         [x, y, z, about(0), about(1), about(2)]
     }
 
-    /// Turns as it does at this velocity of the servo's, for so many seconds.
+    /// Turns the axes at this velocity of the servo for `seconds`.
     pub fn turn(&mut self, velocity: &[f64; 6], seconds: f64) {
         let [.., x, y, z] = self.twist(velocity);
         let about = [x, y, z].map(|turn| turn * seconds);
@@ -37,8 +40,8 @@ impl Tool {
         if !angle.is_finite() {
             return;
         }
-        // Rodrigues' formula by the tangent of half the angle, which for so small a step is the half itself: no sine is needed, and lengths and
-        // right angles stay.
+        // Rodrigues' formula with the tangent of half the angle, which for a small step is half the
+        // angle. It needs no sine and preserves lengths and right angles.
         let steps = (angle / STEP_RAD).ceil().clamp(1.0, MOST_STEPS);
         let half = about.map(|turn| 0.5 * turn / steps);
         let share = 2.0 / (1.0 + dot(half, half));
@@ -52,12 +55,12 @@ impl Tool {
     }
 }
 
-/// Steps in which it turns: each is right to a hundred thousandth of itself.
+/// Maximum turn per step. Each step is accurate to a hundred thousandth of itself.
 const STEP_RAD: f64 = 0.01;
-/// It turns no farther than by so many at a time: a whole turn.
+/// Maximum number of steps per call: a whole turn.
 const MOST_STEPS: f64 = 628.0;
 
-/// `None` of what has no direction.
+/// Unit vector; `None` if the vector has no direction.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(v, v).sqrt();
     (length > 1e-12 && length.is_finite()).then(|| v.map(|c| c / length))
@@ -83,7 +86,7 @@ mod tests {
     fn a_tool_turns_about_its_own_axes_and_stays_one() {
         let mut tool = Tool::new([3.0, 0.0, 0.0]);
         assert_eq!(tool.axes[0], [0.0, 1.0, 0.0]);
-        // A quarter about the level axis points down, or up.
+        // After a quarter turn about the horizontal axis, the tool points down or up.
         let quarter = std::f64::consts::FRAC_PI_2;
         tool.turn(&[9.0, 9.0, 9.0, quarter, 0.0, 0.0], 1.0);
         assert!((tool.along()[2].abs() - 1.0).abs() < 1e-6, "{tool:?}");
@@ -101,7 +104,7 @@ mod tests {
                 assert!((dot(*a, *b) - unit).abs() < 1e-9, "{tool:?}");
             }
         }
-        // What points up has a level axis, too, and what has no direction stays finite.
+        // A vertical direction also has a horizontal axis, and an invalid one stays finite.
         for along in [[0.0, 0.0, 2.0], [0.0; 3], [f64::NAN; 3]] {
             assert!(
                 Tool::new(along)

@@ -1,37 +1,40 @@
-//! What each point counts in the law, and how much of a shape is noise.
+//! Weight of each point in the law, and the amount of noise in a shape.
 //!
-//! A message has a covariance `Dⱼ` for each point; how two err together is the metric's, `Σⱼₖ = Dⱼ^½ cⱼₖ Dₖ^½` with `c` the
-//! correlations of `M⁻¹` (as `lariat-wire` has it). So `W ∝ Σ⁻¹` has the blocks
+//! A message has a covariance `Dⱼ` for each point. The metric gives the joint covariance,
+//! `Σⱼₖ = Dⱼ^½ cⱼₖ Dₖ^½` with the correlations `c` of `M⁻¹` (as in `lariat-wire`). So `W ∝ Σ⁻¹` has
+//! the blocks
 //!
 //! ```text
 //! Wⱼₖ = Rⱼ Mⱼₖ Rₖ,      Rⱼ = (Dⱼ/gⱼ)^−½,    gⱼ = (M⁻¹)ⱼⱼ
 //! ```
 //!
-//! scaled so that the mean of the `R²` is 1. With noise that is even along the curve `Dⱼ ∝ gⱼ I`, all `R` are `I`, and `W` is the metric.
+//! scaled so that the mean of the `R²` is 1. With noise that is even along the curve, `Dⱼ ∝ gⱼ I`,
+//! all `R` are `I`, and `W` is the metric.
 
 use crate::command::{Weights, Why};
 use crate::eigen::{Eigen, eigen};
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES, MAX_POINTS, Metric};
 
-/// No point counts more than this many times another: a variance told too small, or one point seen by chance, must not steer alone.
+/// Maximum ratio of two points' weights. An underestimated variance, or a single visible point,
+/// must not steer alone.
 const MOST_RATIO: f64 = 100.0;
 
-/// Variances beyond are no measurement, px².
+/// Largest valid variance, px².
 const MOST_VARIANCE_PX2: f64 = 1e12;
 
-/// `W`, from frame to frame.
+/// `W`, updated from frame to frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Weighing {
     count: usize,
-    /// Coordinates of a point.
+    /// Coordinates per point.
     dimensions: usize,
     gram: [[f64; MAX_POINTS]; MAX_POINTS],
     gains: [f64; MAX_POINTS],
-    /// `Rⱼ`; in the plane without z.
+    /// `Rⱼ`; z is unused in the plane.
     roots: [Symmetric; MAX_POINTS],
 }
 
-/// Of a point's coordinates: `[xx, xy, xz, yy, yz, zz]`.
+/// A symmetric matrix of a point's coordinates: `[xx, xy, xz, yy, yz, zz]`.
 type Symmetric = [f64; 6];
 
 impl Weighing {
@@ -46,7 +49,8 @@ impl Weighing {
         }
     }
 
-    /// Takes a frame's weights. The answer is the mean square distance that noise alone makes, px²: `tr (M ⊗ I)Σ`, which is `Σⱼ tr Dⱼ/gⱼ`.
+    /// Sets a frame's weights. Returns the mean square distance caused by noise alone, px²:
+    /// `tr (M ⊗ I)Σ`, which is `Σⱼ tr Dⱼ/gⱼ`.
     pub(crate) fn take(&mut self, weights: Weights, noise_px: f64) -> Result<f64, Why> {
         let mut relative = [[0.0; 6]; MAX_POINTS];
         let (given, dimensions) = match weights {
@@ -70,11 +74,11 @@ impl Weighing {
             noise_px2 += trace;
             largest = largest.max(trace);
         }
-        // All at once without noise: nothing tells them apart.
+        // All points are without noise, so their weights are equal.
         if largest == 0.0 {
             return self.take(Weights::Even, 0.0);
         }
-        // A little noise in all, so that none counts without bounds.
+        // Adds a little noise to all points, so that no weight is unbounded.
         let least = 0.5 * largest / MOST_RATIO;
         let mut mean = 0.0;
         for (root, mut relative) in self.roots[..given].iter_mut().zip(relative) {
@@ -94,13 +98,13 @@ impl Weighing {
         Ok(noise_px2)
     }
 
-    /// Distance of two shapes with the difference `e`, px: by the metric alone.
+    /// Distance of two shapes with the difference `e`, px, by the metric alone.
     pub(crate) fn distance_px(&self, e: &Features) -> f64 {
-        // Below 0 by rounding only.
+        // Negative only by rounding.
         dot(e, &self.times_gram(e)).max(0.0).sqrt()
     }
 
-    /// `JᵀWJ` and `JᵀWe`.
+    /// Returns `JᵀWJ` and `JᵀWe`.
     pub(crate) fn normal(
         &self,
         columns: &[Features; INPUTS],
@@ -134,7 +138,7 @@ impl Weighing {
                     *to_y = xy * x + yy * y + yz * z;
                     *to_z = xz * x + yz * y + zz * z;
                 }
-                // Points have two coordinates or three.
+                // Points have two or three coordinates.
                 _ => {}
             }
         }
@@ -159,7 +163,7 @@ fn dot(a: &Features, b: &Features) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The unit matrix of so many dimensions.
+/// Unit matrix of this many dimensions.
 const fn unit(dimensions: usize) -> Symmetric {
     let up = if dimensions == 3 { 1.0 } else { 0.0 };
     [1.0, 0.0, 0.0, 1.0, 0.0, up]
@@ -169,10 +173,10 @@ fn trace([xx, _, _, yy, _, zz]: &Symmetric) -> f64 {
     xx + yy + zz
 }
 
-/// Of point `j`. `None` if that is not a covariance.
+/// Covariance of point `j`. `None` if it is not a valid covariance.
 fn variance(weights: Weights, j: usize, dimensions: usize) -> Option<Symmetric> {
     let within = |variance| (0.0..=MOST_VARIANCE_PX2).contains(&variance);
-    // Of a matrix that rounding has left with a determinant just below 0, the rest is good.
+    // Tolerates a determinant that rounding has made slightly negative.
     let together = |ab: f64, a: f64, b: f64| ab * ab <= a * b * (1.0 + 1e-9);
     match weights {
         Weights::Even => Some(unit(dimensions)),
@@ -196,14 +200,16 @@ fn variance(weights: Weights, j: usize, dimensions: usize) -> Option<Symmetric> 
     }
 }
 
-/// `D^−½`: with `s = √det D` the root of `D` is `(D + sI)/√(tr D + 2s)`, and its inverse that one's adjugate by its determinant, `s`.
+/// `D^−½`. With `s = √det D`, the root of `D` is `(D + sI)/√(tr D + 2s)`, and its inverse is its
+/// adjugate divided by its determinant, `s`.
 fn root_of_inverse([xx, xy, _, yy, ..]: Symmetric) -> Symmetric {
     let s = (xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt();
     let size = (xx + yy + 2.0 * s).sqrt() * s;
     [(yy + s) / size, -xy / size, 0.0, (xx + s) / size, 0.0, 0.0]
 }
 
-/// The same in space, by the eigenvectors. What rounding, or a matrix that is no covariance, leaves below nothing counts as next to nothing.
+/// `D^−½` in 3-D, by the eigenvectors. Eigenvalues that rounding or an invalid covariance makes
+/// negative are raised to a small positive value.
 fn root_of_inverse3(d: Symmetric) -> Symmetric {
     let [xx, xy, xz, yy, yz, zz] = d;
     let Eigen { values, vectors } = eigen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
@@ -251,7 +257,7 @@ mod tests {
             .expect("weights");
         let squares = [0, 1, 2].map(|j| weighing.roots[j][0].powi(2));
         assert!((squares.iter().sum::<f64>() - 3.0).abs() < 1e-12);
-        // One hundredth, but for the little noise that is added: (1 + 1)/(100 + 1).
+        // One hundredth, except for the small noise that is added: (1 + 1)/(100 + 1).
         assert!(
             (squares[2] / squares[0] - 2.0 / 101.0).abs() < 1e-12,
             "{squares:?}"
@@ -298,7 +304,7 @@ mod tests {
                 assert!((entry - unit).abs() < 1e-12, "{product:?}");
             }
         }
-        // What is flat is not weighed without bounds.
+        // A flat covariance has a bounded weight.
         let flat = root_of_inverse3([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
         assert!(flat.iter().all(|entry| entry.is_finite()), "{flat:?}");
     }
@@ -323,7 +329,7 @@ mod tests {
             weighing.take(Weights::Points(&[1.0]), 1.0),
             Err(Why::Weights)
         );
-        // Of other dimensions.
+        // The dimensions differ.
         assert_eq!(
             weighing.take(Weights::Covariances3(&[unit(3); 2]), 1.0),
             Err(Why::Weights)

@@ -1,7 +1,8 @@
-//! Films of moving ropes whose centerlines are known, story by story: what tracking is held against.
+//! Films of moving ropes with known centerlines, by story: the reference for tests of tracking.
 //!
-//! A film is a [`Story`], a seed and a size; the same three make the same frames again. The ropes writhe: their loops
-//! open and close, strands touch along each other and part again. [`Judge`] follows an extractor's answers.
+//! A [`Story`], a seed and a size determine a film and reproduce its frames. The ropes writhe:
+//! their loops open and close, and strands touch along each other and part again. [`Judge`] follows
+//! an extractor's answers.
 
 mod ground;
 mod hand;
@@ -20,44 +21,44 @@ use writhe::Writhe;
 pub use hand::Hand;
 pub use judge::{Judge, SeenCurve, SeenStatus, Verdict};
 
-/// Frames a second.
+/// Frames per second.
 const FPS: f64 = 30.0;
-/// Points of a true centerline.
+/// Number of points of a true centerline.
 const TRUE_POINTS: usize = 240;
 
-/// What happens in a film.
+/// Course of events in a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Story {
     /// One rope writhes.
     Writhing,
     /// Two ropes of one color writhe over each other.
     Two,
-    /// One rope writhes, and is gone for up to 25 frames now and then.
+    /// One rope writhes, and disappears now and then for up to 25 frames.
     Vanishing,
     /// A gripper moves along the writhing rope.
     Gripper,
-    /// A second rope comes in from the side, and goes again.
+    /// A second rope comes in from the side and leaves again.
     Visitor,
-    /// Every two seconds the film is cut to another rope elsewhere.
+    /// Every two seconds, the film cuts to another rope elsewhere.
     Cuts,
-    /// Now and then a frame is noise, black or white.
+    /// Now and then, a frame is noise, black or white.
     BadFrames,
     /// The camera moves over the table.
     Panning,
-    /// One rope writhes half outside of the picture.
+    /// One rope writhes half outside the picture.
     Leaving,
-    /// One rope writhes on a ground of things, or on one with a pattern.
+    /// One rope writhes on a cluttered or patterned ground.
     Clutter,
-    /// The same, filmed by a camera that moves.
+    /// The same as [`Clutter`](Story::Clutter), filmed by a moving camera.
     Handheld,
-    /// The same, and now and then a hand passes over it.
+    /// The same as [`Handheld`](Story::Handheld), and now and then a hand passes over the rope.
     Passing,
-    /// Now and then a hand comes over the writhing rope, stays, and goes.
+    /// Now and then, a hand comes over the writhing rope, rests, and leaves.
     Resting,
 }
 
 impl Story {
-    /// All of them.
+    /// All stories.
     pub const ALL: [Self; 13] = [
         Self::Writhing,
         Self::Two,
@@ -74,7 +75,8 @@ impl Story {
         Self::Resting,
     ];
 
-    /// Whether the ropes lie on more than a plain table, so that only one who knows them tells them from it.
+    /// Returns whether the ground is more than a plain table, so that only prior knowledge of the
+    /// ropes separates them from it.
     pub const fn is_cluttered(self) -> bool {
         matches!(self, Self::Clutter | Self::Handheld | Self::Passing)
     }
@@ -83,7 +85,7 @@ impl Story {
         matches!(self, Self::Panning | Self::Handheld)
     }
 
-    /// Its name, in lower case.
+    /// Returns the story's name, in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Writhing => "writhing",
@@ -103,14 +105,14 @@ impl Story {
     }
 }
 
-/// One rope as it truly lies in a frame.
+/// True position of one rope in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueRope {
-    /// Which rope it is, in all of the film.
+    /// Identity of the rope, constant in the whole film.
     pub identity: u32,
     /// 240 points of its centerline at equal steps of arc length, [x, y] in pixels.
     pub points: Vec<[f64; 2]>,
-    /// Whether each of them is seen.
+    /// True for each point that is visible.
     pub seen: Vec<bool>,
     /// Width in pixels.
     pub width_px: f64,
@@ -128,20 +130,21 @@ pub struct Film {
     line: Vec<[f64; 2]>,
     clean: Vec<u8>,
     frame: u64,
-    /// Frames of the event at hand that are left, and until the next begins.
+    /// Number of frames left in the current event, and until the next one begins.
     event: [u64; 2],
 }
 
 impl Film {
-    /// The film of a story, in pictures of `width` × `height` pixels (each at least 160).
+    /// Makes the film of a story, in pictures of `width` × `height` pixels (each at least 160).
     pub fn new(story: Story, seed: u64, width: u32, height: u32) -> Self {
         Self::of(story, seed, [width, height], Ground::of)
     }
 
-    /// The same on a picture: three bytes a pixel without padding, of the size that [`ground_size`](Self::ground_size) tells.
+    /// Makes a film on a picture of the size [`ground_size`](Self::ground_size): three bytes per
+    /// pixel without padding.
     ///
     /// # Panics
-    /// If it is of another size.
+    /// Panics if the picture has another size.
     pub fn on(story: Story, seed: u64, size: [u32; 2], ground: Vec<u8>) -> Self {
         let pixels = Self::ground_size(story, size).map(|side| side as usize);
         assert_eq!(
@@ -154,7 +157,8 @@ impl Film {
         })
     }
 
-    /// Width and height of what a film's ropes lie on: more than the picture where the camera moves.
+    /// Returns width and height of the ground, which is larger than the picture if the camera
+    /// moves.
     pub fn ground_size(story: Story, size: [u32; 2]) -> [u32; 2] {
         ground::sides(story, size.map(|side| side as usize)).map(|side| side as u32)
     }
@@ -196,12 +200,13 @@ impl Film {
         }
     }
 
-    /// What happens in it.
+    /// Returns the film's story.
     pub fn story(&self) -> Story {
         self.story
     }
 
-    /// Draws the next frame into `rgb`, three bytes a pixel without padding, and says what is in it.
+    /// Draws the next frame into `rgb`, three bytes per pixel without padding, and returns the
+    /// ropes in it.
     pub fn next(&mut self, rgb: &mut Vec<u8>) -> Vec<TrueRope> {
         let time_s = self.frame as f64 / FPS;
         self.frame += 1;
@@ -245,13 +250,14 @@ impl Film {
         truth
     }
 
-    /// Fills `out` with the true mask of a frame that was told, a byte a pixel: how much of it is a rope that is seen.
+    /// Fills `out` with the true mask of a frame with this truth: the share of each pixel that
+    /// visible rope covers, one byte per pixel.
     pub fn mask(&self, truth: &[TrueRope], out: &mut Vec<u8>) {
         let size = [self.options.width, self.options.height].map(|side| side as usize);
         mask::draw(truth, size, out);
     }
 
-    /// Whether the story's event is on in this frame.
+    /// Returns whether the story's event takes place in this frame.
     fn happens(&mut self) -> bool {
         if self.event[0] > 0 {
             self.event[0] -= 1;
@@ -272,7 +278,7 @@ impl Film {
         false
     }
 
-    /// How far rope `index` is moved aside now; `None` when it is not there.
+    /// Displacement of rope `index` at this time; `None` if the rope is absent.
     fn place(&self, index: usize, time_s: f64, happens: bool) -> Option<[f64; 2]> {
         match self.story {
             Story::Vanishing if happens => None,
@@ -280,10 +286,10 @@ impl Film {
                 let shown = (time_s / 2.0) as usize % self.ropes.len();
                 (index == shown).then_some([0.0; 2])
             }
-            // Its middle lies a little within the picture's side.
+            // Its middle is slightly inside the picture's edge.
             Story::Leaving => Some([0.36 * f64::from(self.options.width), 0.0]),
             Story::Visitor if index == 1 => {
-                // Away, in for four seconds, and away again, every twelve.
+                // Every twelve seconds: absent, in the picture for four seconds, and absent again.
                 let phase = time_s % 12.0;
                 let aside = 1.0 - smoothstep((phase - 2.0) / 3.0) + smoothstep((phase - 8.0) / 3.0);
                 (aside < 0.999).then_some([1.3 * f64::from(self.options.width) * aside, 0.0])
@@ -312,7 +318,7 @@ impl Film {
         }
     }
 
-    /// Draws a gripper over the rope: a dark plate that slides along it, and turns.
+    /// Draws a gripper over the rope: a dark plate that slides along it and turns.
     fn grip(&mut self, time_s: f64, truth: &mut [TrueRope]) {
         const RGB: [u8; 3] = [92, 88, 84];
         let Some(rope) = truth.first_mut() else {
@@ -331,7 +337,7 @@ impl Film {
             (half[0] - u.abs()).min(half[1] - v.abs())
         };
         let width = self.options.width as usize;
-        // Beyond its corners nothing of it is seen.
+        // Nothing is drawn beyond the plate's corners.
         let reach_px = half[0] + half[1] + 1.0;
         let first = (middle[1] - reach_px).max(0.0) as usize;
         let last = (middle[1] + reach_px).max(0.0) as usize;
@@ -349,7 +355,7 @@ impl Film {
         }
     }
 
-    /// A frame that shows no scene.
+    /// Replaces a frame by one without a scene.
     fn spoil(&mut self, rgb: &mut [u8]) {
         match self.random.next_u64() % 3 {
             0 => rgb.fill(0),

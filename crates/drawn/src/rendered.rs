@@ -1,8 +1,9 @@
-//! A rope drawn by lariat, whose centerline is known: the same options make the same frames, bit for bit, on every
-//! machine.
+//! A rendered rope with a known centerline. The same options give the same frames, bit for bit, on
+//! every machine.
 //!
-//! The table and its light are drawn once. Each frame wipes the rope off, draws it where it lies now, and adds the
-//! camera's noise on the way into the caller's memory. Frame k depends on the options and on k alone.
+//! The table and its light are drawn once. Each frame wipes the rope off, draws it at its new
+//! position, and adds the camera's noise on the way into the caller's memory. Frame k depends only
+//! on the options and on k.
 
 pub(crate) mod draw;
 mod motion;
@@ -18,28 +19,29 @@ use draw::{Area, Brush, Canvas};
 use motion::Motion;
 use table::SensorNoise;
 
-/// What the rendered rope looks like.
+/// Appearance and motion of the rendered rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
-    /// Which of all ropes, motions and noises.
+    /// Selects the rope, its motion and its noise.
     pub seed: u64,
-    /// Pixels in a row, 64 to 8192.
+    /// Pixels per row, 64 to 8192.
     pub width: u32,
-    /// Rows, 64 to 8192.
+    /// Number of rows, 64 to 8192.
     pub height: u32,
     /// Width of the rope in pixels: at least 3, at most a twentieth of the image's shorter side.
     pub rope_px: f64,
-    /// Colour of the rope in full light: red, green, blue.
+    /// Color of the rope in full light: red, green, blue.
     pub rope_rgb: [u8; 3],
-    /// Colour of the table in full light.
+    /// Color of the table in full light.
     pub table_rgb: [u8; 3],
     /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
     pub noise: f64,
-    /// Time between two frames, as the rope moves, in seconds. It has nothing to do with how fast they are sent.
+    /// Time between two frames of the rope's motion, in seconds. It does not affect how fast frames
+    /// are sent.
     pub frame_interval_s: f64,
-    /// How many frames there are; `None`: without end.
+    /// Number of frames; `None`: unlimited.
     pub frames: Option<u64>,
-    /// How many points the true centerline has, 2 to 256.
+    /// Number of points of the true centerline, 2 to 256.
     pub truth_points: u32,
 }
 
@@ -60,11 +62,11 @@ impl Default for RenderOptions {
     }
 }
 
-/// The options make no picture of a rope.
+/// The options do not describe a picture of a rope.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("the rendered rope needs {what}")]
 pub struct RenderError {
-    /// What is needed, and what was asked.
+    /// What is required, and what was requested.
     what: String,
 }
 
@@ -112,7 +114,7 @@ impl RenderOptions {
     }
 }
 
-/// The rendered rope.
+/// A film of the rendered rope.
 #[derive(Debug)]
 pub struct Rendered {
     options: RenderOptions,
@@ -123,17 +125,17 @@ pub struct Rendered {
     table: Vec<u8>,
     /// The table with the rope, without noise.
     scene: Vec<u8>,
-    /// Where the scene differs from the table.
+    /// Region where the scene differs from the table.
     drawn: Area,
     line: Vec<[f64; 2]>,
     sequence: u64,
 }
 
 impl Rendered {
-    /// Before its first frame.
+    /// Makes the film, before its first frame.
     ///
     /// # Errors
-    /// Options out of their ranges.
+    /// Returns an error if an option is out of its range.
     pub fn new(options: &RenderOptions) -> Result<Self, RenderError> {
         options.check()?;
         let motion = Motion::new(options);
@@ -161,17 +163,17 @@ impl Rendered {
         }
     }
 
-    /// What is drawn.
+    /// Returns the options.
     pub fn options(&self) -> &RenderOptions {
         &self.options
     }
 
-    /// Goes on behind a frame, by its number, as if all up to it had been drawn.
+    /// Skips to the frame after number `sequence`, as if all frames up to it had been drawn.
     pub fn pass_over(&mut self, sequence: u64) {
         self.sequence = sequence;
     }
 
-    /// Draws the next frame; its number, from 1, or `None` if that was the last.
+    /// Draws the next frame. Returns its number, from 1, or `None` after the last one.
     pub fn advance(&mut self) -> Option<u64> {
         if self.options.frames.is_some_and(|end| self.sequence >= end) {
             return None;
@@ -191,14 +193,15 @@ impl Rendered {
         Some(self.sequence)
     }
 
-    /// Writes the frame's pixels, red, green and blue, with the camera's noise.
+    /// Writes the frame's pixels (red, green, blue) with the camera's noise.
     pub fn write(&self, pixels: &mut [u8]) {
         let row_bytes = PixelFormat::Rgb8.row_bytes(self.options.width);
         self.noise
             .add(self.sequence, row_bytes, &self.scene, pixels);
     }
 
-    /// Fills in where the rope of this frame lies; `false` before the first frame.
+    /// Fills in the true position of the rope in this frame. Returns `false` before the first
+    /// frame.
     pub fn truth(&self, truth: &mut Centerlines) -> bool {
         if self.line.is_empty() {
             return false;

@@ -1,8 +1,9 @@
-//! Still pictures of ropes whose centerlines are known, class by class: what an extraction is held against.
+//! Still pictures of ropes with known centerlines, by class: the reference for tests of an
+//! extraction.
 //!
-//! A picture is a [`Class`], a seed and a size; the same three make the same picture again. The rope's edge is
-//! unbiased: at half its width from the centerline half of a pixel is covered, before a camera's small blur and noise.
-//! [`score()`] measures curves against the truth.
+//! A [`Class`], a seed and a size determine a picture and reproduce it. The rope's edge is
+//! unbiased: at half the rope's width from the centerline, half of a pixel is covered, before a
+//! camera's small blur and noise. [`score()`] measures curves against the truth.
 
 mod camera;
 mod class;
@@ -28,95 +29,97 @@ use line::Line;
 pub use class::Class;
 pub use score::{CrossingScore, Score, SeenCrossing, SeenCurve, score};
 
-/// Points of a true centerline.
+/// Number of points of a true centerline.
 const TRUE_POINTS: usize = 2000;
-/// What a picture of the class about it is kept with.
+/// JPEG quality of the pictures of [`Class::Jpeg`].
 const JPEG_QUALITY: u16 = 30;
-/// Sizes of pictures, in pixels a side.
+/// Range of picture sizes, in pixels per side.
 const SIDES: std::ops::RangeInclusive<usize> = 160..=4096;
 
-/// One rope as it truly lies.
+/// True position of one rope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueRope {
-    /// 2000 points of its centerline at equal steps of arc length, [x, y] in pixels; (0, 0) is the centre of the
-    /// top-left pixel. An open rope's first and last are its ends; a closed one's last is one step before its first.
+    /// 2000 points of its centerline at equal steps of arc length, [x, y] in pixels; (0, 0) is the
+    /// center of the top-left pixel. The first and the last point of an open rope are its ends. The
+    /// last point of a closed rope is one step before its first.
     pub points: Vec<[f64; 2]>,
-    /// Arc length of what is in the image.
+    /// Arc length of the part in the image, in pixels.
     pub length_px: f64,
-    /// Width.
+    /// Width in pixels.
     pub width_px: f64,
-    /// Whether it has no ends.
+    /// True if the rope has no ends.
     pub closed: bool,
-    /// Whether the first and the last point lie where the rope leaves the image: on the lines through the centres of
-    /// its outermost pixels.
+    /// True if the rope leaves the image at its first and at its last point, which is then on a
+    /// line through the centers of the outermost pixels.
     pub border: [bool; 2],
 }
 
-/// A place where a strand lies over a strand.
+/// A crossing of one strand over another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueCrossing {
-    /// Where the centerlines cross.
+    /// Intersection of the centerlines, in pixels.
     pub at: [f64; 2],
     /// Angle between the strands, 0 to 90 degrees.
     pub angle_deg: f64,
-    /// Index of the upper rope, and where along it as normalized arc length.
+    /// Index of the upper rope, and the normalized arc length of the crossing on it.
     pub over: (usize, f64),
-    /// Index of the lower rope, likewise.
+    /// Index of the lower rope, and the normalized arc length of the crossing on it.
     pub under: (usize, f64),
 }
 
-/// A place where two strands run side by side in contact, and do not cross.
+/// A place where two strands run side by side in contact without crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueTouch {
-    /// Of each strand: its rope, the middle of the stretch as normalized arc length, and half of the stretch's length
-    /// in pixels. At its ends more than half a width of table shows between the strands.
+    /// For each strand: its rope, the normalized arc length of the middle of the stretch, and half
+    /// of the stretch's length in pixels. At the ends of the stretch, more than half a width of
+    /// table is visible between the strands.
     pub strands: [(usize, f64, f64); 2],
 }
 
-/// What is true of a picture.
+/// Ground truth of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Truth {
-    /// Every rope.
+    /// All ropes.
     pub ropes: Vec<TrueRope>,
-    /// Every crossing.
+    /// All crossings.
     pub crossings: Vec<TrueCrossing>,
-    /// Every place where strands touch without crossing, in the class that is about it.
+    /// All places where strands touch without crossing; only in the class of touching strands.
     pub touches: Vec<TrueTouch>,
 }
 
 /// A drawn picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Still {
-    /// Pixels in a row.
+    /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
     /// Red, green and blue of each pixel, row by row, without padding.
     pub rgb: Vec<u8>,
-    /// How much of each pixel is a rope that is seen, 0 to 255: what a mask would be that knows all.
+    /// Share of each pixel that visible rope covers, 0 to 255: the perfect mask.
     pub mask: Vec<u8>,
-    /// What it shows.
+    /// Ground truth of the picture.
     pub truth: Truth,
 }
 
-/// Why a picture cannot be drawn.
+/// Reason why a picture cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum SceneError {
     /// The size is out of range.
     #[error("a picture of {0}×{1} pixels: choose 160 to 4096 a side")]
     Size(usize, usize),
-    /// No rope of the class was found that fits.
+    /// No rope of the class was found that fits into the picture.
     #[error(
         "no rope of the class '{class}' with seed {seed} fits into {width}×{height} pixels: ask for a larger picture"
     )]
     NoRoom {
-        /// Of the picture.
+        /// Class of the picture.
         class: Class,
-        /// Of the picture.
+        /// Seed of the picture.
         seed: u64,
-        /// Of the picture.
+        /// Width of the picture.
         width: usize,
-        /// Of the picture.
+        /// Height of the picture.
         height: usize,
     },
 }
@@ -124,12 +127,12 @@ pub enum SceneError {
 /// Draws the picture of a class and a seed.
 ///
 /// # Errors
-/// If the size is out of range, or too small for what the class asks.
+/// Returns an error if the size is out of range, or too small for the class.
 pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Still, SceneError> {
     if !SIDES.contains(&width) || !SIDES.contains(&height) {
         return Err(SceneError::Size(width, height));
     }
-    // Of two seeds that differ in the light alone, one draws both.
+    // Two seeds share a drawing and differ only in their light.
     let drawn_seed = if class == Class::LightChange {
         seed / 2
     } else {
@@ -170,11 +173,13 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     })
 }
 
-/// The surface of a composed picture without its ropes, three bytes a pixel, and the color of a rope that is not the table's.
+/// Surface of a composed picture without ropes, three bytes per pixel, and a rope color that
+/// differs from the table's.
 pub(crate) fn surface(class: Class, seed: u64, [width, height]: [usize; 2]) -> (Vec<u8>, [u8; 3]) {
     let stream = |part: u64| SplitMix64::of_stream(seed, 0x5CE0 + 16 * class as u64 + part);
     let mut look = style::Style::of(class, seed, 1, 1.0, &mut stream(1));
-    // The camera that films it has its own, and no rope lies on it yet.
+    // The camera that films the surface adds its own noise, and there is no rope yet to cast a
+    // shadow.
     (look.noise, look.grain, look.shadow) = (0.0, 0.0, 0.0);
     let size_px = [width, height].map(|side| side as f64);
     let ground = ground::Ground::of(class, seed, size_px, &look, &mut stream(3));

@@ -1,4 +1,5 @@
-//! The simulated rope, drawn as a camera would see it: table, rope, grippers, a hand; or, lifted, by a colour and a depth camera.
+//! The simulated rope as a camera sees it: table, rope, grippers, a hand. A lifted rope is drawn
+//! for a color camera and a depth camera.
 
 mod gripper;
 mod hand;

@@ -1,9 +1,11 @@
-//! Ropes in space whose centerlines are known, as cameras see them that stand somewhere: in colour, and in depth.
+//! Ropes in 3-D with known centerlines, as color and depth cameras at any position see them.
 //!
-//! Millimetres in a frame whose plane z = 0 is the table, z up. An [`Eye`] is a pinhole of its own arithmetic, and none of the
-//! product's, which is held against what is drawn here. A [`LiftedRope`] lies on the table, or is lifted off it here and there, and
-//! may cross itself, touching or with air between; it is drawn as a round tube by rays, each pixel's nearest hit by a depth
-//! buffer, in colour with 16 rays a pixel and in depth with 9, through the faults of a [`DepthSensor`].
+//! Units are millimeters, in a frame whose plane z = 0 is the table, with z up. An [`Eye`] is a
+//! pinhole camera with arithmetic independent of the product's, which is tested against these
+//! drawings. A [`LiftedRope`] is on the table or lifted off it here and there. It may cross itself,
+//! touching or with air between. It is drawn as a round tube by rays, and a depth buffer keeps each
+//! ray's nearest hit. Color has 16 rays per pixel. Depth has 9, and the errors of a
+//! [`DepthSensor`].
 
 mod eye;
 mod paint;

@@ -1,4 +1,4 @@
-//! Drawn ropes are what their class promises, and the same again.
+//! Drawn ropes have the properties of their class and are reproducible.
 
 use lariat_drawn::scenes::{Class, SceneError, Still, draw};
 

@@ -1,4 +1,5 @@
-//! Ropes in space: the same on every machine, seen by two cameras where geometry says, and lying as they were wanted.
+//! Ropes in 3-D are the same on every machine, two cameras see them where geometry predicts, and
+//! they have the requested shape.
 
 use lariat_drawn::SpaceScene;
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
@@ -52,7 +53,7 @@ fn the_rope_is_as_long_as_wanted_lies_on_the_table_and_on_itself() {
                 .sqrt()
         };
         let length: f64 = rope.points.windows(2).map(step).sum();
-        // Lifted it is longer than on the table.
+        // A lifted rope is longer than one on the table.
         assert!((360.0..480.0).contains(&length), "{length}");
         let height = |i: usize| rope.points[i][2];
         assert!((0..rope.points.len()).all(|i| height(i) > 3.99));
@@ -61,7 +62,7 @@ fn the_rope_is_as_long_as_wanted_lies_on_the_table_and_on_itself() {
         };
         let at = |rho: f64| (rho * (rope.points.len() - 1) as f64).round() as usize;
         assert!(height(at(over)) > height(at(under)) + 7.5);
-        // Both are seen in one place.
+        // Both are seen at one place.
         let [a, b] = [over, under].map(|rho| eye.pixel(eye.see(rope.points[at(rho)])));
         assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 6.0, "{a:?} {b:?}");
     }
@@ -79,7 +80,8 @@ fn a_depth_image_without_faults_has_the_ropes_surface() {
         baseline_mm: 0.0,
     };
     let units = depth(&rope, &eye(), &faultless, 3);
-    // Away from the crossing, where the other strand may be what is seen, and from the ends, which are cut off square.
+    // Points near the crossing are skipped, because the other strand may be visible there, and so
+    // are the ends, which are cut off square.
     for i in (50..rope.points.len()).step_by(50) {
         let rho = i as f64 / (rope.points.len() - 1) as f64;
         if rope.crossings[0].iter().any(|at| (rho - at).abs() < 0.06) {
@@ -88,7 +90,7 @@ fn a_depth_image_without_faults_has_the_ropes_surface() {
         let seen = eye().see(rope.points[i]);
         let at = eye().pixel(seen).map(|c| c.round() as usize);
         let measured = f64::from(units[at[1] * SIZE[0] + at[0]]) * 0.1;
-        // The surface is a radius nearer, more along a slope, less beside the axis.
+        // The surface is nearer by a radius, more along a slope, and less off the axis.
         let nearer = seen[2] - measured;
         assert!((2.5..6.5).contains(&nearer), "{i}: {nearer} mm");
     }

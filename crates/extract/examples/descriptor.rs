@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The curves of the ropes in a picture, the longest rope first.
+/// The curves of the ropes in a picture, starting with the longest rope.
 pub(crate) fn descriptors(path: &str) -> Result<Vec<Fit>, Box<dyn std::error::Error>> {
     let picture = image::open(path)?.into_rgb8();
     let (width, height) = (picture.width() as usize, picture.height() as usize);

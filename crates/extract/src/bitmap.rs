@@ -1,5 +1,5 @@
-//! Pictures of one bit a pixel, 64 to a word: their neighborhoods, connected pieces, morphology, and how far each set
-//! pixel is from the nearest unset one.
+//! Pictures of one bit per pixel, 64 to a word: neighborhoods, connected components, morphology,
+//! and the distance of each set pixel to the nearest unset one.
 
 pub(crate) mod bits;
 pub(crate) mod components;

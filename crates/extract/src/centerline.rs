@@ -1,5 +1,5 @@
-//! The fourth step: from a strand to samples along the middle of the rope, between pixels, from tip to tip, each with the
-//! rope's width there.
+//! The fourth step: from a strand to samples along the middle of the rope, between pixels. The
+//! samples run from tip to tip, and each has the rope's width there.
 
 mod centerliner;
 pub(crate) mod connector;

@@ -1,5 +1,5 @@
-//! With another method than the skeleton: the centers of a clustering (`crates/clustering`) in each piece of the mask, what joins them,
-//! and the line through them.
+//! Methods other than the skeleton. A clustering (`crates/clustering`) puts centers in each piece
+//! of the mask. They are then joined, and a line is laid through them.
 
 mod clusterer;
 mod nerve;

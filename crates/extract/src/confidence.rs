@@ -1,9 +1,10 @@
-//! How sure it is that a curve is a rope, whole and in order: a judge of the finished curve against its image, whatever made the
-//! mask.
+//! The probability that a curve is a rope, whole and in order. It judges the finished curve against
+//! its image, whatever made the mask.
 //!
-//! At two dozen places along the curve the image is read across it. What is found there and what the curve itself is like becomes
-//! a handful of numbers between 0 and 1 ([`Evidence`]); a logistic function of their weighted sum is the probability of being
-//! right. The weights are fitted to drawn pictures ([`weights`]). It takes microseconds and no memory.
+//! At two dozen places along the curve, the image is read across it. The findings there and the
+//! shape of the curve become numbers between 0 and 1 ([`Evidence`]). A logistic function of their
+//! weighted sum is the probability of being right. The weights are fitted to drawn pictures
+//! ([`weights`]). It takes microseconds and no memory.
 
 mod across;
 pub(crate) mod remainder;
@@ -18,101 +19,108 @@ use crate::vec2::{self, Vec2};
 use across::{Across, Place};
 use weights::{COLOR, ELSEWHERE, NETWORK, OWN};
 
-/// Places along a curve that are looked at.
+/// Number of places along a curve that are read.
 const PLACES: usize = 24;
-/// Numbers that speak for a curve or against it.
+/// Number of clues for or against a curve.
 const CLUES: usize = Clue::Beyond as usize + 1;
-/// Least step at an edge, in levels and in multiples of the ground's own variation: a camera's noise makes less of a mean.
+/// Minimum step at an edge: in levels, plus multiples of the ground's own variation. Camera noise
+/// changes a mean by less.
 const EDGE: (f32, f32) = (6.0, 1.5);
-/// Radians from which on an arc says something, and all; how far it lies off its circle, as a share of the radius, to say nothing, and all.
+/// Turn of an arc, in radians, at which it begins to count as a circle and at which it counts
+/// fully.
+/// Deviation from its circle, as a share of the radius, at which an arc does not count and at which
+/// it counts fully.
 const ARC: (f32, f32) = (2.5, 4.0);
 const EXACT: (f32, f32) = (0.03, 0.01);
-/// Lengths in widths beyond which nothing is learnt.
+/// Length, in widths, beyond which a longer curve adds no evidence.
 const LONGEST: f32 = 64.0;
-/// Hidden share of a rope at which it starts to count as bridged, and at which it counts fully. A smaller share may be an end under another
-/// strand.
+/// Hidden share of a rope at which it begins to count as bridged, and at which it counts fully. A
+/// smaller share may be an end under another strand.
 const BRIDGED: (f32, f32) = (0.03, 0.1);
-/// Length, in rope widths, over which a rope of the same width hides the edges at a crossing: 1 / sin α, for α = 24°. Flatter crossings
-/// are uncertain, and count as stretches without edges.
+/// Length, in rope widths, over which a rope of the same width hides the edges at a crossing: 1 /
+/// sin α with α = 24°. Flatter crossings are uncertain and count as stretches without edges.
 const CROSSING: f32 = 2.5;
-/// How likely the network finds what it is sure of, of 255.
+/// Network output, of 255, at which a pixel counts as confident.
 const SEEN: f32 = 0.9 * 255.0;
 
-/// What speaks for a curve, or against it: a number from 0 to 1 each.
+/// Clues for or against a curve: a number from 0 to 1 each.
 #[derive(Clone, Copy)]
 enum Clue {
     /// Always 1.
     Constant,
-    /// How the width varies.
+    /// Variation of the width.
     Uneven,
-    /// How the colour varies along the curve.
+    /// Variation of color along the curve.
     Unlike,
-    /// How the ground differs between the two sides.
+    /// Difference of the ground between the two sides.
     SidesUnlike,
     /// The length in widths.
     Length,
-    /// How few pixels wide it is.
+    /// Thinness, in pixels.
     Thin,
     /// The sharpest bend.
     Bends,
-    /// 1 for a straight curve across which the light does not vary: a print, an edge, a bar. A rope that is taut is round.
+    /// 1 for a straight curve without variation of light across it, such as a print, an edge or a
+    /// bar. A taut rope is round.
     FlatBar,
-    /// 1 for an arc of a circle of half a turn or more, as a rim is.
+    /// 1 for an arc of half a turn or more, like a rim.
     Round,
-    /// The share of places without any edge, of those beyond half: the picture does not show it.
+    /// Share of places without any edge, as far as it exceeds one half: the picture does not show
+    /// the curve.
     Faint,
-    /// The longest stretch without edges, beyond what a crossing takes.
+    /// The longest stretch without edges, as far as it exceeds that of a crossing.
     Stretch,
-    /// How the light varies across it, in a mask of the network: a rope is round, what is printed is flat.
+    /// Variation of light across the curve, in a network's mask: a rope is round, print is flat.
     Relief,
-    /// The share of ends that are followed by more of the same colour.
+    /// Share of ends followed by more of the same color.
     GoesOn,
-    /// The share of its tips that point at the flank of a strand, or lie within one.
+    /// Share of tips that point at the flank of a strand, or are within one.
     Met,
-    /// How plainly a tip continues at another tip beyond a gap.
+    /// How clearly a tip continues at another tip beyond a gap.
     Torn,
-    /// The share of its ends at the picture's border.
+    /// Share of ends at the picture's border.
     Border,
     /// The number of crossings.
     Crossings,
     /// The part of the mask next to it that no curve runs through.
     LeftOut,
-    /// Whether it is a piece of what was longer before.
+    /// 1 if it is a part of a rope that was longer before.
     Partial,
-    /// Whether it may be something else.
+    /// 1 if the curve may be something else.
     Doubted,
-    /// The share of it that the network is sure of.
+    /// Share of the curve where the network is confident.
     Seen,
-    /// How likely the network finds what lies beyond its tips.
+    /// The network's output beyond the curve's tips.
     Beyond,
 }
 
-/// Who made the mask: what speaks for a curve weighs otherwise with each.
+/// The maker of the mask. Each maker has its own weights of the clues.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Maker {
-    /// The extractor, from the difference to the table.
+    /// The extractor, from the difference from the table.
     #[default]
     Own,
     /// The extractor, with the user's color ranges.
     Color,
     /// The network.
     Network,
-    /// Somebody else, who knows more than colours.
+    /// Another source, which knows more than colors.
     Elsewhere,
 }
 
-/// What speaks for a curve and against it.
+/// The evidence for and against a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
-    /// Numbers from 0 to 1: [`MEANINGS`](Self::MEANINGS).
+    /// Numbers from 0 to 1, explained in [`MEANINGS`](Self::MEANINGS).
     pub clues: [f32; CLUES],
-    /// Who made the mask.
+    /// The maker of the mask.
     pub maker: Maker,
 }
 
 impl Evidence {
-    /// The meaning of each number, and the sign that its weight may have: 1 if it can only speak for a curve, −1 if only against
-    /// one, 0 for both. A weight of the other sign would be a habit of the pictures that were fitted.
+    /// The meaning of each number, and the sign that its weight may have: 1 if it can only speak
+    /// for a curve, −1 if only against one, 0 for both. A weight of the other sign would be an
+    /// accident of the pictures it was fitted to.
     pub const MEANINGS: [(&'static str, i8); CLUES] = [
         ("constant", 0),
         ("unevenness of the width", -1),
@@ -138,12 +146,13 @@ impl Evidence {
         ("seen by the network beyond its tips", -1),
     ];
 
-    /// True if the picture shows the curve. A mask of something that the picture does not show is a guess, even if it is right.
+    /// Returns whether the picture shows the curve. A mask of something that the picture does not
+    /// show is a guess, even if it is right.
     pub fn is_shown(&self) -> bool {
         self.clues[Clue::Faint as usize] < 0.5
     }
 
-    /// The probability that a curve of this evidence is right.
+    /// The probability that a curve with this evidence is right.
     pub fn confidence(&self) -> f32 {
         let weights = match self.maker {
             Maker::Own => &OWN,
@@ -156,19 +165,21 @@ impl Evidence {
     }
 }
 
-/// What is known beside the image and the curve.
+/// Knowledge besides the image and the curve.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Prior<'a> {
-    /// Whether the curve may be something else than a rope.
+    /// True if the curve may be something other than a rope.
     pub(crate) is_doubted: bool,
     pub(crate) maker: Maker,
-    /// Whether the mask is made of how the image differs from the table, and so tells what lies over a rope.
+    /// True if the mask is made from the image's difference from the table, and so shows what
+    /// covers a rope.
     pub(crate) sees_covers: bool,
-    /// What the network says of each pixel, where it made the mask.
+    /// The network's output for each pixel, if the network made the mask.
     pub(crate) likely: Option<&'a GrayPlane>,
-    /// The part of the mask next to it that no curve runs through: [`Remainder::beside`](remainder::Remainder::beside).
+    /// The part of the mask next to it that no curve runs through, from
+    /// [`Remainder::beside`](remainder::Remainder::beside).
     pub(crate) left_out: f32,
-    /// The number of its crossings.
+    /// Number of its crossings.
     pub(crate) crossings: usize,
 }
 
@@ -192,7 +203,8 @@ pub(crate) fn evidence(
     clues[Clue::Thin as usize] = (1.0 - curve.width_px / 8.0).clamp(0.0, 1.0);
     clues[Clue::Bends as usize] = bends(curve);
     clues[Clue::Round as usize] = roundness(curve);
-    // What is bridged is known as a whole, where the mask tells what lies over a rope from a gap in it.
+    // A bridged rope counts as whole, if the mask distinguishes a cover over a rope from a gap in
+    // it.
     let bridged = share(known.sees_covers) * grade(hidden, BRIDGED.0, BRIDGED.1);
     clues[Clue::Partial as usize] = share(curve.status == Status::Partial) * (1.0 - bridged);
     clues[Clue::Doubted as usize] = share(known.is_doubted);
@@ -203,7 +215,8 @@ pub(crate) fn evidence(
     clues[Clue::Border as usize] =
         0.5 * curve.border.iter().filter(|&&border| border).count() as f32;
     if let Some(likely) = known.likely {
-        // The network takes many prints for ropes. A flat thing that is bent and lies on a plain table may well be a rope.
+        // The network mistakes many prints for ropes. A flat object that is bent and on a plain
+        // table may well be a rope.
         clues[Clue::Relief as usize] = relief;
         let is_seen = |at: &&Vec2| likely.sample(**at) >= SEEN;
         clues[Clue::Seen as usize] = curve.points.iter().filter(is_seen).count() as f32 / points;
@@ -215,12 +228,13 @@ pub(crate) fn evidence(
     }
 }
 
-/// A number without an upper end, as one below 1: a half at `half`.
+/// Maps a number without an upper limit to one below 1, with ½ at `half`.
 fn of(value: f32, half: f32) -> f32 {
     value / (value + half)
 }
 
-/// Fills in the clues that the colours across and along the curve give. Returns the variation of light across it.
+/// Fills in the clues from the colors across and along the curve. Returns the variation of light
+/// across it.
 fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     let mut at = [Place::default(); PLACES];
     let mut count = 0;
@@ -250,7 +264,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     let contrast = middle(&|across| across.edges[0].min(across.edges[1]));
     let relief =
         middle(&|across| across.relief[0]).abs() + 0.5 * middle(&|across| across.relief[1].abs());
-    // A twisted rope has two colours by turns: of three neighbours the nearest two are alike.
+    // A twisted rope alternates between two colors: of three neighbors, the nearest two are alike.
     let along = |of: &dyn Fn(&Across) -> [f32; 3]| {
         let mut values = [0.0; PLACES];
         let mut steps = 0;
@@ -259,7 +273,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
             values[steps] = apart(0, 1).min(apart(1, 2)).min(apart(0, 2));
             steps += 1;
         }
-        // The worse ones: a rope is alike all along.
+        // The upper quartile, because a rope is alike all along.
         quantile(&mut values[..steps], 0.75)
     };
     clues[Clue::Unlike as usize] = of(along(&|across| across.inside), contrast + 4.0);
@@ -280,14 +294,14 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     of(relief, 6.0)
 }
 
-/// Which of the curve's points are looked at: none that is hidden.
+/// The curve's points that are read, without the hidden ones.
 fn places(curve: &Curve) -> impl Iterator<Item = usize> {
     let points = curve.points.len();
     let seen = (0..PLACES).map(move |k| (2 * k + 1) * points / (2 * PLACES));
     seen.filter(|&i| curve.hidden.get(i) == Some(&false))
 }
 
-/// How the width varies along the curve, beside its median.
+/// Variation of the width along the curve, around its median.
 fn unevenness(curve: &Curve) -> f32 {
     let mut off = [0.0; PLACES];
     let mut count = 0;
@@ -299,7 +313,7 @@ fn unevenness(curve: &Curve) -> f32 {
     of(off_px, 0.25 * curve.width_px.max(1.0))
 }
 
-/// How sharply the curve bends at its sharpest: a rope's own stiffness keeps the radius above its width.
+/// Sharpness of the curve's sharpest bend. A rope's stiffness keeps the radius above its width.
 fn bends(curve: &Curve) -> f32 {
     let points = &curve.points;
     let step_px = curve.length_px / points.len().max(2) as f32;
@@ -313,7 +327,7 @@ fn bends(curve: &Curve) -> f32 {
     0.5 * sharpest
 }
 
-/// Whether a curve runs as straight as an edge.
+/// Returns whether a curve is as straight as an edge.
 fn is_straight(curve: &Curve) -> bool {
     let (Some(&from), Some(&to)) = (curve.points.first(), curve.points.last()) else {
         return false;
@@ -321,7 +335,8 @@ fn is_straight(curve: &Curve) -> bool {
     vec2::distance(from, to) > 0.995 * curve.length_px
 }
 
-/// How much of a circle a curve is, and how exactly: the circle of least squares (Kåsa, 1976).
+/// The curve's resemblance to a circle: its turn and its deviation from the circle of least squares
+/// (Kåsa, 1976).
 fn roundness(curve: &Curve) -> f32 {
     let share = 1.0 / curve.points.len().max(1) as f32;
     let sum = (curve.points.iter()).fold([0.0; 2], |sum, &at| vec2::along(sum, at, share));
@@ -350,7 +365,8 @@ fn roundness(curve: &Curve) -> f32 {
     grade(turn, ARC.0, ARC.1) * grade(off, EXACT.0, EXACT.1)
 }
 
-/// The share of a curve's two ends behind which its colour goes on: it is longer than the curve.
+/// The share of a curve's two ends beyond which its color continues, so that the rope is longer
+/// than the curve.
 fn going_on(image: &Image, curve: &Curve, all: &[Across]) -> f32 {
     let (Some(first), Some(last)) = (all.first(), all.last()) else {
         return 0.0;

@@ -1,5 +1,5 @@
-//! The crossings of the ropes seen: where the finished curves meet ([`meet`]), and which
-//! strand lies on top there ([`over`]).
+//! The crossings of the visible ropes: where the finished curves meet ([`meet`]), and which strand
+//! is on top ([`over`]).
 
 pub(crate) mod meet;
 mod over;
@@ -19,7 +19,7 @@ pub(crate) struct Crosser {
 }
 
 impl Crosser {
-    /// Finds the crossings of `curves` as they are seen in `image`.
+    /// Finds the crossings of `curves` as seen in `image`.
     pub(crate) fn find(&mut self, image: &Image, curves: &[Curve], out: &mut Vec<Crossing>) {
         out.clear();
         self.meeter.find(curves);

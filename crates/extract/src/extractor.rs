@@ -1,4 +1,4 @@
-//! The steps in their order, and the memory they share from frame to frame.
+//! The steps of an extraction in their order, and their memory from frame to frame.
 
 mod doubts;
 mod lines;
@@ -47,25 +47,26 @@ pub(crate) use seek::SURER;
 use std::sync::Arc;
 use still::{Comparison, Still};
 
-/// Levels of difference from the table by which something lies there; the noise of a camera and of
-/// coding stays below.
+/// Difference from the table, in levels, that indicates an object. Noise of camera and coding stays
+/// below.
 const SOMETHING: f32 = 24.0;
-/// The time between two images of which nothing else is known: 1/30 s.
+/// Time between two images if nothing else is known: 1/30 s.
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 
 /// The steps of an extraction, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
-    /// The ropes of the last image are followed into this one. Taken when they were seen whole; it is the only step of
-    /// an image into which they could be followed ([`Scene::followed`]).
+    /// Follows the ropes of the last image into this one, if they were seen whole. If it succeeds,
+    /// it is the only step ([`Scene::followed`]).
     Follow,
-    /// Pixels to one bit each: rope or not.
+    /// Turns pixels into one bit each: rope or not.
     Mask,
-    /// The mask thinned to lines of one pixel; with a clustering, its centers.
+    /// Thins the mask to lines of one pixel. With a clustering, finds its centers.
     Skeleton,
-    /// Ends, crossings and the strands between them; crossings resolved into ropes.
+    /// Finds ends, crossings and the strands between them, and resolves crossings into ropes.
     Graph,
-    /// Sub-pixel centers and widths, or a clustering's centers in order; equal arc lengths, tracks.
+    /// Finds subpixel centers and widths, or puts a clustering's centers in order. Yields equal arc
+    /// lengths and tracks.
     Points,
 }
 
@@ -77,7 +78,7 @@ struct Body {
     lines: Strips,
 }
 
-/// Turns images into centerlines, remembering the ropes from one image to the next.
+/// Turns images into centerlines, and remembers the ropes from one image to the next.
 #[derive(Debug)]
 pub struct Extractor {
     options: Options,
@@ -86,7 +87,7 @@ pub struct Extractor {
     masker: Masker,
     occluder: Occluder,
     wide: Wide,
-    /// Whether something was too wide that is no gripper over a known rope.
+    /// True if something was too wide and is not a gripper over a known rope.
     has_wide: bool,
     thinner: Thinner,
     skeleton: Skeleton,
@@ -96,7 +97,8 @@ pub struct Extractor {
     strands: Strands,
     centerliner: Centerliner,
     clusterer: Clusterer,
-    /// What a clustering's skeleton lies in: the mask, and what joins centers beside it.
+    /// The area that contains a clustering's skeleton: the mask, and the links between centers
+    /// outside of it.
     body: Body,
     orderer: Orderer,
     lines: Vec<Line>,
@@ -117,17 +119,17 @@ pub struct Extractor {
     crosser: Crosser,
     crossings: Vec<Crossing>,
     follower: Follower,
-    /// What each curve may be instead of a rope, and what to say of it.
+    /// The objects that each curve may be instead of a rope, as a notice.
     doubts: Vec<Option<Notice>>,
-    /// What speaks for each curve and against it.
+    /// The evidence for and against each curve.
     evidence: Vec<Evidence>,
     doubt: Option<Notice>,
-    /// Whether there were more ropes than are reported.
+    /// True if there were more ropes than are reported.
     is_crowded: bool,
-    /// Whether the last image's ropes were followed into it.
+    /// True if the last image's ropes were followed into it.
     followed: bool,
     answer: Answer,
-    /// The best reading of this image so far, while another one is tried; memory else.
+    /// The best hypothesis for this image while another is tried; otherwise memory.
     kept: Hypothesis,
     meant: Meant,
     /// The last image, to recognize it.
@@ -135,10 +137,10 @@ pub struct Extractor {
 }
 
 impl Extractor {
-    /// An extractor that has seen nothing yet.
+    /// An extractor without past images.
     ///
     /// # Errors
-    /// When an option is out of its range.
+    /// If an option is out of range.
     pub fn new(options: Options) -> Result<Self, OptionsError> {
         options.check()?;
         Ok(Self {
@@ -188,10 +190,10 @@ impl Extractor {
         })
     }
 
-    /// The same with another network in the place of [`Network::ropes`].
+    /// Uses another network instead of [`Network::ropes`].
     ///
     /// # Errors
-    /// When masks are made without one.
+    /// If the masks are made without a network.
     pub fn with_network(mut self, network: Arc<Network>) -> Result<Self, OptionsError> {
         if !matches!(self.options.mask, Mask::Auto | Mask::Network) {
             return Err(OptionsError::IdleNetwork);
@@ -200,28 +202,29 @@ impl Extractor {
         Ok(self)
     }
 
-    /// The ropes in `image`, taken as the next frame of the same scene. An image of another size is a new scene. An image with
-    /// the same pixels as the last one has the same answer; only lost ropes get older.
+    /// Extracts the ropes in `image`, the next frame of the same scene. An image of another size
+    /// starts a new scene. An image with the same pixels as the last one has the same result; only
+    /// lost ropes age.
     pub fn extract(&mut self, image: &Image) -> Scene<'_> {
         self.extract_observed(image, &mut |_| {})
     }
 
-    /// Says when the next image was taken, in nanoseconds of whatever clock: by it a rope out of sight ages. An image of
-    /// which that is not said comes 1/30 s after the last.
+    /// Sets the time when the next image was taken, in nanoseconds of any clock. Ropes out of sight
+    /// age by it. Without this call, the image counts as taken 1/30 s after the last.
     pub fn at(&mut self, exposed_ns: u64) -> &mut Self {
         self.next_ns = Some(exposed_ns);
         self
     }
 
-    /// As [`extract`](Self::extract), calling `after` when each step that is taken is finished, so that a
-    /// caller who has a clock can time them.
+    /// Like [`extract`](Self::extract), but calls `after` at the end of each step taken, so that a
+    /// caller with a clock can time them.
     pub fn extract_observed(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> Scene<'_> {
         self.turn_to(image);
         let compared = self.still.compare(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
         if compared.is_same {
             let seen = self.stay();
-            // Ropes are followed once they were seen a few times.
+            // Ropes are followed after they were seen a few times.
             if !self.follower.is_anchored() {
                 self.anchor(&unpacker.unpack(image), seen);
             }
@@ -235,9 +238,10 @@ impl Extractor {
         self.scene()
     }
 
-    /// The ropes of the last image followed into `image`, the next one, if that is all it takes. `None`: they cannot be, and
-    /// the image is to be given to [`extract`](Self::extract) or [`extract_masked`](Self::extract_masked). So that a mask
-    /// that takes its time, a network's for instance, is only made where it is needed:
+    /// Follows the ropes of the last image into `image`, the next one. Returns `None` if that
+    /// fails: pass the image to [`extract`](Self::extract) or
+    /// [`extract_masked`](Self::extract_masked) instead. This way, an expensive mask, such as a
+    /// network's, is only made if needed:
     ///
     /// ```
     /// # use lariat_extract::{Extractor, Image, MaskError};
@@ -278,20 +282,21 @@ impl Extractor {
         Some(self.scene())
     }
 
-    /// Repeats the answer to the last image, which had the same pixels. Lost ropes get older. Returns the number of ropes in sight.
+    /// Repeats the result for the last image, which had the same pixels. Lost ropes age. Returns
+    /// the number of visible ropes.
     fn stay(&mut self) -> usize {
         self.tracker.pass(self.now_ns);
         let is_seen = |curve: &&Curve| curve.status != Status::Lost;
         let seen = self.curves[..self.count].iter().filter(is_seen).count();
         self.count = self.tracker.stay(&mut self.curves, seen, &self.options);
         self.followed = true;
-        // As many images go by as without it.
+        // The network is skipped for as many images as without this shortcut.
         self.is_passed_over();
         seen
     }
 
-    /// Whether the ropes of the last image could be followed into this one, in a format that all steps read; if not, it is
-    /// extracted whole.
+    /// Processes an image in a format that all steps can read. Returns whether the ropes of the
+    /// last image could be followed into it. If not, it gets a full extraction.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         if self.follower.is_ready(self.now_ns) {
             let found = self.find_again(image, self.now_ns);
@@ -308,38 +313,38 @@ impl Extractor {
         false
     }
 
-    /// Moves the curves of the last image to where they lie in this one, if that is all it takes.
+    /// Moves the curves of the last image to their places in this one. Returns false if that fails.
     fn find_again(&mut self, image: &Image, now_ns: u64) -> bool {
         let curves = &mut self.curves[..self.count];
         (self.follower).follow(image, &self.masker, curves, &mut self.crossings, now_ns)
     }
 
-    /// Lets the tracks go on with the curves, which were found again.
+    /// Updates the tracks with the followed curves.
     fn go_on(&mut self, image: &Image) {
         self.tracker
             .begin(self.now_ns, color::is_yuv(image.format()));
         self.tracker.go_on(&self.curves[..self.count]);
     }
 
-    /// As [`extract`](Self::extract), with a mask that was made elsewhere, by a network for instance, in the place of
-    /// the extractor's own: `Gray8` of the image's size, the higher the likelier rope
-    /// ([`Options::mask_level`]). Where its edges are soft, as probabilities are, the rope's place between pixels is
-    /// read from them.
+    /// Like [`extract`](Self::extract), but with a mask made elsewhere, such as by a network. The
+    /// mask is `Gray8` of the image's size; higher values are more likely rope
+    /// ([`Options::mask_level`]). If its edges are soft, as probabilities are, the rope's subpixel
+    /// position is read from them.
     ///
-    /// The mask is used whether or not the ropes could be followed. A mask is not needed for each image: between two of them
-    /// the ropes are [followed](Self::follow).
+    /// The mask is used whether or not the ropes could be followed. Not every image needs a mask:
+    /// in between, the ropes are [followed](Self::follow).
     ///
     /// # Errors
-    /// When the mask is no `Gray8` of the image's size. The image is then not looked at, and the next one goes on from
-    /// the one before.
+    /// If the mask is not `Gray8` of the image's size. The image is then ignored, and the next one
+    /// continues from the one before.
     pub fn extract_masked(&mut self, image: &Image, mask: &Image) -> Result<Scene<'_>, MaskError> {
         self.extract_masked_observed(image, mask, &mut |_| {})
     }
 
-    /// As [`extract_masked`](Self::extract_masked), calling `after` when each step is finished.
+    /// Like [`extract_masked`](Self::extract_masked), but calls `after` at the end of each step.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`extract_masked`](Self::extract_masked).
     pub fn extract_masked_observed(
         &mut self,
         image: &Image,
@@ -359,8 +364,9 @@ impl Extractor {
         Ok(self.scene())
     }
 
-    /// What is known at a moment without an image, as of a camera that gives none for a while: every rope is lost, and where
-    /// it was. It counts as a frame: a rope out of sight for too long is forgotten.
+    /// The scene at a moment without an image, for instance when a camera delivers none for a
+    /// while. Every rope is lost, and keeps its last place. The moment counts as a frame, so a rope
+    /// out of sight for too long is forgotten.
     pub fn blank(&mut self) -> Scene<'_> {
         self.turn_the_clock();
         self.still.forget();
@@ -382,13 +388,13 @@ impl Extractor {
         self.next_ns = None;
     }
 
-    /// When the next image is or was taken, as far as is known.
+    /// The time when the next image is or was taken, as far as is known.
     fn due_ns(&self) -> u64 {
         let next_ns = self.now_ns.saturating_add(FRAME_NS);
         self.next_ns.unwrap_or(next_ns)
     }
 
-    /// An image of another size is a new scene.
+    /// Starts a new scene for an image of another size.
     fn turn_to(&mut self, image: &Image) {
         self.turn_the_clock();
         let size = (image.width(), image.height());
@@ -398,12 +404,13 @@ impl Extractor {
         }
     }
 
-    /// The steps from the mask to this image's own curves.
+    /// Runs the steps from the mask to this image's own curves.
     fn trace(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.trace_mask(image, None, after);
     }
 
-    /// The same; a mask that is cut at the seams between its strands, which are about so wide, becomes whole again on the way.
+    /// Runs them for a mask that may be cut at the seams between strands of about this width. A cut
+    /// mask becomes whole again on the way.
     fn trace_mask(&mut self, image: &Image, cut: Option<f32>, after: &mut dyn FnMut(Step)) {
         after(Step::Mask);
         let yuv = color::is_yuv(image.format());
@@ -427,12 +434,12 @@ impl Extractor {
         let is_of_mask = self.options.method == Method::Skeleton;
         (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
         self.zones.find(image, &self.graph, &self.skeleton);
-        // Strands that were told apart lie neither beside nor on each other any more.
+        // Strands that were separated no longer overlap.
         if cut.is_none() {
             self.overlaps
                 .join(image, &self.graph, &self.skeleton, &mut self.zones);
         }
-        // What the network finds may be other things, too.
+        // The network also finds other objects.
         let is_of_ropes = cut.is_none() && !self.masker.is_sought;
         let of_ropes = is_of_ropes.then_some(&self.masker.mask);
         (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
@@ -458,7 +465,7 @@ impl Extractor {
             joined
         };
         self.lengthen(joined);
-        // A refitted line is measured again: the centers would be lost.
+        // A refitted line is measured again, which would lose the centers of a clustering.
         let joined = match self.options.method {
             Method::Skeleton => self.refit(image, joined),
             _ => joined,
@@ -468,7 +475,7 @@ impl Extractor {
             self.cut_connectors(image, joined);
         }
         self.points(image, joined);
-        // Where no strands meet, a line is all that there is; and what is far wider is no rope.
+        // Without meeting strands, the line is all there is. Something far wider is not a rope.
         if (cut.is_some() || self.zones.has_meeting()) && !self.has_wide {
             let (lines, width_px) = (&self.lines[..self.count], self.widest_px());
             self.remainder.find(&self.masker.mask, lines, width_px);
@@ -477,7 +484,7 @@ impl Extractor {
         }
     }
 
-    /// What becomes of the curves that are known, and of those of this image.
+    /// Updates the tracks with this image's curves, and finds crossings, notices and confidence.
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely(image);
         let (curves, appearances) = (&mut self.curves, &mut self.appearances[..]);
@@ -490,7 +497,8 @@ impl Extractor {
         after(Step::Points);
     }
 
-    /// Lets the first `seen` curves, which this image shows, be followed from here on.
+    /// Prepares the first `seen` curves, which are visible in this image, to be followed from here
+    /// on.
     fn anchor(&mut self, image: &Image, seen: usize) {
         if self.options.method != Method::Skeleton {
             return;
@@ -508,7 +516,7 @@ impl Extractor {
         );
     }
 
-    /// What was said of the last image.
+    /// The scene of the last image.
     pub fn scene(&self) -> Scene<'_> {
         let (curves, crossings) = match self.options.at.is_empty() {
             true => (&self.curves[..self.count], &self.crossings[..]),
@@ -522,22 +530,24 @@ impl Extractor {
         }
     }
 
-    /// The sentence of a notice for the user of this extractor: without the remedy that its mask already is.
+    /// The sentence of a notice for this extractor's user, without the remedy that its mask already
+    /// is.
     pub fn sentence(&self, notice: Notice) -> String {
         notice.sentence(&self.options.mask)
     }
 
-    /// Makes the buffers for images of this size, by extracting from a picture full of ropes, and
-    /// forgets the past. Not needed, but without it buffers grow when a scene first gets richer.
+    /// Allocates the buffers for images of this size by extracting from a picture full of ropes,
+    /// and forgets the past. Optional: without it, buffers grow when a scene first gets more
+    /// complex.
     pub fn prepare(&mut self, width: usize, height: usize) {
         let pixels = warm_up::picture(width, height);
         if let Some(image) = warm_up::image(&pixels, width, height) {
             let wanted = std::mem::replace(&mut self.options.mask, Mask::Auto);
-            // Twice: what is kept of the first frame is compared with the second.
+            // Twice, because the state kept from the first frame is compared with the second.
             self.extract(&image);
             self.still.forget();
             self.extract(&image);
-            // And a bare table, which is looked at more closely.
+            // A bare table is examined more closely.
             let bare = warm_up::bare(width, height);
             if let Some(image) = warm_up::image(&bare, width, height) {
                 self.extract(&image);
@@ -549,7 +559,7 @@ impl Extractor {
         self.reset();
     }
 
-    /// Makes the buffers that the drawn picture has no use for.
+    /// Allocates the buffers that the drawn picture does not use.
     fn reserve(&mut self, width: usize, height: usize) {
         // A rope that winds through the image four times, sampled at each pixel.
         let samples = 2 * (width + height);
@@ -603,18 +613,19 @@ impl Extractor {
             .reserve([width, height], &self.curves, MOST_PIECES);
     }
 
-    /// Forgets the past: the next image is a new scene, whose tracks are numbered from the first
+    /// Forgets the past. The next image is a new scene, and its tracks are numbered from the first
     /// again.
     pub fn reset(&mut self) {
         self.new_scene();
         self.tracker.restart();
     }
 
-    /// Goes on where another extractor stopped, whose last image, of `size` \[width, height\] and exposed at a moment of the same
-    /// clock, had these curves: ropes keep their numbers and directions, those that were lost age on, and what
-    /// [`tracks`](Self::tracks) the other had given is not given again. The next image is looked at whole.
+    /// Continues where another extractor stopped. Its last image had `size` \[width, height\] and
+    /// these curves, and was exposed at a moment of the same clock. Ropes keep their numbers and
+    /// directions, and lost ropes continue to age. The other's numbers ([`tracks`](Self::tracks))
+    /// are not given again. The next image gets a full extraction.
     ///
-    /// It learns again what only the other knew, such as the ropes' colors and the length of a covered one.
+    /// It relearns the rest, such as the ropes' colors and the length of a covered rope.
     pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
         self.new_scene();
         self.size = size.into();
@@ -622,7 +633,7 @@ impl Extractor {
         self.tracker.resume(curves, tracks, exposed_ns);
     }
 
-    /// How many numbers have been given to ropes.
+    /// Number of track numbers given to ropes until now.
     pub fn tracks(&self) -> u32 {
         self.tracker.next()
     }
@@ -639,8 +650,8 @@ impl Extractor {
         self.still.forget();
     }
 
-    /// What the confidence of each curve of the last image that was extracted whole comes from, in the curves' order: for
-    /// calibrating it. Lost ropes have none.
+    /// The evidence behind the confidence of each curve, in the curves' order, for calibration. It
+    /// is of the last image with a full extraction, without lost ropes.
     pub fn evidence(&self) -> &[Evidence] {
         &self.evidence
     }
@@ -650,7 +661,8 @@ impl Extractor {
         &self.masker.mask
     }
 
-    /// Leaves out of the skeleton what hangs together with something far too wide that was not told from the ropes by its color.
+    /// Excludes from the skeleton the parts connected to something far too wide that its color did
+    /// not separate from the ropes.
     fn leave_wide_out(&mut self) {
         if self.options.method == Method::Skeleton && !self.wide.places.is_empty() {
             self.has_wide = true;
@@ -661,7 +673,8 @@ impl Extractor {
         }
     }
 
-    /// Lists the skeleton of the mask: the mask thinned, or what joins the centers of a clustering.
+    /// Lists the skeleton of the mask: the thinned mask, or the links between the centers of a
+    /// clustering.
     fn skeletonize(&mut self) {
         let most_passes = most_passes(self.size);
         let (mask, rows) = (&self.masker.strips, &self.masker.mask);
@@ -692,7 +705,8 @@ impl Extractor {
     }
 }
 
-/// Passes by which a mask of this size is thinned: as many pixels as the widest rope is wide to either side of its middle.
+/// Number of passes for thinning a mask of this size: the widest rope's width to either side of its
+/// middle, in pixels.
 fn most_passes((width, height): (usize, usize)) -> u32 {
     (width.min(height) / 8).clamp(16, 128) as u32
 }

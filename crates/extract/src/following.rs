@@ -1,7 +1,8 @@
-//! Ropes followed from one image to the next, where nothing else happens: a fraction of the work of a whole extraction.
+//! Follows ropes from one image to the next if nothing else happens, for a fraction of the cost of
+//! a full extraction.
 //!
-//! On a plain table by what differs from it (`chords`), on any other ground, and where a tip lies against a strand, by their
-//! edges ([`contours`]).
+//! On a plain table, ropes are followed by their difference from it (`chords`). On any other
+//! background, and where a tip touches a strand, they are followed by their edges ([`contours`]).
 
 mod chords;
 mod contours;
@@ -17,53 +18,58 @@ use chords::ChordFollower;
 use contours::{ContourFollower, Trust};
 use known::KnownRopes;
 
-/// How long ropes are followed before they are extracted again, at first and at most, in nanoseconds: twice as long each time
-/// that a whole look shows nothing that was not known.
+/// Time until the next full extraction, at first and at most, in nanoseconds. It doubles each time
+/// that a full extraction on schedule finds nothing new.
 const LOOK_NS: (u64, u64) = (1_000_000_000, 4_000_000_000);
-/// How long ropes are followed that cannot be followed for long: they are not far from where they were. Of a fast camera's images
-/// one in some is then extracted whole, instead of each, for which there is no time.
+/// Time for which ropes are followed that cannot be followed for long, in nanoseconds. They do not
+/// move far in it. With a fast camera, there is not enough time for a full extraction of each
+/// image, so this skips some.
 const BRIEF_NS: u64 = 7_000_000;
-/// Frames after which ropes that are plain to see are followed.
+/// Number of consecutive frames in which ropes must be seen completely before they are followed.
 const SETTLED: u32 = 3;
-/// And those of a mask that was given.
+/// Same for the ropes of a given mask.
 const TOLD: u32 = 1;
 
-/// What is known of the ropes that can be followed.
+/// State of the ropes that can be followed.
 #[derive(Debug, Default)]
 pub(crate) struct Follower {
     chords: ChordFollower,
     contours: ContourFollower,
     known: KnownRopes,
-    /// The numbers of the ropes that were last seen, how many crossings they made, and in how many images in a row these were seen
-    /// whole.
+    /// Numbers of the ropes that were last seen.
     tracks: Vec<u32>,
+    /// Number of their crossings.
     crossings: usize,
+    /// Number of consecutive full extractions in which these ropes were seen whole.
     whole_frames: u32,
-    /// In how many in a row they were seen so but for parts between their tips that do not show.
+    /// Same, but parts between their tips may be hidden.
     held_frames: u32,
-    /// Frames in a row in which all ropes were seen, and nothing else.
+    /// Number of consecutive full extractions in which all ropes were seen, and nothing else.
     plain_frames: u32,
-    /// When the ropes were last extracted, and for how long they are followed from there, in nanoseconds.
+    /// Time of the last full extraction, in nanoseconds.
     anchored_ns: u64,
+    /// Time for which ropes are followed from there, in nanoseconds.
     wait_ns: u64,
-    /// Whether they are followed from there for a moment only.
+    /// True if they are followed for `BRIEF_NS` only.
     is_brief: bool,
-    /// When the last image was taken.
+    /// Time of the last image.
     last_ns: u64,
-    /// Whether there was ever an image to follow ropes into: who gives a mask for each needs nothing learnt.
+    /// True if the caller ever tried to follow ropes. If it gives a mask for each image, nothing
+    /// needs to be learned.
     is_wanted: bool,
 }
 
 impl Follower {
-    /// Makes room for so many ropes of so many points each, in images of this size.
+    /// Reserves memory for this many ropes and points, in images of this size.
     pub(crate) fn reserve(&mut self, ropes: usize, points: usize, size: [usize; 2]) {
         self.contours.reserve(ropes, points, size);
         self.known.reserve(ropes, points);
-        // Those that are out of sight are known, too.
+        // Ropes out of sight have numbers, too.
         self.tracks.reserve(4 * ropes);
     }
 
-    /// Notes that ropes are to be followed; says whether there are some that can be, into an image of this moment.
+    /// Returns whether there are ropes that can be followed into an image at `now_ns`. Also records
+    /// that the caller wants to follow.
     pub(crate) fn is_ready(&mut self, now_ns: u64) -> bool {
         self.is_wanted = true;
         let wait_ns = match self.is_brief {
@@ -80,14 +86,14 @@ impl Follower {
         self.chords.is_ready() || self.contours.is_ready()
     }
 
-    /// The next image is extracted whole.
+    /// Requires a full extraction of the next image.
     pub(crate) fn drop(&mut self) {
         self.chords.drop();
         self.contours.drop();
         self.plain_frames = 0;
     }
 
-    /// The next image is another scene's.
+    /// Forgets everything, as the next image is of another scene.
     pub(crate) fn forget(&mut self) {
         self.drop();
         self.known.forget();
@@ -98,8 +104,8 @@ impl Follower {
         self.is_wanted = false;
     }
 
-    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
-    /// has to be extracted whole; then they mean nothing.
+    /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
+    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
     pub(crate) fn follow(
         &mut self,
         image: &Image,
@@ -121,8 +127,12 @@ impl Follower {
         found
     }
 
-    /// Lets ropes just extracted be followed from here on. `is_seen`: there are some, and none is out of sight; `is_plain`:
-    /// nothing lies over them, besides.
+    /// Allows the ropes just extracted to be followed. `is_seen` means that there are ropes and
+    /// none is out of sight, and `is_plain` also that no occluder is in the image.
+    ///
+    /// Chords come first, on a plain table with open ropes inside the image. Contours come second:
+    /// for ropes seen whole for long enough, or with hidden parts only between their tips, or equal
+    /// to the known ropes. With a fast camera, contours also follow all others for `BRIEF_NS`.
     pub(crate) fn anchor(
         &mut self,
         image: &Image,
@@ -134,7 +144,7 @@ impl Follower {
     ) {
         self.chords.drop();
         self.contours.drop();
-        // What the network finds may be other things, too.
+        // The network may also find objects that are not ropes.
         self.know(curves, crossings, is_plain && !masker.is_sought, now_ns);
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
         let is_fast = now_ns.saturating_sub(self.last_ns) < BRIEF_NS;
@@ -152,7 +162,7 @@ impl Follower {
                 return;
             }
         }
-        // A mask that was given is taken at its word.
+        // A given mask is trusted.
         let is_told = masker.is_given && !masker.is_sought;
         let least = if is_told { TOLD } else { SETTLED };
         let is_whole = self.whole_frames >= least;
@@ -181,13 +191,13 @@ impl Follower {
 }
 
 impl Follower {
-    /// Notes what an image shows: in how many images in a row these ropes and no others were seen, and how long they are followed
-    /// from here.
+    /// Updates the counts of images in which these ropes and no others were seen, and the time for
+    /// which they are followed.
     fn know(&mut self, curves: &[Curve], crossings: &[Crossing], is_plain: bool, now_ns: u64) {
         let is_known = |curve: &Curve| self.tracks.contains(&curve.track);
         let same = self.tracks.len() == curves.len() && curves.iter().all(is_known);
         let is_open = |curve: &Curve| match is_plain {
-            // One that is shorter than it was is whole as far as it goes.
+            // A rope shorter than before is whole as far as it is visible.
             true => !curve.hidden.contains(&true),
             false => is_whole(curve),
         };
@@ -211,12 +221,12 @@ impl Follower {
     }
 }
 
-/// Whether all of a rope is seen.
+/// Returns whether a rope is seen completely.
 fn is_whole(curve: &Curve) -> bool {
     matches!(curve.status, Status::Ok | Status::Doubtful) && !curve.hidden.contains(&true)
 }
 
-/// Whether all of a rope is seen but for parts between its tips.
+/// Returns whether a rope is seen completely, except for parts between its tips.
 fn shows_ends(curve: &Curve) -> bool {
     let hides = |i: Option<&bool>| i.is_some_and(|&is_hidden| is_hidden);
     let is_between =
@@ -224,14 +234,15 @@ fn shows_ends(curve: &Curve) -> bool {
     is_whole(curve) || curve.status == Status::Partial && is_between
 }
 
-/// Along which a rope with this normal is cut at the steeper angle: 0 is a row, 1 a column.
+/// Axis along which a rope with this normal is cut at the steeper angle: 0 for a row, 1 for a
+/// column.
 #[inline(always)]
 fn axis([x, y]: Vec2) -> usize {
     usize::from(y.abs() > x.abs())
 }
 
-/// The largest whole number up to `value`, from 0 on. What a float's last bit stands for is 1 from 2²³ on: so it is
-/// converted without a question about each.
+/// The integer part of `value`, or 0 if it is negative or too large. From 2²³ on, the last bit of a
+/// float is worth 1. Adding 2²³ therefore converts it without a branch.
 #[inline(always)]
 fn whole(value: f32) -> i32 {
     const ONES: f32 = 8_388_608.0;

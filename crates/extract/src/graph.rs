@@ -1,4 +1,5 @@
-//! The third step: from the skeleton to strands, each rope's edges in order through its crossings and overlaps.
+//! The third step: from the skeleton to strands. A strand is one rope's edges in order, through its
+//! crossings and overlaps.
 
 mod arm;
 mod double_crossing;

@@ -1,5 +1,5 @@
-//! What a camera sees. In come its bytes in its own pixel format; out come colors at places, pictures of one byte a pixel
-//! and the values along lines through them, and the loops over all pixels that are written for wide registers.
+//! Camera images in their own pixel formats. Provides colors at positions, planes of one byte per
+//! pixel, values along lines through them, and the vectorized loops over all pixels.
 
 pub(crate) mod color;
 mod fetch;

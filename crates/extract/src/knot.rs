@@ -1,18 +1,22 @@
-//! Whether a rope that crosses itself is knotted: its crossing sequence, and what is left when its ends are drawn apart.
+//! Decides whether a rope that crosses itself is knotted, from its crossing sequence: what remains
+//! when its ends are pulled apart.
 //!
-//! The picture of an open rope is a *knotoid* diagram (V. Turaev, "Knotoids", 2012): a line with two ends that may lie
-//! anywhere, also within a loop. The model of pulling: each end is gripped where it is, lifted over everything else and
-//! carried off; the rope never passes through itself, and no other rope holds it. In Turaev's words the ends are joined
-//! by an arc over all the rest, and the question is whether the knot that this closes is trivial.
+//! The picture of an open rope is a *knotoid* diagram (V. Turaev, "Knotoids", 2012): a line with
+//! two ends that can be anywhere, also within a loop. In the model of pulling, each end is gripped
+//! where it is, lifted over everything else and carried away. The rope never passes through itself,
+//! and no other rope holds it. In Turaev's terms, an arc over everything else joins the ends, and
+//! the question is whether the closed knot is trivial.
 //!
-//! *Pulls straight* is said when moves that a rope can make take every crossing away: Reidemeister's three moves, and
-//! the slipping of an end out of a crossing that it lies over (`diagram`). *Knotted* is said when the Alexander
-//! polynomial of the closed rope is not that of a straight one (`alexander`): its value at −1 is the knot's
-//! determinant, 3 for an overhand knot, 5 for a figure-eight. Between the two nothing is said.
+//! The answer *pulls straight* means that moves that a rope can make remove every crossing. These
+//! are Reidemeister's three moves, and an end that slips out of a crossing that it lies over
+//! (`diagram`). The answer *knotted* means that the Alexander polynomial of the closed rope is not
+//! that of a straight one (`alexander`). Its value at −1 is the knot's determinant, 3 for an
+//! overhand knot and 5 for a figure-eight. All other cases are left undecided.
 //!
-//! Both are proofs about the diagram, and the picture may show another one: a crossing may be read the other way, or the
-//! curve may be wrong. An answer is therefore given only at a probability of [`LEAST`] or more, and only of a rope that is
-//! seen whole and nowhere as wide as two strands: a knot that is pulled tight shows no crossings, but a bump.
+//! Both are proofs about the diagram, and the picture may show another one. A crossing may be seen
+//! the wrong way, or the curve may be wrong. An answer is therefore given only at a probability of
+//! [`LEAST`] or more. The rope must be seen whole and nowhere be as wide as two strands: a tight
+//! knot shows no crossings, but a bump.
 
 mod alexander;
 mod diagram;
@@ -22,24 +26,25 @@ use crate::vec2::{self, Vec2};
 use diagram::Diagram;
 use std::fmt;
 
-/// Least probability at which an answer is given: one in ten may be wrong.
+/// Minimum probability at which an answer is given: one in ten may be wrong.
 const LEAST: f32 = 0.9;
-/// Crossings that are tried both ways, the least sure ones (64 diagrams); the others must be as they were seen.
+/// Number of crossings that are tried both ways, the least confident ones (64 diagrams). The others
+/// must be as seen.
 const MOST_UNSURE: usize = 6;
 /// Width of a bump, in widths of the rope: halfway between one strand and two.
 const BUMP: f32 = 1.5;
-/// Arc length on each side of a crossing in which its other strand widens the rope, in widths: a crossing at 30° is 1 / sin 30°
-/// long.
+/// Arc length on each side of a crossing within which its other strand widens the rope, in widths.
+/// A crossing at 30° is 1 / sin 30° long.
 const CROSSED: f32 = 2.0;
-/// The share of the rope to each side of a crossing over which its direction is taken.
+/// Share of the rope's length, to each side of a crossing, over which its direction is taken.
 const REACH: f32 = 0.01;
 
-/// A place where the rope passes itself.
+/// A place where the rope passes over or under itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Pass {
-    /// Which crossing, numbered from 0 in the order in which the rope first comes by.
+    /// Number of the crossing, from 0, in the order in which the rope first reaches them.
     pub crossing: usize,
-    /// Whether this is the upper strand.
+    /// True for the upper strand.
     pub over: bool,
 }
 
@@ -49,18 +54,18 @@ pub struct Pass {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossingSequence {
     diagram: Diagram,
-    /// Of each crossing.
+    /// Confidence of each crossing.
     confidences: Vec<f32>,
-    /// Probability that the curve and the places of its crossings are right: 0 for a closed rope, one that is not seen whole, and
-    /// one with a bump.
+    /// Probability that the curve and the places of its crossings are right. It is 0 for a closed
+    /// rope, one that is not seen whole, and one with a bump.
     certainty: f32,
 }
 
 impl CrossingSequence {
-    /// The sequence of `scene.curves[curve]`. Its crossings with other ropes are no part of it.
+    /// The sequence of `scene.curves[curve]`, without its crossings with other ropes.
     ///
     /// # Panics
-    /// When there is no such curve.
+    /// If there is no such curve.
     pub fn of(scene: &Scene, curve: usize) -> Self {
         let rope = &scene.curves[curve];
         let mut passes = Vec::new();
@@ -102,22 +107,28 @@ impl CrossingSequence {
         }
     }
 
-    /// The passes, from the rope's first point on: two for each crossing.
+    /// The passes from the rope's first point on, two for each crossing.
     pub fn passes(&self) -> &[Pass] {
         self.diagram.passes()
     }
 
-    /// The least confidence among the crossings; 1 without one.
+    /// Minimum confidence of the crossings; 1 without any.
     pub fn confidence(&self) -> f32 {
         self.confidences.iter().copied().fold(1.0, f32::min)
     }
 
-    /// Whether the rope comes out straight when its ends are drawn apart; `None` when that is not decided.
+    /// Returns whether the rope comes out straight when its ends are pulled apart; `None` if this
+    /// is undecided.
     ///
-    /// The answer is given if its probability is 0.9 or more: that of the curve ([`Curve::confidence`]) times that of all ways in
-    /// which the crossings may lie ([`Crossing::confidence`]) and that have this answer. Four
-    /// kinds of ropes are undecided: a closed one, one that is lost or partly hidden, one with a bump, which may be a tight knot, and
-    /// one whose crossings do not fit into a plane, so that one of them must have been missed.
+    /// An answer is given if its probability is 0.9 or more. This is the probability of the curve
+    /// ([`Curve::confidence`]) times that of all arrangements of the crossings
+    /// ([`Crossing::confidence`]) that have this answer.
+    ///
+    /// Four kinds of ropes are undecided:
+    /// - A closed rope.
+    /// - A rope that is lost or partly hidden.
+    /// - A rope with a bump, which may be a tight knot.
+    /// - A rope whose crossings do not fit into a plane, so that one of them must have been missed.
     pub fn pulls_straight(&self) -> Option<bool> {
         if self.certainty < LEAST || !self.diagram.is_planar() {
             return None;
@@ -125,7 +136,7 @@ impl CrossingSequence {
         let mut order: Vec<usize> = (0..self.confidences.len()).collect();
         order.sort_by(|&a, &b| self.confidences[a].total_cmp(&self.confidences[b]));
         let (unsure, others) = order.split_at(order.len().min(MOST_UNSURE));
-        // 2p − 1 is a crossing's confidence.
+        // A crossing's confidence is 2p − 1.
         let as_seen = |&crossing: &usize| 0.5 + 0.5 * self.confidences[crossing];
         let certainty = self.certainty * others.iter().map(as_seen).product::<f32>();
         let mut probabilities = [0.0; 2];
@@ -155,7 +166,7 @@ fn is_seen_whole(rope: &Curve) -> bool {
     rope.status == Status::Ok && !rope.closed && !rope.hidden.contains(&true)
 }
 
-/// Returns true if the rope is wider than one strand anywhere away from its crossings.
+/// Returns whether the rope is wider than one strand anywhere away from its crossings.
 fn has_bump(scene: &Scene, curve: usize) -> bool {
     let rope = &scene.curves[curve];
     let is_along = |crossing: &&Crossing| [crossing.over, crossing.under].contains(&curve);
@@ -183,7 +194,7 @@ fn has_bump(scene: &Scene, curve: usize) -> bool {
     (rope.widths_px.iter().enumerate()).any(|(i, &width_px)| is_wide(width_px) && !is_crossed(i))
 }
 
-/// For a diagram whose crossings are all as they are drawn.
+/// The answer for a diagram whose crossings are all as they are drawn.
 fn pulls_straight(diagram: Diagram) -> Option<bool> {
     if alexander::proves_a_knot(diagram.passes(), diagram.signs()) {
         return Some(false);
@@ -191,7 +202,7 @@ fn pulls_straight(diagram: Diagram) -> Option<bool> {
     diagram.comes_apart().then_some(true)
 }
 
-/// The crossings as they are first met.
+/// The crossings in the order in which they are first met.
 fn in_order_of_appearance(passes: &[Pass]) -> Vec<usize> {
     let mut order = Vec::new();
     for pass in passes {
@@ -202,8 +213,8 @@ fn in_order_of_appearance(passes: &[Pass]) -> Vec<usize> {
     order
 }
 
-/// The position at a normalized arc length; before the first point and after the last, those. The origin, where there
-/// are no points.
+/// Position at a normalized arc length. Before the first point and after the last, it is that
+/// point. Without points, it is the origin.
 fn along(points: &[Vec2], rho: f32) -> Vec2 {
     let Some(last) = points.len().checked_sub(1) else {
         return [0.0; 2];

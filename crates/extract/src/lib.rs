@@ -1,9 +1,9 @@
 //! From an image to the ordered centerlines of the ropes in it.
 //!
-//! A pure library: no input or output, no clock, no threads, and once warm no allocation per frame.
-//! [`Extractor::extract`] takes an [`Image`] in the camera's own pixel format and returns a
-//! [`Scene`]: for each rope N points at equal steps of arc length through the middle of the rope,
-//! between pixels, with its width at each point; and the crossings, with which rope is on top.
+//! A pure library without I/O, clock or threads. [`Extractor::extract`] takes an [`Image`] in the
+//! camera's own pixel format and returns a [`Scene`]. For each rope, the scene has N points at
+//! equal steps of arc length along the middle of the rope, between pixels, and the width at each
+//! point. It also has the crossings, with the rope on top.
 //!
 //! ```
 //! use lariat_extract::{Extractor, Image, Options, PixelFormat};
@@ -26,50 +26,63 @@
 //!
 //! `examples/descriptor.rs` reads a picture and fits curves to its ropes, in 15 lines.
 //!
+//! - [`Extractor`], [`Options`], [`Image`]: run extraction
+//! - [`Mask`], [`HsvRange`], [`Network`], [`MaskLevels`]: sources of the mask
+//! - [`Scene`], [`Curve`], [`Crossing`], [`Status`], [`Notice`]: the result
+//! - [`CrossingSequence`] (knots of a rope): crossings in order
+//! - [`pick()`], [`judge_pick`]: find a rope's colors in a picture
+//!
 //! # The steps
 //!
-//! [`Extractor`] takes these steps in order. Each folder is pure, and no two use each other.
+//! [`Extractor`] takes these steps in this order. Each is a folder of pure code, and their
+//! dependencies have no cycles.
 //!
 //! | step | folder | from → to |
 //! |---|---|---|
-//! | mask | `mask` | image → one bit a pixel, and its difference from the table. `auto` fits the table as a quadratic surface for each channel and cuts between its noise and the rope (Ridler and Calvard) |
-//! | network | `mask/neural`, `ribbons` | image → where a small network sees rope; then edges are traced there, so that the mask is as sharp as the image |
+//! | mask | `mask` | image → one bit per pixel, and the difference from the table. `auto` fits the table as a quadratic surface in each channel, and sets the threshold between its noise and the rope (Ridler and Calvard) |
+//! | network | `mask/neural`, `ribbons` | image → where a small network finds rope. Edges are then traced there, so that the mask is as sharp as the image |
 //! | skeleton | `skeleton` | mask → lines one pixel wide (Guo and Hall 1989) |
-//! | graph | `graph` | lines → strands. The arms of each crossing are paired by the least bending energy, with width and colour |
+//! | graph | `graph` | lines → strands. The arms of each crossing are paired by the least bending energy, with width and color |
 //! | centerline | `centerline` | strands → samples in the middle of the rope's cross-sections, smoothed without shrinking (Whittaker 1923), N at equal steps of arc length |
-//! | occlusion | `occlusion` | grippers and hands leave the mask; lines are joined across what they hide |
-//! | tracking | `tracking` | lines → curves with numbers and directions that last from image to image |
+//! | occlusion | `occlusion` | removes grippers and hands from the mask, and joins lines across occluders |
+//! | tracking | `tracking` | lines → curves with numbers and directions that persist between images |
 //! | crossings | `crossings` | curves → where they meet, and which is on top: the strand whose surface continues through the crossing |
 //! | confidence | `confidence` | curve → the probability that it is a rope, whole and in order, by a logistic function fitted to drawn pictures |
 //! | knots | `knot` | crossings → a signed Gauss code, and whether pulling straightens the rope (Reidemeister moves, Alexander polynomial) |
 //!
-//! With another [`Method`] than the skeleton, the centers of a `clustering` replace skeleton and points.
+//! With a [`Method`] other than the skeleton, the centers of a `clustering` replace skeleton and
+//! points.
 //!
-//! **Following.** Most frames of a moving rope take none of these steps. The rope is followed from the last image: on a plain table
-//! by one chord through the rope at each point (`following/chords`), on other backgrounds by its two edges
-//! (`following/contours`). Anything unexpected leads to a full extraction: a missing or changed chord, a tip that jumps, a new object,
-//! strands that come to cross. [`Scene::followed`] tells which of the two a scene comes from.
+//! **Following.** Most images of a moving rope need none of these steps, because the rope is
+//! followed from the previous image. On a plain table this takes one chord across the rope at each
+//! point (`following/chords`), on other backgrounds its two edges (`following/contours`). A missing
+//! or changed chord, a jumping tip, a new object, or strands about to cross lead to a full
+//! extraction. [`Scene::followed`] tells which of the two produced a scene.
 //!
-//! **Doubt.** [`Scene::notice`] names the most important probable fault, and [`Notice`] lists them: a pattern, a rope too like the
-//! table, a shadow, a pen. On a picture whose automatic mask is doubtful, the network is asked. [`Curve::confidence`] is calibrated: of
-//! curves at 0.9, nine of ten are right (`docs/confidence.md` has the measurements).
+//! **Doubt.** [`Scene::notice`] names the most important probable fault: a pattern, a rope too
+//! similar to the table, a shadow, a pen. If the automatic mask is doubtful, the network is used.
+//! [`Curve::confidence`] is calibrated: of curves at 0.9, nine in ten are right.
+//! `docs/confidence.md` has the measurements.
 //!
 //! # Bounds
 //!
-//! Any bytes are accepted, without a panic and in bounded time and memory. A mask is rejected if it covers more than 60 % of the
-//! image, has more than one run for each 16 pixels, or a skeleton of more than 131,072 pixels. At most
-//! [`Options::ropes`] curves and 32 crossings are reported. Memory is kept from image to image, so an extractor that is warm
-//! allocates nothing. Results are the same to the bit on all machines and vector sets (`lariat-portable`).
+//! Any bytes are accepted, without a panic and in bounded time and memory. A mask is rejected if it
+//! covers more than 60 % of the image, has more than one run for each 16 pixels, or has a skeleton
+//! of more than 131,072 pixels. At most [`Options::ropes`] curves and 32 crossings are reported.
+//! Memory is reused, so a warm extractor allocates nothing. Results are the same to the bit on all
+//! machines and vector sets (`lariat-portable`).
 //!
-//! A picture without a rope takes 5 to 27 times as long as one with one rope, at worst; eight ropes, or ten crossings, 4 to 5 times.
+//! At worst, a picture without a rope takes 5 to 27 times as long as one with one rope. Eight
+//! ropes, or ten crossings, take 4 to 5 times as long
+//! (`cargo bench --manifest-path bench/Cargo.toml --bench extract`).
 //!
 //! # Known limitations
 //!
-//! - Coils of several turns and ropes of one colour in a heap can be traced in the wrong order, and a wrong coil may be
-//!   confident.
-//! - A rope has two ends or none: branches of a harness become ropes of their own.
-//! - Ropes thinner than 1.8 px are extracted in every image, as they cannot be followed.
-//! - A rope of the background's colour needs a mask from elsewhere.
+//! - Coils of several turns, and ropes of one color in a heap, can be traced in the wrong order. A
+//!   wrong coil may be confident.
+//! - A rope has two ends or none: branches of a harness become separate ropes.
+//! - Ropes thinner than 1.8 px cannot be followed, so each image gets a full extraction.
+//! - A rope of the background's color needs a mask from elsewhere.
 //! - On clutter, confidence is less well calibrated than on a plain table (`docs/confidence.md`).
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,5 +1,5 @@
-//! The first step: from an image to one bit a pixel, rope or not, and how unlike the table each pixel is. The automatic
-//! mask also says what it is unsure of.
+//! The first step: from an image to one bit per pixel, rope or not, and to the difference of each
+//! pixel from the table. The automatic mask also reports its doubts.
 
 pub(crate) mod background;
 pub(crate) mod cast;

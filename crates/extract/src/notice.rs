@@ -1,45 +1,53 @@
-//! Notices: probable faults of a result, and what to do, in words for the user.
+//! Notices: probable faults of a result and their remedies, in words for the user.
 
 use crate::options::Mask;
 use std::fmt;
 
-/// A probable fault of a result, and what to do. Its `Display` is its [`sentence`](Notice::sentence) for the automatic mask.
+/// A probable fault of a result, and its remedies. `Display` prints the
+/// [`sentence`](Notice::sentence) for the automatic mask.
 ///
-/// A picture whose curves are all confident has no notice, whatever the table is like. An empty table has no notice either.
+/// A picture whose curves are all confident gets no notice, whatever the table is like. Neither
+/// does an empty table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Notice {
-    /// No rope was found on a table that is checkered, striped or grained more strongly than its noise: brightness and colour
-    /// alone do not tell where the pattern ends and a rope begins.
+    /// No rope was found, and the table has checks, stripes or grain stronger than its noise.
+    /// Brightness and color alone do not tell where the pattern ends and a rope begins.
     CheckeredTable,
-    /// No rope was found, and light and shade, or different surfaces, lie across the image.
+    /// No rope was found, and the image has light and shade, or several surfaces.
     UnevenTable,
-    /// No rope was found, and the noise would hide one that differs little from the table: a dark picture.
+    /// No rope was found, and the noise would hide a rope that differs little from the table, as in
+    /// a dark picture.
     Noisy,
-    /// Something lies there that differs from the table by hardly more than its noise: a rope of the table's colour.
+    /// Something differs from the table by hardly more than its noise: a rope of the table's color.
     LikeTheTable,
-    /// No rope was found, and what differs from the table is a large part of the image: hardly ropes alone.
+    /// No rope was found, and what differs from the table fills too much of the image to be only
+    /// ropes.
     Covered,
-    /// Something far wider than a rope touches ropes, or covers them: where it does, they may be missing.
+    /// Something far wider than a rope touches or covers ropes. Parts of them may be missing there.
     TooWide,
-    /// No rope was found but the shadow of one, which was left out.
+    /// Only the shadow of a rope was found, and it was rejected.
     OwnShadow,
-    /// What looks like the shadow of a rope may be a rope that lies parallel to it: it is [`Status::Doubtful`](crate::Status).
+    /// Something that looks like the shadow of a rope may be a parallel rope. It is
+    /// [`Status::Doubtful`](crate::Status).
     MaybeShadow,
-    /// Something straight and short, unlike the rope beside it, may be a pen. It is reported as a curve whose status is
-    /// [`Doubtful`](crate::Status::Doubtful), as what the next ones tell of.
+    /// Something straight and short, unlike the rope next to it, may be a pen. It is reported as a
+    /// curve with status [`Doubtful`](crate::Status::Doubtful), and so are the objects of the next
+    /// three notices.
     LikeAPen,
-    /// Something small, unlike the rope beside it, may be print or a mark.
+    /// Something small, unlike the rope next to it, may be print or a mark.
     LikeAMark,
-    /// Something straight with another surface on each side, or a strip at the picture's border, may be an edge.
+    /// Something straight between two different surfaces, or a strip at the picture's border, may
+    /// be an edge.
     LikeAnEdge,
     /// Something round may be a rim.
     LikeARim,
-    /// More curves were found than are ever reported: the least sure and shortest were left out. Of a mask by color or from elsewhere
-    /// that is a net, as of a grid or a keyboard, all were.
+    /// More curves were found than can be reported, and the least confident and shortest were left
+    /// out. If a mask by color or from elsewhere is a net, like a grid or a keyboard, all curves
+    /// were left out.
     TooMany,
-    /// A curve's [confidence](crate::Curve::confidence) is below [the threshold](crate::Options::min_confidence), and nothing
-    /// else says why.
+    /// A curve's [confidence](crate::Curve::confidence) is below [the
+    /// threshold](crate::Options::min_confidence), and no other notice explains why.
     Unsure,
     /// The whole image is black.
     Black,
@@ -48,7 +56,7 @@ pub enum Notice {
 }
 
 impl Notice {
-    /// A short name for programs, of lower-case words joined by `-`.
+    /// Short name for programs: lowercase words joined by `-`.
     pub fn name(self) -> &'static str {
         match self {
             Notice::CheckeredTable => "checkered-table",
@@ -72,8 +80,8 @@ impl Notice {
 }
 
 impl Notice {
-    /// Returns true if it is about ropes, which may be missing or wrong. The others are about the table, and matter only if no rope
-    /// was found.
+    /// Returns whether the notice is about ropes, which may be missing or wrong. The others are
+    /// about the table and matter only if no rope was found.
     pub(crate) fn is_of_ropes(self) -> bool {
         matches!(
             self,
@@ -81,8 +89,8 @@ impl Notice {
         )
     }
 
-    /// A whole sentence: what was seen, and what to do. The remedy `lariat pick`, to give the rope's own colour as the mask, is left
-    /// out where the user has given a mask already.
+    /// A whole sentence: what was seen, and what to do. If the user has already given a mask, the
+    /// remedy `lariat pick`, which finds the rope's own color as a mask, is left out.
     pub fn sentence(self, mask: &Mask) -> String {
         let (seen, remedies) = self.words();
         let is_given = matches!(mask, Mask::Hsv(..) | Mask::External);
@@ -97,7 +105,7 @@ impl Notice {
         }
     }
 
-    /// The words for what was seen, and the remedies.
+    /// Wording of the observation, and the remedies.
     fn words(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Notice::CheckeredTable => (
@@ -189,7 +197,7 @@ impl Notice {
 
 /// The remedy that needs `lariat pick`.
 const OWN_COLOR: &str = "give the rope's own colour as the mask (lariat pick finds it)";
-/// The remedies for a thing that may not be a rope.
+/// The remedies for an object that may not be a rope.
 const NO_ROPE: &[&str] = &[
     "take it out of the picture or out of the region that is read (roi)",
     "ask for as many ropes as there are (ropes)",

@@ -1,4 +1,4 @@
-//! What hides a rope: it is found and taken out of the mask, and the rope's pieces are joined across it.
+//! Occluders: finds them, removes them from the mask, and joins the fragments of ropes across them.
 
 pub(crate) mod bridge;
 pub(crate) mod ends;

@@ -1,4 +1,4 @@
-//! What a user may say about the ropes, and the check that it makes sense.
+//! The user's options for the ropes, and their validation.
 
 mod method;
 
@@ -9,10 +9,11 @@ use thiserror::Error;
 
 pub use method::{Method, UnknownMethod};
 
-/// What counts as rope, by colour. Bounds are inclusive.
+/// A color range that counts as rope. Bounds are inclusive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HsvRange {
-    /// Hue in degrees, 0 to 360. A range whose first bound is the larger one wraps through 0 (red).
+    /// Hue in degrees, 0 to 360. If the first bound is the larger one, the range wraps through 0
+    /// (red).
     pub hue_deg: [f32; 2],
     /// Saturation, 0 to 1.
     pub saturation: [f32; 2],
@@ -20,47 +21,51 @@ pub struct HsvRange {
     pub value: [f32; 2],
 }
 
-/// How the rope's pixels are told from the table's.
+/// The source of the mask, which separates the rope's pixels from the table's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Mask {
-    /// The background is found by itself; what differs from it by more than its noise is rope. Where the background is not
-    /// plain, a network is asked.
+    /// Finds the background by itself. Pixels that differ from it by more than its noise are rope.
+    /// On a background that is not plain, it uses a network.
     #[default]
     Auto,
-    /// A pixel inside any of the ranges is rope: several ranges for several colours of rope.
+    /// Takes pixels inside any of the ranges as rope: several ranges for ropes of several colors.
     Hsv(Vec<HsvRange>),
-    /// A network says where ropes are, whatever they lie on.
+    /// Uses a network to find ropes on any background.
     Network,
-    /// Somebody else says which pixels are rope, image by image:
-    /// [`Extractor::extract_masked`](crate::Extractor::extract_masked). An image without a mask has no rope.
+    /// Takes a mask from another source for each image, through
+    /// [`Extractor::extract_masked`](crate::Extractor::extract_masked). An image without a mask
+    /// yields an empty scene.
     External,
 }
 
-/// The settings of an extractor. Each field has a method of its name that sets it:
+/// The settings of an extractor. Each field has a method of the same name that sets it:
 /// `Options::default().points(60)`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
-    /// How the rope's pixels are told from the table's.
+    /// The source of the mask, which separates the rope's pixels from the table's.
     pub mask: Mask,
-    /// From which level on a pixel of a mask that was made elsewhere is rope; `None`: chosen by the mask's own
-    /// histogram, low for soft masks, so that a rope is not broken where a network is unsure of it.
+    /// Minimum level of a rope's pixel in an external mask. With `None`, the mask's own histogram
+    /// decides. The level is low for soft masks, so that a rope is not broken where a network is
+    /// unsure of it.
     pub mask_level: Option<NonZeroU8>,
-    /// How they become a centerline.
+    /// The method that turns the mask into a centerline.
     pub method: Method,
-    /// N, the points of each centerline, 2 to 256.
+    /// N, the number of points of each centerline, 2 to 256.
     pub points: usize,
-    /// The most curves reported (the surest and longest: those of the largest confidence × length), 1 to 64.
+    /// Maximum number of reported curves, 1 to 64. The most confident and longest are kept: those
+    /// with the largest confidence × length.
     pub ropes: usize,
-    /// The [confidence](crate::Curve::confidence) below which a curve is told of
-    /// ([`Notice::Unsure`](crate::Notice::Unsure)), 0 to 1. It is reported all the same.
+    /// Curves of lower [confidence](crate::Curve::confidence) get the notice
+    /// [`Notice::Unsure`](crate::Notice::Unsure), 0 to 1. They are reported all the same.
     pub min_confidence: f32,
-    /// On the first frame, the end nearest to this position (in pixels) is the first point;
-    /// `None`: the end nearest to the top left.
+    /// In the first frame, the end nearest to this position (in pixels) becomes the first point.
+    /// With `None`, it is the end nearest to the top left.
     pub start: Option<[f32; 2]>,
-    /// Positions on the ropes that are meant, in pixels: only those are reported that were found there first. Empty: all.
+    /// Positions on the desired ropes, in pixels. Only ropes found there in the first place are
+    /// reported; if empty, all are.
     pub at: Vec<[f32; 2]>,
-    /// For how long a rope that is out of sight is still reported, as `Status::Lost`.
+    /// Time for which a rope out of sight is still reported, as `Status::Lost`.
     pub keep_lost: Duration,
 }
 
@@ -104,7 +109,7 @@ setters! {
     keep_lost: Duration,
 }
 
-/// Why [`Options`] cannot be used.
+/// The reason why [`Options`] cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OptionsError {
@@ -117,13 +122,13 @@ pub enum OptionsError {
     /// The confidence is out of range.
     #[error("a confidence of {0}: choose 0 to 1")]
     Confidence(f32),
-    /// A network was given that is never asked.
+    /// A network was given, but is never used.
     #[error(
         "a network is given, which colour ranges and masks from elsewhere have no use for: leave it out, or take \
          the mask \"auto\" or \"network\""
     )]
     IdleNetwork,
-    /// No colour range was given.
+    /// No color range was given.
     #[error("the mask is by HSV but has no range: give at least one, or use the automatic mask")]
     NoRange,
     /// A bound is outside its scale or is not a number.
@@ -131,7 +136,7 @@ pub enum OptionsError {
         "range {index}: {channel} [{}, {}] must lie within 0 to {limit}", .bounds[0], .bounds[1]
     )]
     Bound {
-        /// Which range, from 0.
+        /// Index of the range, from 0.
         index: usize,
         /// `hue_deg`, `saturation` or `value`.
         channel: &'static str,
@@ -140,13 +145,13 @@ pub enum OptionsError {
         /// The largest value of the scale.
         limit: f32,
     },
-    /// The bounds stand in the wrong order.
+    /// The bounds are in the wrong order.
     #[error(
         "range {index}: {channel} [{}, {}] is turned around: put the smaller bound first \
          (only a hue may wrap)", .bounds[0], .bounds[1]
     )]
     Reversed {
-        /// Which range, from 0.
+        /// Index of the range, from 0.
         index: usize,
         /// `saturation` or `value`.
         channel: &'static str,

@@ -1,30 +1,32 @@
-//! The ropes of the last image as a map: which of them ran through a place, which way, how far along.
+//! The ropes of the last image as a map: which rope ran through a place, in which direction, and at
+//! which arc length.
 //!
-//! A crossing that opens, closes or is only touched looks the same in one image whichever strand
-//! goes where. Between two images no strand moves far, so the last one tells them apart: the two
-//! arms of one strand lie on one rope, one after the other, as far apart along it as in the image.
-//! That is weighed with the bends, not above them: what the last image got wrong, a clear one mends.
+//! A crossing that opens, closes or is only touched looks the same in one image, whichever strand
+//! goes where. Between two images no strand moves far, so the last image resolves the ambiguity:
+//! the two arms of a strand are on one rope, one after the other, as far apart along it as in the
+//! image. This evidence is weighed with the bends and does not override them, so that a clear image
+//! corrects what the last image got wrong.
 
 use crate::vec2::{self, Vec2};
 
 /// No rope.
 const NONE: u32 = u32::MAX;
-/// What it costs, in a crossing, to go where the last image did not: two strands exchanged against
-/// it pay twice, as much as two arcs by 55°. A crossing much clearer than that outweighs it.
+/// Cost of pairing two arms of a crossing against the last image. Two exchanged strands pay it
+/// twice, as much as two arcs of 55°, so a crossing that is much clearer than that outweighs it.
 const AGAINST: f32 = 0.25;
-/// Widths that a strand may have moved since and is still known.
+/// Maximum movement, in widths, at which a strand is still recognized.
 const FARTHEST_WIDTHS: f32 = 3.0;
-/// Cosine of the angle by which it may have turned.
+/// Cosine of the maximum turn of a strand.
 const TURNED: f32 = 0.6;
-/// Widths, beside those that the ropes have moved, by which a trace may be farther off than another
-/// and still be the right one: what smoothing and whole pixels leave open.
+/// Slack in widths, in addition to the ropes' movement. A trace this much farther away than the
+/// nearest may still be the right one. It covers what smoothing and whole pixels leave open.
 const DOUBT: f32 = 0.4;
-/// Widths around a rope's end in which it may be now, beside what the ropes have moved.
+/// Distance in widths that a rope's end may have moved, in addition to the ropes' movement.
 const ENDS_WIDTHS: f32 = 1.5;
-/// Share of the skeleton that must lie where ropes were, for the past to say anything: less is a cut
-/// or a leap, and its traces are chance.
+/// Minimum share of the skeleton that must be where ropes were, for the past to be trusted. A
+/// smaller share means a cut or a jump, and its traces are chance.
 const LEAST_SHARE: f32 = 0.5;
-/// Skeleton pixels that are asked for that.
+/// Number of skeleton pixels sampled for that share.
 const ASKED: usize = 64;
 
 /// A place on a rope of the past.
@@ -34,9 +36,9 @@ pub(crate) struct FormerPlace {
     pub(crate) rope: u32,
     /// Arc length from the rope's first point.
     pub(crate) along_px: f32,
-    /// Whether the direction asked for is that of growing arc length.
+    /// True if the queried direction is that of growing arc length.
     pub(crate) ahead: bool,
-    /// How far off the rope's place the question lay, in its widths.
+    /// Distance from the queried position to the rope, in its widths.
     pub(crate) off: f32,
 }
 
@@ -49,7 +51,7 @@ impl FormerPlace {
     };
 }
 
-/// The likeliest traces of a place, the nearest first: where strands touch there are several.
+/// The likeliest traces of a place, nearest first. There are several where strands touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FormerPlaces([FormerPlace; 3]);
 
@@ -64,17 +66,17 @@ impl FormerPlaces {
         self.0.iter().filter(|t| t.rope != NONE)
     }
 
-    /// Whether the place is on no rope of the past.
+    /// Returns whether the place is on no rope of the past.
     pub(crate) fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }
 
-    /// How many strands ran within so many widths.
+    /// Number of strands within this many widths.
     pub(crate) fn within(&self, widths: f32) -> usize {
         self.iter().filter(|t| t.off <= widths).count()
     }
 
-    /// Those that the ropes' motion leaves open: hardly farther off than the nearest.
+    /// The traces that the ropes' movement leaves open: those hardly farther away than the nearest.
     pub(crate) fn likely(&self, past: &Past) -> impl Iterator<Item = &FormerPlace> {
         let most = self.0[0].off + past.moved + DOUBT;
         self.iter().filter(move |t| t.off <= most)
@@ -90,7 +92,7 @@ impl FormerPlaces {
     }
 }
 
-/// How a place of a rope of the past has moved since, as a piece of it shows.
+/// Movement of a place on a rope of the past, as a fragment of the rope shows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Move {
     /// The rope's index in the past.
@@ -105,20 +107,20 @@ pub(crate) struct Past {
     ropes: Vec<Rope>,
     count: usize,
     trusted: bool,
-    /// How far the ropes have moved since, in widths.
+    /// Mean movement of the ropes since then, in widths.
     moved: f32,
-    /// Half the width of the widest that is well known.
+    /// Half the width of the widest well-known rope.
     widest_half_px: f32,
 }
 
-/// What is known of a rope beside its shape.
+/// The knowledge about a rope besides its shape.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct State {
-    /// Whether it was seen in the last image, and for more than a moment.
+    /// True if it was seen in the last image, and for more than a moment.
     pub(crate) live: bool,
-    /// Whether both of its ends were in the image.
+    /// True if both of its ends were in the image.
     pub(crate) whole: bool,
-    /// Whether both of its ends ever lay freely: else it may be a piece of a rope.
+    /// True if both of its ends were ever seen free. If not, it may be a fragment of a rope.
     pub(crate) was_free: bool,
 }
 
@@ -134,28 +136,28 @@ impl State {
 /// One rope.
 #[derive(Debug, Default)]
 pub(crate) struct Rope {
-    /// Which of `Past::ropes` it is.
+    /// Index in `Past::ropes`.
     pub(crate) index: u32,
     pub(crate) closed: bool,
-    /// Where along it each end of what was seen of it lay under something.
+    /// Arc length at each end of its visible part, where that end was under something.
     covered_px: [Option<f32>; 2],
     pub(crate) state: State,
     pub(crate) length_px: f32,
     pub(crate) width_px: f32,
-    /// The length that it has had for long.
+    /// The length that it has had for a long time.
     pub(crate) usual_px: f32,
-    /// At equal steps.
+    /// Points at equal steps.
     points: Vec<Vec2>,
-    /// The least and the largest of their coordinates.
+    /// Minimum and maximum of their coordinates.
     span: [Vec2; 2],
 }
 
 impl Rope {
-    /// How far from it a place lies.
+    /// Distance from a place to the rope.
     pub(crate) fn off_px(&self, at: Vec2) -> f32 {
         let apart = |p: &Vec2| vec2::distance(*p, at);
         let nearest_px = self.points.iter().map(apart).fold(f32::INFINITY, f32::min);
-        // A place between two points lies up to half a step from both.
+        // A place between two points can be half a step from both.
         (nearest_px - 0.35 * self.step_px()).max(0.0)
     }
 
@@ -184,15 +186,15 @@ impl Rope {
         vec2::along(a, vec2::sub(b, a), place - i as f32)
     }
 
-    /// Whether a position is so far off that nothing of the rope is near enough to be traced to.
+    /// Returns whether no part of the rope is near enough to a position to be traced to.
     fn is_far_from(&self, at: Vec2) -> bool {
         let [low, high] = self.span;
-        // And a pixel, for the rounding of distances.
+        // One pixel more, for the rounding of distances.
         let reach_px = FARTHEST_WIDTHS * self.width_px + 1.0;
         (0..2).any(|c| at[c] < low[c] - reach_px || at[c] > high[c] + reach_px)
     }
 
-    /// How far it is along the rope from one trace to another, the way `ahead` says.
+    /// Arc length from one trace to another, in the direction that `ahead` gives.
     pub(crate) fn way_px(&self, from: &FormerPlace, to: &FormerPlace, ahead: bool) -> f32 {
         let way = if ahead {
             to.along_px - from.along_px
@@ -215,14 +217,14 @@ impl Past {
         self.widest_half_px = 0.5;
     }
 
-    /// Notes a rope.
+    /// Adds a rope.
     #[cfg(test)]
     pub(crate) fn add(&mut self, closed: bool, sizes_px: [f32; 2], points: &[Vec2]) {
         let sizes_px = [sizes_px[0], sizes_px[1], sizes_px[0]];
         self.add_covered(closed, sizes_px, points, [None; 2], State::SEEN);
     }
 
-    /// Notes a rope of which a part may have been covered.
+    /// Adds a rope that may have been partly covered.
     pub(crate) fn add_covered(
         &mut self,
         closed: bool,
@@ -253,8 +255,8 @@ impl Past {
         self.trusted = true;
     }
 
-    /// Trusts the past only if the ropes of this image, whose `skeleton` this is, lie about where they lay, and sees how far
-    /// they have moved.
+    /// Trusts the past only if the ropes of this image, given by its `skeleton`, are about where
+    /// they were. Also measures how far they have moved.
     pub(crate) fn check(&mut self, skeleton: impl ExactSizeIterator<Item = Vec2>) {
         let stride = (skeleton.len() / ASKED).max(1);
         let (mut asked, mut known, mut sum) = (0.0f32, 0.0f32, 0.0);
@@ -269,7 +271,7 @@ impl Past {
         self.moved = sum / known.max(1.0);
     }
 
-    /// How far from the nearest rope a place lies, in its widths.
+    /// Distance from a place to the nearest rope, in its widths.
     fn off(&self, at: Vec2) -> f32 {
         let offs = self
             .ropes()
@@ -278,7 +280,7 @@ impl Past {
         offs.fold(f32::INFINITY, f32::min)
     }
 
-    /// The ends of all open ropes, with the ropes' widths; none when the past means nothing.
+    /// The ends of all open ropes, with the ropes' widths; empty if the past is not trusted.
     pub(crate) fn ends(&self) -> impl Iterator<Item = (Vec2, f32)> {
         let open = self
             .ropes()
@@ -290,36 +292,36 @@ impl Past {
         })
     }
 
-    /// How far an end of a rope of this width may be from where it was.
+    /// Maximum distance of the end of a rope of this width from its former place.
     pub(crate) fn reach_px(&self, width_px: f32) -> f32 {
         (ENDS_WIDTHS + self.moved) * width_px
     }
 
-    /// The rope's end that lay near a place, and its width.
+    /// The former rope end near a place, and the rope's width.
     pub(crate) fn end_near(&self, at: Vec2) -> Option<(Vec2, f32)> {
         self.ends()
             .filter(|&(end, width_px)| vec2::distance(end, at) < self.reach_px(width_px))
             .min_by(|a, b| vec2::distance(a.0, at).total_cmp(&vec2::distance(b.0, at)))
     }
 
-    /// The ropes that were seen in the last image; none when the past means nothing.
+    /// The ropes that were seen in the last image; empty if the past is not trusted.
     pub(crate) fn live(&self) -> impl Iterator<Item = &Rope> {
         self.ropes()
             .iter()
             .filter(|rope| self.trusted && rope.state.live)
     }
 
-    /// How far the ropes have moved in the mean, in widths.
+    /// Mean movement of the ropes, in widths.
     pub(crate) fn moved(&self) -> f32 {
         self.moved
     }
 
-    /// Half the width of the widest rope that is well known, if the past means anything.
+    /// Half the width of the widest well-known rope, if the past is trusted.
     pub(crate) fn widest_half_px(&self) -> Option<f32> {
         self.trusted.then_some(self.widest_half_px)
     }
 
-    /// Notes that a rope of this width is well known.
+    /// Records that a rope of this width is well known.
     pub(crate) fn know(&mut self, width_px: f32) {
         self.widest_half_px = self.widest_half_px.max(0.5 * width_px);
     }
@@ -328,7 +330,7 @@ impl Past {
         &self.ropes[..self.count]
     }
 
-    /// Where on the past's ropes a strand at `at` that runs in direction `toward` was.
+    /// The places on ropes of the past where a strand at `at` that runs in direction `toward` was.
     pub(crate) fn recall(&self, at: Vec2, toward: Vec2) -> FormerPlaces {
         let mut traces = FormerPlaces::default();
         let toward = vec2::unit_or(toward, [1.0, 0.0]);
@@ -357,8 +359,8 @@ impl Past {
         traces
     }
 
-    /// What the past has against reading two arms of a crossing, `chord_px` apart, both traced in
-    /// their directions into it, as one strand.
+    /// Cost that the past assigns to pairing two arms of a crossing as one strand. The arms are
+    /// `chord_px` apart, and both were traced in their directions into the crossing.
     pub(crate) fn against(&self, a: &FormerPlaces, b: &FormerPlaces, chord_px: f32) -> f32 {
         if a.is_empty() || b.is_empty() {
             return 0.0;
@@ -378,12 +380,13 @@ impl Past {
         AGAINST * least
     }
 
-    /// Whether two arms, as above, were no one strand: on no reading of their traces.
+    /// Returns whether two arms as above were not one strand, whichever traces are right.
     pub(crate) fn denies(&self, a: &FormerPlaces, b: &FormerPlaces, chord_px: f32) -> bool {
         self.against(a, b, chord_px) >= 0.9 * AGAINST
     }
 
-    /// Whether an end of a line lies where a rope was lost under something, and no more is known.
+    /// Returns whether an end of a line is where a rope was lost under something, for all likely
+    /// traces.
     pub(crate) fn was_covered(&self, end: &FormerPlaces) -> bool {
         end.likely(self).all(|t| {
             let rope = &self.ropes[t.rope as usize];
@@ -393,14 +396,14 @@ impl Past {
         })
     }
 
-    /// Whether a rope is known at one of these ends, and of none that is the ends were ever both seen to lie freely.
+    /// Returns whether these ends are on known ropes, none of them ever seen with both ends free.
     pub(crate) fn are_pieces(&self, ends: [&FormerPlaces; 2]) -> bool {
         let places = ends.into_iter().flat_map(|end| end.likely(self));
         let mut ropes = places.map(|t| &self.ropes[t.rope as usize]).peekable();
         ropes.peek().is_some() && ropes.all(|rope| !rope.state.was_free)
     }
 
-    /// What the past has against an arm that ends in the crossing it runs into.
+    /// Cost that the past assigns to an arm that ends in the crossing it runs into.
     pub(crate) fn against_end(&self, arm: &FormerPlaces) -> f32 {
         let goes_on = |t: &FormerPlace| {
             let rope = &self.ropes[t.rope as usize];
@@ -419,8 +422,8 @@ impl Past {
     }
 }
 
-/// The place of segment `i`, from point a to point b, that is nearest to `at`, if it is near enough
-/// and runs along `toward`; of no rope when the rope's tip lies more than a width before `at`.
+/// The place on segment `i`, from point a to point b, that is nearest to `at`, if it is near enough
+/// and runs along `toward`. It is on no rope if `at` is more than a width beyond the rope's tip.
 fn trace(
     rope: &Rope,
     index: u32,

@@ -1,9 +1,11 @@
-//! The colour ranges of the ropes in a picture, for a mask by colour: proposed by itself, or for the rope at a point.
+//! The color ranges of the ropes in a picture, for a mask by color. They are found without help, or
+//! for the rope at given points.
 //!
-//! Which pixels are rope is known first, from elsewhere (`evidence`): from the automatic mask where it finds ropes, one
-//! class a colour; or from regions of like colour that grow from the points (`grow`). Then a box in hue, saturation and
-//! value is sought that holds the rope's colours (`palette`) and keeps all others out (`range`). At points there are many such
-//! boxes, of which the best is chosen by what is traced in its mask (`choose`, `seen`).
+//! The rope's pixels are found first, by other means (`evidence`). The automatic mask gives one
+//! class for each color, if it finds ropes. Otherwise, regions of similar color grow from the
+//! points (`grow`). Then a box in hue, saturation and value is sought that contains the rope's
+//! colors (`palette`) and excludes all others (`range`). For given points there are many such
+//! boxes. The best one is chosen by the ropes traced in its mask (`choose`, `seen`).
 
 mod choose;
 mod evidence;
@@ -21,28 +23,28 @@ use thiserror::Error;
 
 pub use judge::{PickDoubt, PickJudgement, judge_pick};
 
-/// Distance from a rope at which a point still means it, in pixels: a mouse is not a needle.
+/// Maximum distance of a point from the rope it means, in pixels. A mouse click is not exact.
 const BESIDE_PX: f32 = 10.0;
-/// Distance from a rope at which its class is the point's, in pixels: the width of an edge.
+/// Maximum distance from a rope at which a point has its class, in pixels: the width of an edge.
 const EDGE_PX: f32 = 3.0;
 
-/// The colours that were picked.
+/// The picked colors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Picked {
-    /// A range for each colour of rope, that of the longest rope first.
+    /// A range for each rope color, starting with the longest rope.
     pub ranges: Vec<HsvRange>,
-    /// How well the ranges tell what they were picked from: pixels that are rope and in range over pixels that are
-    /// either (intersection over union), 0 to 1. Below some 0.7 a mask of these ranges has holes, or takes table for
-    /// rope.
+    /// How well the ranges separate rope from table in the picture: rope pixels in range over
+    /// pixels that are rope or in range (intersection over union), 0 to 1. Below about 0.7, a mask
+    /// of these ranges has holes or includes table.
     pub agreement: f32,
 }
 
-/// Why no colour was picked.
+/// The reason why no color was picked.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PickError {
-    /// The point is no place in the image.
+    /// The point is outside of the image.
     #[error(
         "the point ({}, {}) is outside of the image, whose last pixel is ({}, {})",
         .at[0], .at[1], .last[0], .last[1]
@@ -53,7 +55,7 @@ pub enum PickError {
         /// The image's bottom right pixel.
         last: [usize; 2],
     },
-    /// The point shows the table.
+    /// The point is on the table.
     #[error(
         "at ({}, {}) is the table, and no rope within {BESIDE_PX} pixels: give a point on the rope", .at[0], .at[1]
     )]
@@ -61,7 +63,7 @@ pub enum PickError {
         /// The point.
         at: [f32; 2],
     },
-    /// What has the point's colour is no rope.
+    /// The object with the point's color is not a rope.
     #[error(
         "what has the colour at ({}, {}) is no rope: give a point on the rope. If it is one, its colour does not tell \
          it from the rest: give two more points on it, try the automatic mask, or read only the region around it (roi)",
@@ -71,26 +73,30 @@ pub enum PickError {
         /// The point.
         at: [f32; 2],
     },
-    /// Without a point: nothing stands out.
+    /// Without a point, nothing stands out.
     #[error("no rope stands out from the table by itself: give a point on it")]
     NoRope,
 }
 
-/// Picks the colours of the ropes in `image`, or of the one that all `points` (in pixels) lie on, if there are any.
+/// Picks the colors of the ropes in `image`, or of the single rope under all `points` (in pixels),
+/// if any are given.
 ///
-/// One point is enough where colour tells the rope from the rest; more say what one cannot: the other colours of a twisted
-/// rope, or its colour in light and in shade. The answer is that of the rope, not of the point: neighbours get the same.
+/// One point is enough if color separates the rope from the rest. More points add what one cannot
+/// show: the other colors of a twisted rope, or its color in light and in shade. The result depends
+/// on the rope and not on the exact point, so nearby points give the same result.
 ///
-/// A rope's hue is free where it has none: black, white and gray are told by saturation and value. Allocates, and takes
-/// from a tenth of a second to some: this is for setting up, not for every frame.
+/// A rope without hue gets a range that includes all hues: saturation and value identify black,
+/// white and gray. Allocates, and takes a tenth of a second or more, so it is for setup, not for
+/// every frame.
 ///
 /// # Errors
-/// When a point is outside of the image or on the table, and when no rope is found.
+/// If a point is outside of the image or on the table, or if no rope is found.
 pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     let mut unpacker = Unpacker::default();
     let image = &unpacker.unpack(image);
     let last = [image.width() - 1, image.height() - 1];
-    // Half a pixel beyond the outermost centres is still the outermost pixels. False for what is no number.
+    // Half a pixel beyond the outermost centers still belongs to the outermost pixels. False for
+    // NaN.
     let is_inside = |c: f32, last: usize| c >= -0.5 && c <= last as f32 + 0.5;
     for &at in points {
         if !(is_inside(at[0], last[0]) && is_inside(at[1], last[1])) {
@@ -114,7 +120,7 @@ pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     })
 }
 
-/// Moves each point that lies next to a rope onto it.
+/// Moves each point next to a rope onto it.
 fn snapped(image: &Image, points: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let points = points.iter();
     points
@@ -122,7 +128,7 @@ fn snapped(image: &Image, points: &[[f32; 2]]) -> Vec<[f32; 2]> {
         .collect()
 }
 
-/// The ranges of the ropes that stand out by themselves, one for each colour.
+/// The ranges of the ropes that stand out by themselves, one for each color.
 fn of_all(image: &Image) -> Option<Picked> {
     let evidence = evidence::of_mask(image, Mask::Auto)?;
     let palette = palette::Palette::new(image);

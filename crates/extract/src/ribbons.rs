@@ -1,12 +1,20 @@
-//! Ropes where the network says that some are likely, on whatever ground: their edges, and what belongs together.
+//! Finds ropes where the network considers them likely, on any background, by their edges.
 //!
-//! A rope is a ribbon: two edges that keep their distance, of one color between them, on and on. So the picture is cut along
-//! scan lines, rows and columns, where a rope is likely, into spans between two edges (`spans`); spans of neighboring lines that are alike in place,
-//! width and color make chains, by dynamic programming (`chains`); what better chains have not taken, and what is not just
-//! the ground or a shadow beside them, makes pieces (`pieces`); each is traced on at its ends, where one edge is enough and
-//! a crossing is jumped (`trace`); pieces that go on from each other are grouped, and of a group it is weighed whether it is
-//! a rope (`groups`); and what is rope is painted, each pixel by how much of the rope's color it has between the ground's
-//! (`paint`), with what the network is sure of. The result is a mask like one from elsewhere, that all further steps take as theirs.
+//! A rope is a ribbon: two edges that keep their distance, with one color between them, over a long
+//! stretch. The steps are:
+//!
+//! - `spans` cuts the picture along scan lines (rows and columns) where a rope is likely, into
+//!   spans between two edges.
+//! - `chains` joins spans of neighboring lines that are alike in place, width and color, by dynamic
+//!   programming.
+//! - `pieces` makes pieces of the chains, the best first, without the ground or a shadow next to
+//!   them.
+//! - `trace` extends each piece at its ends. One edge is enough there, and crossings are jumped.
+//! - `groups` groups pieces that continue each other, and weighs whether a group is a rope.
+//! - `paint` paints the ropes. Each pixel gets its share of the rope's color relative to the
+//!   ground's. It also adds the pixels where the network is certain.
+//!
+//! The result is a mask like one from elsewhere, and all further steps use it as such.
 
 mod chains;
 mod groups;
@@ -27,47 +35,47 @@ use pieces::{Fragment, Ground};
 /// Brightness, and chroma counted double, so that distances are those of `image::color`.
 type Color = [f32; 3];
 
-/// Pixels from one scan line to the next.
+/// Distance between scan lines, in pixels.
 const STEP: usize = 4;
 
-/// A cut through a ribbon.
+/// A cross-section of a ribbon.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rib {
     /// Its middle.
     at: Vec2,
-    /// The ribbon's direction there.
+    /// Direction of the ribbon there.
     along: Vec2,
     width_px: f32,
     color: Color,
-    /// The color beside it, along the normal and against it.
+    /// Colors next to it, along the normal and against it.
     sides: [Color; 2],
-    /// How far its color is from that beside it, in its own spread and noise.
+    /// Distance of its color from those next to it, relative to its own spread and noise.
     quality: f32,
 }
 
 impl Rib {
-    /// A place beside the middle, along the normal.
+    /// A place at a distance from the middle, along the normal.
     fn aside(&self, by_px: f32) -> Vec2 {
         vec2::add(self.at, vec2::scale(vec2::normal(self.along), by_px))
     }
 }
 
-/// Memory of the search, and what was found.
+/// Memory of the search, and its result.
 #[derive(Debug, Default)]
 pub(crate) struct Ribbons {
     picture: Picture,
     chainer: Chainer,
     ground: Ground,
     pieces: Vec<Fragment>,
-    /// The ribs of all pieces, one after the other.
+    /// The ribs of all pieces, one piece after the other.
     ribs: Vec<Rib>,
-    /// The same with those that were traced.
+    /// The ribs of all pieces, including those that were traced.
     traced: Vec<Rib>,
     grouper: Grouper,
 }
 
 impl Ribbons {
-    /// Makes the buffers for images of this size.
+    /// Reserves the buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         let [width, height] = self.picture.reserve(width, height);
         self.chainer.reserve(width, height);
@@ -79,8 +87,8 @@ impl Ribbons {
         self.grouper.reserve([width, height], pieces::MOST, ribs);
     }
 
-    /// Looks for ropes in `image` where they are `likely` (255 for certain), and paints how much of each pixel is rope into `out`,
-    /// all three of one size.
+    /// Finds ropes in `image` where they are `likely` (255 for certain), and paints the share of
+    /// rope in each pixel into `out`. All three have the same size.
     pub(crate) fn find(&mut self, image: &Image, likely: &GrayPlane, out: &mut GrayPlane) {
         self.picture.take(image, likely);
         let Self {
@@ -100,7 +108,7 @@ impl Ribbons {
     }
 }
 
-/// How far two colors are apart.
+/// Distance between two colors.
 fn distance(a: Color, b: Color) -> f32 {
     squared_distance(a, b).sqrt()
 }
@@ -111,7 +119,7 @@ fn squared_distance(a: Color, b: Color) -> f32 {
     y * y + u * u + v * v
 }
 
-/// How unlike two colors are of what may lie in another light: brightness counts half.
+/// Difference between two colors that may be in different light: brightness counts half.
 #[inline(always)]
 fn unlikeness(a: Color, b: Color) -> f32 {
     let [y, u, v] = minus(a, b);
@@ -127,14 +135,14 @@ fn dot(a: Color, b: Color) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// From `a` to `b` by a share of the way.
+/// Interpolates from `a` to `b` by a share of the way.
 #[inline(always)]
 fn mix(a: Color, b: Color, share: f32) -> Color {
     let mixed = |c: usize| a[c] + share * (b[c] - a[c]);
     [mixed(0), mixed(1), mixed(2)]
 }
 
-/// Whether a color is another one in less light, or in as much.
+/// Returns whether a color is another one in less light, or in the same.
 fn is_shade(color: Color, of: Color, noise: f32) -> bool {
     let light = color[0] / of[0].max(1.0);
     if !(0.35..=1.06).contains(&light) {

@@ -1,5 +1,5 @@
-//! The second step: from the mask to lines one pixel wide, as a list of pixels with their neighbors and their distances to
-//! the rope's edge.
+//! The second step: from the mask to lines one pixel wide. The result is a list of pixels with
+//! their neighbors and their distances to the rope's edge.
 
 mod pixels;
 pub(crate) mod thin;

@@ -1,10 +1,10 @@
-//! Medians and quantiles, for what must not be led astray by outliers.
+//! Medians and quantiles, for estimates that outliers must not distort.
 
 use lariat_portable::Simd;
 
 use crate::image::ray::{LANES, Lanes};
 
-/// The middle value (of an even number the upper one); 0 of nothing.
+/// The middle value; the upper of the two for an even count, 0 for an empty slice.
 pub(crate) fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -13,7 +13,7 @@ pub(crate) fn median(values: &mut [f32]) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// The value below which the share `q` of the values lies; 0 of nothing.
+/// The value with the share `q` of all values below it; 0 for an empty slice.
 pub(crate) fn quantile(values: &mut [f32], q: f32) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -22,13 +22,13 @@ pub(crate) fn quantile(values: &mut [f32], q: f32) -> f32 {
     *values.select_nth_unstable_by(index, f32::total_cmp).1
 }
 
-/// The same of numbers that are all positive: their bits stand in the same order, and are compared faster.
+/// Like [`quantile`], for positive numbers: their bits have the same order and compare faster.
 pub(crate) fn quantile_of_positive(values: &mut [f32], q: f32) -> f32 {
     let index = (values.len().saturating_sub(1) as f32 * q) as usize;
     of_positive(values, index)
 }
 
-/// As [`median`], likewise.
+/// Like [`median`], for positive numbers.
 pub(crate) fn median_of_positive(values: &mut [f32]) -> f32 {
     of_positive(values, values.len() / 2)
 }
@@ -40,11 +40,11 @@ fn of_positive(values: &mut [f32], index: usize) -> f32 {
     *values.select_nth_unstable_by_key(index, |v| v.to_bits()).1
 }
 
-/// The median of each lane's smallest `counts` numbers, the larger of the two middle ones.
+/// Median of each lane's `counts` smallest numbers, the upper of the two middle ones.
 #[inline(always)]
 pub(crate) fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES]) -> Lanes {
     let half = rows.len() / 2;
-    // The smaller half is put in order, one after the other.
+    // Sorts the smaller half, one row per pass.
     for k in 0..=half {
         let (sorted, rest) = rows.split_at_mut(k + 1);
         let least = S::as_mut_simd_f32s(&mut sorted[k]).0;
@@ -58,7 +58,7 @@ pub(crate) fn medians<S: Simd>(simd: S, rows: &mut [Lanes], counts: &[u32; LANES
     std::array::from_fn(|l| rows[counts[l] as usize / 2][l])
 }
 
-/// Where a value lies from `from` (0) to `to` (1), and no farther.
+/// Position of a value between `from` (0) and `to` (1), clamped to that range.
 pub(crate) fn grade(value: f32, from: f32, to: f32) -> f32 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }

@@ -1,5 +1,5 @@
-//! From the lines of one image to ropes that last: what the last image knew of them is held against what this one shows,
-//! and each curve gets its rope's number, its direction, and the parts of it that are out of sight.
+//! From the lines of one image to persistent ropes. Compares the prior with what this image shows.
+//! Each curve gets its rope's number and direction, and the rope's hidden parts.
 
 mod complete;
 mod matching;

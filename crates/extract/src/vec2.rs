@@ -35,7 +35,7 @@ pub(crate) fn distance(a: Vec2, b: Vec2) -> f32 {
     norm(sub(a, b))
 }
 
-/// The direction of `a`, or `otherwise` when `a` has none.
+/// The direction of `a`, or `otherwise` if `a` is zero.
 pub(crate) fn unit_or(a: Vec2, otherwise: Vec2) -> Vec2 {
     let length = norm(a);
     if length > 1e-6 {
@@ -45,7 +45,7 @@ pub(crate) fn unit_or(a: Vec2, otherwise: Vec2) -> Vec2 {
     }
 }
 
-/// Turned by a quarter.
+/// The vector turned by a quarter turn, from x toward y.
 pub(crate) fn normal(a: Vec2) -> Vec2 {
     [-a[1], a[0]]
 }

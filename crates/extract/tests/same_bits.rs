@@ -1,9 +1,11 @@
-//! The same pictures give the same numbers, to the last bit, whatever vectors a machine has, whoever made it, and however the
-//! code was compiled: drawn films through the extractor and through every kind of fit, held against a file of hashes.
+//! The same pictures give the same numbers, to the last bit, on every machine, vector set and
+//! build. Drawn films pass through the extractor and through every kind of fit, and the results are
+//! compared with a file of hashes.
 //!
-//! A line of the file is a case and a step, and a hash for each frame: the first that differs says where to look. After an intended
-//! change, `LARIAT_WRITE_HASHES=1 cargo test -p lariat-extract --test same_bits` writes the file again.
-//! `tests/simd/run` runs this test on processors of other kinds.
+//! Each line of the file is a case and a step, with a hash for each frame. The first difference
+//! tells where to look. After an intended change, rewrite the file with
+//! `LARIAT_WRITE_HASHES=1 cargo test -p lariat-extract --test same_bits`.
+//! `tests/simd/run` runs this test on other kinds of processors.
 
 mod drawing;
 #[path = "same_bits/fitted.rs"]
@@ -17,7 +19,7 @@ use std::fmt::Write;
 
 use lariat_portable::Arch;
 
-/// Of each step of each case the frames' hashes.
+/// Hashes of the frames, for each step of each case.
 #[derive(Default)]
 struct Told(Vec<(String, Vec<u32>)>);
 
@@ -43,7 +45,7 @@ impl Told {
     }
 }
 
-/// The lines in which they differ, and from which frame on.
+/// The names of the lines that differ, and the first frame of each that does.
 fn differences(found: &str, expected: &str) -> Vec<String> {
     let expected: Vec<&str> = expected.lines().collect();
     let mut differences = Vec::new();

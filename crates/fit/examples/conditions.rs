@@ -1,4 +1,4 @@
-//! Condition number and noise gain of each basis, by the number of control points:
+//! Prints the condition number and noise gain of each basis, by the number of control points:
 //! `cargo run --release -p lariat-fit --example conditions [POINTS]`.
 
 use lariat_fit::{Basis, Fitter, FitterError, Knots, Options};

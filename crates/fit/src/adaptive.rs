@@ -1,5 +1,5 @@
-//! A basis of fixed size whose algebra changes with the points: where they weigh differently, or lie at
-//! arc lengths of their own.
+//! A basis of fixed size whose algebra changes with the points, because they have different weights
+//! or their own arc lengths.
 
 use crate::arc_length;
 use crate::basis::{Basis, Knots};
@@ -19,15 +19,15 @@ pub(crate) struct Adaptive<const D: usize> {
     basis: Basis,
     /// `B`, N × m, row by row.
     b: Vec<f64>,
-    /// `R⁻¹` of `B` on the even grid upon the ridge's rows, m × m, row by row.
+    /// `R⁻¹` of `B` on the even grid above the ridge's rows, m × m, row by row.
     r_inverse: Vec<f64>,
     /// `λDᵀD`, m × m, row by row.
     ridge: Option<Vec<f64>>,
-    /// Where the points lie.
+    /// The points' ρ.
     rho: Vec<f64>,
     knots: [f64; MAX_KNOTS],
     knot_count: usize,
-    /// Of the last fit.
+    /// Condition number of the last fit.
     condition: f64,
     ones: Vec<f64>,
 }
@@ -56,7 +56,7 @@ impl<const D: usize> Adaptive<D> {
         }
     }
 
-    /// The control points of these points, which weigh 1 where nothing else is said. Allocates nothing.
+    /// Fits control points to these points. Weights are 1 by default. Does not allocate.
     pub(crate) fn fit(
         &mut self,
         points: &[[f64; D]],
@@ -78,12 +78,12 @@ impl<const D: usize> Adaptive<D> {
         let weighted = &mut self.weighted;
         let (fit, variance) = if options.weights == Weights::Robust {
             let robust = weighted.huber(&problem, control_points)?;
-            // The points that are far off count in the sum of squares, but not in the median.
+            // Outliers count in the sum of squares, but not in the median.
             (robust.fit, robust.sigma_px * robust.sigma_px)
         } else {
             let fit = weighted.solve(&problem, control_points)?;
             let freedom = D as f64 * fit.degrees_of_freedom;
-            // Rounding may leave a trifle of nothing.
+            // Rounding may leave a tiny number instead of 0.
             let variance = if freedom > 1e-6 {
                 fit.sum_w_r2 / freedom
             } else {
@@ -91,7 +91,7 @@ impl<const D: usize> Adaptive<D> {
             };
             (fit, variance)
         };
-        // The normal equations have the square of the problem's own.
+        // The normal equations have the square of the problem's own condition number.
         self.condition = fit.condition.sqrt();
         Ok(Residuals {
             weighted_sum: fit.sum_w_r2,
@@ -101,7 +101,7 @@ impl<const D: usize> Adaptive<D> {
         })
     }
 
-    /// Evaluates `B` where the points lie.
+    /// Evaluates `B` at the points' ρ.
     fn measure(&mut self, points: &[[f64; D]]) -> Result<(), FitError> {
         arc_length::rho(points, self.basis.is_closed(), &mut self.rho)?;
         if let Basis::BSpline {
@@ -119,18 +119,18 @@ impl<const D: usize> Adaptive<D> {
         Ok(())
     }
 
-    /// The functions where the `i`-th point lies.
+    /// Values of the basis functions at the `i`-th point.
     pub(crate) fn row(&self, i: usize) -> &[f64] {
         let count = self.basis.control_points();
         &self.b[i * count..][..count]
     }
 
-    /// The clamped knots of the last fit's B-spline, or none.
+    /// Clamped knots of the last fit's B-spline, or an empty slice.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots[..self.knot_count]
     }
 
-    /// The condition number of what the last fit solved, mostly within a factor of √2.
+    /// Condition number of the problem that the last fit solved, mostly within a factor of √2.
     pub(crate) fn condition(&self) -> f64 {
         self.condition
     }

@@ -1,56 +1,57 @@
-//! Normalized arc lengths measured on the points themselves: `ρᵢ` is the length of the chords up to point `i`
-//! by the length of all (the paper's equations 1 and 2, and the usual chord-length parametrization).
+//! Normalized arc lengths measured along the points: `ρᵢ` is the length of the chords up to point
+//! `i` divided by that of all (the paper's equations 1 and 2, and the usual chord-length
+//! parametrization).
 //!
-//! They are distinct, which is one of the conditions of a stable descriptor: points at one `ρ` are one row of
-//! `B` twice.
+//! They are distinct, which is one of the conditions of a stable descriptor: points at the same `ρ`
+//! would repeat a row of `B`.
 
 use crate::fitter::MAX_COORDINATE_PX;
 
-/// Why there are no arc lengths.
+/// Why arc lengths could not be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArcLengthError {
-    /// Two neighbours are at one place, or so near each other that their arc lengths are the same number.
+    /// Two neighbors coincide, or are so close that their arc lengths are the same number.
     #[error(
         "points {first} and {second} are at the same place, so arc length does not tell them apart: leave one \
          of them out"
     )]
     Repeated {
-        /// The earlier one, counted from 0.
+        /// The earlier point, counted from 0.
         first: usize,
-        /// The later one: the next, or 0 after the last point of a closed curve.
+        /// The later point: the next, or 0 after the last point of a closed curve.
         second: usize,
     },
-    /// All points are at one place.
+    /// All points coincide.
     #[error(
         "all {points} points are at the same place, so there is no curve: give points along one"
     )]
     NoLength {
-        /// How many there are.
+        /// Number of points.
         points: usize,
     },
-    /// A coordinate is NaN, infinite or absurdly large.
+    /// A coordinate is NaN, infinite or too large.
     #[error(
         "coordinate {axis} of point {index} is {value}, which is not a position in a picture: it must be finite and \
          below {MAX_COORDINATE_PX:e} px in size"
     )]
     NotAPoint {
-        /// Which point, counted from 0.
+        /// Index of the point, counted from 0.
         index: usize,
-        /// Which of its coordinates, counted from 0.
+        /// Index of its coordinate, counted from 0.
         axis: usize,
         /// Its value.
         value: f64,
     },
 }
 
-/// Writes the normalized cumulative chord length of each point to `out`: 0 at the first, 1 at the last. On a
-/// closed curve the chord from the last point back to the first counts as well, and 1 would be the first point
-/// again. Where it answers an error, `out` holds nothing of use.
+/// Writes the normalized cumulative chord length of each point to `out`: 0 at the first, 1 at the
+/// last. On a closed curve the chord from the last point back to the first counts as well, and 1
+/// would be the first point again. After an error, the contents of `out` are unspecified.
 ///
 /// # Errors
-/// Neighbours at one place, all points at one place (so also a single one), a coordinate that is no place in a
-/// picture.
+/// Fails if neighbors or all points coincide (as for a single point), or if a coordinate is not a
+/// position in a picture.
 ///
 /// # Panics
 /// If `out` is not as long as `points`.
@@ -62,7 +63,7 @@ pub(crate) fn rho<const D: usize>(
     assert_eq!(out.len(), points.len(), "one arc length for each point");
     for (index, point) in points.iter().enumerate() {
         for (axis, &value) in point.iter().enumerate() {
-            // NaN is not below it either.
+            // Also rejects NaN.
             if value.abs().partial_cmp(&MAX_COORDINATE_PX) != Some(std::cmp::Ordering::Less) {
                 return Err(ArcLengthError::NotAPoint { index, axis, value });
             }
@@ -85,7 +86,7 @@ pub(crate) fn rho<const D: usize>(
     for sum in out.iter_mut() {
         *sum /= length;
     }
-    // Asked of the quotients: two sums that differ may still be one number when divided.
+    // Compares the quotients, because two different sums may give the same quotient.
     if let Some(first) = out.windows(2).position(|pair| pair[0] >= pair[1]) {
         let second = first + 1;
         return Err(ArcLengthError::Repeated { first, second });
@@ -97,7 +98,7 @@ pub(crate) fn rho<const D: usize>(
     Ok(())
 }
 
-/// The distance between two points. No square overflows below the largest coordinate.
+/// Distance between two points. No square overflows below the largest coordinate.
 fn chord<const D: usize>(from: &[f64; D], to: &[f64; D]) -> f64 {
     let mut squared = 0.0;
     for axis in 0..D {
@@ -151,7 +152,7 @@ mod tests {
                 .to_string()
                 .starts_with("points 1 and 2 are at the same place")
         );
-        // A chord so short that the arc length cannot grow by it.
+        // A chord so short that the arc length does not grow.
         let points = [[0.0, 0.0], [1e8, 0.0], [1e8, 1e-10]];
         assert_eq!(
             measured(&points, false),
@@ -160,7 +161,7 @@ mod tests {
                 second: 2
             })
         );
-        // Only the way back makes these two neighbours.
+        // These two are neighbors only across the closing chord.
         let ring = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]];
         assert!(measured(&ring, false).is_ok());
         assert_eq!(

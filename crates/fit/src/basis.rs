@@ -1,64 +1,66 @@
-//! The families of curves: which functions the control points weigh.
+//! The families of curves, which define the functions that control points weight.
 
 use std::fmt;
 
-/// The most control points of a curve.
+/// Maximum number of control points of a curve.
 pub const MAX_CONTROL_POINTS: usize = 32;
 
-/// Where the knots of a B-spline lie. Both are clamped: as many knots at either end as make the curve begin
-/// and end at its outer control points.
+/// Placement of a B-spline's knots. All are clamped: repeated knots at both ends make the curve
+/// begin and end at its outer control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Knots {
-    /// Evenly.
+    /// Even steps.
     Uniform,
-    /// Where a rope bends, which the curve itself says: those of a size that a [`SteadySize`](crate::SteadySize) had made
-    /// for its rope. A fitter that is asked for them begins with even ones.
+    /// Denser where a rope bends, as determined from its curve. A [`SteadySize`](crate::SteadySize)
+    /// computes these knots for its rope. A fitter created with them begins with even ones.
     Placed,
-    /// Where the points are, as many between any two knots (Piegl and Tiller, *The NURBS Book*, equations 9.68
-    /// and 9.69).
+    /// Averages of the points' ρ, with as many points between any two knots (Piegl and Tiller, *The
+    /// NURBS Book*, equations 9.68 and 9.69).
     Averaged,
 }
 
 impl Knots {
-    /// Those that can be asked for, with their names.
+    /// Placements that can be requested, with their names.
     pub const NAMED: [(&str, Self); 2] = [("uniform", Self::Uniform), ("averaged", Self::Averaged)];
 }
 
-/// The family of curves that a descriptor's control points belong to, and its size.
+/// Family of curves that a descriptor's control points belong to, and its size.
 ///
-/// Whoever sends a curve has to name its family, so a new one is to be met by all of them: the list is exhaustive.
+/// Senders of curves have to name their family, so receivers must handle every new one. The enum is
+/// therefore exhaustive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Basis {
-    /// Bernstein polynomials: a Bezier curve of `order`, 1 to 31, with `order + 1` control points. The paper's.
+    /// Bernstein polynomials: a Bezier curve of `order`, 1 to 31, with `order + 1` control points,
+    /// as in the paper.
     Bezier {
-        /// The curve's order `n`.
+        /// Order `n` of the curve.
         order: usize,
     },
-    /// A clamped B-spline: each control point moves only a part of the curve.
+    /// A clamped B-spline, where each control point moves only a part of the curve.
     BSpline {
-        /// The degree of its pieces, from 1 to one less than `control_points`.
+        /// Degree of its pieces, from 1 to one less than `control_points`.
         degree: usize,
-        /// How many control points, 2 to 32.
+        /// Number of control points, 2 to 32.
         control_points: usize,
-        /// Where its pieces meet.
+        /// Placement of the knots, where pieces meet.
         knots: Knots,
     },
-    /// A Bezier curve whose control points have weights, estimated with them.
+    /// A Bezier curve whose control points have weights, which are estimated as well.
     RationalBezier {
-        /// The curve's order.
+        /// Order of the curve.
         order: usize,
     },
-    /// A truncated Fourier series, for closed curves: `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`. Its "control points"
-    /// are the coefficients `a₀, a₁, b₁, a₂, b₂, …`.
+    /// A truncated Fourier series, for closed curves: `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`. Its
+    /// "control points" are the coefficients `a₀, a₁, b₁, a₂, b₂, …`.
     Fourier {
-        /// How many harmonics, 1 to 15.
+        /// Number of harmonics, 1 to 15.
         harmonics: usize,
     },
-    /// Points of the centerline itself, at even steps of arc length from its first to its last, and straight
-    /// lines between them: the local descriptor that most of visual servoing uses.
+    /// Points of the centerline itself, at even steps of arc length from the first to the last,
+    /// joined by straight lines: the local descriptor common in visual servoing.
     FeaturePoints {
-        /// How many, 2 to 32.
+        /// Number of points, 2 to 32.
         count: usize,
     },
     /// The mean of all points: a single "control point".
@@ -66,7 +68,7 @@ pub enum Basis {
 }
 
 impl Basis {
-    /// How many control points its curves have.
+    /// Number of control points of its curves.
     pub const fn control_points(self) -> usize {
         match self {
             Self::Bezier { order } | Self::RationalBezier { order } => order + 1,
@@ -77,7 +79,7 @@ impl Basis {
         }
     }
 
-    /// The degree of its polynomials; of a Fourier series the number of harmonics.
+    /// Degree of its polynomials, or the number of harmonics of a Fourier series.
     pub const fn order(self) -> usize {
         match self {
             Self::Bezier { order } | Self::RationalBezier { order } => order,
@@ -88,12 +90,13 @@ impl Basis {
         }
     }
 
-    /// Whether its curves are closed: they end where they begin.
+    /// Returns whether its curves are closed: they end where they begin.
     pub const fn is_closed(self) -> bool {
         matches!(self, Self::Fourier { .. })
     }
 
-    /// Whether its curves begin and end at their outer control points, so that these can be pinned.
+    /// Returns whether its curves begin and end at their outer control points, so that these can be
+    /// pinned.
     pub const fn has_ends(self) -> bool {
         matches!(
             self,
@@ -130,7 +133,7 @@ impl Basis {
         })
     }
 
-    /// A spline of one piece by its own name: a Bezier curve.
+    /// Replaces a spline of one piece by the equivalent Bezier curve.
     pub(crate) fn named(self) -> Self {
         match self {
             Self::BSpline {
@@ -142,7 +145,7 @@ impl Basis {
         }
     }
 
-    /// The family's name, as settings and JSON have it.
+    /// Name of the family, as in settings and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bezier { .. } => "bezier",
@@ -154,8 +157,8 @@ impl Basis {
         }
     }
 
-    /// The `i`-th of `points` values of ρ in even steps: from 0 to 1, or, once around a closed curve, to one
-    /// step before 1, which is 0 again.
+    /// The `i`-th of `points` values of ρ in even steps. They range from 0 to 1 or, for a closed
+    /// curve, to one step before 1, which equals 0.
     pub const fn even_rho(self, i: usize, points: usize) -> f64 {
         if self.is_closed() {
             i as f64 / points as f64
@@ -168,7 +171,7 @@ impl Basis {
 }
 
 impl fmt::Display for Basis {
-    /// As a sentence has it: "a Bezier curve of 9 control points".
+    /// Writes a phrase such as "a Bezier curve of 9 control points".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Bezier { order } => {

@@ -1,5 +1,5 @@
-//! Bernstein polynomials and the curves they make, by de Casteljau's recurrence: only sums and products
-//! of numbers that are never negative, so that every value is right to a few ulp at any order.
+//! Bernstein polynomials and their curves, by de Casteljau's recurrence. It consists only of sums
+//! and products of nonnegative numbers, so every value is accurate to a few ulp at any order.
 
 /// Writes the `order + 1` Bernstein polynomials of that order at `rho` (equation 4 of the paper) to
 /// `values`: `values[j] = n!/(j!(n−j)!) (1−ρ)ⁿ⁻ʲ ρʲ`.
@@ -7,7 +7,7 @@
 /// They sum to one for any `rho`, and are never negative for `rho` in `[0, 1]`.
 ///
 /// # Panics
-/// If `values` does not hold exactly `order + 1` numbers.
+/// If `values` does not have exactly `order + 1` elements.
 pub fn bernstein(order: usize, rho: f64, values: &mut [f64]) {
     assert_eq!(
         values.len(),
@@ -17,7 +17,8 @@ pub fn bernstein(order: usize, rho: f64, values: &mut [f64]) {
     let rest = 1.0 - rho;
     values[0] = 1.0;
     for degree in 1..=order {
-        // B_j of this degree = (1 − ρ) B_j + ρ B_{j−1} of the degree below, from the top down in place.
+        // B_j of this degree = (1 − ρ) B_j + ρ B_{j−1} of the degree below, from the top down in
+        // place.
         values[degree] = rho * values[degree - 1];
         for j in (1..degree).rev() {
             values[j] = rest * values[j] + rho * values[j - 1];
@@ -26,8 +27,8 @@ pub fn bernstein(order: usize, rho: f64, values: &mut [f64]) {
     }
 }
 
-/// The point at `rho` on the Bezier curve of these control points, by de Casteljau's algorithm; in the
-/// control points' unit (px). `[NaN, NaN]` where there is no control point.
+/// Returns the point at `rho` on the Bezier curve of these control points, by de Casteljau's
+/// algorithm, in the control points' unit (px). Without control points it is `[NaN, NaN]`.
 ///
 /// Curves of up to 32 control points need no allocation.
 pub fn point_at(control_points: &[[f64; 2]], rho: f64) -> [f64; 2] {

@@ -1,10 +1,11 @@
-//! Which requests can be met.
+//! Validates requests.
 
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 use crate::error::FitterError;
 use crate::options::{MAX_ORDER, MAX_POINTS, Options, Rho, Weights};
 
-/// Whether the sizes are in range, there are points enough, and the basis has a use for the options.
+/// Checks that sizes are in range, that there are enough points, and that the options apply to the
+/// basis.
 pub(crate) fn check(options: &Options) -> Result<(), FitterError> {
     let Options { basis, points, .. } = *options;
     sizes(basis)?;

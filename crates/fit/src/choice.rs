@@ -1,5 +1,5 @@
-//! The size of a curve: the fewest control points that keep it within a tolerance of its points, and that size kept while
-//! the rope moves.
+//! Chooses the size of a curve: the fewest control points that keep it within a tolerance of its
+//! points. Keeps that size while the rope moves.
 
 use crate::basis::{Basis, Knots};
 use crate::error::FitError;
@@ -9,27 +9,27 @@ use crate::placed;
 use crate::point::Point;
 use crate::tolerance::Tolerance;
 
-/// How much nearer a curve must be when its size is chosen: so much may the rope bend more before the size has to
-/// change. A cubic spline's error goes with the fourth power of the steps between its knots, so half the tolerance costs
-/// a fifth more control points.
+/// Factor on the tolerance when a size is chosen. The rope may then bend more before the size has
+/// to change. A cubic spline's error is proportional to the fourth power of the steps between its
+/// knots, so half the tolerance costs a fifth more control points.
 const MARGIN: f64 = 0.5;
 
-/// So long does a curve not fit before its size changes.
+/// Time for which a curve may not fit before its size changes.
 const PATIENCE_NS: u64 = 1_000_000_000;
 
 /// A centerline to be fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Line<'a, const D: usize = 2> {
-    /// In order, evenly spaced by arc length unless it is measured.
+    /// Points in order, evenly spaced by arc length unless that is measured.
     pub points: &'a [[f64; D]],
-    /// How much each point counts, if the fitter was made for it.
+    /// Weight of each point, if the fitter was made for weights.
     pub weights: Option<&'a [f64]>,
-    /// Which points nobody saw; what is left out was seen.
+    /// True for points that were not visible. Missing entries mean visible.
     pub hidden: &'a [bool],
 }
 
 impl<'a, const D: usize> Line<'a, D> {
-    /// One that is seen whole, and all of whose points count the same.
+    /// Creates a line that is completely visible, and whose points all count the same.
     pub fn of(points: &'a [[f64; D]]) -> Self {
         Self {
             points,
@@ -39,29 +39,30 @@ impl<'a, const D: usize> Line<'a, D> {
     }
 }
 
-/// How the curve of a rope does as the rope moves.
+/// Quality of a rope's curve while the rope moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Judged {
-    /// Whether the last fit lies on its points.
+    /// True if the last fit is within the tolerance of its points.
     pub is_good: bool,
-    /// Whether it has another size than the rope's curve had before.
+    /// True if its size or its knots have changed.
     pub is_resized: bool,
-    /// Whether it has not fitted for a second, and no size does; said again each second.
+    /// True if it has not fitted for a second and no size does. Reported again each second.
     pub is_hopeless: bool,
 }
 
-/// The size of one rope's curve over time. It is chosen when the rope is first seen, with some margin, and stays: a control
-/// loop must not see its vector change length. Only when the curve has not fitted for a second is it chosen again.
+/// The size of one rope's curve over time. It is chosen when the rope is first seen, with some
+/// margin, and kept: a control loop needs a vector of constant length. It is chosen again only when
+/// the curve has not fitted for a second.
 #[derive(Debug, Clone, Default)]
 pub struct SteadySize {
-    /// Which of the fitter's places for ropes of their own knots is this one's.
+    /// Index of this rope among the fitter's ropes with individual knots.
     place: usize,
     size: Option<usize>,
     misfit_since_ns: Option<u64>,
 }
 
 impl SteadySize {
-    /// That of the `place`-th of several ropes that share a fitter.
+    /// Creates the size of the `place`-th of several ropes that share a fitter.
     pub fn of(place: usize) -> Self {
         Self {
             place,
@@ -69,16 +70,16 @@ impl SteadySize {
         }
     }
 
-    /// Makes it another rope's.
+    /// Resets it for another rope.
     pub fn forget(&mut self) {
         *self = Self::of(self.place);
     }
 
-    /// Fits the rope as it was at `exposed_ns` with a curve of its own size; the fit is the fitter's last. Allocates nothing,
-    /// but where the rope is given knots of its own.
+    /// Fits the rope as it was at `exposed_ns` with a curve of its own size. The result is the
+    /// fitter's last fit. Does not allocate, unless the rope is given knots of its own.
     ///
     /// # Errors
-    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`].
+    /// Fails as [`Fitter::fit`] and [`Fitter::fit_weighted`] do.
     pub fn fit<const D: usize>(
         &mut self,
         fitter: &mut Fitter<D>,
@@ -92,7 +93,7 @@ impl SteadySize {
         <[f64; D]>::fit_steadily(self, fitter, line, tolerance, exposed_ns)
     }
 
-    /// [`SteadySize::fit`].
+    /// Implements [`SteadySize::fit`].
     pub(crate) fn fit_steadily<const D: usize>(
         &mut self,
         fitter: &mut Fitter<D>,
@@ -112,7 +113,7 @@ impl SteadySize {
         fitter.fit_of_size(size, line)?;
         let is_good = fitter.is_within(line, tolerance);
         let since = match self.misfit_since_ns {
-            // Time that went back is another film's.
+            // If time goes back, another recording has started.
             Some(since) if since <= exposed_ns => since,
             _ => exposed_ns,
         };
@@ -127,7 +128,7 @@ impl SteadySize {
             let is_good = fitter.is_within(line, tolerance);
             return Ok(Judged {
                 is_good,
-                // Its own place is not gone to again but with other knots.
+                // The same index of individual knots means that the knots have changed.
                 is_resized: other != size || (is_good && other >= fitter.sizes()),
                 is_hopeless: !is_good,
             });
@@ -140,8 +141,9 @@ impl SteadySize {
     }
 }
 
-/// The least size that fits with some margin; else the least that fits; else the largest, with knots where the rope bends.
-/// Where there is a size already, and none fits, it is given up only for one that is much better.
+/// Chooses the smallest size that fits with some margin. Otherwise, the smallest that fits.
+/// Otherwise, the largest, with knots where the rope bends. An existing size that does not fit is
+/// replaced by the latter only if that is much better.
 fn choose<const D: usize>(
     fitter: &mut Fitter<D>,
     line: &Line<D>,
@@ -161,7 +163,7 @@ fn choose<const D: usize>(
     Ok(placed.unwrap_or(now.map_or(largest, |now| now.size)))
 }
 
-/// A size that a rope has, and how much nearer it would have to be.
+/// The current size of a rope, and the factor by which it exceeds the tolerance.
 #[derive(Clone, Copy)]
 struct Now {
     size: usize,
@@ -172,11 +174,11 @@ impl<const D: usize> Fitter<D>
 where
     [f64; D]: Point<D>,
 {
-    /// The smallest size whose curve lies within the tolerance of these points, and `true`; or the largest and `false`.
-    /// Allocates nothing.
+    /// Finds the smallest size whose curve is within the tolerance of these points, and returns it
+    /// with `true`. If there is none, returns the largest and `false`. Does not allocate.
     ///
     /// # Errors
-    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`], where that holds for every size.
+    /// Fails as [`Fitter::fit`] and [`Fitter::fit_weighted`] do, if every size fails.
     pub fn least_size(
         &mut self,
         line: &Line<D>,
@@ -185,28 +187,31 @@ where
         <[f64; D]>::least_size(self, line, tolerance)
     }
 
-    /// The curve of this size, counted from 0, the smallest; the largest for a number beyond all. Allocates nothing.
+    /// Fits the curve of this size, where 0 is the smallest. A number beyond all sizes means the
+    /// largest. Does not allocate.
     ///
     /// # Errors
-    /// As [`Fitter::fit`] and [`Fitter::fit_weighted`].
+    /// Fails as [`Fitter::fit`] and [`Fitter::fit_weighted`] do.
     pub fn fit_at(&mut self, size: usize, line: &Line<D>) -> Result<&Fit<D>, FitError> {
         <[f64; D]>::fit_at(self, size, line)
     }
 
-    /// Whether the curve of the last fit, which was of these points, lies within the tolerance of those that were seen.
+    /// Returns whether the curve of the last fit, which must be of these points, is within the
+    /// tolerance of the visible ones.
     pub fn lies_on(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
         <[f64; D]>::lies_on(self, line, tolerance)
     }
 }
 
 impl<const D: usize> Fitter<D> {
-    /// How many sizes there are: 1 unless they are to be chosen from.
+    /// Number of sizes: 1 unless there is a choice.
     pub fn sizes(&self) -> usize {
         self.choosable
     }
 
-    /// Makes a size of the largest curves whose knots lie where this rope bends, if the fitter's are chosen and may, and that
-    /// leaves the points no farther off than enough.
+    /// Creates a size of the largest curves with knots where this rope bends. Returns `None` if the
+    /// fitter does not choose sizes or cannot have such knots, or if the tolerance would have to
+    /// grow by more than `enough`.
     fn place(
         &mut self,
         place: usize,
@@ -242,7 +247,7 @@ impl<const D: usize> Fitter<D> {
         Some(size)
     }
 
-    /// [`Fitter::least_size`].
+    /// Implements [`Fitter::least_size`].
     pub(crate) fn size_for(
         &mut self,
         line: &Line<D>,
@@ -264,7 +269,7 @@ impl<const D: usize> Fitter<D> {
         }
     }
 
-    /// [`Fitter::fit_at`].
+    /// Implements [`Fitter::fit_at`].
     pub(crate) fn fit_of_size(&mut self, size: usize, line: &Line<D>) -> Result<&Fit<D>, FitError> {
         self.check(line)?;
         let size = size.min(self.sizes.len() - 1);
@@ -276,14 +281,15 @@ impl<const D: usize> Fitter<D> {
         Ok(&self.fit)
     }
 
-    /// [`Fitter::lies_on`].
+    /// Implements [`Fitter::lies_on`].
     pub(crate) fn is_within(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
-        // All points are near: mostly there is no need to look at each.
+        // If all points are near, there is no need to check each one.
         self.fit.max_px.powi(2) <= tolerance.squared()[0]
             || self.lies_at(self.shown, line, tolerance)
     }
 
-    /// By how much the tolerance would have to be larger for the last fit, which was of these points.
+    /// Factor by which the tolerance would have to grow for the last fit, which must be of these
+    /// points.
     fn excess(&mut self, line: &Line<D>, tolerance: Tolerance) -> f64 {
         self.measure(self.shown, line);
         tolerance.excess(&mut self.squared, line.hidden)
@@ -294,7 +300,7 @@ impl<const D: usize> Fitter<D> {
         tolerance.holds(&self.squared, line.hidden)
     }
 
-    /// The squared distance of each point from the curve of this size.
+    /// Computes the squared distance of each point from the curve of this size.
     fn measure(&mut self, size: usize, line: &Line<D>) {
         let size = &self.sizes[size];
         let control_points = &self.fit.control_points;

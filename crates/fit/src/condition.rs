@@ -1,33 +1,35 @@
-//! The matrix `B` and how far each solver can be trusted with it: the conditions for the stability of the
-//! descriptor.
+//! The matrix `B` and the accuracy of each solver with it: the conditions for a stable descriptor.
 //!
-//! The paper asks for `N ≫ n + 1`, so that `BᵀB` has an inverse (below its equation 8). What is needed exactly:
+//! The paper asks for `N ≫ n + 1`, so that `BᵀB` has an inverse (below its equation 8). The exact
+//! conditions are:
 //!
 //! 1. at least as many points as control points, `N ≥ n + 1`;
-//! 2. as many *different* values of ρ among them: Bernstein polynomials of order `n` are a basis of the
-//!    polynomials of degree `n`, of which only 0 has `n + 1` zeros, so that `B` has full rank. For B-splines
-//!    each function also needs a ρ of its own where it is not 0 (Schoenberg and Whitney 1953);
-//! 3. a condition number of `B` below [`limit`], so that what rounding does to the control points stays below
-//!    what a centerline is known to.
+//! 2. as many *different* values of ρ among them. Bernstein polynomials of order `n` are a basis of
+//!    the polynomials of degree `n`, of which only 0 has `n + 1` zeros, so that `B` has full rank.
+//!    For B-splines each function also needs a ρ of its own where it is not 0 (Schoenberg and
+//!    Whitney 1953);
+//! 3. a condition number of `B` below [`limit`], so that rounding errors of the control points stay
+//!    below the accuracy of a centerline.
 //!
-//! The first two make the descriptor exist and be unique; the third makes it come out. How much the *noise* of
-//! the points moves it is another number, the noise gain `√max((BᵀB)⁻¹)ⱼⱼ`.
+//! The first two guarantee that the descriptor exists and is unique, the third that it can be
+//! computed. The effect of *noise* in the points is another number, the noise gain
+//! `√max((BᵀB)⁻¹)ⱼⱼ`.
 
 use crate::basis::Basis;
 use crate::functions::{self, MAX_KNOTS};
 use crate::options::Solver;
 use faer::Mat;
 
-/// The relative error of the control points that is still no error: a thousandth of a pixel in a picture
-/// of a thousand, two orders below what a centerline is known to.
+/// Acceptable relative error of the control points: a thousandth of a pixel in a picture of a
+/// thousand, two orders of magnitude below the accuracy of a centerline.
 const ACCURACY: f64 = 1e-6;
 
-/// The highest condition number of `B` at which `solver` keeps [`ACCURACY`].
+/// Highest condition number of `B` at which `solver` keeps [`ACCURACY`].
 ///
-/// A backward stable method on `B` itself loses `ε cond(B)` (Björck, *Numerical Methods for Least Squares
-/// Problems*, 1.4; the term in `cond²` goes with the residual, which is small for a centerline). The
-/// normal equations lose `ε cond(BᵀB) = ε cond(B)²` (ibid. 2.2). With ε = 2.2·10⁻¹⁶ that is 4.5·10⁹ for
-/// `pinv` and `qr`, and 6.7·10⁴ for `cholesky`.
+/// A backward stable method on `B` itself loses `ε cond(B)` (Björck, *Numerical Methods for Least
+/// Squares Problems*, 1.4; the term in `cond²` is proportional to the residual, which is small for
+/// a centerline). The normal equations lose `ε cond(BᵀB) = ε cond(B)²` (ibid. 2.2). With ε =
+/// 2.2·10⁻¹⁶ that is 4.5·10⁹ for `pinv` and `qr`, and 6.7·10⁴ for `cholesky`.
 pub(crate) fn limit(solver: Solver) -> f64 {
     match solver {
         Solver::Pinv | Solver::Qr => ACCURACY / f64::EPSILON,
@@ -35,7 +37,7 @@ pub(crate) fn limit(solver: Solver) -> f64 {
     }
 }
 
-/// Whether `B` of this basis on the even grid reads the same backwards: `Bᵢⱼ = B₍N₋₁₋ᵢ₎₍ₘ₋₁₋ⱼ₎`.
+/// Returns whether `B` of this basis on the even grid is mirror-symmetric: `Bᵢⱼ = B₍N₋₁₋ᵢ₎₍ₘ₋₁₋ⱼ₎`.
 pub(crate) fn is_mirrored(basis: Basis) -> bool {
     use crate::basis::Knots;
     match basis {
@@ -55,7 +57,7 @@ pub(crate) fn even_knots(basis: Basis, points: usize) -> Vec<f64> {
 
 /// The matrix `B` of equation 7 on the even grid of ρ: `points` × control points.
 ///
-/// Where it reads the same backwards it does so to the last bit: the mirror image of a centerline has the
+/// If it is mirror-symmetric, it is so exactly. The mirror image of a centerline then has the
 /// mirror image of its descriptor.
 pub(crate) fn matrix(basis: Basis, knots: &[f64], points: usize) -> Mat<f64> {
     let count = basis.control_points();

@@ -1,5 +1,5 @@
-//! One curve in other words: of a higher or lower order, in pieces, as powers of ρ, in two parts, backwards, with
-//! more knots. Nothing here is made for every frame: all of it allocates.
+//! Converts curves to other forms: a higher or lower order, Bezier pieces, powers of ρ, two parts,
+//! reversed, with more knots. These functions allocate and are not for use in every frame.
 
 mod degree;
 mod knots;
@@ -14,24 +14,24 @@ pub use parts::{reverse, split_at};
 use crate::basis::Basis;
 use crate::curve::{Curve, CurveError};
 
-/// What a [`Curve`] is made of, by itself.
+/// The data of a [`Curve`], owned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnedCurve<const D: usize = 2> {
-    /// The family it belongs to.
+    /// Family of the curve.
     pub basis: Basis,
-    /// The control points.
+    /// Control points.
     pub control_points: Vec<[f64; D]>,
-    /// Weights of a rational curve; of others none.
+    /// Weights of a rational curve; otherwise empty.
     pub weights: Vec<f64>,
-    /// Knots of a B-spline; of others none.
+    /// Knots of a B-spline; otherwise empty.
     pub knots: Vec<f64>,
 }
 
 impl<const D: usize> OwnedCurve<D> {
-    /// The curve of it.
+    /// Borrows it as a curve.
     ///
     /// # Errors
-    /// Where the fields, which are open to everyone, do not make a curve; never for what this crate returned.
+    /// Fails if the public fields are not a valid curve. Values returned by this crate never fail.
     pub fn as_curve(&self) -> Result<Curve<'_, D>, CurveError> {
         Curve::new(self.basis, &self.control_points, &self.weights, &self.knots)
     }

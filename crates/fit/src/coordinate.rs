@@ -1,8 +1,8 @@
-//! The number types that points may come in.
+//! Number types of points.
 
-/// The type of a point's coordinates, `f64` or `f32`. Fits are computed in `f64`.
+/// Type of a point's coordinates, `f64` or `f32`. Fits are computed in `f64`.
 pub trait Coordinate: Sealed + Sized {
-    /// These points in `f64`, copied to `room` if they are not.
+    /// Returns these points in `f64`, copied to `room` if necessary.
     #[doc(hidden)]
     fn widen<'a, const D: usize>(
         points: &'a [[Self; D]],
@@ -10,7 +10,7 @@ pub trait Coordinate: Sealed + Sized {
     ) -> &'a [[f64; D]];
 }
 
-/// Has no implementation outside of this crate.
+/// Prevents implementations outside of this crate.
 pub trait Sealed {}
 
 impl Sealed for f64 {}

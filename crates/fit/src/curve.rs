@@ -1,8 +1,9 @@
-//! A fitted curve as its users see it: any point of it, where it goes, how it bends, how long it is, what of it
-//! is nearest, and how all that moves with the control points.
+//! A fitted curve as its users need it: points, direction, curvature, length, the nearest point,
+//! and the derivatives of these by the control points.
 //!
-//! Every family but the Fourier series is a run of Bezier pieces (of weighted control points, if rational):
-//! [`Curve::new`] makes them, on the stack, and all else is asked of the pieces.
+//! Every family except the Fourier series is a sequence of Bezier pieces (with weighted control
+//! points, if rational). [`Curve::new`] computes them on the stack, and all other functions use the
+//! pieces.
 
 mod derivatives;
 mod descent;
@@ -25,12 +26,12 @@ use pieces::{KnotSpan, Pieces};
 
 /// A curve of any [`Basis`] in `D` dimensions: `f(ρ)`, ρ from 0 to 1.
 ///
-/// It borrows the control points, keeps all else to itself and allocates nothing; making one costs about as
-/// much as a dozen points of it. The control points' unit (px) is that of all lengths, and its inverse that of
-/// curvatures.
+/// It borrows the control points, stores everything else inline and does not allocate. Creating a
+/// curve costs about as much as evaluating a dozen points. Lengths are in the control points' unit
+/// (px), and curvatures in its inverse.
 ///
-/// Outside 0 to 1 a polynomial goes on as such, B-splines and feature points by their first and last piece, and a
-/// Fourier series around again. A rational curve may run to infinity there.
+/// Outside 0 to 1, polynomials are continued: B-splines and feature points by their first and last
+/// piece. A Fourier series is periodic. A rational curve may reach infinity there.
 ///
 /// ```
 /// use lariat_fit::Curve;
@@ -52,15 +53,16 @@ pub struct Curve<'a, const D: usize = 2> {
 }
 
 impl<'a, const D: usize> Curve<'a, D> {
-    /// The curve of these control points.
+    /// Creates the curve of these control points.
     ///
-    /// `weights` belong to rational curves, one to each control point, and are positive; for others there are
-    /// none. `knots` belong to B-splines: the full clamped vector from 0 to 1, `control_points + degree + 1` of
-    /// them; they may be left out where they lie evenly ([`Knots::Uniform`]), and for all other bases they are.
+    /// `weights` are for rational curves, one positive number per control point; other bases have
+    /// none. `knots` are for B-splines: the full clamped vector from 0 to 1, of
+    /// `control_points + degree + 1` numbers. They may be empty if they are even
+    /// ([`Knots::Uniform`]), and must be for all other bases.
     ///
     /// # Errors
-    /// Numbers of control points, weights or knots that do not fit the basis, numbers that are not finite,
-    /// weights that are not positive, knots that descend or come too often.
+    /// Fails if the numbers of control points, weights or knots do not match the basis, if a number
+    /// is not finite, if a weight is not positive, or if knots descend or repeat too often.
     pub fn new(
         basis: Basis,
         control_points: &'a [[f64; D]],
@@ -80,7 +82,7 @@ impl<'a, const D: usize> Curve<'a, D> {
                 knots.len()
             }
             _ if !knots.is_empty() => return Err(CurveError::NoKnots { basis }),
-            // Even knots do not depend on where the points are.
+            // Even knots do not depend on the positions of the points.
             _ => functions::knots(basis, &[], &mut own),
         };
         let pieces = Pieces::new(basis, control_points, weights, &own[..knot_count]);
@@ -94,40 +96,41 @@ impl<'a, const D: usize> Curve<'a, D> {
         })
     }
 
-    /// The Bezier curve of 1 to 32 control points.
+    /// Creates the Bezier curve of 1 to 32 control points.
     ///
     /// # Errors
-    /// No control point, more than 32, or one that is not finite.
+    /// Fails for 0 or more than 32 control points, or if one is not finite.
     pub fn bezier(control_points: &'a [[f64; D]]) -> Result<Self, CurveError> {
         let order = control_points.len().saturating_sub(1);
         Self::new(Basis::Bezier { order }, control_points, &[], &[])
     }
 
-    /// The family it belongs to.
+    /// The family of the curve.
     pub fn basis(&self) -> Basis {
         self.basis
     }
 
-    /// What it was made of.
+    /// The control points.
     pub fn control_points(&self) -> &'a [[f64; D]] {
         self.control_points
     }
 
-    /// A rational curve's weights; none of other bases.
+    /// Weights of a rational curve; empty for other bases.
     pub fn weights(&self) -> &'a [f64] {
         self.weights
     }
 
-    /// A B-spline's knots, or those that make feature points the corners of a polyline; none of other bases.
+    /// Knots of a B-spline, or those that make feature points the corners of a polyline; empty for
+    /// other bases.
     pub fn knots(&self) -> &[f64] {
         &self.knots[..self.knot_count]
     }
 
-    /// Writes to `values`, one number for each control point, how much the curve's point at `rho` moves with
-    /// it: `∂f(ρ)/∂sⱼ`, the same for every axis. These are the values of the basis's functions; of a rational
-    /// curve the rational ones, `wⱼ Bⱼ / Σ w B`.
+    /// Writes the derivative of the curve's point at `rho` by each control point to `values`, one
+    /// number for each: `∂f(ρ)/∂sⱼ`, the same for every axis. These are the values of the basis
+    /// functions. For a rational curve, they are the rational ones, `wⱼ Bⱼ / Σ w B`.
     ///
-    /// Only as many are written as there are places and control points.
+    /// Writes at most one number for each place in `values`.
     pub fn jacobian(&self, rho: f64, values: &mut [f64]) {
         let mut all = [0.0; MAX_CONTROL_POINTS];
         let all = &mut all[..self.control_points.len()];
@@ -146,10 +149,11 @@ impl<'a, const D: usize> Curve<'a, D> {
         }
     }
 
-    /// Writes to `values`, one vector for each control point, how the curve's point at `rho` moves with that
-    /// control point's weight: `∂f(ρ)/∂wⱼ = Bⱼ (pⱼ − f) / Σ w B`; zeros where the basis has no weights.
+    /// Writes the derivative of the curve's point at `rho` by each control point's weight to
+    /// `values`, one vector for each: `∂f(ρ)/∂wⱼ = Bⱼ (pⱼ − f) / Σ w B`, or zeros if the basis has
+    /// no weights.
     ///
-    /// Only as many are written as there are places and control points.
+    /// Writes at most one vector for each place in `values`.
     pub fn weight_jacobian(&self, rho: f64, values: &mut [[f64; D]]) {
         let count = self.control_points.len().min(values.len());
         values[..count].fill([0.0; D]);
@@ -167,7 +171,7 @@ impl<'a, const D: usize> Curve<'a, D> {
         }
     }
 
-    /// Its Bezier pieces; of a Fourier series none.
+    /// Its Bezier pieces; none for a Fourier series.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = KnotSpan<'_, D>> {
         (0..self.pieces.count()).map(|index| self.pieces.piece(index))
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a request, in sentences that say what to do instead.
+//! Errors of requests and points, in sentences that say what to do instead.
 
 use crate::arc_length::ArcLengthError;
 use crate::basis::Basis;
@@ -6,42 +6,42 @@ use crate::fitter::MAX_COORDINATE_PX;
 use crate::options::{MAX_POINTS, Solver};
 use crate::weighted::WeightedError;
 
-/// Why no [`Fitter`](crate::Fitter) can be made.
+/// Why a [`Fitter`](crate::Fitter) could not be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitterError {
     /// A size of the basis is out of range.
     #[error("a curve cannot have {what} {given}: choose one from {low} to {high}")]
     Size {
-        /// Which: "order", "degree", …
+        /// The size: "order", "degree", …
         what: &'static str,
-        /// What was asked for.
+        /// The requested number.
         given: usize,
-        /// The least allowed.
+        /// Minimum allowed.
         low: usize,
-        /// The most allowed.
+        /// Maximum allowed.
         high: usize,
     },
-    /// The number of points is not one that a centerline can have.
+    /// The number of points is not valid for a centerline.
     #[error("a centerline cannot have {points} points: choose from 2 to {MAX_POINTS}")]
     Points {
-        /// What was asked for.
+        /// The requested number.
         points: usize,
     },
-    /// Fewer points than control points.
+    /// There are fewer points than control points.
     #[error(
         "{points} points cannot fix {basis}: give at least {} points{}",
         basis.control_points(), or_choose(*.nearest)
     )]
     TooFewPoints {
-        /// The points asked for.
+        /// The requested number of points.
         points: usize,
-        /// The curve asked for.
+        /// The requested curve.
         basis: Basis,
-        /// The largest of its family that is allowed with so many points.
+        /// The largest curve of its family that is allowed with this many points.
         nearest: Option<Basis>,
     },
-    /// Rounding errors would drown the control points.
+    /// Rounding errors would dominate the control points.
     #[error(
         "for {basis} with {points} points the condition number is {condition:.2e}, and {solver} gives \
          trustworthy control points only up to {limit:.1e}: choose {}{}",
@@ -49,33 +49,33 @@ pub enum FitterError {
         if *.solver == Solver::Cholesky { ", or the solver pinv or qr" } else { "" }
     )]
     IllConditioned {
-        /// The curve asked for.
+        /// The requested curve.
         basis: Basis,
-        /// The points asked for.
+        /// The requested number of points.
         points: usize,
-        /// The solver asked for.
+        /// The requested solver.
         solver: Solver,
         /// The 2-norm condition number of `B`.
         condition: f64,
-        /// The highest that this solver is trusted with.
+        /// The solver's limit.
         limit: f64,
-        /// The largest of the same family below that limit with as many points.
+        /// The largest curve of the same family below that limit, with the same number of points.
         nearest: Option<Basis>,
     },
-    /// λ is negative or no number.
+    /// λ is negative or not a number.
     #[error("invalid ridge {ridge}: it must be 0 or positive")]
     Ridge {
-        /// What was asked for.
+        /// The requested λ.
         ridge: f64,
     },
-    /// An option that the basis has no use for.
+    /// An option does not apply to the basis.
     #[error("{basis} cannot be fitted with {option}: {why}")]
     Option {
-        /// The curve asked for.
+        /// The requested curve.
         basis: Basis,
-        /// The option, as settings have it.
+        /// Name of the option in the settings.
         option: &'static str,
-        /// Why not, and what to do.
+        /// The reason, and what to do.
         why: &'static str,
     },
 }
@@ -84,46 +84,46 @@ fn or_choose(nearest: Option<Basis>) -> String {
     nearest.map_or(String::new(), |nearest| format!(", or choose {nearest}"))
 }
 
-/// Why these points have no fit.
+/// Why points could not be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Not the number of points that the fitter was made for.
+    /// The fitter was made for another number of points.
     #[error(
         "{given} points were given to a fitter made for {expected}: resample the centerline, or make another fitter"
     )]
     Count {
-        /// How many came.
+        /// Number of points given.
         given: usize,
-        /// How many the fitter takes.
+        /// Number of points that the fitter expects.
         expected: usize,
     },
-    /// A coordinate is NaN, infinite or absurdly large.
+    /// A coordinate is NaN, infinite or too large.
     #[error(
         "point {index} has the coordinate {value}, which is not a position in a picture: all must be finite and \
          below {MAX_COORDINATE_PX:e} px in size"
     )]
     NotAPoint {
-        /// Which point, counted from 0.
+        /// Index of the point, counted from 0.
         index: usize,
         /// Its first such coordinate.
         value: f64,
     },
-    /// Weights were given to a fitter that was made for points that all count the same.
+    /// Weights were given to a fitter whose points all count the same.
     #[error("this fitter takes no weights: make it with the option weights = Given or Robust")]
     NoWeights,
-    /// Not as many weights as points.
+    /// The number of weights is not the number of points.
     #[error("{given} weights were given for {expected} points: give one for each")]
     WeightCount {
-        /// How many came.
+        /// Number of weights given.
         given: usize,
-        /// How many points there are.
+        /// Number of points.
         expected: usize,
     },
-    /// Points that do not determine the curve with these weights.
+    /// The points do not determine the curve with these weights.
     #[error(transparent)]
     Weighted(#[from] WeightedError),
-    /// Points along which no arc length can be measured.
+    /// No arc length can be measured along the points.
     #[error(transparent)]
     ArcLength(#[from] ArcLengthError),
 }

@@ -1,14 +1,15 @@
-//! The factors that fits are made of, by faer: QR, Cholesky, triangular inverses and singular values of matrices of
-//! some hundred rows and at most 32 columns. They are computed in [`Real`], so they are the same on every machine.
+//! Matrix factors by faer: QR, Cholesky, triangular inverses and singular values of matrices with
+//! some hundred rows and at most 32 columns. They are computed in [`Real`], so they are the same on
+//! every machine.
 
 use crate::scalar::Real;
 use faer::linalg::{triangular_inverse, triangular_solve};
 use faer::{Mat, MatRef, Par, Side};
 
-/// The Householder QR of a matrix with no fewer rows than columns: `A = QR`.
+/// Householder QR of a matrix with no fewer rows than columns: `A = QR`.
 #[derive(Debug)]
 pub(crate) struct Qr {
-    /// The orthonormal columns: as many as the matrix has.
+    /// Orthonormal columns, as many as the matrix has.
     q: Mat<f64>,
     /// Zero below the diagonal.
     r: Mat<f64>,
@@ -33,9 +34,9 @@ impl Qr {
 
     /// `(AᵀA)⁻¹Aᵀ = R⁻¹Qᵀ`.
     ///
-    /// `Y = R⁻¹` is solved from the left (`Y R = I`, as `Rᵀ Yᵀ = I`): then `Y R` is the identity up to ε cond(A).
-    /// Solved from the right (`R X = Qᵀ`), `X A` would be so only up to ε cond(A)², and a product with `X` would not
-    /// give a curve's own control points back at high order.
+    /// `Y = R⁻¹` is solved from the left (`Y R = I`, as `Rᵀ Yᵀ = I`), so `Y R` is the identity up
+    /// to ε cond(A). Solved from the right (`R X = Qᵀ`), `X A` would be so only up to ε cond(A)²,
+    /// and a product with `X` would not recover a curve's own control points at high order.
     pub(crate) fn pseudoinverse(&self) -> Mat<f64> {
         let count = self.r.ncols();
         let mut y_transposed = Mat::identity(count, count);
@@ -62,15 +63,15 @@ impl Qr {
         number(inverse.as_ref())
     }
 
-    /// The condition number in the 2-norm, that of `R`; infinite where a column is a sum of others, and of a matrix
-    /// that holds a NaN.
+    /// 2-norm condition number, that of `R`. It is infinite if the columns are linearly dependent,
+    /// or if the matrix contains a NaN.
     pub(crate) fn condition(&self) -> f64 {
         let values = real(self.r()).singular_values().unwrap_or_default();
         let (Some(largest), Some(smallest)) = (values.first(), values.last()) else {
             return f64::INFINITY;
         };
         let condition = largest.0 / smallest.0;
-        // NaN is not.
+        // Also rejects NaN.
         if (1.0..f64::INFINITY).contains(&condition) {
             condition
         } else {
@@ -79,7 +80,7 @@ impl Qr {
     }
 }
 
-/// `L` of `m = LLᵀ`, zero above its diagonal; `None` where `m` is not positive definite in this arithmetic.
+/// `L` of `m = LLᵀ`, zero above its diagonal; `None` if `m` is not numerically positive definite.
 pub(crate) fn cholesky(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
     let factors = real(m).llt(Side::Lower).ok()?;
     Some(number(factors.L()))
@@ -105,7 +106,7 @@ mod tests {
     use crate::matrix::product;
     use proptest::prelude::*;
 
-    /// Numbers between −1 and 1 whose columns grow apart by up to `10⁻⁶`.
+    /// Numbers between −1 and 1, with columns scaled by factors down to `10⁻⁶`.
     fn matrices() -> impl Strategy<Value = Mat<f64>> {
         (1usize..=32, 0usize..=60).prop_flat_map(|(columns, more)| {
             let rows = columns + more;
@@ -123,7 +124,7 @@ mod tests {
         column.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// The largest difference of two numbers in the same place.
+    /// The largest difference of two corresponding numbers.
     fn apart(a: &Mat<f64>, b: &Mat<f64>) -> f64 {
         assert_eq!(a.shape(), b.shape());
         let columns = (0..a.ncols()).flat_map(|j| {
@@ -152,7 +153,8 @@ mod tests {
             }
         }
 
-        /// `U diag(s) Vᵀ` of orthonormal `U` and `V` has the singular values `s` and the pseudoinverse `V diag(1/s) Uᵀ`.
+        /// `U diag(s) Vᵀ` of orthonormal `U` and `V` has the singular values `s` and the
+        /// pseudoinverse `V diag(1/s) Uᵀ`.
         #[test]
         fn condition_and_pseudoinverse_are_those_of_the_singular_values(
             a in matrices(), range in 0.0f64..8.0,

@@ -1,23 +1,25 @@
-//! A rope in time: a constant-velocity Kalman filter on the control points of one rope, and where the rope
-//! is, how fast, and how surely, at any moment near its last shape.
+//! Filters the shape of a rope over time: a constant-velocity Kalman filter on its control points.
+//! It estimates position, velocity and their uncertainty at any time near the last shape.
 //!
-//! The state of each axis is `m` control points and their velocities; between shapes they move by white
-//! acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and Navigation*,
-//! 6.2.2, the continuous white noise acceleration model). A shape is a measurement of the control points
-//! with the covariance of its fit, the same for each axis, so that all axes share one covariance.
+//! The state of each axis is `m` control points and their velocities. Between shapes they move by
+//! white acceleration (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and
+//! Navigation*, 6.2.2, the continuous white noise acceleration model). A shape is a measurement of
+//! the control points with the covariance of its fit. This covariance is the same for each axis, so
+//! all axes share one state covariance.
 //!
-//! **Where the acceleration acts.** On the curve, not on the control points: white acceleration of equal
-//! strength in every direction of the space of curves, `Q ∝ (BᵀB)⁻¹`. Were it equal for each control point
-//! instead (`Q ∝ I`), the result would depend on the basis; and a change of shape that moves control points
-//! far outside the curve by a hundred pixels, and the curve by one, would count as a hundred times less
-//! likely than any other: the filter would lag behind it, and take it for a jump, being surer of the curve
-//! than the measurement is. In the curve's space a fit of evenly weighted points has `R ∝ (BᵀB)⁻¹` too: then
-//! every shape is smoothed alike, with the gain of one point's filter, and no shape lags behind another.
-//! What is hidden in one shape is carried on by the velocity of what was seen of it.
+//! **Acceleration acts on the curve**, not on the control points: white acceleration of equal
+//! strength in every direction of the space of curves, `Q ∝ (BᵀB)⁻¹`. With equal strength for each
+//! control point (`Q ∝ I`), the result would depend on the basis. A change of shape that moves
+//! control points far outside the curve by a hundred pixels, and the curve by one, would appear a
+//! hundred times less likely than any other. The filter would be more confident of the curve than
+//! the measurement is, lag behind the change, and treat it as a jump. In the curve's space, a fit
+//! of evenly weighted points also has `R ∝ (BᵀB)⁻¹`. Every change of shape is then smoothed with
+//! the same gain, that of a filter for one point, and none lags behind another. A part that is
+//! hidden in one shape continues with the velocity observed before.
 //!
-//! **Numbers.** All of it is done in curve coordinates ([`CurveSpace`]), where `Q` and the usual `R` are
-//! multiples of the identity; in control points their condition number is the square of `B`'s (2·10⁴ at
-//! order 8, far more above), and a prediction ahead would drown in rounding.
+//! **Numerical accuracy.** All computations use curve coordinates ([`CurveSpace`]), where `Q` and
+//! the usual `R` are multiples of the identity. In control points, their condition number is the
+//! square of `B`'s (2·10⁴ at order 8, far more above), and rounding would dominate a prediction.
 
 mod error;
 mod options;
@@ -38,46 +40,47 @@ use space::transform;
 use state::State;
 use vectorized::{Foretell, ReadCovariance, TakeIn};
 
-/// Control points of this size or more are refused. Of a curve within any picture they may lie far outside
-/// it, at high orders by as much as the condition number of `B`.
+/// Control points of this size or larger are refused. They may be far outside a curve that is in
+/// the picture, at high orders by as much as the condition number of `B`.
 const MAX_CONTROL_POINT_PX: f64 = 1e12;
 
-/// Variances and covariances above it are refused: at it nothing is known about a direction, whatever the
-/// picture.
+/// Larger variances and covariances are refused. A direction with this variance is unknown,
+/// whatever the picture.
 const MAX_VARIANCE_PX2: f64 = 1e18;
 
-/// No shape is known better than this, px: points travel as `f32`, whose step is 0.0005 px at the far side of
-/// a large image, and a coordinate is a mean of some of them. It keeps a covariance of zero (as many control
-/// points as points) positive definite.
+/// Minimum uncertainty of a shape, px. Points are transmitted as `f32`, whose step is 0.0005 px at
+/// the far side of a large image, and a coordinate is a mean of several of them. This keeps a
+/// covariance of zero (as many control points as points) positive definite.
 const LEAST_NOISE_PX: f64 = 1e-4;
 
-/// The condition number of `B` up to which an entry of a covariance says enough: in curve coordinates its
-/// rounding errors grow by the square of that number, and may be a hundredth of the variances there.
+/// Maximum condition number of `B` at which a covariance is accurate enough. In curve coordinates
+/// its rounding errors grow by the square of that number, and may be a hundredth of the variances
+/// there.
 fn covariance_limit() -> f64 {
     (0.01 / f64::EPSILON).sqrt()
 }
 
-/// Where a rope is at a moment, how fast, and how surely.
+/// Position and velocity of a rope at a time, with covariances.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction<const D: usize> {
-    /// The moment, ns.
+    /// The time, ns.
     pub t_ns: u64,
     /// The `m` control points, px.
     pub control_points: Vec<[f64; D]>,
     /// Their velocities, px/s: the control points of the curve of velocities.
     pub velocities_px_s: Vec<[f64; D]>,
-    /// The covariance of the control points, the same for each axis: `m` × `m`, row by row, px².
+    /// Covariance of the control points, the same for each axis: `m` × `m`, row by row, px².
     pub covariance_px2: Vec<f64>,
-    /// The covariance of the velocities, likewise, px²/s².
+    /// Covariance of the velocities, in the same layout, px²/s².
     pub velocity_covariance_px2_s2: Vec<f64>,
 }
 
-/// The last shape taken in.
+/// The last shape used.
 struct LastShape {
     t_ns: u64,
     space: CurveSpace,
-    /// The largest normalized innovation squared that is no jump.
+    /// Largest normalized innovation squared that is not a jump.
     gate: f64,
 }
 
@@ -105,11 +108,11 @@ pub struct Filter<const D: usize> {
     arch: lariat_portable::Arch,
     seen: Option<LastShape>,
     state: State<D>,
-    /// The state at another moment, while it is being worked on.
+    /// Scratch state at another time.
     ahead: State<D>,
     measured: Vec<[f64; D]>,
     noise: Rows,
-    /// A covariance in other coordinates, and half-way there.
+    /// Scratch memory for a covariance in other coordinates, and for the intermediate product.
     other: Rows,
     half: Rows,
     work: Rows,
@@ -120,21 +123,23 @@ impl<const D: usize> Filter<D>
 where
     [f64; D]: Point<D>,
 {
-    /// A filter for shapes of at most `max_control_points` control points. Nothing allocates after this.
+    /// Creates a filter for shapes of at most `max_control_points` control points. It does not
+    /// allocate afterwards.
     ///
     /// # Errors
-    /// No control point or more than 32, or an option outside its range.
+    /// Fails for 0 or more than 32 control points, or if an option is out of its range.
     pub fn new(max_control_points: usize, options: FilterOptions) -> Result<Self, FilterError> {
         <[f64; D]>::make_filter(max_control_points, options)
     }
 
-    /// Takes in a shape: the control points at the moment `t_ns`, of the curves of `space`, as uncertain as
-    /// `noise`. The answer says whether it went on from the shapes before or began again. `space` is told
-    /// from others as an object: give the same one, or clones of it, as long as the curves are the same.
+    /// Updates the filter with a shape: the control points at time `t_ns`, of curves in `space`,
+    /// with the uncertainty `noise`. Returns whether the shape continued the previous ones or
+    /// restarted the filter. Spaces are compared by identity: pass the same one, or clones of it,
+    /// as long as the curves are the same.
     ///
     /// # Errors
-    /// A moment that is not after the last one, sizes that do not agree, numbers that are no place or no
-    /// covariance. The filter then stays as it was.
+    /// Fails if the time is not after the last one, if sizes disagree, or if numbers are not valid
+    /// positions or covariances. The filter is then unchanged.
     pub fn update(
         &mut self,
         t_ns: u64,
@@ -145,21 +150,22 @@ where
         <[f64; D]>::take_in(self, t_ns, space, control_points, noise)
     }
 
-    /// The rope at the moment `t_ns`: at the last shape, ahead of it, or a little before it. The result
-    /// stands until the next call.
+    /// Predicts the rope at time `t_ns`: at the last shape, ahead of it, or a little before it. The
+    /// result is valid until the next call.
     ///
-    /// Going back, the acceleration between the two moments is taken for unknown, though what came after
-    /// tells something of it: the covariance is on the safe side.
+    /// Going back, the acceleration between the two times is treated as unknown, although later
+    /// shapes contain information about it. The covariance is therefore conservative.
     ///
     /// # Errors
-    /// No shape yet, or a moment further from the last one than [`FilterOptions::longest_gap_s`].
+    /// Fails before the first shape, or if the time differs from the last one by more than
+    /// [`FilterOptions::longest_gap_s`].
     pub fn predict(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
         <[f64; D]>::foretell(self, t_ns)
     }
 }
 
 impl<const D: usize> Filter<D> {
-    /// [`Filter::new`].
+    /// Implements [`Filter::new`].
     pub(crate) fn make(
         max_control_points: usize,
         options: FilterOptions,
@@ -192,22 +198,22 @@ impl<const D: usize> Filter<D> {
         })
     }
 
-    /// What the filter was made with.
+    /// The options of the filter.
     pub fn options(&self) -> &FilterOptions {
         &self.options
     }
 
-    /// The moment of the last shape taken in, ns.
+    /// Time of the last shape used, ns.
     pub fn last_ns(&self) -> Option<u64> {
         self.seen.as_ref().map(|seen| seen.t_ns)
     }
 
-    /// Forgets the rope: the next shape is the first.
+    /// Forgets the rope. The next shape is the first.
     pub fn forget(&mut self) {
         self.seen = None;
     }
 
-    /// [`Filter::update`].
+    /// Implements [`Filter::update`].
     pub(crate) fn take_in(
         &mut self,
         t_ns: u64,
@@ -250,7 +256,7 @@ impl<const D: usize> Filter<D> {
         Ok(step)
     }
 
-    /// [`Filter::predict`].
+    /// Implements [`Filter::predict`].
     pub(crate) fn foretell(&mut self, t_ns: u64) -> Result<&Prediction<D>, PredictError> {
         let seen = self.seen.as_ref().ok_or(PredictError::NothingSeen)?;
         let distance_s = t_ns.abs_diff(seen.t_ns) as f64 * 1e-9;
@@ -276,7 +282,8 @@ impl<const D: usize> Filter<D> {
         Ok(&self.prediction)
     }
 
-    /// Predicts and takes in the measurement, or leaves the state as it was if it is beyond the gate.
+    /// Predicts and applies the measurement, or leaves the state unchanged if it is beyond the
+    /// gate.
     fn go_on(&mut self, seconds: f64, gate: f64) -> FilterStep {
         let nis = self.arch.dispatch(TakeIn {
             state: &self.state,
@@ -297,7 +304,7 @@ impl<const D: usize> Filter<D> {
         }
     }
 
-    /// Whether the shape can be taken in at all.
+    /// Checks whether the shape can be used at all.
     fn check(
         &self,
         t_ns: u64,
@@ -347,7 +354,7 @@ impl<const D: usize> Filter<D> {
             Noise::Covariance(covariance) => {
                 self.read_covariance(space, covariance)?;
                 let trace = covariance.iter().step_by(count + 1).sum::<f64>();
-                // What rounding may have changed is not known any better than that.
+                // Rounding errors of the covariance limit its accuracy.
                 let least = least + scale * space.rounding(trace);
                 let positive = self.arch.dispatch(ReadCovariance {
                     covariance: &self.other,
@@ -366,7 +373,7 @@ impl<const D: usize> Filter<D> {
         Ok(())
     }
 
-    /// Copies a covariance of control points to `self.other`, if its numbers can be one.
+    /// Copies a covariance of control points to `self.other`, if its numbers are valid.
     fn read_covariance(
         &mut self,
         space: &CurveSpace,
@@ -400,7 +407,7 @@ impl<const D: usize> Filter<D> {
 
 fn check_variance(value: f64, is_variance: bool) -> Result<(), UpdateError> {
     let least = if is_variance { 0.0 } else { -MAX_VARIANCE_PX2 };
-    // NaN is within no range.
+    // Also rejects NaN.
     if (least..=MAX_VARIANCE_PX2).contains(&value) {
         return Ok(());
     }

@@ -1,4 +1,5 @@
-//! A fitter: everything that does not depend on the points, computed once; and the fit of one centerline.
+//! A fitter: everything that does not depend on the points, computed once, and the fit of one
+//! centerline.
 
 use crate::adaptive::Adaptive;
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
@@ -19,78 +20,81 @@ use crate::spread;
 use crate::tolerance::Tolerance;
 use faer::{Mat, MatRef};
 
-/// Coordinates of this size or more are refused: no sensor is near it, and the squares of residuals stay
-/// exact enough to mean something below it.
+/// Coordinates of this size or larger are refused. No sensor is near it, and below it the squares
+/// of residuals are still accurate enough.
 pub const MAX_COORDINATE_PX: f64 = 1e9;
 
-/// A curve fitted to a centerline, and how well it fits.
+/// A curve fitted to a centerline, and its quality.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fit<const D: usize = 2> {
-    /// The family of curves, and the size where it was chosen.
+    /// Family of curves, with the size that was chosen if any.
     pub basis: Basis,
-    /// The descriptor `s`, in the points' unit: px, and wherever px is said here, what the points come in.
+    /// The descriptor `s`, in the points' unit. Names and docs say px, but any unit works.
     pub control_points: Vec<[f64; D]>,
-    /// Weights of the control points: of rational curves only, else empty.
+    /// Weights of the control points of a rational curve; otherwise empty.
     pub weights: Vec<f64>,
-    /// The clamped knots of a B-spline, else empty.
+    /// Clamped knots of a B-spline; otherwise empty.
     pub knots: Vec<f64>,
-    /// Root of the mean squared distance between a point and the curve at that point's `ρ`, px.
+    /// Root mean squared distance between a point and the curve at that point's `ρ`, px.
     pub rms_px: f64,
-    /// The largest of these distances, px.
+    /// Largest of these distances, px.
     pub max_px: f64,
-    /// σ², the variance of one coordinate's residual, px²: the sum of squares by its degrees of freedom,
-    /// `D (N − (n+1))` without ridge or pins. 0 where nothing is left to tell it by (`N = n + 1`).
+    /// σ², the variance of one coordinate's residual, px²: the sum of squares divided by its
+    /// degrees of freedom, `D (N − (n+1))` without ridge or pins. It is 0 without degrees of
+    /// freedom (`N = n + 1`).
     pub residual_variance: f64,
-    /// The condition number in the 2-norm of what was solved: how much a relative error of the points can grow
-    /// in the control points.
+    /// 2-norm condition number of the solved problem: the maximum amplification of a relative error
+    /// of the points in the control points.
     pub condition: f64,
-    /// `C`, m × m, of the control points' covariance `σ² C ⊗ I`; without ridge, pins or weights it is `(BᵀB)⁻¹`.
+    /// `C`, m × m, of the control points' covariance `σ² C ⊗ I`. Without ridge, pins or weights, it
+    /// is `(BᵀB)⁻¹`.
     pub covariance_factor: Mat<f64>,
 }
 
 impl<const D: usize> Fit<D> {
-    /// The noise gain: the standard deviation of the least certain control point's coordinate, for noise of
-    /// standard deviation 1 in the points' coordinates.
+    /// The noise gain: the standard deviation of the least certain control point's coordinate, for
+    /// noise of standard deviation 1 in the points' coordinates.
     pub fn noise_gain(&self) -> f64 {
         let variances = (0..self.control_points.len()).map(|j| self.covariance_factor[(j, j)]);
         variances.fold(0.0, f64::max).sqrt()
     }
 }
 
-/// Fits curves of one family to centerlines of one number of points in `D` dimensions.
+/// Fits curves of one family to centerlines with a fixed number of points in `D` dimensions.
 pub struct Fitter<const D: usize = 2> {
     pub(crate) options: Options,
     pub(crate) arch: lariat_portable::Arch,
-    /// One, or one of each size to choose from, the smallest first; behind these, those that ropes have for themselves.
+    /// One size, or all sizes to choose from, the smallest first. Sizes with knots of individual
+    /// ropes follow.
     pub(crate) sizes: Vec<Size<D>>,
-    /// How many there are to choose from.
+    /// Number of sizes to choose from.
     pub(crate) choosable: usize,
-    /// Whose knots, condition and covariance `fit` holds.
+    /// Index of the size whose knots, condition and covariance are in `fit`.
     pub(crate) shown: usize,
-    /// Room for points, for bases that read the same backwards and for others.
+    /// Scratch memory for points, for mirror-symmetric bases and for others.
     points: [Points<D>; 2],
-    /// Room for the points in `f64`, where they come in `f32`.
+    /// Scratch memory for points in `f64` if they are given in `f32`.
     room: Vec<[f64; D]>,
     pub(crate) fit: Fit<D>,
-    /// Room for the squared distance of each point from a curve.
+    /// Scratch memory for the squared distance of each point from a curve.
     pub(crate) squared: Vec<f64>,
     propagation: Propagation<D>,
     pub(crate) of_points: spread::Points<D>,
 }
 
-/// A basis of one size and how it is fitted.
+/// A basis of one size, and its method of fitting.
 pub(crate) struct Size<const D: usize> {
     pub(crate) linear: Linear<D>,
     way: Way<D>,
-    /// Once it has been asked for.
+    /// Set once it has been requested.
     space: Option<CurveSpace>,
 }
 
 enum Way<const D: usize> {
-    /// By the matrix that is known beforehand.
+    /// By a matrix computed in advance.
     Linear,
-    /// By an algebra that depends on the points.
+    /// By algebra that depends on the points.
     Adaptive(Box<Adaptive<D>>),
     /// With weights of the control points.
     Rational(Box<RationalFitter<D>>),
@@ -102,7 +106,7 @@ impl<const D: usize> Size<D> {
         Ok(Self::by(linear, options))
     }
 
-    /// A cubic B-spline with these clamped knots.
+    /// Creates a cubic B-spline with these clamped knots.
     pub(crate) fn on_knots(
         basis: Basis,
         knots: Vec<f64>,
@@ -134,14 +138,15 @@ impl<const D: usize> Size<D> {
         let linear = &self.linear;
         let count = linear.basis.control_points();
         match linear.basis {
-            // Lines between points bend at them: the points themselves are what moves.
+            // A polyline has corners at its points, and a mean is one point: these points
+            // themselves move.
             Basis::FeaturePoints { .. } | Basis::CenterOfMass => CurveSpace::of_points(count),
             _ => CurveSpace::new(linear.b.as_ref()),
         }
     }
 
-    /// The point on the curve of these control points where the `i`-th point's ρ is; `weights` are of rational curves that
-    /// have some.
+    /// Point of the curve at the `i`-th point's ρ, given control points and the `weights` of a
+    /// rational curve.
     pub(crate) fn point(&self, i: usize, control_points: &[[f64; D]], weights: &[f64]) -> [f64; D] {
         let (mut sum, mut whole) = ([0.0; D], 0.0);
         for (j, control_point) in control_points.iter().enumerate() {
@@ -164,19 +169,20 @@ impl<const D: usize> Size<D> {
     }
 }
 
-/// How far points are from a curve.
+/// Distances of points from a curve.
 pub(crate) struct Residuals {
-    /// The sum of the squares, each times its point's weight, px².
+    /// Sum of the squares, each times its point's weight, px².
     pub(crate) weighted_sum: f64,
-    /// The sum of the weights.
+    /// Sum of the weights.
     pub(crate) weights: f64,
     pub(crate) max_px: f64,
-    /// That of one coordinate, px²; 0 where nothing is left to tell it by.
+    /// Variance of one coordinate, px²; 0 without degrees of freedom.
     pub(crate) variance: f64,
 }
 
 impl Residuals {
-    /// Those of points that all count the same; `freedom` counts the coordinates that were not used up.
+    /// Residuals of points that all count the same. `freedom` is the degrees of freedom of all
+    /// coordinates.
     fn even(sum: f64, max_px: f64, points: usize, freedom: f64) -> Self {
         Self {
             weighted_sum: sum,
@@ -188,12 +194,13 @@ impl Residuals {
 }
 
 impl Fitter<2> {
-    /// Computes all that a fit needs beside the points.
+    /// Computes everything that a fit needs except the points.
     ///
     /// # Errors
-    /// A size or number of points out of range, fewer points than control points, an option that the basis has no use
-    /// for, or a condition number that would drown the control points in rounding errors; with the nearest that is
-    /// allowed.
+    /// Fails if a size or the number of points is out of range, if there are fewer points than
+    /// control points, if an option does not apply to the basis, or if the condition number is so
+    /// high that rounding errors would dominate the control points. The error names the nearest
+    /// allowed request.
     pub fn new(options: Options) -> Result<Self, FitterError> {
         Self::in_dimensions(options)
     }
@@ -203,31 +210,32 @@ impl<const D: usize> Fitter<D>
 where
     [f64; D]: Point<D>,
 {
-    /// As [`Fitter::new`], for points of the plane or of space.
+    /// Like [`Fitter::new`], for points in the plane or in 3-D.
     ///
     /// # Errors
-    /// As [`Fitter::new`].
+    /// Fails as [`Fitter::new`] does.
     pub fn in_dimensions(options: Options) -> Result<Self, FitterError> {
         <[f64; D]>::make_fitter(options)
     }
 
-    /// The curve nearest to `points` in the least-squares sense. Allocates nothing; the result stands until
-    /// the next fit.
+    /// Fits the curve nearest to `points` by least squares. Does not allocate. The result is valid
+    /// until the next fit.
     ///
-    /// `points` are pixels, ordered along the curve, evenly spaced by arc length unless it is measured.
+    /// `points` are pixels, ordered along the curve, and evenly spaced by arc length unless that is
+    /// measured.
     ///
     /// # Errors
-    /// Another number of points than the fitter was made for, or one that is no place in a picture; with weights or
-    /// measured arc lengths also points that do not determine the curve.
+    /// Fails if the number of points is not the fitter's, or if one is not a position in a picture.
+    /// With weights or measured arc lengths, also fails if the points do not determine the curve.
     pub fn fit<T: Coordinate>(&mut self, points: &[[T; D]]) -> Result<&Fit<D>, FitError> {
         self.fit_within(points, Tolerance::default())
     }
 
-    /// As [`Fitter::fit`], of the fewest control points that keep the curve within `tolerance` of the points, if the
-    /// fitter was made to [choose](Options::choose_size) their number.
+    /// Like [`Fitter::fit`]. If the fitter was made to [choose](Options::choose_size) the number of
+    /// control points, uses the fewest that keep the curve within `tolerance` of the points.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// Fails as [`Fitter::fit`] does.
     pub fn fit_within<T: Coordinate>(
         &mut self,
         points: &[[T; D]],
@@ -239,12 +247,13 @@ where
         Ok(&self.fit)
     }
 
-    /// The control points alone, equation 8 of the paper and nothing else, in less than half of the time. Of the last fit
-    /// ([`Fitter::last`]) the residuals are NaN then. Where there is no such short way (another solver, weights, a size to
-    /// be chosen, rational curves) it is a fit.
+    /// Computes only the control points, equation 8 of the paper, in less than half of the time.
+    /// The residuals of the last fit ([`Fitter::last`]) are then NaN. If this shortcut is
+    /// unavailable (another solver, weights, a size to be chosen, rational curves), it is a
+    /// complete fit.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// Fails as [`Fitter::fit`] does.
     pub fn control_points<T: Coordinate>(
         &mut self,
         points: &[[T; D]],
@@ -255,11 +264,11 @@ where
         Ok(&self.fit.control_points)
     }
 
-    /// As [`Fitter::fit`], with each point counting as much as its weight says, 0 or more: 0 for a point that is not
-    /// seen.
+    /// Like [`Fitter::fit`], with a weight of 0 or more for each point: 0 for a hidden point.
     ///
     /// # Errors
-    /// As [`Fitter::fit`]; a fitter made without weights; invalid weights.
+    /// Fails as [`Fitter::fit`] does, if the fitter was made without weights, or if weights are
+    /// invalid.
     pub fn fit_weighted<T: Coordinate>(
         &mut self,
         points: &[[T; D]],
@@ -287,12 +296,14 @@ where
         result
     }
 
-    /// The covariances of the last fit's control points, where its points came from `line`, and what `line`
-    /// was given were pixels with independent noise of variance σ² in each coordinate that a map took elsewhere:
-    /// `squares` are `JJᵀ` of its derivatives there, in the order of those points. Returns σ², px², as
-    /// the residuals tell it. The derivation stands at the head of `crates/fit/src/noise.rs`. Allocates nothing.
+    /// Computes the covariances of the last fit's control points from pixel noise. The fit's points
+    /// came from `line`, whose input was pixels that a map transformed. The pixels have independent
+    /// noise of variance σ² in each coordinate. `squares` are `JJᵀ` of the map's derivatives there,
+    /// in the order of those points. Returns σ², px², estimated from the residuals.
+    /// `crates/fit/src/noise.rs` contains the derivation. Does not allocate.
     ///
-    /// None of it is written, and 0 returned, if `line` or `squares` have another number of points than the fitter.
+    /// Writes nothing and returns 0 if `line` or `squares` do not have the fitter's number of
+    /// points.
     pub fn propagate(
         &mut self,
         line: &Resampler<D>,
@@ -304,7 +315,7 @@ where
 }
 
 impl<const D: usize> Fitter<D> {
-    /// [`Fitter::in_dimensions`].
+    /// Implements [`Fitter::in_dimensions`].
     pub(crate) fn make(options: Options) -> Result<Self, FitterError> {
         checked::check(&options)?;
         let mut sizes = vec![Size::new(options.basis, &options)?];
@@ -344,7 +355,7 @@ impl<const D: usize> Fitter<D> {
         })
     }
 
-    /// [`Fitter::control_points`].
+    /// Implements [`Fitter::control_points`].
     pub(crate) fn describe(&mut self, points: &[[f64; D]]) -> Result<&[[f64; D]], FitError> {
         if let [size] = &mut self.sizes[..]
             && matches!(size.way, Way::Linear)
@@ -363,7 +374,7 @@ impl<const D: usize> Fitter<D> {
             .map(|fit| &fit.control_points[..])
     }
 
-    /// [`Fitter::fit_within`] and [`Fitter::fit_weighted`].
+    /// Implements [`Fitter::fit_within`] and [`Fitter::fit_weighted`].
     pub(crate) fn fit_line(
         &mut self,
         line: &Line<D>,
@@ -376,7 +387,7 @@ impl<const D: usize> Fitter<D> {
         self.fit_of_size(size, line)
     }
 
-    /// Whether there are as many points, and weights, as the fitter was made for.
+    /// Checks the number of points, and of weights.
     pub(crate) fn check(&self, line: &Line<D>) -> Result<(), FitError> {
         let expected = self.options.points;
         let given = line.points.len();
@@ -431,11 +442,11 @@ impl<const D: usize> Fitter<D> {
         })
     }
 
-    /// Makes what `fit` says beside the curve and its residuals that of this size.
+    /// Sets everything in `fit` except the curve and its residuals to that of this size.
     pub(crate) fn show(&mut self, size: usize) {
         let Size { linear, way, .. } = &mut self.sizes[size];
         let fit = &mut self.fit;
-        // What ropes have for themselves may be another than it was.
+        // Sizes of individual ropes may have changed.
         let known = self.shown == size && size < self.choosable;
         self.shown = size;
         match way {
@@ -465,8 +476,8 @@ impl<const D: usize> Fitter<D> {
         }
     }
 
-    /// Forgets what the next fit would begin with (the weights of a rational curve): the next centerline is another
-    /// rope's.
+    /// Forgets the initial values for the next fit (the weights of a rational curve), because the
+    /// next centerline belongs to another rope.
     pub fn forget(&mut self) {
         for size in &mut self.sizes {
             if let Way::Rational(rational) = &mut size.way {
@@ -475,29 +486,31 @@ impl<const D: usize> Fitter<D> {
         }
     }
 
-    /// What the fitter was made with.
+    /// The options of the fitter.
     pub fn options(&self) -> &Options {
         &self.options
     }
 
-    /// The last fit; before the first, zeros with the condition number and the covariance that hold anyway.
+    /// The last fit; before the first, zeros with the condition number and covariance, which do not
+    /// depend on points.
     pub fn last(&self) -> &Fit<D> {
         &self.fit
     }
 
-    /// The space of this fitter's largest curves, for a [`Filter`](crate::Filter) of their control points.
+    /// The space of this fitter's largest curves, for a [`Filter`](crate::Filter) of their control
+    /// points.
     ///
     /// # Errors
-    /// None where the fitter's own limits were kept; the type says what else could be wrong.
+    /// Does not fail within the fitter's own limits; the error type lists what else could be wrong.
     pub fn curve_space(&self) -> Result<CurveSpace, CurveSpaceError> {
         self.sizes[self.choosable - 1].space()
     }
 
-    /// That of the last fit's curve: the same object, or a clone of it, for as long as the curves are the same. Made when
-    /// it is first asked for.
+    /// The space of the last fit's curve. It is the same object, or a clone of it, as long as the
+    /// curves are the same. Created on the first request.
     ///
     /// # Errors
-    /// As [`Fitter::curve_space`].
+    /// Fails as [`Fitter::curve_space`] does.
     pub fn last_space(&mut self) -> Result<CurveSpace, CurveSpaceError> {
         let size = &mut self.sizes[self.shown];
         if let Some(space) = &size.space {
@@ -508,7 +521,7 @@ impl<const D: usize> Fitter<D> {
         Ok(space)
     }
 
-    /// [`Fitter::propagate`].
+    /// Implements [`Fitter::propagate`].
     pub(crate) fn carry_noise(
         &mut self,
         line: &Resampler<D>,
@@ -531,22 +544,22 @@ impl<const D: usize> Fitter<D> {
         let count = fit.control_points.len();
         for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
             let share = fit.covariance_factor[(j, j)] / linear.covariance[(j, j)];
-            // A pinned end of many points has neither.
+            // For a pinned end of many points, both are 0.
             let share = if share.is_finite() { share } else { 1.0 };
             *covariance = covariance.map(|row| row.map(|c| variance * share * c));
         }
         variance
     }
 
-    /// `P`, m × N, such that `P` times the points are the control points, the same for every axis. It is the Jacobian
-    /// `∂s/∂c̄` of the descriptor with respect to the points, and constant; of the size last chosen where there is a
-    /// choice.
+    /// `P`, m × N, such that `P` times the points are the control points, the same for every axis.
+    /// It is the constant Jacobian `∂s/∂c̄` of the descriptor with respect to the points. If there
+    /// is a choice of sizes, it is that of the last chosen one.
     pub fn matrix(&self) -> MatRef<'_, f64> {
         self.sizes[self.shown].linear.matrix.transpose()
     }
 }
 
-/// Copies a matrix, into memory that is kept. Allocates only to grow.
+/// Copies a matrix into reused memory. Allocates only to grow.
 fn copy(from: MatRef<'_, f64>, to: &mut Mat<f64>) {
     let (rows, columns) = from.shape();
     to.truncate(rows.min(to.nrows()), columns.min(to.ncols()));
@@ -554,17 +567,17 @@ fn copy(from: MatRef<'_, f64>, to: &mut Mat<f64>) {
     to.copy_from(from);
 }
 
-/// Whether every coordinate is one of a place in a picture.
+/// Returns whether every coordinate is a valid position.
 fn are_places<const D: usize>(points: &[[f64; D]]) -> bool {
     points.as_flattened().iter().all(is_coordinate)
 }
 
-/// NaN is not.
+/// Also rejects NaN.
 fn is_coordinate(c: &f64) -> bool {
     c.abs() < MAX_COORDINATE_PX
 }
 
-/// The error that names the first coordinate that is not finite.
+/// Creates the error that names the first invalid coordinate.
 fn misplaced<const D: usize>(points: &[[f64; D]]) -> FitError {
     let mut coordinates = points.as_flattened().iter();
     let place = coordinates.position(|c| !is_coordinate(c)).unwrap_or(0);

@@ -1,13 +1,13 @@
-//! Half the work by symmetry. Where the grid of ρ and the basis are symmetric, a centerline read backwards has
-//! the control points read backwards. Sums and differences of mirrored points, `cᵢ ± c₍N₋₁₋ᵢ₎`, then decouple:
-//! the sums alone give `pⱼ + p₍ₙ₋ⱼ₎`, the differences alone give `pⱼ − p₍ₙ₋ⱼ₎`. Two problems of half the points and
-//! half the control points cost half the multiply-adds of the whole. Other bases are not folded: their points
-//! are all "sums", and there are no differences.
+//! Halves the work by symmetry. If the grid of ρ and the basis are symmetric, a reversed centerline
+//! has reversed control points. Sums and differences of mirrored points, `cᵢ ± c₍N₋₁₋ᵢ₎`, then
+//! decouple: the sums alone give `pⱼ + p₍ₙ₋ⱼ₎`, and the differences alone give `pⱼ − p₍ₙ₋ⱼ₎`. Two
+//! problems with half the points and half the control points need half the multiply-adds of the
+//! whole. Other bases are not folded: their points are all "sums", and there are no differences.
 
 use crate::solve::Halves;
 use faer::MatRef;
 
-/// Points at a time: so many that loops over them are whole pairs of vectors on every machine.
+/// Points per block, so that loops over them are whole pairs of vectors on every machine.
 pub(crate) const BLOCK: usize = 16;
 
 /// `count` rounded up to whole blocks.
@@ -15,20 +15,20 @@ fn padded(count: usize) -> usize {
     count.div_ceil(BLOCK) * BLOCK
 }
 
-/// Points, each axis by itself; folded at the middle where the basis is symmetric.
+/// Points, each axis by itself; folded at the middle if the basis is symmetric.
 pub(crate) struct Points<const D: usize> {
-    /// How many.
+    /// Number of points.
     pub(crate) count: usize,
-    /// Whether they are folded.
+    /// True if they are folded.
     pub(crate) folded: bool,
     /// `cᵢ + c₍N₋₁₋ᵢ₎`, or `cᵢ` if not folded.
     pub(crate) sums: [Vec<f64>; D],
-    /// `cᵢ − c₍N₋₁₋ᵢ₎`, or nothing.
+    /// `cᵢ − c₍N₋₁₋ᵢ₎`, or empty.
     pub(crate) differences: [Vec<f64>; D],
 }
 
 impl<const D: usize> Points<D> {
-    /// Room for `count` points.
+    /// Allocates for `count` points.
     pub(crate) fn new(count: usize, folded: bool) -> Self {
         let zeros = |length: usize| std::array::from_fn(|_| vec![0.0; padded(length)]);
         Self {
@@ -40,21 +40,21 @@ impl<const D: usize> Points<D> {
     }
 }
 
-/// How the rows of a matrix meet the points.
+/// Folding of a matrix's rows and of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fold {
     /// Neither is folded.
     Whole,
-    /// Both are: half of the work.
+    /// Both are folded: half of the work.
     Mirrored,
-    /// The points are folded, the rows have no symmetry.
+    /// The points are folded, but the rows have no symmetry.
     Apart,
 }
 
-/// A matrix for the sums and one for the differences, a block of columns after the other, each row by row; padded with
-/// zeros to whole blocks.
+/// A matrix for the sums and one for the differences, in blocks of columns, each row by row, and
+/// padded with zeros to whole blocks.
 pub(crate) struct Rows {
-    /// How many rows the matrix has that is not folded.
+    /// Number of rows of the matrix when not folded.
     count: usize,
     fold: Fold,
     pub(crate) even: Vec<f64>,
@@ -62,8 +62,9 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Takes `m`, m × N, so that the rows times the points are `p = m c`. Folded, `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎` must hold, and
-    /// they are `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎`. A row or point that is its own mirror image counts twice in the sums.
+    /// Converts `m`, m × N, so that the rows times the points are `p = m c`. When folded,
+    /// `mⱼᵢ = m₍ₙ₋ⱼ₎₍N₋₁₋ᵢ₎` must hold, and the results are `pⱼ + p₍ₙ₋ⱼ₎` and `pⱼ − p₍ₙ₋ⱼ₎`. A row
+    /// or point that is its own mirror image counts twice in the sums.
     pub(crate) fn of_product(m: MatRef<'_, f64>, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
@@ -79,7 +80,7 @@ impl Rows {
         })
     }
 
-    /// Takes any `m`, m × N, for points that are folded or not.
+    /// Converts any `m`, m × N, for points that are folded or not.
     pub(crate) fn of_any(m: MatRef<'_, f64>, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
@@ -102,8 +103,9 @@ impl Rows {
         }
     }
 
-    /// Takes `m`, the transpose of `B`, so that control points times the rows are the points on the curve; folded,
-    /// `pⱼ ± p₍ₙ₋ⱼ₎` times the rows are the sums and the differences of mirrored points on the curve.
+    /// Converts `m`, the transpose of `B`, so that control points times the rows are the points on
+    /// the curve. When folded, `pⱼ ± p₍ₙ₋ⱼ₎` times the rows are the sums and the differences of
+    /// mirrored points on the curve.
     pub(crate) fn of_curve(m: MatRef<'_, f64>, folded: bool) -> Self {
         if !folded {
             return Self::whole(m);
@@ -138,7 +140,7 @@ impl Rows {
         }
     }
 
-    /// Rows from their folded halves: `pⱼ = (eⱼ + oⱼ)/2`, `p₍ₙ₋ⱼ₎ = (eⱼ − oⱼ)/2`.
+    /// Combines folded halves: `pⱼ = (eⱼ + oⱼ)/2`, `p₍ₙ₋ⱼ₎ = (eⱼ − oⱼ)/2`.
     #[inline(always)]
     pub(crate) fn unfold<const D: usize>(
         &self,
@@ -177,7 +179,7 @@ impl Rows {
         }
     }
 
-    /// The halves of control points, negated, so that adding their curve takes it away.
+    /// Folds control points into negated halves, so that adding their curve subtracts it.
     #[inline(always)]
     pub(crate) fn fold_negated<const D: usize>(
         &self,
@@ -210,7 +212,7 @@ impl Rows {
 }
 
 impl<const D: usize> Halves<D> {
-    /// As much room as these rows need.
+    /// Slices of the size that these rows need.
     #[inline(always)]
     pub(crate) fn of(&mut self, rows: &Rows) -> (&mut [[f64; D]], &mut [[f64; D]]) {
         let (even, odd) = match rows.fold {

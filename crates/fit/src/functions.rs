@@ -1,14 +1,15 @@
-//! The values at one ρ of the functions that control points weigh: a row of the matrix `B`.
+//! Values of the basis functions at one ρ: a row of the matrix `B`.
 
 use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
 use crate::bezier::bernstein;
 use std::f64::consts::TAU;
 
-/// The most knots of a B-spline: of degree `d` and `m` control points it has `m + d + 1`, and `d < m`.
+/// Maximum number of knots of a B-spline: with degree `d` and `m` control points it has
+/// `m + d + 1`, and `d < m`.
 pub const MAX_KNOTS: usize = 2 * MAX_CONTROL_POINTS;
 
-/// The clamped knots of a curve of this basis fitted to points at `rho` (ascending), or none where the basis
-/// has no knots. Writes them to `knots` and returns how many there are.
+/// Writes the clamped knots of a curve of this basis, fitted to points at `rho` (ascending), to
+/// `knots`. Returns their number, which is 0 for a basis without knots.
 pub(crate) fn knots(basis: Basis, rho: &[f64], knots: &mut [f64; MAX_KNOTS]) -> usize {
     let (degree, count, placed) = match basis {
         Basis::BSpline {
@@ -38,8 +39,8 @@ pub(crate) fn knots(basis: Basis, rho: &[f64], knots: &mut [f64; MAX_KNOTS]) -> 
     total
 }
 
-/// The value of ρ at a place between the points, counted as Piegl and Tiller do (equation 9.69): at `i + α` it
-/// is `(1 − α) ρᵢ₋₁ + α ρᵢ`.
+/// Interpolates ρ at a place between the points, counted as in Piegl and Tiller (equation 9.69): at
+/// `i + α` it is `(1 − α) ρᵢ₋₁ + α ρᵢ`.
 fn averaged(rho: &[f64], place: f64) -> f64 {
     let last = rho.len() - 1;
     let i = (place as usize).clamp(1, last);
@@ -47,10 +48,10 @@ fn averaged(rho: &[f64], place: f64) -> f64 {
     (1.0 - share) * rho[i - 1] + share * rho[i]
 }
 
-/// Writes the basis's functions at `rho` to `values`, as many as control points. Those of a rational curve are
-/// its polynomials, not yet weighed. `knots` are those that [`knots`] made.
+/// Writes the values of the basis functions at `rho` to `values`, one per control point. A rational
+/// basis gives its polynomials, without weights. `knots` are those that [`knots`] computed.
 ///
-/// Outside `[0, 1]` the first and the last piece of a B-spline go on as the polynomials that they are.
+/// Outside `[0, 1]`, the first and the last piece of a B-spline are continued as polynomials.
 pub(crate) fn values(basis: Basis, knots: &[f64], rho: f64, values: &mut [f64]) {
     match basis {
         Basis::Bezier { order } | Basis::RationalBezier { order } => bernstein(order, rho, values),
@@ -61,15 +62,15 @@ pub(crate) fn values(basis: Basis, knots: &[f64], rho: f64, values: &mut [f64]) 
     }
 }
 
-/// The span `k` that holds `rho`: `knots[k] ≤ rho < knots[k + 1]`, with 1 in the last.
+/// The span `k` that contains `rho`: `knots[k] ≤ rho < knots[k + 1]`, with 1 in the last span.
 pub(crate) fn span(degree: usize, knots: &[f64], rho: f64) -> usize {
     let count = knots.len() - degree - 1;
     let interior = &knots[degree + 1..count];
     degree + interior.partition_point(|&knot| knot <= rho)
 }
 
-/// Cox and de Boor's recurrence in Piegl and Tiller's form (algorithm A2.2): the `degree + 1` functions that
-/// are not 0 in the span; the others are set to 0.
+/// Cox and de Boor's recurrence in Piegl and Tiller's form (algorithm A2.2). It computes the
+/// `degree + 1` functions that are not 0 in the span, and sets the others to 0.
 fn bspline(degree: usize, knots: &[f64], rho: f64, values: &mut [f64]) {
     let span = span(degree, knots, rho);
     values.fill(0.0);

@@ -6,13 +6,13 @@
 //! residuals   rows · projections → how far the curve is from the points
 //! ```
 //!
-//! The crate's tests hold each of them to the plain definition.
+//! The crate's tests compare each of them with the plain definition.
 
 use crate::folded::{BLOCK, Points, Rows};
 use lariat_portable::{Simd, WithSimd};
 
-/// Loads points. Answers whether every coordinate is below `bound` in size, to the last bit but one; NaN is
-/// not.
+/// Loads points. Returns whether every coordinate is below `bound` in size, to the last bit but
+/// one. NaN is not.
 pub(crate) struct Load<'a, const D: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) bound: f64,
@@ -24,7 +24,7 @@ impl<const D: usize> WithSimd for Load<'_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        // Plain code: the compiler makes vectors of it for the registers that were chosen.
+        // Plain code, which the compiler vectorizes for the selected registers.
         if self.into.folded {
             fold(self.points, self.bound, self.into)
         } else {
@@ -54,11 +54,12 @@ fn fold<const D: usize>(points: &[[f64; D]], bound: f64, into: &mut Points<D>) -
     for largest in largest {
         most = largest.max(most);
     }
-    // |c| + |m| is below the bound everywhere, or each has to be asked.
+    // If |c| + |m| is not below the bound everywhere, check each number.
     most < bound.to_bits() || points.as_flattened().iter().all(|c| c.abs() < bound)
 }
 
-/// Folds a block; `largest` are the largest |c ± m|, as their bits, which are in the order of the numbers, NaN above all.
+/// Folds a block. `largest` are the largest |c ± m| as bits, which sort like the numbers, with NaN
+/// above all.
 #[inline(always)]
 fn fold_block<const D: usize>(
     first: &[[f64; D]],
@@ -72,7 +73,7 @@ fn fold_block<const D: usize>(
     let (mut sums, mut differences) = ([[0.0; BLOCK]; D], [[0.0; BLOCK]; D]);
     for axis in 0..D {
         for i in 0..BLOCK {
-            // An odd middle point meets itself: sum 2c, difference 0.
+            // The middle point of an odd number meets itself: sum 2c, difference 0.
             let (c, m) = (c[i][axis], m[BLOCK - 1 - i][axis]);
             sums[axis][i] = c + m;
             differences[axis][i] = c - m;
@@ -91,7 +92,7 @@ fn fold_block<const D: usize>(
     }
 }
 
-/// As [`fold_block`], for fewer points than a block has.
+/// Like [`fold_block`], for fewer points than a block has.
 fn fold_each<const D: usize>(first: &[[f64; D]], second: &[[f64; D]], into: &mut Points<D>) -> u64 {
     let mut largest = 0;
     for (i, (c, m)) in first.iter().zip(second.iter().rev()).enumerate() {
@@ -124,7 +125,7 @@ fn split<const D: usize>(points: &[[f64; D]], bound: f64, into: &mut Points<D>) 
     outside == 0
 }
 
-/// `even[j] = Σᵢ rows.even[j][i] · sums[i]`, and `odd` from the differences alike.
+/// Computes `even[j] = Σᵢ rows.even[j][i] · sums[i]`, and `odd` from the differences.
 pub(crate) struct Project<'a, const D: usize> {
     pub(crate) rows: &'a Rows,
     pub(crate) points: &'a Points<D>,
@@ -143,8 +144,9 @@ impl<const D: usize> WithSimd for Project<'_, D> {
     }
 }
 
-/// Rows times columns, as many rows at once as keep the multipliers busy: each row has a running sum for each
-/// axis, a multiply-add takes four cycles, and two of them start in each.
+/// Multiplies rows by columns, with enough rows at once to keep the multipliers busy. Each row has
+/// a running sum for each axis. A multiply-add takes four cycles, and two of them start in each
+/// cycle.
 #[inline(always)]
 fn products<S: Simd, const D: usize>(
     simd: S,
@@ -166,7 +168,7 @@ fn products<S: Simd, const D: usize>(
     }
 }
 
-/// `ROWS` of all the rows, from `from` on.
+/// Multiplies `ROWS` of all rows, beginning at `from`.
 #[inline(always)]
 fn product_block<S: Simd, const D: usize, const ROWS: usize>(
     simd: S,
@@ -201,7 +203,7 @@ fn product_block<S: Simd, const D: usize, const ROWS: usize>(
     ROWS
 }
 
-/// The control points of `points` where they are one product: load and project at once.
+/// Computes the control points of `points` by one product: load and project at once.
 pub(crate) struct Describe<'a, const D: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) bound: f64,
@@ -213,7 +215,7 @@ pub(crate) struct Describe<'a, const D: usize> {
 }
 
 impl<const D: usize> Describe<'_, D> {
-    /// Answers as [`Load`] does.
+    /// Returns the same as [`Load`].
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S) -> bool {
         let load = Load {
@@ -245,7 +247,7 @@ impl<const D: usize> WithSimd for Describe<'_, D> {
     }
 }
 
-/// As [`Describe`], and the residuals; `None` if a point is no place.
+/// Like [`Describe`], with residuals; `None` if a point is not a valid position.
 pub(crate) struct Fit<'a, const D: usize> {
     pub(crate) describe: Describe<'a, D>,
     pub(crate) curve: &'a Rows,
@@ -262,7 +264,7 @@ impl<const D: usize> WithSimd for Fit<'_, D> {
         let Describe {
             into, even, odd, ..
         } = self.describe;
-        // What the product gives folded is what the curve takes folded.
+        // The product's folded result is the curve's folded input.
         for half in [&mut *even, &mut *odd] {
             for number in half.as_flattened_mut() {
                 *number = -*number;
@@ -278,16 +280,16 @@ impl<const D: usize> WithSimd for Fit<'_, D> {
     }
 }
 
-/// The squared distances between points and curve: their sum and the largest.
+/// Squared distances between points and curve: their sum and the largest.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SquaredResiduals {
     pub(crate) sum: f64,
     pub(crate) max: f64,
 }
 
-/// Takes the curve from the points; `even` and `odd` are the control points' halves, negated. With `u` the
-/// sum and `v` the difference of two mirrored points' residuals, the residuals are `(u ± v)/2`; not folded, they
-/// are `u`.
+/// Subtracts the curve from the points. `even` and `odd` are the control points' halves, negated.
+/// With `u` the sum and `v` the difference of two mirrored points' residuals, the residuals are
+/// `(u ± v)/2`; not folded, they are `u`.
 pub(crate) struct Residuals<'a, const D: usize> {
     pub(crate) rows: &'a Rows,
     pub(crate) points: &'a Points<D>,
@@ -378,7 +380,7 @@ impl<const D: usize> Residuals<'_, D> {
         }
     }
 
-    /// The squared residual of the middle point of an odd number, which the loop has counted twice.
+    /// Squared residual of the middle point of an odd number, which the loop has counted twice.
     #[inline(always)]
     fn middle_squared(&self) -> f64 {
         let middle = self.points.count / 2;
@@ -396,10 +398,11 @@ impl<const D: usize> Residuals<'_, D> {
     }
 }
 
-/// Two vectors at a time: a coefficient is loaded once for both.
+/// Two vectors at a time, so that a coefficient is loaded once for both.
 type Pair<S> = [<S as Simd>::f64s; 2];
 
-/// `points + Σⱼ negated[j] · rows[j]`, each axis, of the pair of vectors from the `k`th of a block.
+/// `points + Σⱼ negated[j] · rows[j]`, each axis, for the pair of vectors from the `k`th of a
+/// block.
 #[inline(always)]
 fn minus_curve<S: Simd, const D: usize>(
     simd: S,

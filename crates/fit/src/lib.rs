@@ -1,18 +1,20 @@
-//! From the points of a centerline to a curve: regression on Bernstein polynomials and other families.
+//! Fits curves to the points of a centerline, by regression on Bernstein polynomials and other
+//! bases.
 //!
-//! The method is that of F. Chen, *Bezier-based Regression Feature Descriptor for Deformable Linear
-//! Objects* (arXiv 2312.16502). A centerline of `N` points `c̄`, the `i`-th at the normalized arc
-//! length `ρᵢ ∈ [0, 1]` (its equations 1 and 2), is taken for a Bezier curve
-//! `f(ρ) = Σⱼ pⱼ Bⱼₙ(ρ)` of order `n` (equations 3 and 4). Least squares (equations 5 to 7) gives the
-//! `n + 1` control points, which are the descriptor:
+//! The control points of the curve describe the rope's shape (F. Chen, *Bezier-based Regression
+//! Feature Descriptor for Deformable Linear Objects*, [arXiv
+//! 2312.16502](https://arxiv.org/abs/2312.16502)). A centerline is `N` points `c̄`, the `i`-th at
+//! the normalized arc length `ρᵢ ∈ [0, 1]` (the paper's equations 1 and 2). Its model is a Bezier
+//! curve `f(ρ) = Σⱼ pⱼ Bⱼₙ(ρ)` of order `n` (equations 3 and 4). Least squares (equations 5 to 8)
+//! gives the `n + 1` control points `s`, the descriptor:
 //!
 //! ```text
 //! s = (BᵀB)⁻¹ Bᵀ c̄,    B is N × (n + 1),  Bᵢⱼ = Bⱼₙ(ρᵢ)
 //! ```
 //!
-//! The paper writes `B ⊗ I₂`; here `x` and `y` are two right-hand sides of the same `B`, and a third dimension
-//! would be one more. The grid of `ρ`, the basis and so all of the algebra are fixed when a [`Fitter`] is made. A fit
-//! after that is one small product and allocates nothing.
+//! The paper writes `B ⊗ I₂`. Here each coordinate, in the plane or in 3-D, is a right-hand side of
+//! the same `B`. A [`Fitter`] is computed once. A fit is then one small product and does not
+//! allocate.
 //!
 //! ```
 //! use lariat_fit::{Fitter, Options, point_at};
@@ -27,30 +29,34 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | for | see |
-//! |---|---|
-//! | the families of curves | [`Basis`]: Bezier, B-spline, rational Bezier, Fourier, feature points, center of mass |
-//! | ridge, pinned ends, measured arc length, weights, the robust option, the least size within a tolerance | [`Options`], [`Tolerance`], [`SteadySize`] |
-//! | the curve itself: points, tangents, curvature, length, what is nearest, `∂f/∂s` | [`Curve`] |
-//! | `∂s/∂c̄`, the covariance of `s` | [`Fitter::matrix`], [`Fit::covariance_factor`] |
-//! | points at equal steps again, after a map; what pixel noise does to the control points then | [`Resampler`], [`Fitter::propagate`] |
-//! | the same for points that are each sure in their own way, as in space | [`Fitter::spread`] |
-//! | the control points in time, with their velocities | [`Filter`] |
-//! | other forms of a curve | [`elevate_degree`], [`reduce_degree`], [`bezier_pieces`], [`to_monomial`], … |
+//! - [`Fitter`], [`Fit`], [`Options`]: a fit, with ridge, pinned ends, weights, outliers, measured
+//!   arc length
+//! - [`Basis`]: Bezier, B-spline, rational Bezier, Fourier, feature points, center of mass
+//! - [`Curve`]: points, tangents, curvature, length, nearest points, and `∂f/∂s`
+//! - [`Tolerance`], [`SteadySize`]: the fewest control points within a tolerance, kept over time
+//! - [`Fitter::matrix`], [`Fit::covariance_factor`]: `∂s/∂c̄`, and the covariance of `s`
+//! - [`Resampler`], [`Fitter::propagate`]: equal steps after a map, and the effect of pixel noise
+//! - [`Fitter::spread`]: covariance from an error ellipsoid for each point, as in 3-D
+//! - [`Filter`]: control points and their velocities over time
+//! - [`elevate_degree`], [`reduce_degree`], [`bezier_pieces`], [`to_monomial`], …: other forms of a
+//!   curve
 //!
 //! # When the descriptor is stable
 //!
-//! The paper asks for `N ≫ n + 1`, so that `BᵀB` has an inverse. What is needed exactly, and checked:
+//! The paper asks for `N ≫ n + 1`, so that `BᵀB` has an inverse. The fitter checks the exact
+//! conditions:
 //!
-//! 1. at least as many points as control points, `N ≥ n + 1`;
-//! 2. as many *different* values of ρ among them (and, for a B-spline, one for each function where it is not 0:
-//!    Schoenberg and Whitney 1953). Even steps have them; where arc length is measured, repeated points are refused;
-//! 3. a condition number of `B` below the solver's limit, 4.5·10⁹ for `pinv` and `qr` and 6.7·10⁴ for `cholesky`, so that
-//!    rounding moves the control points by less than a millionth of their size.
+//! 1. At least as many points as control points, `N ≥ n + 1`.
+//! 2. As many *different* values of ρ among them. A B-spline also needs one for each function where
+//!    it is not 0 (Schoenberg and Whitney 1953). Even steps satisfy this. With measured arc length,
+//!    repeated points are refused.
+//! 3. A condition number of `B` below the solver's limit, so that rounding moves the control points
+//!    by less than a millionth.
 //!
-//! The first two make the descriptor exist and be unique, the third makes it come out. How much the *noise* of the points
-//! moves it is another number, the noise gain: the largest standard deviation of a control point for noise of 1 in the
-//! points. For 120 points (`cargo run --release -p lariat-fit --example conditions`):
+//! The first two guarantee that the descriptor exists and is unique, the third that it can be
+//! computed. The effect of *noise* is another number, the noise gain: the largest standard
+//! deviation of a control point for noise of 1 in the points. For 120 points
+//! (`cargo run --release -p lariat-fit --example conditions`):
 //!
 //! | control points | Bezier: condition, noise gain | cubic B-spline | Fourier |
 //! |---:|---|---|---|
@@ -60,59 +66,58 @@
 //! | 17 | 3.2·10⁴, 6.3·10³ | 4.8, 1.1 | 1.4, 0.13 |
 //! | 25 | 7.7·10⁶, 1.7·10⁶ | 4.7, 1.3 | 1.4, 0.13 |
 //!
-//! So a Bezier curve of high order is drawn rightly, but its control points are not a feature to servo on; a B-spline's
-//! are, whatever their number.
+//! A Bezier curve of high order is accurate, but its control points are too noisy for control.
+//! Those of a B-spline are not, in any number.
 //!
-//! # How it works
+//! # Solvers
 //!
-//! A centerline's N points at ρᵢ = i/(N − 1) are regressed on Bernstein polynomials of order n (F. Chen,
-//! [arXiv 2312.16502](https://arxiv.org/abs/2312.16502), equations 5 to 8):
-//!
-//! ```text
-//! s = (BᵀB)⁻¹ Bᵀ c̄,   B is N × (n + 1),  Bᵢⱼ = Bⱼₙ(ρᵢ)
-//! ```
-//!
-//! and so is every other basis, but for rational curves: one `Fitter`, one `B`, x and y two right-hand sides (the dimension
-//! is a parameter). When it is stable, and how much noise gains, is said in the head of `crates/fit/src/lib.rs`.
-//!
-//! | module | what |
-//! |---|---|
-//! | `basis`, `functions`, `bezier` | the families, and their functions at one ρ: a row of B |
-//! | `condition`, `checked` | B on the even grid, its condition number, and which requests can be met |
-//! | `scalar`, `matrix`, `factor` | QR, Cholesky, triangular inverses and singular values by [faer](https://docs.rs/faer), in a scalar type whose results are the same on every machine; products in a fixed order |
-//! | `system`, `solve`, `linear` | ridge and pinned ends as a least-squares problem A s = c̄; its three solvers; P with s = P c̄, the covariance C = PPᵀ, the degrees of freedom ‖I − BP‖² |
-//! | `folded`, `kernel` | the fit itself: a grid read backwards has its control points backwards, so sums and differences of mirrored points decouple: half the multiply-adds. Two products in the widest registers, the second for the residuals of all points |
-//! | `weighted`, `robust`, `arc_length`, `adaptive` | where the algebra changes with the points: weights, Huber's option, measured ρ. Normal equations in the coordinates a = R s of B's own QR, where they are nearly the identity, so that Cholesky is exact enough at any order |
-//! | `tolerance`, `choice`, `placed` | the fewest control points that keep a curve within a tolerance of its points, and that size kept while the rope moves; knots where it bends |
-//! | `rational` | variable projection over the log-weights, a trust region from the last frame's weights or a linearized start, a prior that keeps at 1 what the data do not tell |
-//! | `filter` | a constant-velocity Kalman filter on the control points; white acceleration acts on the curve, not on control points, so that no change of shape lags behind another |
-//! | `curve`, `convert` | what control laws ask of a curve (every polynomial basis as Bezier pieces), and its other forms |
-//!
-//! | solver | kept | a fit is | refused above cond(B) |
+//! | solver | precomputed | a fit is | refused above cond(B) |
 //! |---|---|---|---|
 //! | `pinv` (default) | (BᵀB)⁻¹Bᵀ = R⁻¹Qᵀ | one product | 4.5·10⁹ |
 //! | `cholesky` | L of BᵀB = LLᵀ | a product and two triangular solves | 6.7·10⁴ |
 //! | `qr` | Q and R of B = QR | a product and one triangular solve | 4.5·10⁹ |
 //!
-//! The limits are where rounding would reach a millionth of the control points; a request beyond them is refused with the
-//! number and the largest curve of its family that is allowed. faer factorizes when a fitter is made. It would choose its
-//! vectors by the processor, and the last digits with them; `scalar::Real` has it compute one number at a time, so a
-//! recording replays to the last bit on any machine. The fit itself is the crate's own product of the precomputed matrix
-//! with the points: at these sizes (9 × 120) a general product costs several times as much. NumPy's results are the
-//! oracle of the tests. The ridge
-//! is on second differences of the control points, not on the points themselves: a ridge toward the picture's corner would make
-//! a moved rope another shape.
+//! A refusal names the condition number and the largest allowed curve. [faer](https://docs.rs/faer)
+//! factorizes in the scalar type `scalar::Real`, one number at a time, so results have the same
+//! bits on every machine. The fit uses its own product, because a general one is several times
+//! slower at these sizes (9 × 120). The ridge is on second differences of the control points. A
+//! ridge on the points themselves would change the shape of a moved rope.
 //!
-//! In the chain (`crates/chain/src/pipeline/fitting`): open curves have the basis of the settings; closed ones are truncated Fourier series of
-//! n/2 harmonics, at ρᵢ = i/N. The basis `auto` is a cubic B-spline of 4 to 32 control points (of 4 a Bezier curve), or a series of 1 to 15
-//! harmonics. All sizes are computed when the stage starts, and each rope keeps its own (`fitting/steady`): a frame costs one fit. A
-//! size is chosen at half of the tolerance, so that it lasts while the rope bends on, and given up after a second, by exposure
-//! times, in which the curve did not fit; never for a smaller one while it does, and never while the rope is out of sight. Where 32 even
-//! pieces do not do, the rope gets knots of its own, moved eight times to where the points are missed, and the algebra for them: the
-//! one thing that is computed, and allocated, at a rope's start. Every curve, of whatever basis, is then held against its points
-//! (`fit` in the descriptor): those that were seen, at their own ρ, which is never less than the distance to the nearest point of the
-//! curve, and right for `point_at` too. With `robust` hidden points weigh nothing, unless what is seen does not determine the curve: then
-//! the bridged points count like the others. With `filter` each rope has a filter of its own; what is lost is not filtered.
+//! # Modules
+//!
+//! | module | content |
+//! |---|---|
+//! | `basis`, `functions`, `bezier` | families of curves, and their functions at one ρ: a row of B |
+//! | `condition`, `checked` | B on the even grid, its condition number, and validation of requests |
+//! | `scalar`, `matrix`, `factor` | QR, Cholesky, triangular inverses and singular values; products in a fixed order |
+//! | `system`, `solve`, `linear` | ridge and pinned ends as a least-squares problem A s = c̄; its solvers; P with s = P c̄, the covariance C = PPᵀ, the degrees of freedom ‖I − BP‖² |
+//! | `folded`, `kernel` | the fit: mirror symmetry decouples sums and differences of mirrored points, which halves the multiply-adds |
+//! | `weighted`, `robust`, `arc_length`, `adaptive` | algebra that depends on the points. Normal equations in a = R s of B's own QR are nearly the identity, so Cholesky is accurate at any order |
+//! | `tolerance`, `choice`, `placed` | choice of the size, and knots where the rope bends |
+//! | `rational` | variable projection over the log-weights, with a trust region and a prior |
+//! | `filter` | a constant-velocity Kalman filter; white acceleration acts on the curve |
+//! | `curve`, `convert` | evaluation of curves as Bezier pieces, and conversions |
+//!
+//! # In the chain
+//!
+//! Open curves use the basis of the settings (`crates/chain/src/pipeline/fitting`). Closed ones are
+//! Fourier series of n/2 harmonics at ρᵢ = i/N. The basis `auto` is a cubic B-spline of 4 to 32
+//! control points (with 4, a Bezier curve), or a series of 1 to 15 harmonics. All sizes are
+//! computed at the start, and each rope keeps its own, so a frame costs one fit. A size is chosen
+//! at half of the tolerance. It changes only if the curve has not fitted for a second of exposure
+//! time. A rope that 32 even pieces cannot follow gets its own knots, which allocates. Quality is
+//! measured between visible points and the curve at their ρ. With `robust`, hidden points have
+//! weight 0 unless the visible ones do not determine the curve. With `filter`, each rope has its
+//! own filter while it is seen.
+//!
+//! # Known limitations
+//!
+//! - A curve has at most [`MAX_CONTROL_POINTS`] control points, and a centerline at most
+//!   [`MAX_POINTS`] points.
+//! - Points must be evenly spaced, except with the slower [`Rho::Measured`].
+//! - Covariances assume independent noise in the points, except in [`Fitter::spread`]. Those of
+//!   robust and rational fits are approximate.
+//! - Conversions between forms of a curve allocate.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

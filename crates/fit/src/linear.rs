@@ -1,4 +1,5 @@
-//! A basis of fixed size: all algebra that does not depend on the points, done once, and the fit by it.
+//! A basis of fixed size: all algebra that does not depend on the points, done once, and the fit
+//! that uses it.
 
 use crate::basis::Basis;
 use crate::condition;
@@ -14,9 +15,10 @@ use faer::Mat;
 
 pub(crate) struct Linear<const D: usize> {
     pub(crate) basis: Basis,
-    /// The clamped knots of a B-spline on the even grid, or none.
+    /// Clamped knots of a B-spline on the even grid; otherwise empty.
     pub(crate) knots: Vec<f64>,
-    /// The 2-norm condition number of what is solved: `B`, without the pinned columns, above the ridge's rows.
+    /// 2-norm condition number of the solved matrix: `B`, without the pinned columns, above the
+    /// ridge's rows.
     pub(crate) condition: f64,
     /// `P` transposed, column-major N × m: its columns are the rows of `P`.
     pub(crate) matrix: Mat<f64>,
@@ -31,23 +33,26 @@ pub(crate) struct Linear<const D: usize> {
     halves: Halves<D>,
 }
 
-/// The systems's factors, with their condition number checked against the solver's limit.
+/// Factors of the system, and its condition number.
 struct Factored {
     system: System,
-    /// None where the pinned ends leave nothing to solve for.
+    /// None if all control points are pinned.
     factors: Option<Qr>,
     condition: f64,
 }
 
 impl<const D: usize> Linear<D> {
+    /// Computes the algebra on the basis's even knots.
+    ///
     /// # Errors
-    /// A condition number that would drown the control points in rounding errors.
+    /// Fails if the condition number is so high that rounding errors would dominate the control
+    /// points.
     pub(crate) fn new(basis: Basis, options: &Options) -> Result<Self, FitterError> {
         let knots = condition::even_knots(basis, options.points);
         Self::on_knots(basis, knots, options)
     }
 
-    /// As [`Linear::new`], with the clamped knots of a B-spline.
+    /// Like [`Linear::new`], with the given clamped knots of a B-spline.
     pub(crate) fn on_knots(
         basis: Basis,
         knots: Vec<f64>,
@@ -93,7 +98,7 @@ impl<const D: usize> Linear<D> {
         let count = basis.control_points();
         Ok(Self {
             basis,
-            // Feature points' are their even steps: nobody needs to be told.
+            // Feature points have even knots, which are implied.
             knots: match basis {
                 Basis::BSpline { .. } => knots,
                 _ => Vec::new(),
@@ -109,8 +114,9 @@ impl<const D: usize> Linear<D> {
         })
     }
 
-    /// The control points of these points, and how far they are from the curve; `lanes` is room for the points in
-    /// columns. `None` if a coordinate is not a position in a picture. Allocates nothing.
+    /// Computes the control points of these points, and their distances from the curve. `lanes` is
+    /// scratch memory for the points in columns. Returns `None` if a coordinate is not a position
+    /// in a picture. Does not allocate.
     pub(crate) fn fit(
         &mut self,
         arch: lariat_portable::Arch,
@@ -145,7 +151,8 @@ impl<const D: usize> Linear<D> {
         }))
     }
 
-    /// As [`Linear::fit`], without a look at the curve; `None` also with a solver that has no product to be so fast by.
+    /// Like [`Linear::fit`], without residuals. Also returns `None` if the solver has no single
+    /// product.
     pub(crate) fn describe(
         &mut self,
         arch: lariat_portable::Arch,
@@ -200,7 +207,8 @@ impl Factored {
     }
 }
 
-/// The refusal of a basis whose condition number is beyond the solver's limit, with the largest that is not.
+/// Creates the error for a basis whose condition number exceeds the solver's limit. It names the
+/// largest basis that does not.
 fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
     let limit = condition::limit(options.solver);
     let is_allowed = |smaller: &Basis| {
@@ -217,8 +225,8 @@ fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
     }
 }
 
-/// `m`, whose rows read backwards are its rows from the last to the first but for rounding, made so exactly:
-/// the mean of itself and its mirror image.
+/// Restores the exact mirror symmetry of `m`, which rounding has disturbed: the mean of `m` and its
+/// mirror image.
 fn mirrored_mean(m: &Mat<f64>) -> Mat<f64> {
     let (rows, columns) = (m.nrows(), m.ncols());
     Mat::from_fn(rows, columns, |j, i| {

@@ -1,9 +1,10 @@
-//! Dense matrices before any frame: faer's, with the few products that must come out the same on every machine.
+//! Dense matrices computed before any frame: faer's, with the few products that must be the same on
+//! every machine.
 
 use faer::{Mat, MatRef};
 
-/// The product of two matrices. Its numbers are sums in the order of the inner index, so that no machine's vectors
-/// show in them, as they would in faer's own product.
+/// Product of two matrices. Sums are in the order of the inner index, so that they do not depend on
+/// the machine's vectors, unlike in faer's own product.
 pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     let mut product = Mat::zeros(left.nrows(), right.ncols());
     for j in 0..right.ncols() {
@@ -18,7 +19,7 @@ pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64>
     product
 }
 
-/// The numbers of a matrix, a row after the other.
+/// The numbers of a matrix, row by row.
 pub(crate) fn row_by_row(matrix: MatRef<'_, f64>) -> Vec<f64> {
     let places = (0..matrix.nrows()).flat_map(|i| (0..matrix.ncols()).map(move |j| (i, j)));
     places.map(|at| matrix[at]).collect()

@@ -1,16 +1,19 @@
-//! Propagates pixel noise to the control points of a curve that was fitted elsewhere: on a table, to resampled points.
+//! Propagates pixel noise to the control points of a curve that was fitted to mapped and resampled
+//! points, such as those on a table.
 //!
-//! Pixel noise is independent, of variance σ² in each coordinate of each point. A map with the derivative `Jᵢ` makes of it
-//! `σ² Sᵢ`, `Sᵢ = JᵢJᵢᵀ`, in the points `cᵢ` that are resampled: new point `k` is `Σᵢ Rₖᵢ cᵢ` ([`Resampler`]) at the arc
-//! length `ρₖ S`, and the arc lengths too change with the points. To the first order, with `tₖ` the tangent, `sᵢ` the arc
-//! length up to old point `i` and `S` that of the whole,
+//! Pixel noise is independent, of variance σ² in each coordinate of each point. A map with the
+//! derivative `Jᵢ` turns it into `σ² Sᵢ`, `Sᵢ = JᵢJᵢᵀ`, in the points `cᵢ` that are resampled. New
+//! point `k` is `Σᵢ Rₖᵢ cᵢ` ([`Resampler`]) at the arc length `ρₖ S`, and the arc lengths change
+//! with the points too. To first order, with `tₖ` the tangent, `sᵢ` the arc length up to old point
+//! `i` and `S` that of the whole,
 //!
 //! ```text
 //! dc'ₖ = Σᵢ Rₖᵢ (dcᵢ − tₖ dsᵢ) + tₖ ρₖ dS,      dsᵢ = Σ_{l ≤ i} τₗ·(dcₗ − dcₗ₋₁)
 //! ```
 //!
-//! with the chords' directions `τₗ`: where a point slides along the curve the curve stays, and only the ends tell. The control
-//! points are `s = P c'`, so that, with `T = PR`, `Vⱼᵢ = Σₖ Pⱼₖ tₖ Rₖᵢ`, `αⱼ = Σₖ Pⱼₖ tₖ ρₖ` and `Kⱼₗ = αⱼ − Σ_{i ≥ l} Vⱼᵢ`,
+//! with the chords' directions `τₗ`. A point that slides along the curve does not change the curve;
+//! only the ends matter. The control points are `s = P c'`, so that, with `T = PR`,
+//! `Vⱼᵢ = Σₖ Pⱼₖ tₖ Rₖᵢ`, `αⱼ = Σₖ Pⱼₖ tₖ ρₖ` and `Kⱼₗ = αⱼ − Σ_{i ≥ l} Vⱼᵢ`,
 //!
 //! ```text
 //! dsⱼ = Σᵢ Aⱼᵢ dcᵢ,     Aⱼᵢ = Tⱼᵢ I + Kⱼᵢ τᵢᵀ − Kⱼ,ᵢ₊₁ τᵢ₊₁ᵀ,     Cov(sⱼ) = σ² Σᵢ Aⱼᵢ Sᵢ Aⱼᵢᵀ
@@ -18,12 +21,14 @@
 //!
 //! Directions are those of the curve, not of the noisy chords.
 //!
-//! σ² comes from the residuals. What slides does not show in them, so that with the normals `nᵢ` and `H = BP` their sum of
-//! squares is, in the mean, `σ² Σᵢ (nᵢᵀSᵢnᵢ) ‖(I − H) Rᵢ‖²`, `Rᵢ` the column of `R`, and `‖(I − H)Rᵢ‖² = ‖Rᵢ‖² − RᵢᵀHRᵢ` where `H`
-//! is a projection (without ridge and pins).
+//! σ² comes from the residuals. Sliding does not appear in them. With the normals `nᵢ` and
+//! `H = BP`, the expectation of their sum of squares is therefore `σ² Σᵢ (nᵢᵀSᵢnᵢ) ‖(I − H) Rᵢ‖²`,
+//! with `Rᵢ` the column of `R`. `‖(I − H)Rᵢ‖² = ‖Rᵢ‖² − RᵢᵀHRᵢ` if `H` is a projection (without
+//! ridge and pins).
 //!
-//! A fit whose algebra changes with its points (weights, measured ρ, rational) has another `P` each time; there `A` is that
-//! of the even fit, and each control point's covariance is scaled as that point's own factor in `C` is.
+//! A fit whose algebra changes with its points (weights, measured ρ, rational) has another `P` each
+//! time. In that case `A` is that of the even fit, and each control point's covariance is scaled by
+//! the ratio of that point's factors in `C`.
 
 use crate::basis::MAX_CONTROL_POINTS;
 use crate::options::MAX_POINTS;
@@ -33,19 +38,19 @@ use faer::Mat;
 /// A covariance, or a map's derivative times its transpose: symmetric.
 pub type Square<const D: usize> = [[f64; D]; D];
 
-/// Room for the sums over a line's points.
+/// Scratch memory for the sums over a line's points.
 #[derive(Debug, Clone)]
 pub(crate) struct Propagation<const D: usize> {
-    /// Of one control point: `T`, and `V`.
+    /// `T` and `V` of one control point.
     t: Vec<f64>,
     v: Vec<[f64; D]>,
-    /// `BᵀR` of the same.
+    /// `BᵀR` of the same control point.
     u: Vec<f64>,
     /// `‖(I − H)Rᵢ‖²`.
     freedom: Vec<f64>,
     /// Points of the even fit's curve, then its directions in the middle between each and the next.
     curve: Vec<[f64; D]>,
-    /// Its directions where the chords of the old points are, and at the new points.
+    /// Directions of the curve at the chords of the old points, and at the new points.
     chords: Vec<[f64; D]>,
     tangents: Vec<[f64; D]>,
 }
@@ -69,8 +74,8 @@ impl<const D: usize> Propagation<D> {
         }
     }
 
-    /// The covariances of the control points for σ = 1, and by how much of σ² the sum of squared residuals
-    /// grows in the mean. `squares` are the `Sᵢ`.
+    /// Computes the covariances of the control points for σ = 1. Returns the expected sum of
+    /// squared residuals divided by σ². `squares` are the `Sᵢ`.
     pub(crate) fn run(
         &mut self,
         fit: &EvenFit,
@@ -98,7 +103,7 @@ impl<const D: usize> Propagation<D> {
         normals.zip(freedom).map(|(n, f)| n * f.max(0.0)).sum()
     }
 
-    /// `T`, `V` and `BᵀR` of control point `j`; returns `αⱼ`.
+    /// Computes `T`, `V` and `BᵀR` of control point `j`. Returns `αⱼ`.
     fn gather(&mut self, fit: &EvenFit, line: &Resampler<D>, j: usize) -> [f64; D] {
         let (count, _) = line.shape();
         self.t[..count].fill(0.0);
@@ -113,7 +118,7 @@ impl<const D: usize> Propagation<D> {
                 self.u[i] += b * weight;
                 self.v[i] = std::array::from_fn(|axis| self.v[i][axis] + along[axis] * weight);
             }
-            // What is beyond a closed line's seam lies a whole length farther, or not yet one far.
+            // Points beyond a closed line's seam are one whole length farther, or nearer.
             let rho = mean.rho - line.beyond_the_seam(mean);
             ends = std::array::from_fn(|axis| ends[axis] + along[axis] * rho);
         }
@@ -124,7 +129,7 @@ impl<const D: usize> Propagation<D> {
     fn sum(&self, squares: &[Square<D>], ends: [f64; D], closed: bool) -> Square<D> {
         let count = squares.len();
         let mut sum = [[0.0; D]; D];
-        // K of the chord that leads away from the point, and what of V lies behind it.
+        // K of the chord that leaves the point, and the sum of V from this point on.
         let mut away = if closed { ends } else { [0.0; D] };
         let mut behind = [0.0; D];
         for i in (0..count).rev() {
@@ -154,7 +159,8 @@ impl<const D: usize> Propagation<D> {
         sum
     }
 
-    /// `nᵀSn` at an old point, with the normal of the curve there; in space, the sum over two of them.
+    /// `nᵀSn` at an old point, with the normal of the curve there; in 3-D, the sum over two
+    /// normals.
     fn across(&self, i: usize, closed: bool, squares: &[Square<D>]) -> f64 {
         let count = squares.len();
         let before = match i {
@@ -176,8 +182,9 @@ impl<const D: usize> Propagation<D> {
         (0..D).map(|axis| square[axis][axis]).sum::<f64>() - between(along, square, along)
     }
 
-    /// The directions of the curve. Those of the noisy chords themselves would not do: at 0.3 px of noise and steps of 5 px
-    /// they turn by three times as much from one to the next as a rope does, and the effect of turns is squared.
+    /// Computes the directions of the curve. Those of the noisy chords are unsuitable. With 0.3 px
+    /// of noise and steps of 5 px they turn by three times as much from one to the next as a rope
+    /// does, and the effect of turns is squared.
     fn straighten(&mut self, fit: &EvenFit, line: &Resampler<D>) {
         let (count, closed) = line.shape();
         let points = line.points();
@@ -201,7 +208,8 @@ impl<const D: usize> Propagation<D> {
             let way = std::array::from_fn(|axis| next[axis] - self.curve[k][axis]);
             self.curve[k] = direction(way, line.chords[k]);
         }
-        // At a place along the line, in steps from the first new point: between the middles of two steps.
+        // Interpolates at a place along the line, in steps from the first new point, between the
+        // middles of two steps.
         let turns = &self.curve[..steps];
         let at = |place: f64, chord: [f64; D]| {
             let place = if closed {
@@ -230,7 +238,7 @@ impl<const D: usize> Propagation<D> {
     }
 }
 
-/// A vector made one long; `other`, if it has no direction.
+/// A vector scaled to length one; `other` if it has no direction.
 fn direction<const D: usize>(vector: [f64; D], other: [f64; D]) -> [f64; D] {
     let size = length(vector);
     if size > 1e-9 {

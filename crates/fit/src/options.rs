@@ -1,33 +1,34 @@
-//! What a [`Fitter`](crate::Fitter) is asked for.
+//! Options of a [`Fitter`](crate::Fitter).
 
 use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
 use crate::setters::setters;
 use std::fmt;
 
-/// The highest order: 32 control points.
+/// Highest order: 32 control points.
 pub const MAX_ORDER: usize = 31;
 
-/// The degree of the curves of [`Options::auto`].
+/// Degree of the curves of [`Options::auto`].
 const CUBIC: usize = 3;
 
-/// The most points of a centerline.
+/// Maximum number of points of a centerline.
 pub const MAX_POINTS: usize = 256;
 
-/// How `s = (BᵀB)⁻¹Bᵀc̄` is computed. All three give the same control points; they differ in cost and in
-/// the orders they can be trusted with.
+/// Method of computing `s = (BᵀB)⁻¹Bᵀc̄`. All three give the same control points. They differ in
+/// cost and in the orders that they allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Solver {
     /// The matrix `(BᵀB)⁻¹Bᵀ`, computed once: a fit is one product. The fastest.
     Pinv,
-    /// The Cholesky factor of `BᵀB`, computed once: a fit is a product and two triangular solves. Its
-    /// error goes with the square of the condition number.
+    /// The Cholesky factor of `BᵀB`, computed once: a fit is a product and two triangular solves.
+    /// Its error grows with the square of the condition number.
     Cholesky,
-    /// `Q` and `R` of the Householder QR of `B`, computed once: a fit is a product and one triangular solve.
+    /// `Q` and `R` of the Householder QR of `B`, computed once: a fit is a product and one
+    /// triangular solve.
     Qr,
 }
 
 impl Solver {
-    /// All of them, with their names.
+    /// All solvers, with their names.
     pub const ALL: [(&str, Self); 3] = [
         ("pinv", Self::Pinv),
         ("cholesky", Self::Cholesky),
@@ -42,14 +43,14 @@ impl fmt::Display for Solver {
     }
 }
 
-/// The normalized arc length ρ that each point is fitted at.
+/// The normalized arc length ρ of each point in the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Rho {
-    /// In even steps, as lariat's extraction spaces its points: all of the algebra is done beforehand.
+    /// Even steps, as in lariat's extraction: all algebra is done in advance.
     Even,
-    /// Measured along the given points, chord by chord, for points that are not evenly spaced: the algebra is
-    /// done again for each fit.
+    /// Measured along the given points, chord by chord, for unevenly spaced points: the algebra is
+    /// repeated for each fit.
     Measured,
 }
 
@@ -58,46 +59,50 @@ impl Rho {
     pub const ALL: [(&str, Self); 2] = [("even", Self::Even), ("measured", Self::Measured)];
 }
 
-/// How much each point counts.
+/// Weights of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Weights {
-    /// As much as any other: all of the algebra is done beforehand.
+    /// All points count the same: all algebra is done in advance.
     Even,
-    /// As [`Fitter::fit_weighted`](crate::Fitter::fit_weighted) is told: a hidden point weighs nothing.
+    /// Weights are passed to [`Fitter::fit_weighted`](crate::Fitter::fit_weighted), for example 0
+    /// for a hidden point.
     Given,
-    /// As told, and less where it lies far off the curve (Huber 1964), reweighted at most 5 times: a few points that
-    /// are far off hardly move the curve.
+    /// As `Given`, and less for points far from the curve (Huber 1964), reweighted at most 5 times.
+    /// A few outliers hardly move the curve.
     Robust,
 }
 
-/// The settings of a [`Fitter`](crate::Fitter). Each field has a method of its name that sets it:
-/// `Options::bezier(5).points(80)`.
+/// The settings of a [`Fitter`](crate::Fitter). Each field has a method of the same name that sets
+/// it: `Options::bezier(5).points(80)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
-    /// The family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's four.
+    /// Family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's
+    /// four.
     pub basis: Basis,
-    /// Chooses the number of control points: the fewest, at most those of `basis`, that keep the curve within a
-    /// [`Tolerance`](crate::Tolerance) of its points. [`Fitter::fit_within`](crate::Fitter::fit_within) chooses for each fit,
-    /// and [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance;
-    /// [`SteadySize`](crate::SteadySize) keeps a moving rope's. Default: no.
+    /// Choose the number of control points: the fewest, at most those of `basis`, that keep the
+    /// curve within a [`Tolerance`](crate::Tolerance) of its points.
+    /// [`Fitter::fit_within`](crate::Fitter::fit_within) chooses for each fit, and
+    /// [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance.
+    /// [`SteadySize`](crate::SteadySize) keeps the size of a moving rope. Default: no.
     pub choose_size: bool,
-    /// How many points `N` a centerline has, from 2 to [`MAX_POINTS`] and no fewer than control points.
-    /// Default: 120, as in the paper.
+    /// Number of points `N` of a centerline, from 2 to [`MAX_POINTS`] and no fewer than control
+    /// points. Default: 120, as in the paper.
     pub points: usize,
-    /// Default: [`Solver::Pinv`].
+    /// Method of solving. Default: [`Solver::Pinv`].
     pub solver: Solver,
-    /// `λ ≥ 0`: what is minimized is `Σ |cᵢ − f(ρᵢ)|² + λ Σ |sⱼ₋₁ − 2sⱼ + sⱼ₊₁|²`. The second differences of
-    /// the control points tame high orders; unlike their plain squares they are 0 for every evenly drawn
-    /// straight line, so that a moved rope still has a moved descriptor. For a Fourier series they are the
-    /// coefficients times the square of their harmonic. Default: 0.
+    /// `λ ≥ 0` in the objective `Σ |cᵢ − f(ρᵢ)|² + λ Σ |sⱼ₋₁ − 2sⱼ + sⱼ₊₁|²`. The second
+    /// differences of the control points regularize high orders. Unlike their plain squares, they
+    /// are 0 for every evenly spaced straight line, so a moved rope still has a moved descriptor.
+    /// For a Fourier series they are the coefficients times the square of their harmonic. Default:
+    /// 0.
     pub ridge: f64,
-    /// Whether the curve begins and ends exactly at the first and the last point. Default: no.
+    /// Make the curve begin and end exactly at the first and the last point. Default: no.
     pub pin_ends: bool,
-    /// Default: [`Rho::Even`].
+    /// Arc lengths of the points. Default: [`Rho::Even`].
     pub rho: Rho,
-    /// Default: [`Weights::Even`].
+    /// Weights of the points. Default: [`Weights::Even`].
     pub weights: Weights,
 }
 
@@ -117,12 +122,13 @@ impl Default for Options {
 }
 
 impl Options {
-    /// A Bezier curve of this order, everything else at its default.
+    /// A Bezier curve of this order, with all other options at their defaults.
     pub fn bezier(order: usize) -> Self {
         Self::default().basis(Basis::Bezier { order })
     }
 
-    /// A uniform cubic B-spline of this many control points, everything else at its default.
+    /// A uniform cubic B-spline of this many control points, with all other options at their
+    /// defaults.
     pub fn bspline(control_points: usize) -> Self {
         Self::default().basis(Basis::BSpline {
             degree: CUBIC,
@@ -131,14 +137,15 @@ impl Options {
         })
     }
 
-    /// The Fourier series of a closed curve with this many harmonics, everything else at its default.
+    /// The Fourier series of a closed curve with this many harmonics, with all other options at
+    /// their defaults.
     pub fn fourier(harmonics: usize) -> Self {
         Self::default().basis(Basis::Fourier { harmonics })
     }
 
-    /// The fewest control points that keep the curve within a tolerance of its `points` points, up to as many as there
-    /// may be: of a cubic Bezier curve or a uniform cubic B-spline, or, of a closed curve, of a Fourier series. Of these
-    /// the noise gain hardly grows with their number.
+    /// The fewest control points, up to the maximum, that keep the curve within a tolerance of its
+    /// `points` points. The curve is a cubic Bezier curve or a uniform cubic B-spline or, if
+    /// closed, a Fourier series. Their noise gain hardly grows with the number of control points.
     pub fn auto(points: usize, closed: bool) -> Self {
         let most = MAX_CONTROL_POINTS.min(points);
         let family = if closed {

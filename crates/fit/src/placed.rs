@@ -1,26 +1,27 @@
-//! Knots where a rope bends, for ropes that a spline of evenly spaced knots cannot follow.
+//! Places knots where a rope bends, for ropes that a spline of even knots cannot follow.
 //!
-//! The density of the knots along the rope is raised where the curve misses its points and lowered where it does not, a few
-//! times over. So does de Boor's NEWNOT (*A Practical Guide to Splines*, chapter XII) by an estimate of the next derivative,
-//! which drowns in the noise of the points.
+//! The density of the knots along the rope is raised where the curve misses its points and lowered
+//! elsewhere, in several rounds. De Boor's NEWNOT (*A Practical Guide to Splines*, chapter XII)
+//! instead uses an estimate of the next derivative, which is dominated by the noise of the points.
 
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 use crate::functions;
 use crate::tolerance::Tolerance;
 
-/// How often knots are moved.
+/// Number of times that knots are moved.
 const ROUNDS: usize = 8;
-/// What the density becomes where there is no error at all is this share's eighth root.
+/// Without any error, the density is multiplied by the eighth root of this.
 const FLOOR: f64 = 0.05;
-/// How much closer than evenly knots lie at most.
+/// Maximum density of knots relative to even ones.
 const CLOSEST: f64 = 2.0;
-/// Of the pieces, which are cubic.
+/// Degree of the pieces, which are cubic.
 pub(crate) const DEGREE: usize = 3;
-/// Numbers of the normal equations' rows that are not 0, from the diagonal on.
+/// Numbers in a row of the normal equations that are not 0, from the diagonal.
 const BAND: usize = DEGREE + 1;
 
-/// The clamped knots of the cubic B-spline with this many control points that comes nearest to the points, by the tolerance's
-/// measure, and by how much that would have to be larger; none where points are too few for knots to lie closer than evenly.
+/// Finds the clamped knots of the cubic B-spline with this many control points that is nearest to
+/// the points, by the tolerance's measure. Also returns the factor by which the tolerance would
+/// have to grow. Returns `None` if there are too few points for knots closer than even ones.
 pub(crate) fn knots<const D: usize>(
     control_points: usize,
     points: &[[f64; D]],
@@ -53,7 +54,7 @@ pub(crate) fn knots<const D: usize>(
     (!best.1.is_empty()).then_some(best)
 }
 
-/// Knots with equal shares of the density between them.
+/// Places knots with equal shares of the density between them.
 fn spread(density: &[f64], control_points: usize) -> Vec<f64> {
     let (steps, spans) = (density.len(), control_points - DEGREE);
     let share = density.iter().sum::<f64>() / spans as f64;
@@ -80,11 +81,12 @@ fn thicken(density: &mut [f64], squared: &[f64]) {
     }
     for (step, density) in density.iter_mut().enumerate() {
         let here = 0.5 * (error[step] + error[step + 1]) / mean;
-        // The eighth root: of a squared error that goes with the eighth power of the steps between knots.
+        // The eighth root, because a squared error is proportional to the eighth power of the steps
+        // between knots.
         *density *= (here + FLOOR).sqrt().sqrt().sqrt();
     }
     let mut even = smoothed(density, 1);
-    // What is cut off makes the mean less, so that a little more has to be.
+    // Clipping lowers the mean, so it is repeated.
     for _ in 0..4 {
         let mean = even.iter().sum::<f64>() / even.len() as f64;
         even.iter_mut().for_each(|d| *d = (*d / mean).min(CLOSEST));
@@ -92,7 +94,7 @@ fn thicken(density: &mut [f64], squared: &[f64]) {
     density.copy_from_slice(&even);
 }
 
-/// The mean over so many neighbours on either side, as many as there are.
+/// The mean over `reach` neighbors on either side, or as many as there are.
 fn smoothed(values: &[f64], reach: usize) -> Vec<f64> {
     let around = |i: usize| {
         let near = &values[i.saturating_sub(reach)..(i + reach + 1).min(values.len())];
@@ -101,8 +103,8 @@ fn smoothed(values: &[f64], reach: usize) -> Vec<f64> {
     (0..values.len()).map(around).collect()
 }
 
-/// The squared distances of evenly spaced points from the spline nearest to them, by its normal equations; none where the
-/// points do not determine it.
+/// Squared distances of evenly spaced points from the nearest spline, by its normal equations.
+/// `None` if the points do not determine it.
 fn squared_distances<const D: usize>(knots: &[f64], points: &[[f64; D]]) -> Option<Vec<f64>> {
     let count = knots.len() - DEGREE - 1;
     let basis = Basis::BSpline {
@@ -111,7 +113,7 @@ fn squared_distances<const D: usize>(knots: &[f64], points: &[[f64; D]]) -> Opti
         knots: crate::basis::Knots::Placed,
     };
     let mut values = [0.0; MAX_CONTROL_POINTS];
-    // Where the i-th point's functions begin, and their values.
+    // First nonzero function of the i-th point, and the values of its functions.
     let rows: Vec<(usize, [f64; BAND])> = (0..points.len())
         .map(|i| {
             let rho = basis.even_rho(i, points.len());
@@ -147,12 +149,13 @@ fn squared_distances<const D: usize>(knots: &[f64], points: &[[f64; D]]) -> Opti
     Some(rows.iter().zip(points).map(distance).collect())
 }
 
-/// Solves a positive definite system of which `matrix` has each row from its diagonal on, in place: by the LDLᵀ of a band.
+/// Solves a positive definite banded system in place by LDLᵀ. `matrix` has each row from its
+/// diagonal on.
 fn solve<const D: usize>(matrix: &mut [[f64; BAND]], right: &mut [[f64; D]]) -> Option<()> {
     let count = matrix.len();
     for j in 0..count {
         let row = matrix[j];
-        // Condition numbers are small; what is 0 here is a function without a point.
+        // Condition numbers are small, so a 0 here is a function without a point.
         if row[0].is_nan() || row[0] <= 1e-9 {
             return None;
         }

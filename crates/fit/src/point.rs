@@ -1,5 +1,6 @@
-//! The dimensions of curves. [`Point`] has no generic method, so this crate compiles fitters, kernels and filters once for each
-//! dimension. Without it every program that fits would compile them again, for all vector sets.
+//! Dimensions of curves. [`Point`] has no generic method, so this crate compiles fitters, kernels
+//! and filters once for each dimension. Otherwise every program that fits would compile them again,
+//! for all vector sets.
 
 use faer::MatRef;
 
@@ -18,8 +19,8 @@ use crate::resample::{ResampleError, Resampler};
 use crate::spread::Spread;
 use crate::tolerance::Tolerance;
 
-/// A point of the plane, `[f64; 2]`, or of space, `[f64; 3]`. Its functions are the methods of [`Fitter`], [`SteadySize`], [`Resampler`],
-/// [`RationalFitter`] and [`Filter`].
+/// A point in the plane, `[f64; 2]`, or in 3-D, `[f64; 3]`. Its functions are the methods of
+/// [`Fitter`], [`SteadySize`], [`Resampler`], [`RationalFitter`] and [`Filter`].
 pub trait Point<const D: usize>: Sealed {
     #[doc(hidden)]
     fn make_fitter(options: Options) -> Result<Fitter<D>, FitterError>;
@@ -102,7 +103,7 @@ pub trait Point<const D: usize>: Sealed {
     fn foretell(filter: &mut Filter<D>, t_ns: u64) -> Result<&Prediction<D>, PredictError>;
 }
 
-/// Has no implementation outside of this crate.
+/// Prevents implementations outside of this crate.
 pub trait Sealed {}
 
 macro_rules! points {

@@ -1,9 +1,10 @@
-//! Rational Bezier curves `f(ρ) = Σ wⱼ pⱼ Bⱼ(ρ) / Σ wⱼ Bⱼ(ρ)` whose weights are estimated along with their
-//! control points: what a polynomial only comes near, such as an arc of a circle, these can be.
+//! Rational Bezier curves `f(ρ) = Σ wⱼ pⱼ Bⱼ(ρ) / Σ wⱼ Bⱼ(ρ)`, whose weights are estimated together
+//! with their control points. They represent curves exactly that a polynomial only approximates,
+//! such as an arc of a circle.
 //!
-//! The control points are projected out (`projection`); a descent finds the most probable log-weights
-//! (`belief`, `descent`), from the weights of the frame before or from a linearized start. Where it does not
-//! converge the answer is the polynomial, and says so.
+//! The control points are projected out (`projection`). A descent finds the most probable
+//! log-weights (`belief`, `descent`), from the weights of the previous frame or from a linearized
+//! start. If it does not converge, the result is the polynomial, and says so.
 
 mod belief;
 mod covariance;
@@ -23,17 +24,18 @@ use design::Design;
 use faer::MatRef;
 use linearization::Model;
 
-/// No weight is taken that is this many times larger or smaller than their geometric mean: that is nine
-/// standard deviations of what is believed of weights, and a control point of a hundredth of a weight moves
-/// with a hundred times the noise.
+/// Maximum ratio of a weight to the geometric mean of all weights, or vice versa. It is nine
+/// standard deviations of the prior, and a control point with a hundredth of a weight moves with a
+/// hundred times the noise.
 pub const MAX_WEIGHT: f64 = 100.0;
 
-/// Steps from the weights of the frame before. Two or three do where only the noise has changed; where five
-/// do not, the weights of that frame are no help.
+/// Maximum number of steps from the weights of the previous frame. Two or three are enough if only
+/// the noise has changed. If five are not enough, those weights do not help.
 const WARM_STEPS: usize = 5;
 
-/// Steps from the linearized start, which may be far off where the noise is large, or the points are none of
-/// a rational curve's: a rope's, of order 4, then takes four or five, and rarely more than twenty.
+/// Maximum number of steps from the linearized start. It may be far off if the noise is large, or
+/// if no rational curve fits the points. A rope's curve of order 4 then takes four or five steps,
+/// and rarely more than twenty.
 const COLD_STEPS: usize = 25;
 
 /// A rational Bezier curve fitted to a centerline.
@@ -44,33 +46,36 @@ pub struct RationalFit<'a, const D: usize> {
     pub control_points: &'a [[f64; D]],
     /// The `n + 1` weights, all positive; their geometric mean is 1.
     pub weights: &'a [f64],
-    /// The sum of the squared distances between the points and the curve at each point's `ρ`, px².
+    /// Sum of the squared distances between the points and the curve at each point's `ρ`, px².
     pub squared_residuals: f64,
-    /// The largest of these distances, px.
+    /// Largest of these distances, px.
     pub max_px: f64,
-    /// The numbers given, less those that were fitted: `D (N − free control points)`, less `n` weights where
-    /// `converged`. The squared residuals by it are the variance of one coordinate's residual.
+    /// Number of given minus fitted numbers: `D (N − free control points)`, minus `n` weights if
+    /// `converged`. The squared residuals divided by it are the variance of one coordinate's
+    /// residual.
     pub degrees_of_freedom: usize,
-    /// Whether the weights are the data's. If not, all of them are 1 and the curve is the polynomial that
-    /// fits best: the points were too few, or no weights between 1/[`MAX_WEIGHT`] and [`MAX_WEIGHT`] were
-    /// found within the steps allowed. Where the polynomial itself goes through the points but for rounding
-    /// (a straight line, a point), weights of 1 are the answer: `converged`, in no step.
+    /// True if the weights were determined from the points. If false, all weights are 1 and the
+    /// curve is the best polynomial. There were too few points, or no weights between
+    /// 1/[`MAX_WEIGHT`] and [`MAX_WEIGHT`] were found within the allowed steps. If the polynomial
+    /// itself passes through the points up to rounding (a straight line, a point), weights of 1 are
+    /// the answer: `converged`, in no step.
     pub converged: bool,
-    /// The steps downhill taken in all, those of a failed warm start included and the at most 8 rounds of the
-    /// linearized start not.
+    /// Number of descent steps, including those of a failed warm start, but not the up to 8 rounds
+    /// of the linearized start.
     pub steps: usize,
 }
 
-/// Fits rational Bezier curves to centerlines of one number of points, evenly spaced by arc length.
+/// Fits rational Bezier curves to centerlines with a fixed number of points, evenly spaced by arc
+/// length.
 pub struct RationalFitter<const D: usize> {
     design: Design,
     descent: Descent,
     control_points: Vec<[f64; D]>,
     covariance: covariance::Covariance,
     joint: joint::Joint,
-    /// Whether the next search starts from these weights.
+    /// True if the next search starts from these weights.
     warm: bool,
-    /// The variance of a coordinate of the last fit, where its weights are the data's, px².
+    /// Variance of a coordinate of the last fit if its weights were determined, px².
     variance: Option<f64>,
 }
 
@@ -78,20 +83,21 @@ impl<const D: usize> RationalFitter<D>
 where
     [f64; D]: Point<D>,
 {
-    /// Makes room and does the algebra that does not depend on the points, on the uniform grid
-    /// `ρᵢ = i/(N − 1)`. With `pin_ends` the first and the last control point are the first and the last
-    /// point.
+    /// Allocates and does the algebra that does not depend on the points, on the uniform grid
+    /// `ρᵢ = i/(N − 1)`. With `pin_ends` the first and the last control point are the first and the
+    /// last point.
     ///
     /// # Panics
-    /// If the order is not in 1 ..= [`MAX_ORDER`](crate::MAX_ORDER), or `points` not in
-    /// `order + 1` ..= [`MAX_POINTS`](crate::MAX_POINTS), or `D` is 0.
+    /// If the order is not in 1 ..= [`MAX_ORDER`](crate::MAX_ORDER), or `points` not in `order + 1`
+    /// ..= [`MAX_POINTS`](crate::MAX_POINTS), or `D` is 0.
     pub fn new(order: usize, points: usize, pin_ends: bool) -> Self {
         <[f64; D]>::make_rational(order, points, pin_ends)
     }
 
-    /// The rational curve of the highest posterior probability given `points` (ordered along the curve,
-    /// evenly spaced by arc length), never with larger squared residuals than the polynomial's. Allocates
-    /// nothing; takes at most 30 steps beside the linearized start. Starts from the last fit's weights where that converged.
+    /// Fits the rational curve with the highest posterior probability given `points` (ordered along
+    /// the curve, evenly spaced by arc length). Its squared residuals are never larger than the
+    /// polynomial's. Does not allocate. Takes at most 30 steps besides the linearized start. It
+    /// starts from the last fit's weights if that converged.
     ///
     /// Points that are not finite give control points that are not, and `converged: false`.
     ///
@@ -101,18 +107,19 @@ where
         <[f64; D]>::fit_rational(self, points)
     }
 
-    /// The covariance of the control points and the log-weights together, by `σ²`: square, with `(n+1) (D+1)` rows, first the coordinates of the first control point, of the second and so
-    /// on, then the log-weights. To first order, and with what is believed of weights before any point is
-    /// seen in it: where the noise is so large that the curve is far from linear in them, an indication.
-    /// After a fit that did not converge the weights are 1 and known. Computed when asked for; allocates
-    /// nothing.
+    /// Joint covariance of the control points and the log-weights, divided by `σ²`. The matrix is
+    /// square with `(n+1) (D+1)` rows: the coordinates of the first control point, of the second
+    /// and so on, then the log-weights. It is a first-order approximation and includes the prior of
+    /// the weights. If the noise is so large that the curve is far from linear in the weights, it
+    /// is only an indication. After a fit that did not converge, the weights are 1 and known.
+    /// Computed on request. Does not allocate.
     pub fn joint_covariance_factor(&mut self) -> MatRef<'_, f64> {
         <[f64; D]>::joint_factor(self)
     }
 }
 
 impl<const D: usize> RationalFitter<D> {
-    /// [`RationalFitter::new`].
+    /// Implements [`RationalFitter::new`].
     pub(crate) fn make(order: usize, points: usize, pin_ends: bool) -> Self {
         assert!(
             (1..=crate::MAX_ORDER).contains(&order),
@@ -136,7 +143,7 @@ impl<const D: usize> RationalFitter<D> {
         }
     }
 
-    /// [`RationalFitter::fit`].
+    /// Implements [`RationalFitter::fit`].
     pub(crate) fn fit_points(&mut self, points: &[[f64; D]]) -> RationalFit<'_, D> {
         assert_eq!(
             points.len(),
@@ -159,20 +166,21 @@ impl<const D: usize> RationalFitter<D> {
         self.answer(converged, steps)
     }
 
-    /// Forgets the last fit's weights: the next fit is as if it were the first.
+    /// Forgets the last fit's weights. The next fit is like the first.
     pub fn forget(&mut self) {
         self.warm = false;
     }
 
-    /// `C`, `(n+1) × (n+1)`: at the last fit's weights, taken as known, the covariance of the control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate. That the
-    /// weights are uncertain too is not in it. Computed when asked for; allocates nothing.
+    /// `C`, `(n+1) × (n+1)`. At the last fit's weights, treated as known, the covariance of the
+    /// control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate.
+    /// The uncertainty of the weights is not included. Computed on request. Does not allocate.
     pub fn covariance_factor(&mut self) -> MatRef<'_, f64> {
         let count = self.design.count;
         let factor = self.covariance.at(&self.design, &self.descent.projection);
         MatRef::from_row_major_slice(factor, count, count)
     }
 
-    /// [`RationalFitter::joint_covariance_factor`].
+    /// Implements [`RationalFitter::joint_covariance_factor`].
     pub(crate) fn joint_factor(&mut self) -> MatRef<'_, f64> {
         let size = self.design.count * (D + 1);
         MatRef::from_row_major_slice(self.joint_covariance(), size, size)
@@ -197,7 +205,8 @@ impl<const D: usize> RationalFitter<D> {
         joint.with_ends(design, descent, covariance, D)
     }
 
-    /// Leaves the descent at the best weights. Answers whether they can be taken, and the steps.
+    /// Leaves the descent at the best weights. Returns whether they are usable, and the number of
+    /// steps.
     fn search(&mut self, belief: &Belief) -> (bool, usize) {
         let Self {
             descent, design, ..
@@ -208,7 +217,7 @@ impl<const D: usize> RationalFitter<D> {
         }
         descent.start_at_polynomial(design);
         let polynomial = descent.projection.squared;
-        // A polynomial goes through the points: there is nothing that weights could do better.
+        // A polynomial passes through the points, so weights cannot improve it.
         if belief.is_rounding(polynomial) {
             return (true, 0);
         }
@@ -235,7 +244,7 @@ impl<const D: usize> RationalFitter<D> {
         (false, steps)
     }
 
-    /// Reads the curve off the descent's projection.
+    /// Returns the curve of the descent's projection.
     fn answer(&mut self, converged: bool, steps: usize) -> RationalFit<'_, D> {
         let projection = &mut self.descent.projection;
         let design = &self.design;

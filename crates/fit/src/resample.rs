@@ -1,53 +1,55 @@
-//! Points at equal steps of arc length, from points that are not: those of an image, seen through a map that stretches
-//! here and shrinks there.
+//! Resamples a line at equal steps of arc length, for points of an image seen through a map that
+//! stretches unevenly.
 //!
-//! The line through the points is a cubic in each interval (Hermite's, its tangents those of the parabola through a point and
-//! its two neighbours, Bessel's), by the length of the chords. Each new point is then a mean of four of the old ones: what
-//! noise does to it is known ([`Noise`](crate::noise)). A line that is straight stays straight, with steps equal to the last
-//! bits, however unevenly it was seen. On an arc of radius r with chords h the lengths are short by h²/24r² of themselves, all of
-//! them alike if the chords are.
+//! In each interval, the line through the points is a cubic parametrized by chord length
+//! (Hermite's, with Bessel's tangents: those of the parabola through a point and its two
+//! neighbors). Each new point is a mean of four old ones, so the effect of noise on it is known
+//! ([`Noise`](crate::noise)). A straight line stays straight, with steps equal to the last bits,
+//! however unevenly it was seen. On an arc of radius r with chords h, lengths are too short by
+//! h²/24r² of themselves, all alike if the chords are.
 
 use crate::options::MAX_POINTS;
 use crate::point::Point;
 use thiserror::Error;
 
-/// Why points make no line to walk along.
+/// Why points cannot be resampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ResampleError {
-    /// Fewer than two, or more than there is room for.
+    /// Fewer than two points, or too many.
     #[error("{0} points make no line to walk along: give 2 to {MAX_POINTS}")]
     Count(usize),
-    /// Two neighbours in one place, or a coordinate that is not finite.
+    /// Two neighbors coincide, or a coordinate is not finite.
     #[error("point {0} lies where the next one does, or nowhere: there is no way between them")]
     NoStep(usize),
 }
 
-/// How a point came from four others.
+/// A new point as a mean of four old ones.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Mean {
-    /// Which they are, in a row; a closed line's may go on from its last point to its first.
+    /// Indices of consecutive points. On a closed line, they may continue from the last point to
+    /// the first.
     from: [usize; 4],
     pub(crate) weights: [f64; 4],
-    /// Its normalized arc length.
+    /// Normalized arc length of the new point.
     pub(crate) rho: f64,
 }
 
 impl Mean {
-    /// The old points that make the new one, each with its weight.
+    /// Old points of the mean, each with its weight.
     pub(crate) fn sources(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
         let sources = self.from.into_iter().zip(self.weights);
         sources.filter(|(_, weight)| *weight != 0.0)
     }
 }
 
-/// Walks along lines of points and sets points at equal steps.
+/// Resamples lines of points at equal steps.
 #[derive(Debug, Clone)]
 pub struct Resampler<const D: usize = 2> {
     count: usize,
     closed: bool,
     length: f64,
-    /// The arc length up to each point, and, of a closed line, up to the first again.
+    /// Arc length up to each point and, for a closed line, up to the first again.
     arcs: Vec<f64>,
     /// Directions of the chords from each point to the next.
     pub(crate) chords: Vec<[f64; D]>,
@@ -62,7 +64,8 @@ impl<const D: usize> Default for Resampler<D> {
 }
 
 impl Resampler {
-    /// With room for lines of [`MAX_POINTS`] points; nothing allocates after this.
+    /// Creates a resampler with memory for lines of [`MAX_POINTS`] points. It does not allocate
+    /// afterwards.
     pub fn new() -> Self {
         Self::in_dimensions()
     }
@@ -72,10 +75,11 @@ impl<const D: usize> Resampler<D>
 where
     [f64; D]: Point<D>,
 {
-    /// As many points, at equal steps along the line through these; the first stays, and so does an open line's last.
+    /// Resamples the line through these points with the same number of points at equal steps. The
+    /// first point stays, and so does an open line's last.
     ///
     /// # Errors
-    /// There are too few or too many, or two neighbours lie in one place.
+    /// Fails if there are too few or too many points, or if two neighbors coincide.
     pub fn resample(
         &mut self,
         points: &[[f64; D]],
@@ -86,7 +90,7 @@ where
 }
 
 impl<const D: usize> Resampler<D> {
-    /// As [`Resampler::new`], for points of any dimension.
+    /// Like [`Resampler::new`], for points of any dimension.
     pub fn in_dimensions() -> Self {
         Self {
             count: 0,
@@ -99,7 +103,7 @@ impl<const D: usize> Resampler<D> {
         }
     }
 
-    /// [`Resampler::resample`].
+    /// Implements [`Resampler::resample`].
     pub(crate) fn even_out(
         &mut self,
         points: &[[f64; D]],
@@ -128,18 +132,18 @@ impl<const D: usize> Resampler<D> {
         Ok(&self.points[..count])
     }
 
-    /// The length of the last line, in the points' unit.
+    /// Length of the last line, in the points' unit.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// The old points between which new point `k` lies.
+    /// Indices of the old points between which new point `k` is.
     pub fn between(&self, k: usize) -> [usize; 2] {
         let [_, before, after, _] = self.means[k].from;
         [before, after]
     }
 
-    /// What is known at the old points, at new point `k`: linear between its two neighbours.
+    /// Interpolates values at the old points linearly at new point `k`.
     pub fn carry(&self, k: usize, values: &[f64]) -> f64 {
         let mean = &self.means[k];
         let [_, before, after, _] = mean.from;
@@ -148,12 +152,13 @@ impl<const D: usize> Resampler<D> {
         values[before] + share * (values[after] - values[before])
     }
 
-    /// The direction of the line at new point `k`.
+    /// Direction of the line at a new point.
     pub(crate) fn tangent(&self, mean: &Mean) -> [f64; D] {
         self.chords[mean.from[1]]
     }
 
-    /// How much of a new point comes from beyond a closed line's last point, less how much from before its first.
+    /// Share of a new point that comes from beyond a closed line's last point, minus the share from
+    /// before its first.
     pub(crate) fn beyond_the_seam(&self, mean: &Mean) -> f64 {
         if !self.closed {
             return 0.0;
@@ -173,12 +178,12 @@ impl<const D: usize> Resampler<D> {
         &self.points[..self.count]
     }
 
-    /// The normalized arc length of the middle of the chord after old point `i`.
+    /// Normalized arc length of the middle of the chord after old point `i`.
     pub(crate) fn middle(&self, i: usize) -> f64 {
         0.5 * (self.arcs[i] + self.arcs[i + 1]) / self.length
     }
 
-    /// How many points the last line had, and whether it was closed.
+    /// Number of points of the last line, and whether it was closed.
     pub(crate) fn shape(&self) -> (usize, bool) {
         (self.count, self.closed)
     }
@@ -204,7 +209,8 @@ impl<const D: usize> Resampler<D> {
         Ok(())
     }
 
-    /// The length of the interval after point `i`, if there is one; of a closed line `i` may be −1 or beyond the last.
+    /// Length of the interval after point `i`, if there is one. On a closed line, `i` may be −1 or
+    /// beyond the last.
     fn step(&self, i: isize) -> Option<f64> {
         let steps = if self.closed {
             self.count
@@ -227,12 +233,12 @@ impl<const D: usize> Resampler<D> {
         let v = 1.0 - u;
         let mut weights = [0.0, (1.0 + 2.0 * u) * v * v, u * u * (3.0 - 2.0 * u), 0.0];
         let (before, after) = (self.step(i - 1), self.step(i + 1));
-        // The tangents at both ends of the interval, by the four points.
+        // Tangents at both ends of the interval, in terms of the four points.
         let starts = tangent(before, step);
         let ends = tangent(after, step).map(|w| -w);
         let ends = [0.0, ends[2], ends[1], ends[0]];
         let [starts, ends] = match (before, after) {
-            // At an open line's end the parabola through its three points runs on.
+            // At an open line's end, the parabola through its three points continues.
             (None, Some(_)) => [beside(ends, step), ends],
             (Some(_), None) => {
                 let starts = [starts[0], starts[1], starts[2], 0.0];
@@ -251,7 +257,7 @@ impl<const D: usize> Resampler<D> {
     }
 }
 
-/// How long a vector is.
+/// Length of a vector.
 pub(crate) fn length<const D: usize>(way: [f64; D]) -> f64 {
     match way[..] {
         [x, y] => libm::hypot(x.abs(), y),
@@ -259,8 +265,9 @@ pub(crate) fn length<const D: usize>(way: [f64; D]) -> f64 {
     }
 }
 
-/// What the point before, the point and the one after it, at the distances `before` and `step`, weigh in the slope of their
-/// parabola at the middle one; of a chord, where there is none before.
+/// Weights of three consecutive points in the slope of their parabola at the middle one; `before`
+/// and `step` are the distances between them. Without a previous point, the slope is that of the
+/// chord.
 fn tangent(before: Option<f64>, step: f64) -> [f64; 3] {
     match before {
         None => [0.0, -1.0 / step, 1.0 / step],
@@ -275,7 +282,8 @@ fn tangent(before: Option<f64>, step: f64) -> [f64; 3] {
     }
 }
 
-/// The slope at one end of an interval of the parabola that has this slope at the other: twice the chord's, less it.
+/// Slope of a parabola at one end of an interval, given that at the other: twice the chord's, minus
+/// the other.
 fn beside(other: [f64; 4], step: f64) -> [f64; 4] {
     let chord = [0.0, -2.0 / step, 2.0 / step, 0.0];
     std::array::from_fn(|at| chord[at] - other[at])
@@ -322,7 +330,7 @@ mod tests {
         let mut resampler = Resampler::new();
         let old = uneven(120, 0.0);
         resampler.resample(&old, false).unwrap();
-        // What is linear along the line stays so.
+        // Values that are linear along the line stay linear.
         let values: Vec<f64> = old.iter().map(|p| 3.0 + 0.1 * p[0]).collect();
         for k in 0..120 {
             let s = k as f64 / 119.0;
@@ -330,7 +338,8 @@ mod tests {
         }
         let ring = [[0.0, 0.0], [1.0, 0.0], [1.0, 4.0], [0.0, 4.0]];
         resampler.resample(&ring, true).unwrap();
-        // Steps of 2.5 around a circumference of 10: the last point lies between the last and the first.
+        // Steps of 2.5 around a circumference of 10: the last point is between the last and the
+        // first.
         let carried = [0, 1, 2, 3].map(|k| resampler.carry(k, &[1.0, 2.0, 6.0, 8.0]));
         assert_eq!(carried, [1.0, 3.5, 6.0, 5.375]);
     }
@@ -346,7 +355,7 @@ mod tests {
         let radius = 500.0 / turn;
         for point in &even {
             let r = point[0].hypot(point[1] - radius);
-            // The fourth power of a step of at most 13 in a radius of 167, by 384.
+            // The fourth power of a step of at most 13 in a radius of 167, divided by 384.
             assert!((r - radius).abs() < 2e-3, "{r}");
         }
         let steps: Vec<f64> = even

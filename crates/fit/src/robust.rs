@@ -1,53 +1,56 @@
-//! The Huber option: points far from the curve weigh less, by iteratively reweighted least squares
-//! (P. J. Huber, *Robust Statistics*, 1981; P. W. Holland and R. E. Welsch, *Robust regression using
-//! iteratively reweighted least-squares*, 1977).
+//! The Huber option: points far from the curve have less weight, by iteratively reweighted least
+//! squares (P. J. Huber, *Robust Statistics*, 1981; P. W. Holland and R. E. Welsch, *Robust
+//! regression using iteratively reweighted least-squares*, 1977).
 //!
 //! ```text
 //! σ = median rᵢ / median of χ_D · √(n / (n − m))      rᵢ = |cᵢ − f(ρᵢ)|, of the n points that are seen
 //! wᵢ = wᵢ⁰ · min(1, kσ / rᵢ) · min(1, (gσ / rᵢ)²)
 //! ```
 //!
-//! The first factor is Huber's: a point pulls at most as hard as one at `kσ`. Of gross outliers even that is
-//! too much, for a few of them near an end, where the curve gives way, move it by several `σ`; the second
-//! factor lets their pull fade (as in F. R. Hampel's three-part estimators). What fades can be given up by
-//! mistake, so the start decides: least squares, or, where that halves the median distance, least squares
-//! through the running medians of the points (`medians`), which a few outliers do not move.
+//! The first factor is Huber's: a point pulls at most as hard as one at `kσ`. For gross outliers
+//! this is still too much. A few of them near an end, where the curve is flexible, move it by
+//! several `σ`. The second factor makes their pull fade (as in F. R. Hampel's three-part
+//! estimators). Fading may discard the wrong points, so the start is decisive. It is least squares,
+//! or least squares through the running medians of the points (`medians`) if that halves the median
+//! distance. A few outliers do not move the medians.
 
 mod medians;
 
 use crate::weighted::{Problem, Weighted, WeightedError, WeightedFit};
 use medians::Medians;
 
-/// The rounds of reweighting after the first fit.
+/// Maximum number of reweightings after the first fit.
 pub(crate) const MAX_ROUNDS: usize = 5;
 
-/// No weight changes by more than this part of what was given: then the curve moves by far less than its
-/// noise.
+/// The weights have converged if none changes by more than this share of the given one. The curve
+/// then moves by far less than its noise.
 const SETTLED: f64 = 0.01;
 
-/// The `g` beyond which a pull fades. Of Gaussian noise in three dimensions one point in 10⁷ lies there.
+/// The `g` beyond which a pull fades. With Gaussian noise in three dimensions, one point in 10⁷ is
+/// beyond it.
 const GROSS: f64 = 6.0;
 
-/// If no point is further than this many `σ` from the curve of least squares, that is where to start. Of 120
-/// points of Gaussian noise in two dimensions one is in one of 25 ropes.
+/// If no point is farther than this many `σ` from the curve of least squares, that is the start.
+/// With 120 points of Gaussian noise in two dimensions, one rope in 25 has a point beyond it.
 const SUSPECT: f64 = 4.0;
 
-/// The start from medians is taken where its median distance is below this part of least squares'. A curve
-/// that is only too stiff for its points has no such start, and there least squares is the better one.
+/// The start from medians is used if its median distance is below this share of least squares'. If
+/// the curve is merely too stiff for its points, it has no such start, and least squares is better.
 const BETTER: f64 = 0.5;
 
-/// The numbers of Gaussian noise in `D` dimensions, whose length in units of its standard deviation is `χ_D`.
+/// Constants of Gaussian noise in `D` dimensions, whose length in units of its standard deviation
+/// is `χ_D`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gaussian {
-    /// The median of `χ_D`.
+    /// Median of `χ_D`.
     pub(crate) median: f64,
     /// The `k` of 95 % efficiency: with `ψ(r) = min(r, k)`,
-    /// `((D−1) E[ψ/r] + P(r < k))² / (D E[ψ²]) = 0.95`: the variance of the mean by the asymptotic variance of an
-    /// M-estimator of location whose `ψ` acts along the radius.
+    /// `((D−1) E[ψ/r] + P(r < k))² / (D E[ψ²]) = 0.95`. This is the variance of the mean divided by
+    /// the asymptotic variance of an M-estimator of location whose `ψ` acts along the radius.
     pub(crate) tuning: f64,
 }
 
-/// For `D` = 1, 2, 3. In two dimensions the median is √(2 ln 2).
+/// Constants for `D` = 1, 2, 3. In two dimensions the median is √(2 ln 2).
 pub(crate) const GAUSSIAN: [Gaussian; 3] = [
     Gaussian {
         median: 0.674_489_750_196,
@@ -66,22 +69,22 @@ pub(crate) const GAUSSIAN: [Gaussian; 3] = [
 /// A robust fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HuberFit {
-    /// The fit with the last weights. Its sums are of those weights.
+    /// The fit with the last weights. Its sums use those weights.
     pub(crate) fit: WeightedFit,
-    /// The standard deviation of one coordinate of a point, px, from the median distance: it does not see the
-    /// outliers, and its square stands for the residual variance.
+    /// Standard deviation of one coordinate of a point, px, from the median distance. Outliers do
+    /// not affect it, and its square is used as the residual variance.
     pub(crate) sigma_px: f64,
     /// Number of reweightings, at most [`MAX_ROUNDS`].
     pub(crate) rounds: usize,
 }
 
-/// Room for the reweighting, kept from fit to fit.
+/// Scratch memory for the reweighting, reused from fit to fit.
 pub(crate) struct Room {
-    /// The weights that were given.
+    /// The given weights.
     given: Vec<f64>,
-    /// The weights of the next round.
+    /// Weights of the next round.
     next: Vec<f64>,
-    /// Squared distances as bits, which sort as the numbers do, since none is negative.
+    /// Squared distances as bits, which sort like the numbers because none is negative.
     bits: Vec<u64>,
     /// Squared distances from the curve of least squares.
     least: Vec<f64>,
@@ -99,7 +102,8 @@ impl Room {
         }
     }
 
-    /// The median of the roots of `squared` where the given weight is not 0; of an even number the upper one.
+    /// The median of the roots of `squared` over nonzero weights; for an even number, the upper
+    /// one.
     fn median_distance(&mut self, squared: &[f64]) -> f64 {
         self.bits.clear();
         for (squared, &weight) in squared.iter().zip(&self.given) {
@@ -114,8 +118,9 @@ impl Room {
         f64::from_bits(*self.bits.select_nth_unstable(middle).1).sqrt()
     }
 
-    /// Writes the weights of the next round, where distances beyond `bound_px` weigh less in proportion, and
-    /// those beyond `gross` times that even less. Answers whether they are those of the last, `weights`, but for [`SETTLED`].
+    /// Writes the weights of the next round. Weights fall in proportion to distances beyond
+    /// `bound_px`, and even more beyond `gross` times that. Returns whether they equal the last
+    /// ones, `weights`, within [`SETTLED`].
     #[inline(always)]
     fn reweigh(&mut self, squared: &[f64], weights: &[f64], bound_px: f64, gross: f64) -> bool {
         let mut moved = 0u64;
@@ -123,7 +128,7 @@ impl Room {
         for ((next, (given, weight)), &squared) in self.next.iter_mut().zip(given).zip(squared) {
             let share = bound_px / squared.sqrt();
             let fade = gross * share;
-            // Not `min`: where the distance is 0 the share is infinite, or NaN if the bound is 0 as well.
+            // Not `min`: at distance 0 the share is infinite, or NaN if the bound is 0 as well.
             let fade = if fade < 1.0 { fade * fade } else { 1.0 };
             let share = if share < 1.0 { share } else { 1.0 };
             *next = given * share * fade;
@@ -134,14 +139,15 @@ impl Room {
 }
 
 impl<const D: usize> Weighted<D> {
-    /// As [`Weighted::solve`], but points far from the curve weigh less than `weights` says, so that a few that
-    /// are far off hardly move it. They are in their order along the curve. [`Weighted::weights`] are the weights it ended with. Allocates nothing.
+    /// Like [`Weighted::solve`], but points far from the curve get less weight than `weights`, so
+    /// that a few outliers hardly move it. The points must be in order along the curve.
+    /// [`Weighted::weights`] are the final weights. Does not allocate.
     ///
     /// # Errors
-    /// As for `solve`; also where the points that agree do not determine the curve.
+    /// Fails like `solve`, and if the points that agree do not determine the curve.
     ///
     /// # Panics
-    /// If a slice has not the size that the fitter was made for.
+    /// If a slice does not have the size that the fitter was made for.
     pub(crate) fn huber(
         &mut self,
         problem: &Problem<'_, D>,
@@ -186,9 +192,9 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// Takes the curve through the running medians for a start where it is better than that of least squares,
-    /// whose coefficients and distances there are, and which stays otherwise. No other is looked for where the
-    /// median distance is at least `enough_px`. Answers the median distance from the start.
+    /// Chooses the start. The curve through the running medians replaces the current curve of least
+    /// squares if it is better. It is not tried if the median distance is at least `enough_px`.
+    /// Returns the median distance from the start.
     fn start(&mut self, problem: &Problem<'_, D>, enough_px: f64) -> f64 {
         let (points, stride) = (self.points, self.a.stride());
         let room = &mut self.robust;
@@ -218,7 +224,7 @@ impl<const D: usize> Weighted<D> {
         least
     }
 
-    /// How far rounding alone moves a point from an exact curve.
+    /// Distance of a point from an exact curve that rounding alone can cause.
     fn rounding_px(&self) -> f64 {
         let points = &self.a.all()[self.count * self.a.stride()..];
         let largest = points.iter().fold(0.0, |a, b| f64::max(a, b.abs()));

@@ -1,12 +1,13 @@
 //! `f64` as a scalar type of faer whose results are the same on every machine.
 //!
-//! For `f64` itself faer chooses vectors at run time, so the last digits of a factor depend on the processor. faer's
-//! algorithms are generic over the scalar, though: for a type without vectors they run one number at a time, in one
-//! order, with every product rounded. [`Real`] is that type. Factors of 120 × 32 numbers take 0.3 ms this way (0.06 ms
-//! with vectors), once for each basis, and recordings replay to the last bit on any processor.
+//! For `f64` itself, faer chooses vectors at run time, so the last digits of a factor depend on the
+//! processor. But faer's algorithms are generic over the scalar. For a type without vectors they
+//! process one number at a time, in one order, and round every product. [`Real`] is that type.
+//! Factors of 120 × 32 numbers take 0.3 ms this way (0.06 ms with vectors), once for each basis,
+//! and recordings replay to the last bit on any processor.
 //!
-//! The `simd_*` functions of faer's trait are never called for such a type.
-#![allow(unsafe_code)] // Two functions of the trait are declared unsafe; neither has a body.
+//! faer never calls the `simd_*` functions of its trait for such a type.
+#![allow(unsafe_code)] // Two functions of the trait are declared unsafe. Neither has a body.
 
 use faer::traits::{ComplexField, RealField, SimdCapabilities, num_traits, pulp};
 use std::ops::{
@@ -129,7 +130,7 @@ impl RealField for Real {
     }
 }
 
-/// Functions of [`ComplexField`] on vectors, of which this type has none.
+/// Vector functions of [`ComplexField`], which this type does not have.
 macro_rules! no_vectors {
     ($($name:ident($($argument:ty),*) -> $result:ty;)*) => {$(
         fn $name<S: pulp::Simd>(_: &S, $(_: $argument),*) -> $result {

@@ -1,4 +1,4 @@
-//! `s = (BᵀB)⁻¹ Bᵀ c̄` (equation 8 of the paper) in three ways, all of their algebra done beforehand.
+//! `s = (BᵀB)⁻¹ Bᵀ c̄` (equation 8 of the paper) in three ways, with all algebra done in advance.
 
 use crate::factor::{Qr, cholesky};
 use crate::folded::{Points, Rows};
@@ -7,7 +7,7 @@ use crate::matrix::product;
 use crate::system::System;
 use faer::{Mat, MatRef};
 
-/// How a fit is computed, ready.
+/// A prepared solver.
 pub(crate) enum Solve {
     /// By the rows of `P`, in one product.
     Product(Rows),
@@ -17,10 +17,10 @@ pub(crate) enum Solve {
 
 /// A product and triangles: `Aᵀc̄` and `LLᵀ`, or `Qᵀc̄` and `R`.
 pub(crate) struct Steps {
-    /// The rows of `Aᵀ` or `Qᵀ`, with what pinned ends take from the right-hand side.
+    /// The rows of `Aᵀ` or `Qᵀ`, minus the effect of pinned ends on the right-hand side.
     rows: Rows,
     triangle: Triangle,
-    /// Room for the right-hand sides.
+    /// Scratch memory for the right-hand sides.
     right: Mat<f64>,
 }
 
@@ -36,7 +36,7 @@ impl Solve {
         Self::Product(Rows::of_product(p, mirrored))
     }
 
-    /// `None` where `AᵀA` is not positive definite in this arithmetic.
+    /// Returns `None` if `AᵀA` is not numerically positive definite.
     pub(crate) fn cholesky(system: &System, dimensions: usize, mirrored: bool) -> Option<Self> {
         let a = system.a.as_ref();
         let l = cholesky(product(a.transpose(), a).as_ref())?;
@@ -59,10 +59,11 @@ impl Solve {
     }
 }
 
-/// The matrix that takes the points to `mᵀ ([c̄; 0] − E [c₁; c_N])`, for an `m` with the rows of `A`.
+/// The matrix that maps the points to `mᵀ ([c̄; 0] − E [c₁; c_N])`, for an `m` with the rows of
+/// `A`.
 fn right_hand_side(m: MatRef<'_, f64>, system: &System) -> Mat<f64> {
     let points = system.b.nrows();
-    // Below the points are the ridge's rows, which ask for 0.
+    // The ridge's rows, below the points, have a right-hand side of 0.
     let mut products = m.subrows(0, points).transpose().to_owned();
     if system.offset() > 0 {
         let taken = product(m.transpose(), system.pinned.as_ref());
@@ -75,7 +76,8 @@ fn right_hand_side(m: MatRef<'_, f64>, system: &System) -> Mat<f64> {
 }
 
 impl Steps {
-    /// The control points of `points`, which `lanes` holds in columns. Allocates nothing.
+    /// Computes the control points of `points`, which are also in `lanes` as columns. Does not
+    /// allocate.
     pub(crate) fn solve<const D: usize>(
         &mut self,
         arch: lariat_portable::Arch,
@@ -139,7 +141,7 @@ fn solve_cholesky(l: &Mat<f64>, column: &mut [f64]) {
     }
 }
 
-/// Room for the two halves of a folded product.
+/// Scratch memory for the two halves of a folded product.
 pub(crate) struct Halves<const D: usize> {
     pub(crate) even: Vec<[f64; D]>,
     pub(crate) odd: Vec<[f64; D]>,
@@ -171,7 +173,7 @@ fn project<const D: usize>(
     rows.unfold(even, odd, out);
 }
 
-/// Sets the outer control points where fewer than all are solved for; the others are returned.
+/// Sets the outer control points if they are pinned. Returns the others.
 fn pin<'a, const D: usize>(
     points: &[[f64; D]],
     control_points: &'a mut [[f64; D]],

@@ -1,12 +1,16 @@
-//! What errors of points that are each known by an ellipsoid of its own do to the control points: in space, where distances
-//! are less sure than directions.
+//! Covariances of control points if each point has an error ellipsoid of its own, as in 3-D, where
+//! distances are less certain than directions.
 //!
-//! [`Fitter::propagate`] follows each pixel through the resampling, exactly and in time N m per point's neighbors. Here the points are
-//! taken at equal steps as they are: what an error along the curve does is left out of each point (it slides, and the curve stays), and
-//! comes in by the ends, between which everything is stretched, and by how long the curve is between: where it turns by `Δtₖ`, an
-//! error makes it longer by `Δtₖ` times that, and all that comes after slides. With `tₖ` the direction at point `k`, `Nₖ = I − tₖtₖᵀ`, `Sₖ` the ellipsoid
-//! of what errs by itself there and `Dₖ` that of what errs with all points that a control point reaches, `σ₀` and `σ₁` how sure the ends
-//! are along the curve, and `s = P c`,
+//! [`Fitter::propagate`] tracks each pixel through the resampling exactly, in time N m per point's
+//! neighbors. This module takes the points at equal steps as they are. An error along the curve
+//! only makes a point slide on the curve, so it is left out of each point. It has an effect at the
+//! ends, between which everything is stretched, and through the length between them. If the
+//! direction turns by `Δtₖ`, an error lengthens the curve by `Δtₖ` times the error, and all later
+//! points slide.
+//!
+//! Let `tₖ` be the direction at point `k`, and `Nₖ = I − tₖtₖᵀ`. `Sₖ` is the ellipsoid of
+//! independent errors there, and `Dₖ` that of errors shared by all points that a control point
+//! reaches. `σ₀` and `σ₁` are the standard deviations of the ends along the curve. With `s = P c`,
 //!
 //! ```text
 //! Cov(sⱼ) = ν Σₖ Pⱼₖ² Nₖ Sₖ Nₖ + Σₖ Pⱼₖ² Nₖ Dₖ Nₖ / Σₖ Pⱼₖ² + σ₀² aⱼ aⱼᵀ + σ₁² bⱼ bⱼᵀ + cⱼ cⱼᵀ,
@@ -14,8 +18,10 @@
 //! τₖ² = (1 − ρₖ)² Lₖ + ρₖ² (Lₙ − Lₖ),    Lₖ = Σᵢ₍ᵢ≤ₖ₎ Δtᵢᵀ (ν Sᵢ + r Dᵢ) Δtᵢ
 //! ```
 //!
-//! where `ν` says how many neighbors err alike and `r = N / m` how many points a control point reaches. What these have in common
-//! moves it as far as them, as a row of `P` sums to 1; what each has by itself is amplified (of a cubic B-spline, about five times as a variance).
+//! where `ν` is the number of neighbors with equal errors, and `r = N / m` the number of points
+//! that a control point reaches. Shared errors move a control point as far as the points, because a
+//! row of `P` sums to 1. Independent errors are amplified (for a cubic B-spline, by a factor of
+//! about five in variance).
 
 use crate::basis::MAX_CONTROL_POINTS;
 use crate::fitter::Fitter;
@@ -24,41 +30,42 @@ use crate::options::MAX_POINTS;
 use crate::point::Point;
 use lariat_portable::{Simd, WithSimd};
 
-/// Points to each side that a direction is taken from.
+/// Number of points on each side from which a direction is computed.
 const ASIDE: usize = 3;
 /// Numbers in a vector.
 const LANES: usize = 8;
 
-/// The errors of a line's points.
+/// Errors of a line's points.
 #[derive(Debug, Clone, Copy)]
 pub struct Spread<'a, const D: usize> {
-    /// The covariance of each point, of what errs by itself there or with few neighbors.
+    /// Covariance of each point's errors that are independent or shared with few neighbors.
     pub squares: &'a [Square<D>],
-    /// And of what errs with all points that a control point reaches.
+    /// Covariance of each point's errors that are shared with all points that a control point
+    /// reaches.
     pub in_common: &'a [Square<D>],
-    /// The standard deviation of each end along the line; of a closed one, of where it begins.
+    /// Standard deviation of each end along the line; for a closed line, of its start.
     pub ends: [f64; 2],
-    /// How many neighbors err alike, 1 or more.
+    /// Number of neighbors with equal errors, 1 or more.
     pub alike: f64,
 }
 
-/// Room for what each point does, each number by itself and padded with zeros to whole vectors.
+/// Contributions of each point. Each component is a list, padded with zeros to whole vectors.
 #[derive(Debug, Clone)]
 pub(crate) struct Points<const D: usize> {
-    /// What of its ellipsoid is across the line.
+    /// Ellipsoid of independent errors across the line.
     across: [[Vec<f64>; D]; D],
-    /// The same of what it has in common with others.
+    /// Ellipsoid of shared errors across the line.
     in_common: [[Vec<f64>; D]; D],
-    /// The line's direction, times how far it is to the last point, and to the first.
+    /// The line's direction, times the distance to the last point, and to the first.
     first: [Vec<f64>; D],
     second: [Vec<f64>; D],
-    /// The same, times how far it may slide.
+    /// The line's direction, times the distance by which it may slide.
     slide: [Vec<f64>; D],
     /// A row of `P`.
     row: Vec<f64>,
 }
 
-/// The sums over all points that make a control point's covariance.
+/// Sums over all points for a control point's covariance.
 struct Sums<'a, const D: usize> {
     points: &'a Points<D>,
     vectors: usize,
@@ -79,7 +86,7 @@ impl<const D: usize> Points<D> {
 }
 
 impl<const D: usize> WithSimd for Sums<'_, D> {
-    /// Of both kinds of error, what is along the line, and `Σₖ Pⱼₖ²`.
+    /// Sums of both kinds of error, along the line, and of `Pⱼₖ²`.
     type Output = ([Square<D>; 2], [[f64; D]; 3], f64);
 
     #[inline(always)]
@@ -135,10 +142,11 @@ impl<const D: usize> Fitter<D>
 where
     [f64; D]: Point<D>,
 {
-    /// The covariances of the last fit's control points, where its `points`, at equal steps, err so. Residuals that are larger than
-    /// the points' own ellipsoids say make those larger; what neighbors err in common no residual shows. Allocates nothing.
+    /// Computes the covariances of the last fit's control points if its `points`, at equal steps,
+    /// have these errors. If residuals are larger than the points' own ellipsoids, these are
+    /// enlarged. Shared errors do not appear in residuals. Does not allocate.
     ///
-    /// None is written if there are other numbers of points than the fitter's.
+    /// Writes nothing if the numbers of points differ from the fitter's.
     pub fn spread(
         &mut self,
         points: &[[f64; D]],
@@ -150,7 +158,7 @@ where
 }
 
 impl<const D: usize> Fitter<D> {
-    /// [`Fitter::spread`].
+    /// Implements [`Fitter::spread`].
     pub(crate) fn spread_points(
         &mut self,
         points: &[[f64; D]],
@@ -175,7 +183,7 @@ impl<const D: usize> Fitter<D> {
             };
             let controls = &self.fit.control_points;
             let way = match controls.as_slice() {
-                // At its ends the line goes as the curve does.
+                // At its ends, the line has the direction of the curve.
                 [end, next, ..] if !closed && k == 0 => [end, next],
                 [.., next, end] if !closed && k == count - 1 => [next, end],
                 _ => [&points[from], &points[to]],
@@ -254,7 +262,7 @@ fn within<const D: usize>(square: &Square<D>, way: [f64; D]) -> f64 {
     sum
 }
 
-/// What of a covariance is across a direction.
+/// The part of a covariance that is across a direction.
 #[inline(always)]
 fn without<const D: usize>(square: &Square<D>, along: [f64; D]) -> Square<D> {
     let mut times = [0.0; D];

@@ -1,17 +1,18 @@
-//! The least-squares problem behind one basis, set up once: which columns are solved for, which are given.
+//! The least-squares problem of a basis, set up once: which columns are solved for, and which are
+//! given.
 
 use crate::basis::Basis;
 use crate::factor::Qr;
 use crate::matrix::product;
 use faer::Mat;
 
-/// `A s' ≈ [c̄; 0] − E [c₁; c_N]`: `s'` are the control points that are solved for, all of them or, with the
-/// ends pinned, those between; `A` are their columns of `B` with the ridge's rows below, `E` the columns of
-/// the two pinned ones.
+/// `A s' ≈ [c̄; 0] − E [c₁; c_N]`: `s'` are the control points that are solved for, all of them or,
+/// with the ends pinned, those between. `A` is their columns of `B` with the ridge's rows below,
+/// and `E` the columns of the two pinned ones.
 pub(crate) struct System {
     /// `B`, N × m.
     pub(crate) b: Mat<f64>,
-    /// The ridge's rows `√λ D`: none without a ridge.
+    /// The ridge's rows `√λ D`, if any.
     pub(crate) penalty: Mat<f64>,
     /// `A`, (N + the penalty's rows) × (m − 2·pinned).
     pub(crate) a: Mat<f64>,
@@ -19,15 +20,15 @@ pub(crate) struct System {
     pub(crate) pinned: Mat<f64>,
 }
 
-/// The linear map from points to control points, and what follows from it for any noise.
+/// The linear map from points to control points, and its consequences for any noise.
 pub(crate) struct Estimator {
     /// `P`, m × N: `s = P c̄`.
     pub(crate) p: Mat<f64>,
-    /// `C = P Pᵀ`: independent noise of variance σ² in the points' coordinates makes the control points' covariance
-    /// `σ² C`. Without ridge or pins it is `(BᵀB)⁻¹`.
+    /// `C = P Pᵀ`: with independent noise of variance σ² in the points' coordinates, the control
+    /// points' covariance is `σ² C`. Without ridge or pins it is `(BᵀB)⁻¹`.
     pub(crate) covariance: Mat<f64>,
-    /// The expected sum of squared residuals of one coordinate, by σ²: `‖I − BP‖²`, which is N − m without ridge
-    /// or pins.
+    /// Expected sum of squared residuals of one coordinate, divided by σ²: `‖I − BP‖²`, which is N
+    /// − m without ridge or pins.
     pub(crate) freedom: f64,
 }
 
@@ -60,12 +61,12 @@ impl System {
         }
     }
 
-    /// How many control points stand before the first that is solved for: 0 or 1.
+    /// Number of control points before the first that is solved for: 0 or 1.
     pub(crate) fn offset(&self) -> usize {
         usize::from(self.pinned.ncols() > 0)
     }
 
-    /// `P`, from the pseudoinverse `A⁺` that `factors` give.
+    /// `P`, from the pseudoinverse `A⁺` of `factors`.
     pub(crate) fn estimator(&self, factors: Option<&Qr>) -> Mat<f64> {
         let (points, count) = (self.b.nrows(), self.b.ncols());
         let offset = self.offset();
@@ -77,7 +78,7 @@ impl System {
                     .copy_from_slice(inverse.col_as_slice(i));
             }
             if offset > 0 {
-                // What the pinned ends explain is not left to the others.
+                // Subtracts what the pinned ends explain.
                 let explained = product(inverse.as_ref(), self.pinned.as_ref());
                 for j in 0..count - 2 {
                     p[(j + 1, 0)] -= explained[(j, 0)];
@@ -112,7 +113,7 @@ impl Estimator {
                     freedom += covariance[(i, j)] * gram[(j, i)];
                 }
             }
-            // Rounding may leave a trifle of nothing.
+            // Rounding may leave a tiny number instead of 0.
             if freedom < 1e-6 { 0.0 } else { freedom }
         };
         Self {
@@ -123,7 +124,7 @@ impl Estimator {
     }
 }
 
-/// `P` of the bases that are no regression: points of the centerline itself, and the mean of all.
+/// `P` of the bases that are not regressions: points of the centerline itself, and the mean of all.
 pub(crate) fn selection(basis: Basis, points: usize) -> Option<Mat<f64>> {
     match basis {
         Basis::FeaturePoints { count } => {
@@ -144,8 +145,8 @@ pub(crate) fn selection(basis: Basis, points: usize) -> Option<Mat<f64>> {
     }
 }
 
-/// The ridge's rows: second differences of the control points, or a Fourier series' coefficients by the
-/// square of their harmonic.
+/// The ridge's rows: second differences of the control points, or a Fourier series' coefficients
+/// times the square of their harmonic.
 fn differences(basis: Basis, root: f64) -> Mat<f64> {
     let count = basis.control_points();
     if let Basis::Fourier { .. } = basis {

@@ -1,19 +1,20 @@
-//! When a curve lies on its points.
+//! The required accuracy of a curve.
 
-/// The share of the points that may lie farther from the curve than most: one in twenty.
+/// One in this many points may be farther from the curve than `most`.
 const STRAY: usize = 20;
 
-/// How near a curve must lie to its points, in their unit. Distances are those of points from the curve at their own ρ,
-/// which are never less than those from the nearest point of it: where they are small, so are those, and the curve is also
-/// where ρ says.
+/// Maximum distances of a curve from its points, in their unit. Distances are those of points from
+/// the curve at their own ρ, which are never less than those from its nearest point. If they are
+/// small, the nearest distances are too, and the curve is also at the right place at each ρ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// 95 of 100 points are no farther off. Default: 2 px.
+    /// Maximum distance of 95 of 100 points. Default: 2 px.
     pub most: f64,
-    /// No point is farther off. Default: 8 px, half the width of a rope of which 2 px are an eighth.
+    /// Maximum distance of all points. Default: 8 px, half the width of a rope whose eighth is 2
+    /// px.
     pub all: f64,
-    /// The standard deviation of the points themselves, where they are less sure than a curve has to be near: so much of a distance
-    /// is not the curve's. Default: 0.
+    /// Standard deviation of the points themselves, if they are less accurate than the curve has to
+    /// be. This part of a distance is not the curve's error. Default: 0.
     pub noise: f64,
 }
 
@@ -27,23 +28,24 @@ impl Default for Tolerance {
     }
 }
 
-/// How many standard deviations of noise 95 of 100 points are off by, and all of them.
+/// Standard deviations of noise that 95 of 100 points are within, and all of them.
 const NOISY: [f64; 2] = [2.0, 5.0];
 
 impl Tolerance {
-    /// How much of a rope's width counts as on the rope, if nothing else is said.
+    /// Default share of a rope's width that counts as on the rope.
     pub const WIDTHS: f64 = 0.125;
 
-    /// And how much at most, px.
+    /// Default maximum of that distance, px.
     pub const LIMIT_PX: f64 = 2.0;
 
-    /// The tolerance that the chain uses for a rope of this width, px: an eighth of it, and at most 2 px.
+    /// The tolerance that the chain uses for a rope of this width, px: an eighth of it, and at most
+    /// 2 px.
     pub fn of_rope(width_px: impl Into<f64>) -> Self {
         Self::of_width(width_px.into(), Self::WIDTHS, Self::LIMIT_PX)
     }
 
-    /// That of a rope so wide: `share` of the width for most points, but no more than `limit`, and half of it for all.
-    /// A width that is not known leaves the limit.
+    /// Creates the tolerance of a rope of this width: `share` of the width for most points, but at
+    /// most `limit`, and half the width for all. If the width is unknown, the limit is used.
     pub fn of_width(width: f64, share: f64, limit: f64) -> Self {
         if width > 0.0 && width.is_finite() {
             let most = limit.min(share * width);
@@ -61,7 +63,7 @@ impl Tolerance {
         }
     }
 
-    /// One of `factor` times these distances; the points' noise stays what it is.
+    /// Multiplies the distances by `factor`. The points' noise stays the same.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             most: factor * self.most,
@@ -70,7 +72,7 @@ impl Tolerance {
         }
     }
 
-    /// The squares of both distances, with what noise adds to them.
+    /// Squares of both distances, including noise.
     pub(crate) fn squared(self) -> [f64; 2] {
         let [most, all] = NOISY.map(|sigmas| sigmas * self.noise);
         [
@@ -79,7 +81,8 @@ impl Tolerance {
         ]
     }
 
-    /// By how much these distances would have to be larger to hold such points: 1 or less if they hold them. Sorts.
+    /// Factor by which these distances would have to grow to accept such points: 1 or less if they
+    /// accept them. Sorts the input.
     pub(crate) fn excess(self, squared: &mut [f64], hidden: &[bool]) -> f64 {
         let mut seen = 0;
         for i in 0..squared.len() {
@@ -98,8 +101,8 @@ impl Tolerance {
         (most.sqrt() / of_most).max(farthest.sqrt() / of_all)
     }
 
-    /// Whether points whose *squared* distances are these lie near enough. What is hidden does not count: where nobody
-    /// saw the rope, the curve cannot be beside it.
+    /// Returns whether points with these *squared* distances are near enough. Hidden points do not
+    /// count, because the rope was not observed there.
     pub(crate) fn holds(self, squared: &[f64], hidden: &[bool]) -> bool {
         let (mut seen, mut stray) = (0, 0);
         let [most, all] = self.squared();
@@ -107,7 +110,7 @@ impl Tolerance {
             if hidden.get(i) == Some(&true) {
                 continue;
             }
-            // NaN is no distance.
+            // Also rejects NaN.
             if distance.is_nan() || distance > all {
                 return false;
             }
@@ -152,7 +155,8 @@ mod tests {
             noise: 0.5,
             ..TOLERANCE
         };
-        // √(1² + (2·0.5)²) for most, √(4² + (5·0.5)²) for all; half the tolerance leaves the noise as it is.
+        // √(1² + (2·0.5)²) for most, √(4² + (5·0.5)²) for all; half the tolerance leaves the noise
+        // as it is.
         let strays = |far: f64| [[0.25; 90], [far * far; 90]].concat();
         assert!(noisy.holds(&strays(1.41), &[]) && !noisy.holds(&strays(1.42), &[]));
         let one = |far: f64| [[0.25; 99].as_slice(), &[far * far]].concat();
@@ -166,7 +170,7 @@ mod tests {
         let hidden: Vec<bool> = (0..100).map(|i| i == 50).collect();
         assert!(holds(&[(50, 100.0)], &hidden));
         assert!(!holds(&[(51, 100.0)], &hidden));
-        // Of 20 points seen one may stray, not two.
+        // With 20 visible points, one may be farther off, but not two.
         let hidden: Vec<bool> = (0..100).map(|i| i >= 20).collect();
         assert!(holds(&[(3, 2.0)], &hidden));
         assert!(!holds(&[(3, 2.0), (4, 2.0)], &hidden));

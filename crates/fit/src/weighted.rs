@@ -1,5 +1,5 @@
-//! Least squares whose algebra changes from frame to frame: points of unequal weight (hidden ones weigh
-//! nothing), and rows of `B` at measured arc lengths.
+//! Least squares whose algebra changes from frame to frame: points with different weights (0 if
+//! hidden), and rows of `B` at measured arc lengths.
 //!
 //! ```text
 //! minimize Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs,   K = λDᵀD
@@ -7,13 +7,13 @@
 //! y = L⁻¹AᵀWc,   a = L⁻ᵀy,   s = R⁻¹a
 //! ```
 //!
-//! The normal equations of `B` itself lose `ε cond(B)²`. `R` is of the QR of a nominal `B` beforehand, so `A` is
-//! nearly orthonormal and `M` as well conditioned as the weights leave it. That `A` is rounded would still cost
-//! `ε cond(B)²`; one correction with what `B` itself leaves of the points, `s + R⁻¹M⁻¹AᵀW(c − Bs)`, takes that
-//! away, and the error is as small as with QR (the corrected seminormal equations: Å. Björck, *Stability
-//! analysis of the method of seminormal equations for linear least squares problems*, 1987). With `Z = A L⁻ᵀ`,
-//! whose rows give the curve `f(ρᵢ) = zᵢᵀy` and the noise gain `|zᵢ|` of each of its points, everything about
-//! the fit's uncertainty is read off.
+//! The normal equations of `B` itself lose `ε cond(B)²`. `R` comes from the QR of a nominal `B`,
+//! computed in advance. `A` is therefore nearly orthonormal, and `M` is as well conditioned as the
+//! weights allow. Rounding of `A` would still cost `ε cond(B)²`. One correction with the residuals
+//! of `B` itself, `s + R⁻¹M⁻¹AᵀW(c − Bs)`, removes that, so the error is as small as with QR (the
+//! corrected seminormal equations: Å. Björck, *Stability analysis of the method of seminormal
+//! equations for linear least squares problems*, 1987). `Z = A L⁻ᵀ` gives all uncertainties of the
+//! fit: its rows give the curve `f(ρᵢ) = zᵢᵀy` and the noise gain `|zᵢ|` of each of its points.
 
 mod columns;
 mod ends;
@@ -26,30 +26,32 @@ use ends::Ends;
 use normal::Normal;
 use trust::congruent;
 
-/// How much larger than the noise of a single point the standard deviation of a point of the curve may be.
+/// Maximum ratio of the standard deviation of a point of the curve to that of a single point's
+/// noise.
 ///
-/// A centerline is known to a few tenths of a pixel, so at 30 times that the curve is known to no more than
-/// the width of a rope, and where it runs there is a guess. It also bounds the condition number of `M`: the
-/// squares of the gains sum to `tr(M⁻¹AᵀA)`, so below the limit `cond(M)` is at most about 30²N = 2·10⁵, and
-/// Cholesky keeps ten digits.
+/// A centerline is accurate to a few tenths of a pixel. At 30 times that, the curve's uncertainty
+/// is the width of a rope, and its position there is a guess. The limit also bounds the condition
+/// number of `M`. The squares of the gains sum to `tr(M⁻¹AᵀA)`, so below the limit `cond(M)` is at
+/// most about 30²N = 2·10⁵, and Cholesky keeps ten digits.
 pub const MAX_NOISE_GAIN: f64 = 30.0;
 
-/// How well a curve fits, and how far it can be trusted.
+/// Quality and uncertainty of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WeightedFit {
-    /// The weighted sum of squared distances between points and curve, px².
+    /// Weighted sum of squared distances between points and curve, px².
     pub(crate) sum_w_r2: f64,
-    /// The largest distance between curve and a point that weighs, px.
+    /// Largest distance between the curve and a point of nonzero weight, px.
     pub(crate) max_px: f64,
-    /// What `sum_w_r2` is on average for noise of variance 1 in one coordinate: `tr((I−H)ᵀW(I−H))`. Exact for
-    /// weights 0 and 1, and where the variance of point `i` is `1/wᵢ`; pinned ends count as points of weight
-    /// 1. Without ridge and pins it is the number of points that weigh less the control points.
+    /// Expectation of `sum_w_r2` for noise of variance 1 in one coordinate: `tr((I−H)ᵀW(I−H))`. It
+    /// is exact for weights 0 and 1, and if the variance of point `i` is `1/wᵢ`. Pinned ends count
+    /// as points of weight 1. Without ridge and pins, it is the number of points with nonzero
+    /// weight minus the number of control points.
     pub(crate) degrees_of_freedom: f64,
-    /// The 2-norm condition number of `BᵀWB + K`, ends of weight 1 where pinned; an estimate, mostly within
-    /// a factor of 2. Its root compares to the condition number of `B`.
+    /// Estimate of the 2-norm condition number of `BᵀWB + K`, with pinned ends of weight 1, mostly
+    /// within a factor of 2. Its root is comparable to the condition number of `B`.
     pub(crate) condition: f64,
-    /// The largest standard deviation of a point of the curve, seen or hidden, for noise of 1 in the points
-    /// of the largest weight. With ridge also what the ridge leaves open.
+    /// Largest standard deviation of a point of the curve, seen or hidden, for noise of 1 in the
+    /// points of the largest weight. With a ridge, it includes what the ridge leaves undetermined.
     pub(crate) noise_gain: f64,
 }
 
@@ -60,78 +62,79 @@ pub enum WeightedError {
     /// A weight is negative, infinite or NaN.
     #[error("the weight of point {index} is {weight}: give finite weights that are not negative")]
     NotAWeight {
-        /// Which point, counted from 0.
+        /// Index of the point, counted from 0.
         index: usize,
         /// Its weight.
         weight: f64,
     },
-    /// Fewer points that weigh than control points.
+    /// Fewer points have a weight than there are control points.
     #[error(
         "only {seen} points are seen, and they cannot fix {control_points} control points: wait until more of \
          the curve is seen, or choose fewer control points"
     )]
     TooFewSeen {
-        /// How many points have a weight above 0 or are pinned.
+        /// Number of points with a weight above 0, or pinned.
         seen: usize,
-        /// How many control points there are.
+        /// Number of control points.
         control_points: usize,
     },
-    /// Noise of the points would drown the curve where nothing is seen of it.
+    /// The curve is undetermined where it is not seen: noise would dominate it.
     #[error(
         "the points that are seen do not determine the curve: somewhere its standard deviation would be {gain:.1e} \
          times theirs, and beyond {limit} nothing says where it runs; wait until more of it is seen, choose \
          fewer control points, or add a ridge"
     )]
     Undetermined {
-        /// How much larger the standard deviation is there than a point's; infinite where nothing holds it.
+        /// Ratio of the standard deviation there to that of a point; infinite if nothing determines
+        /// the curve.
         gain: f64,
-        /// [`MAX_NOISE_GAIN`].
+        /// The limit, [`MAX_NOISE_GAIN`].
         limit: f64,
     },
 }
 
-/// What is minimized, `Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs`, with `N` points and `m` control points.
+/// The problem to minimize, `Σ wᵢ |cᵢ − Bᵢs|² + sᵀKs`, with `N` points and `m` control points.
 #[derive(Clone, Copy)]
 pub(crate) struct Problem<'a, const D: usize> {
     /// `B`, N × m, row by row.
     pub(crate) b: &'a [f64],
-    /// `R⁻¹` of the QR of a nominal `B` (with ridge: of `B` upon `√λD`), m × m, row by row, zero below its
-    /// diagonal. With another matrix a fit is only as good as `cond(B)²` leaves it.
+    /// `R⁻¹` of the QR of a nominal `B` (with ridge: of `B` above `√λD`), m × m, row by row, zero
+    /// below the diagonal. With another matrix, the accuracy is limited by `cond(B)²`.
     pub(crate) r_inverse: &'a [f64],
     pub(crate) points: &'a [[f64; D]],
-    /// How much each of the points counts. Where it is 0, the point does not matter, not even NaN.
+    /// Weight of each point. A point of weight 0 is ignored, even if it is NaN.
     pub(crate) weights: &'a [f64],
-    /// The curve's ends are the first and the last point exactly, whatever they weigh. Bases are meant whose first and
-    /// last rows in `b` are 1, 0, …, 0 and 0, …, 0, 1; `m` is at least 2.
+    /// True if the curve's ends are the first and the last point exactly, whatever their weights.
+    /// The first and last rows of `b` must be 1, 0, …, 0 and 0, …, 0, 1, and `m` at least 2.
     pub(crate) pins: bool,
     /// `K = λDᵀD`, m × m, symmetric.
     pub(crate) ridge: Option<&'a [f64]>,
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// Both ends, where they are pinned.
+    /// Both ends if they are pinned.
     pub(crate) fn pinned(&self) -> Option<[[f64; D]; 2]> {
         self.pins
             .then(|| [self.points[0], self.points[self.points.len() - 1]])
     }
 }
 
-/// Fits curves of `count` control points to `points` weighted points; all of its memory is its own.
+/// Fits curves of `count` control points to `points` weighted points. It owns all of its memory.
 pub(crate) struct Weighted<const D: usize> {
     pub(crate) points: usize,
     pub(crate) count: usize,
     pub(crate) arch: lariat_portable::Arch,
-    /// The columns of `B`.
+    /// Columns of `B`.
     b: Columns,
     /// A column of zeros.
     zeros: Columns,
-    /// The columns of `A`, then those of the points.
+    /// Columns of `A`, then those of the points.
     pub(crate) a: Columns,
-    /// The columns of `WA`, then of `Z`.
+    /// Columns of `WA`, then of `Z`.
     z: Columns,
-    /// The weights in use: those given, or Huber's; 1 for pinned ends.
+    /// Weights in use: the given ones, or Huber's; 1 for pinned ends.
     pub(crate) weights: Columns,
-    /// What is left of the points without the curve, and its squared length.
+    /// Residuals of the points, and their squared lengths.
     pub(crate) left: Columns,
     pub(crate) squared: Columns,
     /// `R⁻ᵀ`, row by row.
@@ -155,10 +158,10 @@ pub(crate) struct Weighted<const D: usize> {
 }
 
 impl<const D: usize> Weighted<D> {
-    /// Room for curves of `count` control points through `points` points.
+    /// Allocates for curves of `count` control points through `points` points.
     ///
     /// # Panics
-    /// If there are no control points or fewer points than those.
+    /// If there are no control points, or fewer points than control points.
     pub(crate) fn new(points: usize, count: usize) -> Self {
         assert!(
             0 < count && count <= points,
@@ -191,14 +194,14 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// The curve of least weighted squares. Allocates nothing.
+    /// Fits the curve of least weighted squares. Does not allocate.
     ///
     /// # Errors
-    /// An invalid weight, fewer points that weigh than control points, or points that do not determine the
-    /// curve. `control_points` are then as they were.
+    /// Fails if a weight is invalid, if fewer points than control points have a weight, or if the
+    /// points do not determine the curve. `control_points` are then unchanged.
     ///
     /// # Panics
-    /// If a slice has not the size that the fitter was made for.
+    /// If a slice does not have the size that the fitter was made for.
     pub(crate) fn solve(
         &mut self,
         problem: &Problem<'_, D>,
@@ -209,22 +212,23 @@ impl<const D: usize> Weighted<D> {
         self.finish(problem, seen, control_points)
     }
 
-    /// `C`, m × m, row by row: the control points' covariance is `σ²C` for each coordinate, where the noise of
-    /// point `i` has variance `σ²/wᵢ` in each (weights 0 and 1: `σ²` of all that are seen). Of the last fit
-    /// that succeeded.
+    /// `C`, m × m, row by row, of the last fit that succeeded. The control points' covariance is
+    /// `σ²C` for each coordinate if the noise of point `i` has variance `σ²/wᵢ` in each (for
+    /// weights 0 and 1: `σ²` of all visible points).
     ///
-    /// After [`Weighted::huber`] it is approximate, with the weights taken for constants: for many points of
-    /// Gaussian noise the true covariance is 1.01, 0.98 and 0.94 times `σ²C` in 1, 2 and 3 dimensions.
+    /// After [`Weighted::huber`] it is approximate, because the weights are treated as constants.
+    /// For many points with Gaussian noise, the true covariance is 1.01, 0.98 and 0.94 times `σ²C`
+    /// in 1, 2 and 3 dimensions.
     pub(crate) fn covariance(&self) -> &[f64] {
         &self.covariance
     }
 
-    /// The weights of the last fit, after [`Weighted::huber`] the reweighted ones; 1 at pinned ends.
+    /// Weights of the last fit; after [`Weighted::huber`] the reweighted ones; 1 at pinned ends.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.weights.all()[..self.points]
     }
 
-    /// Takes the problem into columns; answers how many points are seen.
+    /// Copies the problem into columns. Returns the number of visible points.
     pub(crate) fn load(&mut self, problem: &Problem<'_, D>) -> Result<usize, WeightedError> {
         let (points, count) = (self.points, self.count);
         assert_eq!(problem.b.len(), points * count, "B is N × m");
@@ -276,7 +280,7 @@ impl<const D: usize> Weighted<D> {
         Ok(seen)
     }
 
-    /// Takes the weights; answers how many points are seen.
+    /// Copies the weights. Returns the number of visible points.
     fn load_weights(&mut self, problem: &Problem<'_, D>) -> Result<usize, WeightedError> {
         assert_eq!(problem.weights.len(), self.points, "N weights");
         let weights = &mut self.weights.all_mut()[..self.points];
@@ -304,7 +308,7 @@ impl<const D: usize> Weighted<D> {
         Ok(seen)
     }
 
-    /// `L⁻¹`, `y` and `a` with the weights as they are.
+    /// Computes `L⁻¹`, `y` and `a` with the current weights.
     pub(crate) fn factor(&mut self, problem: &Problem<'_, D>) -> Result<(), WeightedError> {
         let (count, stride) = (self.count, self.a.stride());
         let (a, weights) = (self.a.all(), self.weights.all());
@@ -339,7 +343,7 @@ impl<const D: usize> Weighted<D> {
         Ok(())
     }
 
-    /// `V`: the rows of `Z` at both ends.
+    /// Computes `V`: the rows of `Z` at both ends.
     fn hold_ends(&mut self) {
         let (a, stride, last) = (self.a.all(), self.a.stride(), self.points - 1);
         self.ends.set(|j| {
@@ -352,7 +356,7 @@ impl<const D: usize> Weighted<D> {
         });
     }
 
-    /// From `y` to `a`, through the ends where they are pinned.
+    /// Computes `a` from `y`, through the ends if they are pinned.
     pub(crate) fn complete(&mut self, pinned: Option<[[f64; D]; 2]>) {
         if let Some(pinned) = pinned {
             self.ends.pin(pinned, &mut self.y);
@@ -360,7 +364,8 @@ impl<const D: usize> Weighted<D> {
         self.normal.coefficients(&self.y, &mut self.coefficients);
     }
 
-    /// `a` of other points, the columns in `left`, with the weights as they are.
+    /// Computes the right-hand side for other points, the columns in `left`, with the current
+    /// weights.
     pub(crate) fn solve_left(&mut self) {
         let right = self.y.as_flattened_mut();
         self.arch.dispatch(Gram {
@@ -373,8 +378,8 @@ impl<const D: usize> Weighted<D> {
         });
     }
 
-    /// Squared distances of all points from the curve, from `A` and `a`; the largest of those that weigh, and
-    /// the weighted sum.
+    /// Computes the squared distances of all points from the curve, from `A` and `a`. Returns the
+    /// largest of those with a weight, and the weighted sum.
     pub(crate) fn residuals(&mut self) -> [f64; 2] {
         let (basis, points) = self.a.all().split_at(self.count * self.a.stride());
         self.arch.dispatch(Residuals {

@@ -2,10 +2,11 @@
 
     python3 crates/fit/tests/curves.py > crates/fit/tests/curves.json
 
-Made with Python 3.11.7, NumPy 2.4.6, SciPy 1.17.1, geomdl 5.4.0. `splines` holds B-splines with points and three
-derivatives by scipy.interpolate.BSpline, and one knot inserted by geomdl's `insert_knot`; `beziers` polynomial
-and rational Bezier curves with points and derivatives by geomdl, and for polynomials the control points by
-geomdl's `degree_elevation`; `lengths` arc lengths by scipy.integrate.quad; `nearest` distances by a grid and
+Made with Python 3.11.7, NumPy 2.4.6, SciPy 1.17.1, geomdl 5.4.0. `splines` has B-splines with
+points and three derivatives by scipy.interpolate.BSpline, and one knot inserted by geomdl's
+`insert_knot`. `beziers` has polynomial and rational Bezier curves with points and derivatives by
+geomdl, and for polynomials the control points by geomdl's `degree_elevation`. `lengths` has arc
+lengths by scipy.integrate.quad. `nearest` has distances by a grid and
 scipy.optimize.minimize_scalar.
 """
 
@@ -78,7 +79,7 @@ def bezier(order, dimension=2, rational=False):
 
 
 def power_form(points):
-    """A Bezier curve as NumPy polynomials, one of each coordinate."""
+    """A Bezier curve as NumPy polynomials, one for each coordinate."""
     order = len(points) - 1
     basis = [
         np.polynomial.Polynomial([0, 1]) ** j

@@ -2,9 +2,9 @@
 
     python3 crates/fit/tests/numpy_lstsq.py > crates/fit/tests/numpy_lstsq.json
 
-Made with Python 3.11.7, NumPy 2.4.6. Each case holds noisy points on a wavy curve (px, rounded to three
-decimals), the control points by numpy.linalg.lstsq on the Bernstein matrix, the residuals, and the
-matrix's condition number by numpy.linalg.cond.
+Made with Python 3.11.7, NumPy 2.4.6. Each case contains noisy points on a wavy curve (px, rounded
+to three decimals), the control points by numpy.linalg.lstsq on the Bernstein matrix, the residuals,
+and the matrix's condition number by numpy.linalg.cond.
 """
 
 import json

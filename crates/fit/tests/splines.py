@@ -14,7 +14,7 @@ random = numpy.random.default_rng(2312)
 
 
 def rope(count, uneven):
-    """Points along a bent rope with noise; uneven: not at even steps."""
+    """Points along a bent rope with noise, in uneven steps if `uneven`."""
     t = numpy.linspace(0, 1, count)
     if uneven:
         t = numpy.sort(numpy.concatenate([[0, 1], random.uniform(0.01, 0.99, count - 2)]))
@@ -43,7 +43,7 @@ for degree, control_points, count in [(1, 5, 40), (2, 7, 60), (3, 9, 120), (4, 1
     )
 for degree, control_points, count in [(2, 6, 30), (3, 9, 120), (4, 12, 100)]:
     points = rope(count, True)
-    # Chord-length parameters, Piegl and Tiller's averaged knots, ends interpolated.
+    # Chord-length parameters, Piegl and Tiller's averaged knots, interpolated ends.
     curve = approximate_curve(points.tolist(), degree, ctrlpts_size=control_points)
     cases.append(
         {

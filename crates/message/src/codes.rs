@@ -1,41 +1,41 @@
-//! What the numbers in the messages stand for. They travel as numbers, because a number that this version does not know
-//! must be no more than that.
+//! Enumerations of the messages. They travel as numbers, because a number that this version does
+//! not know must still be a valid message.
 
 use std::borrow::Cow;
 
-/// What a number of a message may stand for.
+/// The values that a number of a message may have.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Codes {
-    /// What they say, such as `Status`.
+    /// Name of the enumeration, such as `Status`.
     pub name: &'static str,
-    /// Each of them.
+    /// Its values.
     pub all: &'static [Code],
 }
 
-/// One of them.
+/// One value of an enumeration.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Code {
-    /// Its number in messages.
+    /// Number in messages.
     pub number: u32,
-    /// What it is called in Rust.
+    /// Name in Rust.
     pub variant: &'static str,
-    /// Its name in flags, settings and output.
+    /// Name in flags, settings and output.
     pub name: &'static str,
-    /// What it means, as its documentation has it.
+    /// Meaning, from its documentation.
     pub about: &'static str,
 }
 
 impl Codes {
-    /// The name of what a number stands for; the number itself, if this version does not know it.
+    /// Returns the name of a number, or the number itself if this version does not know it.
     pub fn word(&self, number: u32) -> Cow<'static, str> {
         let known = self.all.iter().find(|code| code.number == number);
         known.map_or_else(|| number.to_string().into(), |code| code.name.into())
     }
 }
 
-/// Declares what a number may stand for: each of them with its number, and its name in flags, settings and output.
+/// Declares an enumeration: each value has a number and a name in flags, settings and output.
 macro_rules! codes {
     ($(#[$about:meta])* $type:ident { $($(#[doc = $each:literal])+ $variant:ident = $code:literal $name:literal,)+ }) => {
         $(#[$about])*
@@ -46,10 +46,10 @@ macro_rules! codes {
         }
 
         impl $type {
-            /// All of them, in the order of their numbers.
+            /// All values, in the order of their numbers.
             pub const ALL: [Self; [$($code),+].len()] = [$(Self::$variant),+];
 
-            /// The table of them.
+            /// The table of all values.
             pub const CODES: Codes = Codes {
                 name: stringify!($type),
                 all: &[$(Code {
@@ -60,7 +60,7 @@ macro_rules! codes {
                 }),+],
             };
 
-            /// What a message's number stands for, if it stands for anything.
+            /// Returns the value of a message's number, if this version knows it.
             pub const fn from_code(code: u32) -> Option<Self> {
                 match code {
                     $($code => Some(Self::$variant),)+
@@ -68,19 +68,20 @@ macro_rules! codes {
                 }
             }
 
-            /// Its name in flags, settings and output.
+            /// Name in flags, settings and output.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+
                 }
             }
 
-            /// What has this [name](Self::name), in small letters or large ones.
+            /// Returns the value with this [name](Self::name), in upper or lower case.
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|known| known.name().eq_ignore_ascii_case(name))
             }
 
-            /// The name of what a message's number stands for; the number itself, if this version does not know it.
+            /// Returns the name of a message's number, or the number itself if this version does
+            /// not know it.
             pub fn word(code: u32) -> Cow<'static, str> {
                 Self::CODES.word(code)
             }
@@ -89,43 +90,44 @@ macro_rules! codes {
 }
 
 codes! {
-    /// How the bytes of a frame make pixels.
+    /// Pixel format of a frame.
     PixelFormat {
-        /// One byte of luminance a pixel.
+        /// 8-bit luminance.
         Gray8 = 1 "gray8",
-        /// Three bytes a pixel: red, green, blue.
+        /// Three bytes per pixel: red, green, blue.
         Rgb8 = 2 "rgb8",
-        /// Three bytes a pixel: blue, green, red.
+        /// Three bytes per pixel: blue, green, red.
         Bgr8 = 3 "bgr8",
-        /// Two bytes a pixel: Y₀ U Y₁ V for each pair of pixels.
+        /// Two bytes per pixel: Y₀ U Y₁ V for each pair.
         Yuyv = 4 "yuyv",
-        /// A plane of Y, then at half the size a plane of U V pairs with the same stride.
+        /// A Y plane, then a half-resolution plane of U V pairs with the same stride.
         Nv12 = 5 "nv12",
-        /// Two bytes a pixel: U Y₀ V Y₁ for each pair of pixels.
+        /// Two bytes per pixel: U Y₀ V Y₁ for each pair.
         Uyvy = 6 "uyvy",
-        /// Four bytes a pixel: blue, green, red, and one that is not looked at.
+        /// Four bytes per pixel: blue, green, red, ignored.
         Bgra8 = 7 "bgra8",
-        /// Two bytes of luminance a pixel, in the machine's own order: 0 is black, 65535 white.
+        /// 16-bit luminance in native byte order: 0 black, 65535 white.
         Gray16 = 8 "gray16",
-        /// One byte a pixel, behind a mosaic of colour filters: R G in the first row, G B in the second, and so on.
+        /// One byte per pixel, Bayer mosaic: rows alternate R G and G B.
         BayerRggb8 = 9 "bayer_rggb8",
-        /// The same of B G and G R.
+        /// Bayer mosaic: B G and G R.
         BayerBggr8 = 10 "bayer_bggr8",
-        /// The same of G R and B G.
+        /// Bayer mosaic: G R and B G.
         BayerGrbg8 = 11 "bayer_grbg8",
-        /// The same of G B and R G.
+        /// Bayer mosaic: G B and R G.
         BayerGbrg8 = 12 "bayer_gbrg8",
     }
 }
 
-/// How the bytes of a pixel format lie: pixels in a row share them in groups, and half as many rows of color may follow.
+/// Byte layout of a pixel format: pixels of a row form groups, and a second plane with half as many
+/// rows may follow for color.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Layout {
-    /// How many pixels share a group of bytes.
+    /// Pixels per group of bytes.
     pixels: usize,
-    /// How many bytes that is.
+    /// Bytes per group.
     bytes: usize,
-    /// Whether a second plane follows, of half as many rows.
+    /// True if a second plane with half as many rows follows.
     has_color_plane: bool,
 }
 
@@ -152,7 +154,7 @@ impl PixelFormat {
         bytes * (width as usize).div_ceil(pixels)
     }
 
-    /// Rows of bytes that an image of this height has.
+    /// Number of byte rows in an image of this height.
     pub const fn rows(self, height: u32) -> usize {
         let height = height as usize;
         if self.layout().has_color_plane {
@@ -162,18 +164,18 @@ impl PixelFormat {
         }
     }
 
-    /// Bytes of a whole image whose rows are `stride` bytes apart.
+    /// Bytes of an image whose rows are `stride` bytes apart.
     pub const fn image_bytes(self, stride: u32, height: u32) -> usize {
         stride as usize * self.rows(height)
     }
 }
 
 codes! {
-    /// What kind of source a frame came from.
+    /// Kind of source that a frame came from.
     SourceKind {
-        /// A rope drawn by lariat, with known truth.
+        /// A rope rendered by lariat, with ground truth.
         Rendered = 1 "rendered",
-        /// Picture files.
+        /// Image files.
         Files = 2 "files",
         /// A video file.
         Video = 3 "video",
@@ -183,86 +185,86 @@ codes! {
 }
 
 codes! {
-    /// What is known of a rope in this frame.
+    /// Visibility of a rope in a frame.
     Status {
-        /// Seen whole.
+        /// Fully visible.
         Ok = 1 "ok",
-        /// A part of it is covered.
+        /// Partly covered.
         Partial = 2 "partial",
-        /// Not seen now: the curve is the last known shape.
+        /// Not visible; the curve is the last known shape.
         Lost = 3 "lost",
-        /// Seen whole, but it may be no rope: a shadow, a pen, an edge.
+        /// Fully visible, but possibly not a rope: a shadow, a pen, an edge.
         Doubtful = 4 "doubtful",
     }
 }
 
 codes! {
-    /// Whether a descriptor's curve lies on the points that it was fitted to.
+    /// Result of comparing a descriptor's curve with the points that it was fitted to.
     FitQuality {
-        /// The writer did not look.
+        /// Not checked by the writer.
         NotJudged = 0 "not judged",
-        /// The curve lies on its points, within the tolerance that the chain was started with.
+        /// The curve is within the chain's tolerance of its points.
         Good = 1 "good",
-        /// It does not, as a curve with too few control points for the rope's bends. The points themselves are right.
+        /// The curve deviates, for example with too few control points; the points are correct.
         Coarse = 2 "coarse",
     }
 }
 
 codes! {
-    /// The functions a descriptor's control points weigh.
+    /// Basis functions that a descriptor's control points weigh.
     Basis {
         /// Bernstein polynomials of this `degree`.
         Bezier = 1 "bezier",
-        /// Clamped B-spline of this `degree`; its inner knots are in the message.
+        /// Clamped B-spline of this `degree`; the message has its inner knots.
         BSpline = 2 "bspline",
         /// Rational Bernstein functions of this `degree`.
         RationalBezier = 3 "rational",
-        /// A truncated Fourier series of `degree` harmonics, for closed shapes: the control points are its coefficients
+        /// Fourier series of `degree` harmonics, for closed shapes. Control points are coefficients
         /// `a₀, a₁, b₁, a₂, b₂, …` of `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
         Fourier = 4 "fourier",
-        /// Points of the centerline at even steps of arc length, joined by straight lines: no curve.
+        /// Centerline points at equal arc length, joined by straight lines.
         FeaturePoints = 5 "points",
-        /// The mean of all points, as one control point: no curve.
+        /// The mean of all points, as one control point.
         CenterOfMass = 6 "mass",
     }
 }
 
 codes! {
-    /// What descriptors are measured in.
+    /// Unit of descriptors.
     Unit {
-        /// Pixels of the image as it is.
+        /// Pixels of the original image.
         Pixel = 1 "px",
-        /// Millimetres on a plane.
+        /// Millimeters on a plane.
         Millimeter = 2 "mm",
-        /// Pixels that the same camera would see without its lens's distortion.
+        /// Pixels of the same camera without lens distortion.
         IdealPixel = 3 "ideal px",
     }
 }
 
 codes! {
-    /// Whether it is known where in space a rope is, or why not.
+    /// State of a rope's position in space: known, or the reason why not.
     Place {
-        /// It is measured.
+        /// Measured.
         Known = 1 "known",
-        /// The colour image does not show it now: it is where it was.
+        /// Not visible in the color image; last known position.
         Before = 2 "before",
-        /// Too little of it has a depth: it is out of the other camera's range, or not seen by it.
+        /// Too few depths: out of the other camera's range or view.
         Unmeasured = 3 "unmeasured",
-        /// It is thinner than three pixels of the depth image.
+        /// Thinner than three pixels of the depth image.
         Thin = 4 "thin",
-        /// Nothing came beside this frame: no depth image, or nothing from the second camera that is near enough in time.
+        /// No depth image, or no second image near enough in time.
         NoPartner = 5 "no partner",
-        /// What came beside this frame, or a calibration, is not what it should be: the chain says what.
+        /// Invalid depth image, second image or calibration; the chain reports why.
         Unreadable = 6 "unreadable",
     }
 }
 
 codes! {
-    /// From where, and along which axes, points in space are measured.
+    /// Coordinate frame of points in space.
     Axes {
-        /// The colour camera's: x to the right, y down, z ahead, from its optical center.
+        /// The color camera's: x right, y down, z forward, from its optical center.
         Camera = 1 "camera",
-        /// The robot's, by the camera's pose that the chain was given.
+        /// The robot's, by the chain's camera pose.
         Robot = 2 "robot",
     }
 }

@@ -1,21 +1,21 @@
-//! What a message says of its fields: from it follow its text, its bytes in recordings, its tables in documents and its
-//! layouts in other languages.
+//! Descriptions of the messages' fields. A message's text, its bytes in recordings, its tables in
+//! the documentation and its layouts in other languages follow from them.
 
 pub use crate::codes::{Code, Codes};
 pub use crate::message::hidden::{Hidden, hidden, is_hidden};
 
-/// A message that says its fields, one after the other as they lie in memory. Reserved ones are not said.
+/// A message that can list its fields in memory order. Reserved fields are not listed.
 pub trait Message {
-    /// Its fields, and where they lie.
+    /// The fields and their offsets.
     fn layout(&self) -> &'static Layout;
 
-    /// Shows every field, lists as far as they are meant.
+    /// Shows every field; lists are limited to their valid entries.
     fn visit<'a>(&'a self, see: &mut dyn FnMut(&'static Field, Value<'a>));
 
-    /// Lends every field, lists whole. Reserved ones are made 0.
+    /// Lends every field; lists are lent whole. Sets reserved fields to 0.
     fn visit_mut(&mut self, see: &mut dyn FnMut(&'static Field, Place<'_>));
 
-    /// What [`visit`](Self::visit) shows.
+    /// Collects the fields that [`visit`](Self::visit) shows.
     fn fields(&self) -> Vec<(&'static Field, Value<'_>)> {
         let mut fields = Vec::new();
         self.visit(&mut |field, value| fields.push((field, value)));
@@ -23,17 +23,17 @@ pub trait Message {
     }
 }
 
-/// How a message lies in memory.
+/// Memory layout of a message.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Layout {
-    /// What it is called here.
+    /// Name of the type in Rust.
     pub name: &'static str,
-    /// What the transport calls it, with its version.
+    /// Name in the transport, with its version.
     pub type_name: &'static str,
-    /// Bytes.
+    /// Size in bytes.
     pub size: usize,
-    /// Every field, reserved ones too, in order and without gaps.
+    /// Every field, including reserved ones, in order and without gaps.
     pub fields: &'static [Field],
 }
 
@@ -41,19 +41,19 @@ pub struct Layout {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Field {
-    /// Its name.
+    /// Name of the field.
     pub name: &'static str,
-    /// What it says, as its documentation has it.
+    /// Description, from its documentation.
     pub about: &'static str,
-    /// Where it begins, in bytes from the message's own beginning.
+    /// Offset in bytes from the start of its message.
     pub offset: usize,
-    /// What it is made of.
+    /// Type of the value.
     pub of: Type,
-    /// How its value is to be read.
+    /// Interpretation of the value.
     pub meaning: Meaning,
 }
 
-/// What a field is made of.
+/// Type of a field.
 #[derive(Debug)]
 pub enum Type {
     /// `u32`.
@@ -66,12 +66,12 @@ pub enum Type {
     F64,
     /// A message.
     Message(&'static Layout),
-    /// So many of these.
+    /// An array of this type and length.
     Array(&'static Type, usize),
 }
 
 impl Type {
-    /// Bytes.
+    /// Size in bytes.
     pub const fn size(&self) -> usize {
         match self {
             Self::U32 | Self::F32 => 4,
@@ -81,7 +81,8 @@ impl Type {
         }
     }
 
-    /// What an array is made of in the end, and its lengths from the outermost to the innermost; none for what is no array.
+    /// The innermost element type of an array, and the lengths from the outermost to the innermost.
+    /// The list of lengths is empty for other types.
     pub fn element(&self) -> (&Self, Vec<usize>) {
         match self {
             Self::Array(of, count) => {
@@ -94,34 +95,34 @@ impl Type {
     }
 }
 
-/// How the value of a field is to be read.
+/// Interpretation of a field's value.
 #[derive(Debug)]
 pub enum Meaning {
-    /// As it is.
+    /// A plain number.
     Number,
-    /// 0: no, else yes.
+    /// A bool: 0 is false, anything else true.
     Flag,
-    /// Of which ends of the rope it is true: bit 0 the first, bit 1 the last.
+    /// Ends of the rope: bit 0 is the first, bit 1 the last.
     Ends,
-    /// As one of these.
+    /// One of these values.
     Code(&'static Codes),
-    /// How many entries of the list of this name are meant.
+    /// Number of valid entries of the list with this name.
     Count(&'static str),
-    /// A bit a point: whether something covers it.
+    /// One bit per point: set if the point is covered.
     Hidden,
-    /// Positions, as far as they are meant.
+    /// Positions, limited to the valid ones.
     Points,
-    /// Other numbers, likewise.
+    /// Other numbers, limited to the valid ones.
     List,
-    /// A message within.
+    /// A nested message.
     Message,
-    /// Several, as far as they are meant.
+    /// Nested messages, limited to the valid ones.
     Messages,
-    /// 0.
+    /// Always 0.
     Reserved,
 }
 
-/// The value of a field, as far as it is meant.
+/// Value of a field, limited to its valid entries.
 #[derive(Clone, Copy)]
 pub enum Value<'a> {
     /// A number, a code, a flag or a count.
@@ -134,19 +135,19 @@ pub enum Value<'a> {
     F64(f64),
     /// One position.
     Point([f32; 2]),
-    /// Rows of so many numbers.
+    /// Rows of this many numbers.
     F32s(&'a [f32], usize),
-    /// Rows of so many numbers.
+    /// Rows of this many numbers.
     F64s(&'a [f64], usize),
-    /// Which of so many points are covered.
+    /// Mask of covered points, for this many points.
     Hidden(&'a Hidden, usize),
-    /// A message within.
+    /// A nested message.
     Message(&'a dyn Message),
-    /// Several.
+    /// Nested messages.
     Messages(Messages<'a>),
 }
 
-/// Where the value of a field is to be written.
+/// Mutable reference to the value of a field.
 pub enum Place<'a> {
     /// A number, a code, a flag or a count.
     U32(&'a mut u32),
@@ -158,19 +159,19 @@ pub enum Place<'a> {
     F64(&'a mut f64),
     /// One position.
     Point(&'a mut [f32; 2]),
-    /// Room for rows of so many numbers.
+    /// Space for rows of this many numbers.
     F32s(&'a mut [f32], usize),
-    /// Room for rows of so many numbers.
+    /// Space for rows of this many numbers.
     F64s(&'a mut [f64], usize),
-    /// Which points are covered.
+    /// Mask of covered points.
     Hidden(&'a mut Hidden),
-    /// A message within.
+    /// A nested message.
     Message(&'a mut dyn Message),
-    /// Room for several.
+    /// Space for nested messages.
     Messages(&'a mut dyn Room),
 }
 
-/// The messages of a list that are meant.
+/// The valid messages of a list.
 #[derive(Clone, Copy)]
 pub struct Messages<'a> {
     room: &'a dyn Room,
@@ -182,24 +183,24 @@ impl<'a> Messages<'a> {
         Self { room, count }
     }
 
-    /// How many there are.
+    /// Number of messages.
     pub fn count(self) -> usize {
         self.count
     }
 
-    /// One after the other.
+    /// Iterates over the messages.
     pub fn iter(self) -> impl Iterator<Item = &'a dyn Message> {
         (0..self.count).map(move |i| self.room.at(i))
     }
 }
 
-/// A fixed number of messages of one kind.
+/// A fixed number of messages of one type.
 pub trait Room {
-    /// How many.
+    /// Number of messages.
     fn size(&self) -> usize;
-    /// One of them.
+    /// Returns message `i`.
     fn at(&self, i: usize) -> &dyn Message;
-    /// One of them, to be written.
+    /// Returns message `i` for writing.
     fn at_mut(&mut self, i: usize) -> &mut dyn Message;
 }
 
@@ -217,7 +218,7 @@ impl<T: Message, const N: usize> Room for [T; N] {
     }
 }
 
-/// What a field may be made of.
+/// A type that a field may have.
 pub(crate) trait Typed {
     const TYPE: Type;
 }
@@ -282,7 +283,7 @@ mod tests {
     use super::*;
     use crate::{CenterlinePoints, Centerlines, Command, Descriptors, Descriptors3, FrameHeader};
 
-    /// A layout and those within.
+    /// Returns a layout and all nested layouts, innermost first.
     fn all(layout: &'static Layout) -> Vec<&'static Layout> {
         let inner = layout
             .fields

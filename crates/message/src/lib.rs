@@ -1,8 +1,23 @@
-//! The messages between lariat's processes, what their numbers stand for, and the clock that all of them read: the contract,
-//! without the transport that carries it.
+//! The messages between lariat's processes, the meaning of their numbers, and the common clock,
+//! without the transport.
 //!
-//! `lariat-wire` sends and receives them, and gives out all of this under its own name: a control loop needs no more than that.
-//! Whoever makes messages, keeps them or reads them from files needs no shared memory, and depends on this crate alone.
+//! `lariat-wire` sends and receives these messages and re-exports this crate, so control loops need
+//! only that one. Programs that create, store or read messages without shared memory depend on this
+//! crate alone.
+//!
+//! - [`FrameHeader`]: describes an image
+//! - [`Centerlines`]: what extract saw
+//! - [`Descriptors`], [`Descriptors3`]: the shapes of ropes, in the image and in 3-D
+//! - [`Command`]: velocities for the simulated robot's grippers
+//! - [`Trace`]: a frame's counters and stamps
+//! - [`Basis`], [`PixelFormat`], [`Status`], [`Unit`] and others: codes in messages
+//! - [`now_ns`]: the clock
+//! - [`fields`]: the layout of every message, for other languages
+//!
+//! # Known limitations
+//!
+//! - A message has a fixed size, whatever it contains. Entries after a `count` are stale.
+//! - Messages of different versions (`lariat.Descriptors.v9`) are not compatible.
 
 mod clock;
 mod codes;
@@ -13,6 +28,6 @@ pub use clock::now_ns;
 pub use codes::{Axes, Basis, FitQuality, PixelFormat, Place, SourceKind, Status, Unit};
 pub use message::*;
 
-/// Confidence below which a rope's curve is more likely wrong than right, so that nothing should steer by it: the default of
-/// readers, and the mark at which commands and pages make a rope stand out.
+/// Confidence below which a rope's curve is more likely wrong than right, so that nothing should
+/// steer by it. Readers use it by default, and commands and pages mark ropes below it.
 pub const MIN_CONFIDENCE: f32 = 0.5;

@@ -1,11 +1,12 @@
 //! The messages that travel between the processes.
 //!
-//! Each is `#[repr(C)]`, of a fixed size, without pointers and without padding, and made of plain integers and
-//! floats only, so that *every* bit pattern is a valid value: a writer may fill a used slot of shared memory in
-//! place and leave the rest of it as it was, and a reader in C or Python needs no more than the offsets.
-//! `count` fields say how much of an array is meant; what lies behind is stale.
+//! Each is `#[repr(C)]`, of fixed size, without pointers or padding, and made only of plain
+//! integers and floats. *Every* bit pattern is therefore a valid value. A writer may refill a used
+//! slot of shared memory in place and leave the rest as it was. A reader in C or Python needs only
+//! the offsets. `count` fields give the number of valid entries of an array; the entries after them
+//! are stale.
 //!
-//! The type names end in a version. Change a field, raise the version.
+//! The type names end in a version. Raise the version whenever a field changes.
 
 #[macro_use]
 mod declare;
@@ -25,11 +26,11 @@ pub use descriptors3::{Descriptor3, Descriptors3};
 pub use frame_header::FrameHeader;
 pub use trace::Trace;
 
-/// Most curves in one frame.
+/// Maximum number of curves in one frame.
 pub const MAX_CURVES: usize = 24;
-/// Most points of one centerline.
+/// Maximum number of points of one centerline.
 pub const MAX_POINTS: usize = 256;
-/// Most control points of one descriptor.
+/// Maximum number of control points of one descriptor.
 pub const MAX_CONTROL_POINTS: usize = 32;
-/// Most crossings reported for one frame.
+/// Maximum number of crossings reported for one frame.
 pub const MAX_CROSSINGS: usize = 32;

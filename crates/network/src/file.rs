@@ -1,4 +1,5 @@
-//! The file, read with nothing trusted, and written. Its layout stands at the crate's head.
+//! Reads and writes the weights file. The reader trusts nothing in the file. The crate's front page
+//! describes the layout.
 
 use lariat_portable::{ConvolutionError, ConvolutionShape};
 use thiserror::Error;
@@ -10,45 +11,45 @@ use crc32fast::hash as crc32;
 const MAGIC: &[u8; 8] = b"LARIATN1";
 const VERSION: u32 = 1;
 
-/// Why bytes are no network.
+/// Why bytes were rejected as a network.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum NetworkError {
-    /// The first bytes are others.
+    /// The file does not begin with the magic bytes.
     #[error(
         "These are not weights of lariat's network, which begin with LARIATN1: give the file that training has written."
     )]
     Magic,
-    /// A version that this lariat does not read.
+    /// This lariat cannot read the file's version.
     #[error(
         "The weights are of version {0}, and this lariat reads version 1: take the lariat that they were made for, or train again."
     )]
     Version(u32),
-    /// The check sum is not that of the bytes.
+    /// The checksum does not match the bytes.
     #[error(
         "The weights are damaged or cut off: their check sum is not that of their bytes. Copy the file again."
     )]
     Damaged,
-    /// Layers of another network.
+    /// The layers differ from this network's.
     #[error(
         "The weights are those of another network: {found} where this lariat has {expected}. Train with the model of this version."
     )]
     Model {
-        /// What the file has.
+        /// The model in the file.
         found: String,
-        /// What the table has.
+        /// The expected model.
         expected: String,
     },
-    /// Numbers out of bounds.
+    /// A layer's numbers are out of bounds.
     #[error("Layer {layer} cannot be computed. {error}")]
     Numbers {
         /// The layer's name.
         layer: &'static str,
-        /// What is wrong with them.
+        /// The cause.
         error: ConvolutionError,
     },
 }
 
-/// The numbers of each layer.
+/// Reads the numbers of each layer.
 pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Numbers>, NetworkError> {
     let behind_magic = bytes.strip_prefix(MAGIC).ok_or(NetworkError::Magic)?;
     let version = Rest(behind_magic).u32().ok_or(NetworkError::Damaged)?;
@@ -103,7 +104,7 @@ fn words(shape: ConvolutionShape) -> String {
     )
 }
 
-/// The bytes of a file.
+/// Returns the bytes of a file.
 pub(crate) fn write(numbers: &[Numbers]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend(VERSION.to_le_bytes());
@@ -126,7 +127,7 @@ pub(crate) fn write(numbers: &[Numbers]) -> Vec<u8> {
     bytes
 }
 
-/// What is still to be read.
+/// The bytes not yet read.
 struct Rest<'a>(&'a [u8]);
 
 impl Rest<'_> {
@@ -140,7 +141,7 @@ impl Rest<'_> {
         Some(u32::from_le_bytes(*self.take(4)?.first_chunk()?))
     }
 
-    /// A layer's shape; `Some(None)` if its last byte is not 0.
+    /// Reads a layer's shape. Returns `Some(None)` if its last byte is not 0.
     fn shape(&mut self) -> Option<Option<ConvolutionShape>> {
         let &[a, b, c, d, side, stride, dilation, zero] = self.take(8)?.first_chunk()?;
         let shape = ConvolutionShape {
@@ -153,7 +154,7 @@ impl Rest<'_> {
         Some((zero == 0).then_some(shape))
     }
 
-    /// The numbers of a layer whose shape is that of the table.
+    /// Reads the numbers of a layer, given its shape from the table.
     fn numbers(&mut self, shape: ConvolutionShape) -> Option<Numbers> {
         let weights = shape.side * shape.side * shape.in_channels * shape.out_channels;
         let weights = self

@@ -1,30 +1,30 @@
-//! The model as one table.
+//! The model as a table of layers.
 
 use lariat_portable::{ConvolutionShape, Finish};
 
 use crate::Network;
 
-/// A layer.
+/// A layer of the network.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer {
-    /// What it is called.
+    /// The layer's name.
     pub name: &'static str,
-    /// Its convolution.
+    /// The convolution's shape.
     pub shape: ConvolutionShape,
-    /// What becomes of its sums.
+    /// The function that turns sums into outputs.
     pub finish: Finish,
-    /// A pixel of what it makes is so many pixels of the picture wide and high.
+    /// Downsampling of the output: one output pixel covers `scale` × `scale` picture pixels.
     pub scale: usize,
 }
 
 impl Layer {
-    /// Weights.
+    /// Returns the number of weights.
     pub const fn weights(&self) -> usize {
         let shape = &self.shape;
         shape.side * shape.side * shape.in_channels * shape.out_channels
     }
 
-    /// Multiply-adds for a picture of this size.
+    /// Returns the number of multiply-adds for a picture of this size.
     pub fn multiply_adds(&self, width: usize, height: usize) -> u64 {
         let pixels = |size: usize| size.next_multiple_of(Network::MULTIPLE) / self.scale;
         (pixels(width) * pixels(height) * self.weights()) as u64
@@ -53,7 +53,7 @@ const fn layer(
     }
 }
 
-/// All layers, in the order of the file and of their work.
+/// All layers, in the order of the file and of computation.
 pub const LAYERS: [Layer; 15] = {
     use Finish::{Relu, Signed};
     [
@@ -75,7 +75,7 @@ pub const LAYERS: [Layer; 15] = {
     ]
 };
 
-/// A layer's place in [`LAYERS`].
+/// A layer's index in [`LAYERS`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
     Stem,
@@ -116,7 +116,7 @@ mod tests {
     fn a_picture_of_640_by_480_takes_905_million_multiply_adds() {
         let all = LAYERS.iter().map(|layer| layer.multiply_adds(640, 480));
         assert_eq!(all.sum::<u64>(), 904_396_800);
-        // A side that is no multiple of 16 counts as the next one.
+        // A side that is not a multiple of 16 is rounded up to one.
         assert_eq!(LAYERS[0].multiply_adds(1, 17), 8 * 16 * 432);
     }
 }

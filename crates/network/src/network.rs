@@ -1,4 +1,4 @@
-//! The network: what it has learned, ready to run.
+//! The trained network, ready to run.
 
 use std::sync::{Arc, LazyLock};
 
@@ -11,14 +11,14 @@ use crate::run::Run;
 use crate::size::{self, Maps, Picture, SizeError};
 use crate::workspace::Workspace;
 
-/// What a layer has learned.
+/// Trained parameters of a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
-    /// `((row · side + column) · inputs + input) · outputs + output`.
+    /// Weights, indexed by `((row · side + column) · inputs + input) · outputs + output`.
     pub weights: Vec<i8>,
-    /// Of each output channel.
+    /// Bias of each output channel.
     pub bias: Vec<i32>,
-    /// Of each output channel.
+    /// Scale of each output channel.
     pub scale: Vec<f32>,
 }
 
@@ -26,17 +26,17 @@ pub struct Numbers {
 #[derive(Clone, Debug)]
 pub struct Network {
     numbers: Vec<Numbers>,
-    /// In the order of [`LAYERS`].
+    /// Convolutions in the order of [`LAYERS`].
     pub(crate) convolutions: [Convolution; LAYERS.len()],
-    /// Of each signed byte of the last layer.
+    /// Probability for each signed byte of the last layer.
     pub(crate) probabilities: [u8; 256],
 }
 
 impl Network {
-    /// The picture's sides are filled up to multiples of it.
+    /// The picture's sides are padded to multiples of this.
     pub const MULTIPLE: usize = 16;
 
-    /// The one that lariat brings along: trained on drawn ropes, as `bench/training/README.md` says.
+    /// Returns lariat's built-in network, trained on drawn ropes (see `bench/training/README.md`).
     pub fn ropes() -> Arc<Self> {
         static ROPES: LazyLock<Arc<Network>> = LazyLock::new(|| {
             let bytes = include_bytes!("../ropes.weights");
@@ -48,21 +48,22 @@ impl Network {
         Arc::clone(&ROPES)
     }
 
-    /// From the bytes of a file.
+    /// Reads a network from the bytes of a file.
     ///
     /// # Errors
     ///
-    /// Where they are not a file of this version, undamaged, of this model, with numbers in their bounds.
+    /// Fails if the bytes are damaged, are not a file of this version and model, or contain numbers
+    /// out of bounds.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, NetworkError> {
         Self::new(file::read(bytes)?)
     }
 
-    /// The bytes of its file.
+    /// Returns the bytes of the network's file.
     pub fn to_bytes(&self) -> Vec<u8> {
         file::write(&self.numbers)
     }
 
-    /// Of all [`LAYERS`], in their order.
+    /// Parameters of all [`LAYERS`], in their order.
     pub fn numbers(&self) -> &[Numbers] {
         &self.numbers
     }
@@ -82,11 +83,12 @@ impl Network {
         })
     }
 
-    /// Looks at a picture.
+    /// Computes both maps of a picture.
     ///
     /// # Errors
     ///
-    /// Where the picture has no pixel or its rows, or those of a map, are not all there.
+    /// Fails if the picture has no pixels, or if the buffer of the picture or of a map is too
+    /// short.
     pub fn run(
         &self,
         workspace: &mut Workspace,
@@ -96,12 +98,13 @@ impl Network {
         self.run_observed(ConvolutionKernels::new(), workspace, picture, maps, |_| ())
     }
 
-    /// As [`run`](Self::run), by these kernels, and tells after each piece of work which it was: a layer's name, or `picture`,
-    /// `skips`, `maps`. For measuring, and for tests that hold kernels equal.
+    /// Runs like [`run`](Self::run) with the given kernels, and calls back after each step. The
+    /// callback receives a layer's name, or `picture`, `skips` or `maps`. Used to measure, and to
+    /// test that all kernels agree.
     ///
     /// # Errors
     ///
-    /// As [`run`](Self::run).
+    /// Fails as [`run`](Self::run) does.
     pub fn run_observed(
         &self,
         kernels: ConvolutionKernels,

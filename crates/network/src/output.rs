@@ -1,8 +1,8 @@
-//! From signed bytes to what they stand for: sums with a skip, and probabilities.
+//! Converts signed bytes to activations, by adding a skip, and to probabilities.
 
 use lariat_portable::Arch;
 
-/// Of each signed byte the probability whose logit it is in sixteenths, 255 for certain.
+/// The probability for each signed byte, a logit in sixteenths. 255 is certain.
 pub(crate) fn probabilities() -> [u8; 256] {
     std::array::from_fn(|k| {
         let logit = f64::from((k as u8).cast_signed()) / 16.0;
@@ -10,7 +10,8 @@ pub(crate) fn probabilities() -> [u8; 256] {
     })
 }
 
-/// Each of `signed`'s pixels, of `CHANNELS` bytes, is added to two of `row`, and the sum clamped to 0 to 127.
+/// Adds each pixel of `signed`, of `CHANNELS` bytes, to two pixels of `row`, and clamps the sums to
+/// 0 to 127.
 pub(crate) fn add_twice<const CHANNELS: usize>(signed: &[u8], row: &mut [u8]) {
     Arch::new().dispatch(
         #[inline(always)]
@@ -20,7 +21,7 @@ pub(crate) fn add_twice<const CHANNELS: usize>(signed: &[u8], row: &mut [u8]) {
             for (pixel, pair) in pixels.zip(pairs) {
                 for skips in pair {
                     for (skip, add) in skips.iter_mut().zip(pixel) {
-                        // An activation is no more than 127: a signed byte holds it.
+                        // An activation is at most 127, so it fits in a signed byte.
                         let sum = skip.cast_signed().saturating_add(add.cast_signed());
                         *skip = sum.max(0).cast_unsigned();
                     }
@@ -30,7 +31,7 @@ pub(crate) fn add_twice<const CHANNELS: usize>(signed: &[u8], row: &mut [u8]) {
     );
 }
 
-/// The row of a map among four by four pixels of it: byte `at` and the three after it of each 32.
+/// Copies one row of a map out of 4×4 blocks: bytes `at` to `at + 3` of each 32.
 pub(crate) fn spread(values: &[u8], at: usize, row: &mut [u8]) {
     let mut fours = values.chunks_exact(32).map(|pixel| &pixel[at..][..4]);
     let (whole, rest) = row.as_chunks_mut::<4>();

@@ -1,4 +1,4 @@
-//! A network that has learned nothing.
+//! Untrained networks with random weights.
 
 use lariat_portable::SplitMix64;
 
@@ -6,7 +6,8 @@ use crate::layers::LAYERS;
 use crate::network::{Network, Numbers};
 
 impl Network {
-    /// Random weights whose activations are neither all 0 nor all 127: for tests and for measuring. It knows no rope.
+    /// Creates a network with random weights whose activations are neither all 0 nor all 127. It is
+    /// for tests and measurements and cannot find ropes.
     pub fn random(seed: u64) -> Self {
         let mut random = SplitMix64::new(seed);
         let numbers = LAYERS.map(|layer| {
@@ -14,7 +15,8 @@ impl Network {
             let weights = Vec::from_iter(
                 (0..layer.weights()).map(|_| (random.below(255) as i32 - 127) as i8),
             );
-            // A sum of n products has a standard deviation of 73·√n times the activations' size, 73 that of the weights.
+            // A sum of n products has a standard deviation of 73·√n times the activations' size,
+            // where 73 is that of the weights.
             let products = (layer.weights() / outs) as f32;
             let scale = 1.0 / (73.0 * products.sqrt());
             Numbers {

@@ -1,8 +1,10 @@
-//! The way of a picture through the layers.
+//! Runs a picture through the layers.
 //!
-//! Each layer makes all its rows before the next begins, with two exceptions, where what is made is large and used at once:
-//! the first layer's rows live in a ring of four, from which the second makes its own, and those of the last two are made one
-//! by one and become rows of the maps. So what is kept is little more than the two skips, and stays in the second cache.
+//! Each layer computes all its rows before the next begins. There are two exceptions, whose outputs
+//! are large and used at once. The first layer's rows are kept in a ring of four, from which the
+//! second layer reads. The last two layers compute one row at a time, which becomes rows of the
+//! maps. The memory in use is therefore little more than the two skips and fits in the second-level
+//! cache.
 
 use lariat_portable::{Convolution, ConvolutionKernels, Plane};
 
@@ -12,10 +14,10 @@ use crate::output;
 use crate::size::{Maps, Picture};
 use crate::workspace::{GREY, Workspace};
 
-/// Rows of a ring: as many as a window has, and one.
+/// Rows of a ring: a window's three rows and one more.
 const RING: usize = 4;
 
-/// A run.
+/// A run of a network.
 pub(crate) struct Run<'a, F> {
     network: &'a Network,
     kernels: ConvolutionKernels,
@@ -23,7 +25,7 @@ pub(crate) struct Run<'a, F> {
 }
 
 impl<'a, F: FnMut(&'static str)> Run<'a, F> {
-    /// `done` is told of each piece of work.
+    /// Creates a run that calls `done` after each step.
     pub(crate) fn new(network: &'a Network, kernels: ConvolutionKernels, done: F) -> Self {
         Self {
             network,
@@ -40,7 +42,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         (self.done)(LAYERS[place as usize].name);
     }
 
-    /// From the picture to 1/4.
+    /// Runs the layers from the picture to 1/4 scale.
     pub(crate) fn down(&mut self, workspace: &mut Workspace, picture: Picture) {
         let Workspace {
             picture: rows,
@@ -51,7 +53,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         let (stem, d1) = (self.layer(Place::Stem), self.layer(Place::D1));
         let halves = 2 * quarter.height();
         for y in 0..quarter.height() {
-            // The first window takes three rows, each after it two new ones.
+            // The first window takes three new rows, each later one takes two.
             let new = if y == 0 { 0 } else { 2 * y + 1 }..(2 * y + 3).min(halves);
             for made in new {
                 let new = if made == 0 { 0 } else { 2 * made + 1 }..(2 * made + 3).min(2 * halves);
@@ -69,7 +71,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         }
     }
 
-    /// A row of the picture as the first layer reads it.
+    /// Expands a row of the picture to the layout that the first layer reads.
     fn widen(&self, picture: Picture, y: usize, out: &mut [u8]) {
         let mut filled = 0;
         if y < picture.height {
@@ -80,7 +82,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         out[filled..].fill(GREY);
     }
 
-    /// From 1/4 to 1/16.
+    /// Runs the layers from 1/4 to 1/16 scale.
     pub(crate) fn deep(&mut self, workspace: &mut Workspace) {
         let [a, b, c] = &mut workspace.eighth;
         self.whole(Place::D2, &workspace.quarter, None, a);
@@ -94,7 +96,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         self.whole(Place::E3d, l, Some(m), k);
     }
 
-    /// From 1/16 to the maps.
+    /// Runs the layers from 1/16 scale to the maps.
     pub(crate) fn up(&mut self, workspace: &mut Workspace, picture: Picture, mut maps: Maps) {
         let Workspace {
             quarter,
@@ -119,7 +121,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         }
     }
 
-    /// All rows of a layer.
+    /// Computes all rows of a layer.
     fn whole(&mut self, place: Place, from: &Plane, residual: Option<&Plane>, to: &mut Plane) {
         for y in 0..to.height() {
             let residual = residual.map(|plane| plane.row(y));
@@ -128,7 +130,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         self.done(place);
     }
 
-    /// A row of a layer with windows of three rows.
+    /// Computes a row of a layer with windows of three rows.
     fn row(&self, place: Place, from: &Plane, y: usize, residual: Option<&[u8]>, to: &mut [u8]) {
         let layer = self.layer(place);
         let (shape, reach) = (layer.shape(), layer.reach());
@@ -137,7 +139,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         layer.row(self.kernels, &windows, residual, to);
     }
 
-    /// A layer of single pixels, each of which is added to four of `to`.
+    /// Computes a 1×1 layer and adds each pixel to a 2×2 block of `to`.
     fn add_upsampled<const CHANNELS: usize>(
         &mut self,
         place: Place,
@@ -157,7 +159,7 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
         }
     }
 
-    /// Four rows of both maps, or as many as the picture still has.
+    /// Writes four rows of both maps, fewer at the picture's end.
     fn maps(&self, picture: Picture, top: usize, signed: &mut [u8], maps: &mut Maps) {
         self.kernels.look_up(&self.network.probabilities, signed);
         for row in 0..(picture.height - top).min(4) {
@@ -168,7 +170,8 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
     }
 }
 
-/// The three rows from `top` on of which the newest lie in a ring; those from `height` on are the border.
+/// Returns the three rows from `top`, of which the newest are in a ring. Rows from `height` on are
+/// the border.
 fn ring(rows: &Plane, top: usize, height: usize) -> [&[u8]; 3] {
     [top, top + 1, top + 2].map(|y| {
         let place = if y < height { (y % RING) as isize } else { -1 };

@@ -1,60 +1,60 @@
-//! A picture, its maps, and whether their sizes fit.
+//! A picture, its maps, and the check that their sizes match.
 
 use thiserror::Error;
 
 /// A picture, or a rectangle of one.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
-    /// Red, green and blue of each pixel, from the first row's first byte on.
+    /// Red, green and blue of each pixel, starting at the first row's first byte.
     pub rgb: &'a [u8],
-    /// Pixels of a row.
+    /// Pixels per row.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Bytes from one row's start to the next.
+    /// Bytes from the start of one row to the next.
     pub stride: usize,
 }
 
-/// Where the maps go: a byte a pixel, 255 for certain.
+/// Output maps, one byte per pixel, where 255 is certain.
 #[derive(Debug)]
 pub struct Maps<'a> {
-    /// Whether there is a rope.
+    /// Probability of a rope.
     pub rope: &'a mut [u8],
-    /// Whether there is a seam between ropes that lie side by side.
+    /// Probability of a seam between adjacent ropes.
     pub seam: &'a mut [u8],
-    /// Bytes from one row's start to the next, of both.
+    /// Bytes from the start of one row to the next, in both maps.
     pub stride: usize,
 }
 
-/// Why there is no room, or nothing to look at.
+/// Why a picture or a map was refused.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum SizeError {
-    /// No pixel, or too many.
+    /// A side is zero or too long.
     #[error("A picture of {width} × {height} pixels: give one with sides from 1 to {most}.")]
     Sides {
-        /// Pixels of a row.
+        /// Pixels per row.
         width: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
-        /// The longest side.
+        /// The longest side allowed.
         most: usize,
     },
-    /// Rows overlap or end behind the memory.
+    /// Rows overlap, or the buffer is too short.
     #[error(
         "{what} of {found} bytes, rows {stride} bytes apart, hold no {height} rows of {row} bytes: give at least {needed} bytes and rows that do not overlap."
     )]
     Memory {
         /// The picture or a map.
         what: &'static str,
-        /// Bytes that there are.
+        /// Bytes available.
         found: usize,
-        /// Bytes from one row's start to the next.
+        /// Bytes from the start of one row to the next.
         stride: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
-        /// Bytes of a row.
+        /// Bytes per row.
         row: usize,
-        /// Bytes that are needed.
+        /// Bytes required.
         needed: usize,
     },
 }

@@ -4,29 +4,31 @@ use lariat_portable::Plane;
 
 use crate::network::Network;
 
-/// The activations of a picture, kept for the next one: it allocates only for a picture that is larger than all before.
+/// Activations of a picture. The memory is reused: a run allocates only for a picture larger than
+/// all before it.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    /// Four rows of the picture, four bytes a pixel: row y lies at y mod 4, and the border is what is not of the picture.
+    /// Ring of four picture rows with four bytes per pixel. Row y is at index y mod 4. The border
+    /// holds `GREY`, the value outside the picture.
     pub(crate) picture: Plane,
-    /// Four rows at 1/2, likewise.
+    /// Ring of four rows at 1/2 scale.
     pub(crate) half: Plane,
     pub(crate) quarter: Plane,
     pub(crate) eighth: [Plane; 3],
     pub(crate) sixteenth: [Plane; 3],
-    /// A row at 1/4 that becomes the maps.
+    /// One row at 1/4 scale, from which the maps are computed.
     pub(crate) last: Plane,
-    /// A row of signed bytes.
+    /// One row of signed bytes.
     pub(crate) signed: Vec<u8>,
 }
 
-/// What is not of the picture: its zero.
+/// Value of pixels outside the picture, which represents zero.
 pub(crate) const GREY: u8 = 64;
 
 impl Workspace {
-    /// Nothing yet.
+    /// Creates an empty workspace.
     pub fn new() -> Self {
-        // A border is as wide as the largest dilation.
+        // A border is as wide as the largest dilation of its readers.
         Self {
             picture: Plane::new(4, 1),
             half: Plane::new(16, 1),
@@ -38,7 +40,7 @@ impl Workspace {
         }
     }
 
-    /// Makes room for pictures of this size, so that no run on one allocates.
+    /// Allocates for pictures of this size, so that no run on one allocates.
     pub fn reserve(&mut self, width: usize, height: usize) {
         let [width, height] = [width, height].map(|side| side.next_multiple_of(Network::MULTIPLE));
         self.picture.resize(width, 4, GREY);

@@ -1,4 +1,4 @@
-//! Which registers work runs in.
+//! Selection of the registers in which work runs.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -14,10 +14,11 @@ use pulp::x86::{V3, V4};
 
 /// Work that is compiled for every kind of registers.
 pub trait WithSimd {
-    /// What comes of it.
+    /// Result of the work.
     type Output;
 
-    /// Does it. To be marked `#[inline(always)]`, as all that it calls: only so is it compiled for these registers.
+    /// Does the work. Mark it and everything it calls `#[inline(always)]`; only then is it compiled
+    /// for these registers.
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output;
 }
 
@@ -30,12 +31,12 @@ impl<F: NullaryFnOnce> WithSimd for F {
     }
 }
 
-/// The registers of a machine. What work gives does not depend on them.
+/// The registers of a machine. Results do not depend on them.
 #[derive(Clone, Copy, Debug)]
 pub enum Arch {
-    /// Those that every machine of its kind has.
+    /// The baseline registers of every machine of the architecture.
     Plain,
-    /// AVX2 and what else the third level of x86-64 has.
+    /// AVX2, with all of the third level of x86-64.
     #[cfg(target_arch = "x86_64")]
     V3(V3),
     /// AVX-512.
@@ -43,14 +44,14 @@ pub enum Arch {
     V4(V4),
 }
 
-/// The registers that a test keeps to; 0: the widest.
+/// The registers forced by a test; 0 is the widest.
 static KEPT_TO: AtomicU8 = AtomicU8::new(0);
 #[cfg(target_arch = "x86_64")]
 const V3_ONLY: u8 = 2;
 const PLAIN_ONLY: u8 = 1;
 
 impl Arch {
-    /// The widest that this machine has.
+    /// The widest registers of this machine.
     #[inline]
     pub fn new() -> Self {
         let kept_to = KEPT_TO.load(Ordering::Relaxed);
@@ -69,8 +70,8 @@ impl Arch {
         Self::Plain
     }
 
-    /// Has [`new`](Self::new) give these from now on, in the whole process. Nothing that is computed changes by it: this is for
-    /// the tests that show so.
+    /// Makes [`new`](Self::new) return these registers from now on, in the whole process. Results
+    /// do not change; this is for the tests that prove it.
     pub fn keep_to(self) {
         let kept_to = match self {
             Self::Plain => PLAIN_ONLY,
@@ -82,7 +83,7 @@ impl Arch {
         KEPT_TO.store(kept_to, Ordering::Relaxed);
     }
 
-    /// All that this machine has, the plain ones first: for tests that hold them equal.
+    /// All registers of this machine, plain ones first, for tests that compare them.
     pub fn all() -> Vec<Self> {
         #[cfg(target_arch = "x86_64")]
         let wide = [V3::try_new().map(Self::V3), V4::try_new().map(Self::V4)];
@@ -106,7 +107,7 @@ impl Arch {
     }
 }
 
-/// The name of its instructions.
+/// The name of the instruction set.
 impl fmt::Display for Arch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -127,7 +128,7 @@ impl Default for Arch {
     }
 }
 
-/// Work with its registers, as pulp takes it.
+/// Work and its registers, in the form that pulp expects.
 #[cfg(target_arch = "x86_64")]
 struct In<S, W>(S, W);
 

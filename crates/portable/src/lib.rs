@@ -1,36 +1,29 @@
-//! Arithmetic whose every bit is the same whatever vectors the machine has, at the speed of those that it has.
+//! Vector arithmetic with the same bits on every machine, at the speed of its widest registers.
 //!
-//! A frame that is computed again gives the same numbers, to the last bit: on a machine with AVX-512, with AVX2, with neither,
-//! on an ARM. IEEE 754 fixes what an addition, a product, a quotient, a root give; three things are left that differ from one
-//! machine to another, and each has its remedy:
+//! A recorded frame, computed again, gives the recorded descriptor to the last bit: with AVX-512,
+//! with AVX2, with neither, or on an ARM. `lariat replay --check` relies on this. IEEE 754 fixes
+//! the results of additions, products, quotients and roots; this crate fixes the rest:
 //!
-//! | what differs | remedy |
+//! | differs between machines | remedy |
 //! |---|---|
-//! | the order of a sum, where as many partial sums are kept as a register has lanes | a vector is 512 bits on every machine ([`Simd`]): one register or two, or an array that the compiler makes registers of |
-//! | `a·b + c`, rounded once by some machines and twice by others | always twice ([`Simd::mul_add_f64s`]) |
-//! | sines, logarithms: the C library has several, and takes the one for the machine | the crate `libm`, which is the same code everywhere; clippy's `disallowed_methods` says so in the crates that this matters to |
+//! | the order of sums, if each lane of a register keeps a partial sum | a vector has 512 bits everywhere ([`Simd`]): one register of AVX-512, two of AVX2, or an array that the compiler turns into SSE2 or NEON. The lanes are added in halves, in one order |
+//! | `a·b + c`, rounded once on machines with such an instruction, otherwise twice | always rounded twice ([`Simd::mul_add_f64s`]) |
+//! | library code that selects vector instructions at run time | faer factorizes a scalar type without vectors (`scalar` in fit) |
+//! | sines and logarithms of the C library, which has several versions for different processors | the crate `libm`, in `extract`, `fit`, `camera`, `simulation` and the rendered scenes; Clippy's `disallowed_methods` rejects the others there |
 //!
-//! The names are pulp's, which does the choosing: what is written for it runs here with another `use`.
+//! Rust never reorders floating-point sums or fuses products into them, at any optimization level.
+//! Code compiled for AVX-512 therefore gives the same results as code compiled for other machines.
+//! Kernels written for one machine (`std::arch`), such as those of [`Convolution`], use integers,
+//! or are compared bit for bit with their plain versions.
 //!
-//! # The same bits
+//! All vector operations are in one list (`operations`), whose entries define them; a property test
+//! compares every kind of registers with it. `crates/extract/tests/same_bits.rs` compares results
+//! with a file of hashes, once for each kind of registers (`Arch::keep_to`). It covers films in
+//! every pixel format, all clusterings, images of every class, every kind of fit, the filter, and
+//! curves on a plane. `tests/simd/run` does so on other processors, by emulation.
 //!
-//! A recorded frame, computed again, gives the recorded descriptor to the last bit, on whatever machine: that is what
-//! `lariat replay --check` stands on. IEEE 754 fixes additions, products, quotients and roots; what it leaves open is closed in
-//! `crates/portable`:
-//!
-//! | what differs from machine to machine | what is done |
-//! |---|---|
-//! | the order of sums, where each lane of a register keeps a partial sum | a vector is 512 bits everywhere: one register of AVX-512, two of AVX2, or an array that the compiler makes SSE2 or NEON of. The lanes are added in halves, in one order |
-//! | `a·b + c`, rounded once where the machine has such an instruction | rounded twice, everywhere |
-//! | what a library does with the vectors that it finds | faer factorizes a scalar type without vectors (`scalar` in fit) |
-//! | the C library's sines and logarithms, of which it too has several for the processor to choose from | the crate `libm`, in `extract`, `fit`, `camera`, `simulation` and the drawn scenes. Clippy refuses the others there (`disallowed_methods`) |
-//!
-//! Rust never reorders floating-point sums and never fuses products into them, whatever it optimizes; what it compiles for
-//! AVX-512 gives what it compiles for anything. Kernels that are written for one machine (`std::arch`), as those of [`Convolution`],
-//! are on whole numbers, or held to their plain twins bit for bit. All operations of a vector are one list (`operations`), whose entries define them; a property
-//! test holds every kind of registers to it. `crates/extract/tests/same_bits.rs` holds films in every pixel format, all
-//! clusterings, pictures of every class, every kind of fit, the filter and curves on a plane against a file of hashes, once for each
-//! kind of registers (`Arch::keep_to`); `tests/simd/run` does so on other processors, by emulation.
+//! The names are those of pulp, which selects the registers: code written for pulp runs here with
+//! another `use`.
 
 mod arch;
 mod convolution;

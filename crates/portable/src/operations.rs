@@ -1,7 +1,7 @@
-//! What vectors can do lane by lane: the one list that the trait, its three implementations and their tests are made from.
-//! What an operation does in a lane is its definition.
+//! The list of lane-wise vector operations. It generates the trait, its three implementations and
+//! their tests. Each entry defines the operation in one lane.
 
-/// Hands the list to a macro.
+/// Passes the list to a macro.
 macro_rules! operations {
     ($then:ident) => {
         $then! {
@@ -9,7 +9,7 @@ macro_rules! operations {
             sub_f32s(a: f32s, b: f32s) -> f32s = a - b;
             mul_f32s(a: f32s, b: f32s) -> f32s = a * b;
             div_f32s(a: f32s, b: f32s) -> f32s = a / b;
-            // As x86 has it: the second where they are equal or one is not a number.
+            // As on x86: the second operand if they are equal or one is NaN.
             min_f32s(a: f32s, b: f32s) -> f32s = if a < b { a } else { b };
             max_f32s(a: f32s, b: f32s) -> f32s = if a > b { a } else { b };
             abs_f32s(a: f32s) -> f32s = a.abs();

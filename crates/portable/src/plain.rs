@@ -1,5 +1,5 @@
-//! Vectors as arrays: the definition, and what machines run on that pulp knows no wide registers of. Of its loops the compiler
-//! makes what the least of these machines has (SSE2, NEON).
+//! Vectors as arrays: the definition, and the implementation for machines without wide registers
+//! known to pulp. The compiler turns its loops into the baseline instructions (SSE2, NEON).
 
 use crate::operations::operations;
 use crate::simd::Simd;
@@ -8,7 +8,7 @@ use crate::simd::Simd;
 #[derive(Clone, Copy, Debug)]
 pub struct Plain;
 
-/// Both halves become one, until one number is left.
+/// Combines both halves until one number is left.
 macro_rules! halve {
     ($a:ident, $number:ident, $lanes:literal, |$x:ident, $y:ident| $joined:expr) => {{
         let mut numbers = $a;

@@ -1,22 +1,23 @@
 //! Random numbers from a seed.
 
-/// SplitMix64: a hash of a counter, for which any seed is as good as any other (G. Steele, D. Lea and C. Flood, Fast Splittable
-/// Pseudorandom Number Generators, 2014).
+/// SplitMix64: a hash of a counter, for which all seeds are equally good (G. Steele, D. Lea and C.
+/// Flood, Fast Splittable Pseudorandom Number Generators, 2014).
 #[derive(Clone, Copy, Debug)]
 pub struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// The generator of a seed.
+    /// Creates the generator of a seed.
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The generator of a seed and of a stream: generators of different streams have nothing in common.
+    /// Creates the generator of a seed and a stream. Generators of different streams are
+    /// independent.
     pub fn of_stream(seed: u64, stream: u64) -> Self {
         Self(Self(seed).next_u64() ^ Self(stream.wrapping_mul(0xA076_1D64_78BD_642F)).next_u64())
     }
 
-    /// All 64 bits.
+    /// Returns all 64 bits.
     #[inline]
     pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -26,43 +27,45 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// From 0 to below 1, in steps of 2⁻⁵³, which are exact.
+    /// Returns a number from 0 to below 1, in steps of 2⁻⁵³, which are exact.
     #[inline]
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// From 0 to below 1, in steps of 2⁻²⁴.
+    /// Returns a number from 0 to below 1, in steps of 2⁻²⁴.
     #[inline]
     pub fn unit_f32(&mut self) -> f32 {
         (self.next_u64() >> 40) as f32 / (1u32 << 24) as f32
     }
 
-    /// From `low` to below `high`.
+    /// Returns a number from `low` to below `high`.
     #[inline]
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// From `low` to below `high`.
+    /// Returns a number from `low` to below `high`.
     #[inline]
     pub fn uniform_f32(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit_f32()
     }
 
-    /// A number below `count`; 0 when that is 0. The share of each is off by `count`/2⁶⁴ at most.
+    /// Returns a number below `count`, or 0 if `count` is 0. The probability of each is off by at
+    /// most `count`/2⁶⁴.
     #[inline]
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// −1 or 1.
+    /// Returns −1 or 1.
     #[inline]
     pub fn sign(&mut self) -> f64 {
         if self.next_u64() & 1 == 0 { -1.0 } else { 1.0 }
     }
 
-    /// Normal, of mean 0 and variance 1 (G. E. P. Box and M. E. Muller, A Note on the Generation of Random Normal Deviates, 1958).
+    /// Returns a normal number of mean 0 and variance 1 (G. E. P. Box and M. E. Muller, A Note on
+    /// the Generation of Random Normal Deviates, 1958).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * libm::log(1.0 - self.unit())).sqrt();
         radius * libm::cos(std::f64::consts::TAU * self.unit())

@@ -1,11 +1,11 @@
-//! Every operation is its definition in every kind of registers, to the last bit.
+//! Every operation equals its definition in every kind of registers, to the last bit.
 
 use proptest::prelude::*;
 
 use crate::operations::operations;
 use crate::{Arch, Plain, Simd, WithSimd};
 
-/// Some numbers of each kind, among them those that trip.
+/// Numbers of each type, including special values.
 #[derive(Clone, Debug)]
 struct Numbers {
     f32s: [[f32; 16]; 3],
@@ -38,7 +38,8 @@ fn numbers() -> impl Strategy<Value = Numbers> {
         .prop_map(|(f32s, f64s, u32s)| Numbers { f32s, f64s, u32s })
 }
 
-/// What every operation gives, as bits. All NaNs are one: which of them comes out is not fixed.
+/// The results of every operation, as bits. All NaNs count as equal, because the result does not
+/// specify which one it is.
 struct All<'a>(&'a Numbers);
 
 trait Bits {
@@ -65,7 +66,7 @@ impl Bits for f64 {
     }
 }
 
-/// A vector of these as an array, and the other way round.
+/// Converts an array to a vector.
 macro_rules! lanes {
     (f32s, $simd:ident, $array:expr) => {
         S::as_simd_f32s(&$array).0[0]
@@ -78,7 +79,7 @@ macro_rules! lanes {
     };
 }
 
-/// The operand of a name, of a type.
+/// The operand of a given name and type.
 macro_rules! operand {
     ($numbers:ident, $simd:ident, a, f32s) => {
         lanes!(f32s, $simd, $numbers.f32s[0])
@@ -155,7 +156,7 @@ macro_rules! run_all {
             }
         }
 
-        /// By the definitions alone.
+        /// The results by the definitions alone.
         fn defined(numbers: &Numbers) -> Vec<Vec<u64>> {
             let mut all = Vec::new();
             $(all.push(define!(numbers, $to, [$($a: $from),*], $definition));)*
@@ -247,7 +248,7 @@ impl WithSimd for Lengths<'_> {
 
 #[test]
 fn sums_are_of_halves() {
-    // 2²⁴ and ones: what comes out depends on the order.
+    // 2²⁴ and ones: the result depends on the order.
     let mut numbers = [1.0f32; 16];
     numbers[0] = 16_777_216.0;
     let expected = {

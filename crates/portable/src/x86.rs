@@ -1,4 +1,4 @@
-//! Vectors in the registers of x86: one of AVX-512, or two of AVX2.
+//! Vectors in x86 registers: one of AVX-512, or two of AVX2.
 
 use pulp::x86::{V3, V4};
 
@@ -92,7 +92,7 @@ macro_rules! in_one {
 
 operations!(in_one);
 
-/// The pairs of registers of a slice, and what is left over.
+/// The pairs of registers in a slice, and the remainder.
 macro_rules! pairs {
     ($slice:ident, $lanes:literal, $as_simd:ident) => {{
         let (whole, rest) = $slice.split_at($slice.len() / $lanes * $lanes);

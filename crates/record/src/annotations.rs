@@ -1,4 +1,5 @@
-//! What Foxglove draws over the image: the ropes as they were seen, and the curves that stand for them.
+//! Annotations that Foxglove draws over the image: the observed ropes, and the curves fitted to
+//! them.
 
 use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status};
 
@@ -7,7 +8,7 @@ use crate::images::put_time;
 use crate::palette::rope_color;
 use crate::schema::{Schema, schema};
 
-/// The definition of what is drawn over an image.
+/// Schema of the annotations.
 pub const ANNOTATIONS: Schema = schema!(
     "foxglove_msgs/msg/ImageAnnotations",
     "ImageAnnotations.msg",
@@ -19,14 +20,14 @@ pub const ANNOTATIONS: Schema = schema!(
     "builtin_interfaces/Time" = "Time.msg"
 );
 
-/// As in `PointsAnnotation`.
+/// Types in `PointsAnnotation`.
 const POINTS: u8 = 1;
 const LINE_LOOP: u8 = 2;
 const LINE_STRIP: u8 = 3;
 
 type Color = [f64; 4];
 const NONE: Color = [0.0; 4];
-/// Points that are covered.
+/// Color of covered points.
 const HIDDEN: Color = [0.5, 0.5, 0.5, 1.0];
 const WHITE: Color = [1.0; 4];
 const BACKGROUND: Color = [0.0, 0.0, 0.0, 0.5];
@@ -36,8 +37,9 @@ fn color(track: u32) -> Color {
     [red, green, blue, 1.0]
 }
 
-/// Writes `foxglove_msgs/ImageAnnotations` into a buffer, which is emptied first: the centerlines as lines, what is hidden in gray,
-/// a ring around each crossing, a word at each rope's start. `stamp_ns`: when the image was taken, in nanoseconds of Unix time.
+/// Writes `foxglove_msgs/ImageAnnotations` into a buffer, replacing its contents: centerlines as
+/// lines, with hidden parts in gray, a ring around each crossing, and a label at each rope's start.
+/// `stamp_ns` is the image's exposure, in nanoseconds of Unix time.
 pub fn encode_ropes(seen: &Centerlines, stamp_ns: u64, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     to.byte_count(seen.crossings().len());
@@ -56,8 +58,8 @@ pub fn encode_ropes(seen: &Centerlines, stamp_ns: u64, into: &mut Vec<u8>) {
     }
 }
 
-/// The same of the control polygons. `pixel`: where in the image a point of the descriptors is seen; a polygon that is not seen
-/// whole is left out.
+/// Writes the control polygons like [`encode_ropes`]. `pixel` maps a point of the descriptors to
+/// the image. A polygon that is not completely in the image is left out.
 pub fn encode_control_points(
     shapes: &Descriptors,
     pixel: impl Fn([f64; 2]) -> Option<[f64; 2]>,
@@ -86,7 +88,7 @@ pub fn encode_control_points(
     to.byte_count(0);
 }
 
-/// Whether the control points lie about the curve.
+/// Returns whether the control points surround the curve.
 fn has_polygon(shape: &Descriptor) -> bool {
     !matches!(shape.basis(), None | Some(Basis::Fourier))
 }
@@ -95,7 +97,8 @@ fn put_thickness(to: &mut Encoder, thickness_px: f64) {
     thickness_px.put(to);
 }
 
-/// Foxglove counts from the corner of the top-left pixel, lariat from its centre.
+/// Shifts points by half a pixel: Foxglove counts from the corner of the top-left pixel, lariat
+/// from its center.
 fn put_points(to: &mut Encoder, points: impl ExactSizeIterator<Item = [f64; 2]>) {
     to.byte_count(points.len());
     points.for_each(|p| p.map(|c| c + 0.5).put(to));
@@ -111,7 +114,7 @@ fn put_rope(to: &mut Encoder, stamp_ns: u64, rope: &Curve) {
     own.put(to);
     let is_hidden = |i| rope.status() == Some(Status::Lost) || rope.is_hidden(i);
     let colors = if (0..points.len()).any(is_hidden) {
-        // One for each segment.
+        // One color per segment.
         points.len() - usize::from(!is_closed && !points.is_empty())
     } else {
         0

@@ -1,34 +1,36 @@
-//! CDR as ROS 2 uses it: values in order, each aligned to its own size, little endian, after a head of four bytes.
+//! CDR as ROS 2 uses it: values in order, each aligned to its own size, little endian, after a head
+//! of four bytes.
 
 use std::str;
 
-/// The start of every message: plain CDR, little endian, and options that this encoding does not use.
+/// First bytes of every message: plain CDR, little endian, and options that this encoding does not
+/// use.
 const HEAD: [u8; 4] = [0, 1, 0, 0];
 
-/// What is wrong with the bytes of a message.
+/// Error in the bytes of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CdrError {
-    /// It is not CDR, or not in this byte order.
+    /// The bytes are not CDR, or not in this byte order.
     #[error("it does not begin as a little-endian CDR message does")]
     Head,
-    /// It ends too early.
+    /// The message is cut off.
     #[error("it is cut off")]
     Short,
-    /// It is not a protocol buffer.
+    /// The bytes are not a protocol buffer.
     #[error("it is not a protocol buffer of Foxglove's schema")]
     Protobuf,
-    /// It is not JSON.
+    /// The bytes are not JSON.
     #[error("it is not JSON of Foxglove's schema")]
     Json,
-    /// Its bytes are not in base64.
+    /// The data is not base64.
     #[error("its data is not base64")]
     Base64,
-    /// A list has more entries than the message has room for.
+    /// A list has more entries than the message can contain.
     #[error("it holds a list of {count} entries where at most {most} are known")]
     TooMany {
-        /// How many it says it has.
+        /// The number that the list claims.
         count: u32,
-        /// How many there may be.
+        /// The number allowed.
         most: u32,
     },
     /// Lists that belong together have different lengths.
@@ -39,35 +41,35 @@ pub enum CdrError {
     Text,
 }
 
-/// A value that can be written and read.
+/// A value that can be encoded and decoded.
 pub trait Cdr {
-    /// Writes it behind what was written.
+    /// Appends the value.
     fn put(&self, to: &mut Encoder);
-    /// Reads it from where the last one ended.
+    /// Reads the next value.
     ///
     /// # Errors
-    /// The message ends before it does, or holds what cannot be.
+    /// Fails if the message is cut off or contains an invalid value.
     fn get(&mut self, from: &mut Decoder) -> Result<(), CdrError>;
 }
 
-/// Writes a message into a buffer, which it empties first.
+/// Writes a message into a buffer.
 pub struct Encoder<'a>(&'a mut Vec<u8>);
 
 impl<'a> Encoder<'a> {
-    /// Begins a message in a buffer, which it empties.
+    /// Starts a message in a buffer, replacing its contents.
     pub fn new(buffer: &'a mut Vec<u8>) -> Self {
         buffer.clear();
         buffer.extend(HEAD);
         Self(buffer)
     }
 
-    /// Goes on with a message whose first part another one wrote.
+    /// Continues a message whose first part is already in the buffer.
     pub fn after(buffer: &'a mut Vec<u8>) -> Self {
         debug_assert!(buffer.starts_with(&HEAD));
         Self(buffer)
     }
 
-    /// Leaves room up to the next multiple of `size`, a power of two, counted from behind the head.
+    /// Pads to the next multiple of `size`, a power of two, counted from the end of the head.
     fn align(&mut self, size: usize) {
         let used = self.0.len() - HEAD.len();
         let padding = used.wrapping_neg() & (size - 1);
@@ -81,17 +83,17 @@ impl<'a> Encoder<'a> {
         self.0.push(0);
     }
 
-    /// As many bytes, or entries of another list, as will be [added](Self::raw).
+    /// Writes the number of bytes, or entries of another list, that will be [added](Self::raw).
     pub fn byte_count(&mut self, count: usize) {
         (count as u32).put(self);
     }
 
-    /// Bytes as they are.
+    /// Appends bytes as they are.
     pub fn raw(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }
 
-    /// A list of rows of so many items.
+    /// Writes a list of rows with `columns` items each.
     pub fn rows<T: Cdr>(&mut self, items: &[T], columns: usize) {
         self.byte_count(items.len() / columns);
         items.iter().for_each(|item| item.put(self));
@@ -100,18 +102,18 @@ impl<'a> Encoder<'a> {
 
 /// Reads a message.
 pub struct Decoder<'a> {
-    /// What is behind the head.
+    /// The bytes after the head.
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Decoder<'a> {
-    /// Begins with a message.
+    /// Starts to read a message.
     ///
     /// # Errors
-    /// It is not little-endian CDR.
+    /// Fails if it is not little-endian CDR.
     pub fn new(message: &'a [u8]) -> Result<Self, CdrError> {
-        // Some writers put the count of padding bytes at the end into the options.
+        // Some writers store the number of padding bytes at the end in the options.
         match message {
             [0, 1, _, _, bytes @ ..] => Ok(Self { bytes, at: 0 }),
             _ => Err(CdrError::Head),
@@ -135,7 +137,7 @@ impl<'a> Decoder<'a> {
     /// Reads a value.
     ///
     /// # Errors
-    /// As [`Cdr::get`].
+    /// Fails as [`Cdr::get`] does.
     pub fn value<T: Cdr + Default>(&mut self) -> Result<T, CdrError> {
         let mut value = T::default();
         value.get(self)?;
@@ -145,11 +147,11 @@ impl<'a> Decoder<'a> {
     /// Reads a text.
     ///
     /// # Errors
-    /// It is cut off, or not UTF-8.
+    /// Fails if the text is cut off or not UTF-8.
     pub fn string(&mut self) -> Result<&'a str, CdrError> {
         let count: u32 = self.value()?;
         let text = self.raw(count as usize)?;
-        // Some writers leave the zero of an empty text out.
+        // Some writers omit the terminating zero of an empty text.
         let text = text.strip_suffix(&[0]).unwrap_or(text);
         str::from_utf8(text).map_err(|_| CdrError::Text)
     }
@@ -157,13 +159,13 @@ impl<'a> Decoder<'a> {
     /// Reads a list of bytes.
     ///
     /// # Errors
-    /// It is cut off.
+    /// Fails if the list is cut off.
     pub fn bytes(&mut self) -> Result<&'a [u8], CdrError> {
         let count: u32 = self.value()?;
         self.raw(count as usize)
     }
 
-    /// Reads how long a list is, of which there may be so many entries.
+    /// Reads the length of a list with at most `most` entries.
     pub(crate) fn length(&mut self, most: usize) -> Result<usize, CdrError> {
         let count: u32 = self.value()?;
         let most = most as u32;
@@ -173,7 +175,8 @@ impl<'a> Decoder<'a> {
         Ok(count as usize)
     }
 
-    /// Reads a list of rows of so many items into the beginning of `items`; says how many rows came.
+    /// Reads a list of rows of `columns` items into the beginning of `items`. Returns the number of
+    /// rows.
     pub(crate) fn rows<T: Cdr>(
         &mut self,
         items: &mut [T],
@@ -215,7 +218,7 @@ impl<T: Cdr, const N: usize> Cdr for [T; N] {
     }
 }
 
-/// A message that is no more than its fields, in this order.
+/// Implements [`Cdr`] for a message that consists of these fields in this order.
 macro_rules! fields {
     ($type:ty { $($field:ident),* $(,)? }) => {
         impl Cdr for $type {

@@ -1,13 +1,14 @@
-//! Images in encodings that no frame has, converted to formats that frames have.
+//! Converts images in encodings that frames do not have to formats that they have.
 //!
-//! The encodings are those of `sensor_msgs/image_encodings` and a few that drivers use besides. Nothing is lost that extraction would
-//! use: alpha is left out, 16 bits become the nearest 8 as in picture files, and depths in metres become whole millimetres.
+//! The encodings are those of `sensor_msgs/image_encodings` and a few that drivers use. Extraction
+//! loses nothing it would use. Alpha is dropped, 16 bits are rounded to 8 as in picture files, and
+//! depths in meters become whole millimeters.
 
 use lariat_message::PixelFormat;
 
 use crate::ImageRecord;
 
-/// The encodings of images that are read.
+/// Encodings of images that are read.
 pub const ENCODINGS: [&str; 34] = [
     "mono8",
     "mono16",
@@ -45,42 +46,42 @@ pub const ENCODINGS: [&str; 34] = [
     "bayer_gbrg16",
 ];
 
-/// An image in a frame's format: its layout; the pixels are in the buffer.
+/// Layout of an image converted to a frame's format. The pixels are in the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Converted {
-    /// What its pixels are.
+    /// Pixel format.
     pub format: PixelFormat,
-    /// Bytes from one row's start to the next.
+    /// Bytes from the start of one row to the next.
     pub stride: u32,
 }
 
-/// How pixels are stored.
+/// Storage of pixels.
 #[derive(Debug, Clone, Copy)]
 enum Stored {
-    /// Bytes, of which those at these places are kept.
+    /// Bytes per pixel, and the positions of those that are kept.
     Bytes(usize, &'static [usize]),
-    /// Numbers of 16 bits; likewise.
+    /// 16-bit numbers per pixel, and the positions of those that are kept.
     Words(usize, &'static [usize]),
-    /// Gray of 16 bits in another machine's byte order.
+    /// 16-bit gray in another machine's byte order.
     TurnedGray,
-    /// Metres.
+    /// Meters.
     Float,
     /// Luma, then planes or pairs of chroma.
     Chroma(Chroma),
 }
 
-/// How chroma follows luma.
+/// Layout of chroma after luma.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Chroma {
-    /// Pairs for two by two pixels, U first.
+    /// Pairs for 2×2 pixels, U first.
     Pairs,
-    /// Likewise, V first.
+    /// Pairs for 2×2 pixels, V first.
     TurnedPairs,
     /// Pairs for each pixel.
     FullPairs,
-    /// A plane of U, then one of V, for two by two pixels.
+    /// A plane of U, then one of V, for 2×2 pixels.
     Planes,
-    /// Likewise, V first.
+    /// A plane of V, then one of U, for 2×2 pixels.
     TurnedPlanes,
 }
 
@@ -108,13 +109,13 @@ fn stored(encoding: &str) -> Option<(Stored, PixelFormat)> {
     })
 }
 
-/// Whether an encoding is one that [`convert`] knows.
+/// Returns whether [`convert`] knows an encoding.
 pub(crate) fn is_convertible(encoding: &str) -> bool {
     stored(encoding).is_some()
 }
 
-/// Converts an image into a buffer, which it empties first; `None` if the encoding is not known, or the bytes are not as many as
-/// the numbers ask for.
+/// Converts an image into a buffer, replacing its contents. Returns `None` if the encoding is
+/// unknown, or if the number of bytes does not match the size.
 pub fn convert(image: &ImageRecord, into: &mut Vec<u8>) -> Option<Converted> {
     let (stored, format) = stored(image.encoding)?;
     let (width, height) = (image.width as usize, image.height as usize);
@@ -160,7 +161,7 @@ pub fn convert(image: &ImageRecord, into: &mut Vec<u8>) -> Option<Converted> {
                 true => f32::from_be_bytes(bytes),
                 false => f32::from_le_bytes(bytes),
             };
-            // Not a number, and behind what 16 bits hold, is not measured.
+            // NaN and values out of the range of 16 bits are not measured.
             let mm = |metres: f32| match (1000.0 * metres).round() {
                 mm if (0.0..=65_535.0).contains(&mm) => mm as u16,
                 _ => 0,
@@ -182,16 +183,17 @@ pub fn convert(image: &ImageRecord, into: &mut Vec<u8>) -> Option<Converted> {
     })
 }
 
-/// Luma and chroma of an image, each with the bytes from one row to the next.
+/// Luma and chroma of an image, each with its stride in bytes.
 struct Planes<'a> {
     chroma: Chroma,
     luma: (&'a [u8], usize),
-    /// Pairs, or U; and V.
+    /// Pairs, or U and then V.
     colors: [(&'a [u8], usize); 2],
 }
 
 impl<'a> Planes<'a> {
-    /// Writers disagree on `step`: it is the luma's, or means nothing, and the rows have no padding.
+    /// Splits an image into planes. Writers disagree on `step`: either it is the luma's, or it is
+    /// ignored and rows have no padding.
     fn of(image: &ImageRecord<'a>, chroma: Chroma) -> Option<Self> {
         let tight = Self::with_step(image, chroma, (image.width as usize).next_multiple_of(2));
         let odd = || Self::with_step(image, chroma, image.width as usize);
@@ -233,7 +235,7 @@ impl<'a> Planes<'a> {
         let stride = width.next_multiple_of(2);
         for row in self.luma.0.chunks_exact(self.luma.1) {
             into.extend_from_slice(&row[..width]);
-            // The column that an odd width lacks.
+            // Repeats the last column of an odd width.
             into.extend(row[..width].last().filter(|_| stride > width));
         }
         let at = |plane: usize, y: usize, x: usize| {
@@ -358,7 +360,7 @@ mod tests {
                 ],
             ),
         ] {
-            // A step that counts the chroma in is taken as none.
+            // A step that includes the chroma is ignored.
             for step in [4, 6, 12] {
                 let data = with(chroma);
                 let right = (PixelFormat::Nv12, 4, nv12.clone());
@@ -369,7 +371,7 @@ mod tests {
                 );
             }
         }
-        // Rows with padding, and a column that has no neighbor.
+        // Rows with padding, and an odd last column.
         let padded = [1, 2, 3, 0, 4, 5, 6, 0, 20, 10, 21, 11];
         let right = (
             PixelFormat::Nv12,

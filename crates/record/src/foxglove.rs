@@ -1,7 +1,9 @@
-//! Images in Foxglove's schemas, `foxglove.RawImage` and `foxglove.CompressedImage`, and in those of ROS 1.
+//! Images in Foxglove's schemas, `foxglove.RawImage` and `foxglove.CompressedImage`, and in those
+//! of ROS 1.
 //!
-//! Of protocol buffers (<https://protobuf.dev/programming-guides/encoding>) that is two messages of a handful of fields, whose
-//! numbers Foxglove's schemas fix: they are read here in place. JSON holds its bytes in base64.
+//! Only two protocol buffer messages (<https://protobuf.dev/programming-guides/encoding>) are
+//! needed. They have a handful of fields, whose numbers Foxglove's schemas fix, and are read in
+//! place. JSON encodes bytes in base64.
 
 use std::borrow::Cow;
 
@@ -12,23 +14,23 @@ use serde::Deserialize;
 use crate::cdr::{CdrError, Decoder};
 use crate::images::{CompressedImageRecord, ImageRecord, stamp};
 
-/// How the bytes of an image's message are to be read.
+/// Encoding of an image message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// CDR, the fields of `sensor_msgs`.
+    /// CDR, with the fields of `sensor_msgs`.
     Ros2,
-    /// ROS 1's own encoding, the fields of `sensor_msgs`.
+    /// ROS 1's own encoding, with the fields of `sensor_msgs`.
     Ros1,
-    /// CDR, the fields of `foxglove_msgs`.
+    /// CDR, with the fields of `foxglove_msgs`.
     FoxgloveCdr,
-    /// A protocol buffer of Foxglove's.
+    /// A protocol buffer in Foxglove's schema.
     Protobuf,
-    /// Foxglove's JSON.
+    /// JSON in Foxglove's schema.
     Json,
 }
 
 impl Form {
-    /// Reads an image. `room`: where the pixels are put that are not in the message as they are.
+    /// Reads an image. Pixels that have to be converted are stored in `room`.
     pub(crate) fn image<'a>(
         self,
         bytes: &'a [u8],
@@ -59,14 +61,14 @@ impl Form {
     }
 }
 
-/// Memory that is kept from one message to the next.
+/// Memory that is reused from one message to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Room {
     text: String,
     pub(crate) data: Vec<u8>,
 }
 
-/// `foxglove_msgs/msg/RawImage`.
+/// Reads `foxglove_msgs/msg/RawImage`.
 fn cdr_image(bytes: &[u8]) -> Result<ImageRecord<'_>, CdrError> {
     let mut from = Decoder::new(bytes)?;
     Ok(ImageRecord {
@@ -81,7 +83,7 @@ fn cdr_image(bytes: &[u8]) -> Result<ImageRecord<'_>, CdrError> {
     })
 }
 
-/// `foxglove_msgs/msg/CompressedImage`.
+/// Reads `foxglove_msgs/msg/CompressedImage`.
 fn cdr_picture(bytes: &[u8]) -> Result<CompressedImageRecord<'_>, CdrError> {
     let mut from = Decoder::new(bytes)?;
     let (stamp_ns, frame_id, data) = (stamp(&mut from)?, from.string()?, from.bytes()?);
@@ -93,7 +95,7 @@ fn cdr_picture(bytes: &[u8]) -> Result<CompressedImageRecord<'_>, CdrError> {
     })
 }
 
-/// Fields of ROS 1: little endian, not aligned, lengths before texts and lists.
+/// Reads fields of ROS 1: little endian, unaligned, with lengths before texts and lists.
 struct Ros1<'a>(&'a [u8]);
 
 impl<'a> Ros1<'a> {
@@ -117,7 +119,7 @@ impl<'a> Ros1<'a> {
         std::str::from_utf8(self.list()?).map_err(|_| CdrError::Text)
     }
 
-    /// A header: a count, a stamp and a frame of reference.
+    /// Reads a header: a count, a stamp and a frame of reference.
     fn header(&mut self) -> Result<(u64, &'a str), CdrError> {
         let (_count, s, ns) = (self.u32()?, self.u32()?, self.u32()?);
         Ok((stamp_ns(i64::from(s), i64::from(ns)), self.text()?))
@@ -157,10 +159,10 @@ fn stamp_ns(s: i64, ns: i64) -> u64 {
     s.saturating_mul(1_000_000_000).saturating_add(ns)
 }
 
-/// Fields of a protocol buffer.
+/// Reads the fields of a protocol buffer.
 struct Protobuf<'a>(&'a [u8]);
 
-/// A field's value.
+/// Value of a field.
 enum Value<'a> {
     Number(u64),
     Bytes(&'a [u8]),
@@ -187,7 +189,7 @@ impl<'a> Protobuf<'a> {
         Ok(taken)
     }
 
-    /// The next field's number and value; `None` at the end.
+    /// Returns the next field's number and value; `None` at the end.
     fn next(&mut self) -> Result<Option<(u64, Value<'a>)>, CdrError> {
         if self.0.is_empty() {
             return Ok(None);
@@ -213,7 +215,7 @@ impl<'a> Protobuf<'a> {
     }
 }
 
-/// `google.protobuf.Timestamp`.
+/// Reads `google.protobuf.Timestamp`.
 fn timestamp(bytes: &[u8]) -> Result<u64, CdrError> {
     let (mut s, mut ns) = (0, 0);
     let mut fields = Protobuf(bytes);
@@ -231,7 +233,7 @@ fn utf8(bytes: &[u8]) -> Result<&str, CdrError> {
     std::str::from_utf8(bytes).map_err(|_| CdrError::Text)
 }
 
-/// A field that is left out is 0, or empty.
+/// Reads an image. Fields that are left out are 0, or empty.
 fn protobuf_image(bytes: &[u8]) -> Result<ImageRecord<'_>, CdrError> {
     let mut image = ImageRecord {
         stamp_ns: 0,
@@ -279,7 +281,7 @@ fn protobuf_picture(bytes: &[u8]) -> Result<CompressedImageRecord<'_>, CdrError>
     Ok(picture)
 }
 
-/// Both messages: each has some of these.
+/// Fields of both messages. Each has some of these.
 #[derive(Deserialize)]
 #[serde(default)]
 struct Json<'a> {

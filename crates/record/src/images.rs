@@ -1,4 +1,5 @@
-//! Images, in the schemas that ROS 2 and Foxglove show: `sensor_msgs/Image` and `sensor_msgs/CompressedImage`.
+//! Images in schemas that ROS 2 and Foxglove display: `sensor_msgs/Image` and
+//! `sensor_msgs/CompressedImage`.
 
 use lariat_message::{FrameHeader, PixelFormat};
 
@@ -8,14 +9,14 @@ use crate::schema::{Schema, schema};
 
 const NS_PER_S: u64 = 1_000_000_000;
 
-/// The definition of an image as it is.
+/// Schema of a raw image.
 pub const IMAGE: Schema = schema!(
     "sensor_msgs/msg/Image",
     "Image.msg",
     "std_msgs/Header" = "Header.msg",
     "builtin_interfaces/Time" = "Time.msg"
 );
-/// The definition of an image as PNG or JPEG.
+/// Schema of an image as PNG or JPEG.
 pub const COMPRESSED_IMAGE: Schema = schema!(
     "sensor_msgs/msg/CompressedImage",
     "CompressedImage.msg",
@@ -23,7 +24,7 @@ pub const COMPRESSED_IMAGE: Schema = schema!(
     "builtin_interfaces/Time" = "Time.msg"
 );
 
-/// The field's name of a pixel format, as in `sensor_msgs/image_encodings`: ours but for a few.
+/// Name of a pixel format in `sensor_msgs/image_encodings`. Most are the same as ours.
 const fn encoding(format: PixelFormat) -> &'static str {
     match format {
         PixelFormat::Gray8 => "mono8",
@@ -48,7 +49,7 @@ fn format_of(name: &str) -> Option<PixelFormat> {
     })
 }
 
-/// Writes `std_msgs/Header`. `stamp_ns`: nanoseconds of Unix time.
+/// Writes `std_msgs/Header`. `stamp_ns` is in nanoseconds of Unix time.
 pub fn put_header(to: &mut Encoder, stamp_ns: u64, frame_id: &str) {
     put_time(to, stamp_ns);
     to.string(frame_id);
@@ -64,11 +65,11 @@ pub(crate) fn stamp(from: &mut Decoder) -> Result<u64, CdrError> {
     Ok(s.max(0) as u64 * NS_PER_S + u64::from(ns))
 }
 
-/// Writes a frame as `sensor_msgs/Image` into a buffer, which is emptied first: its rows one behind the other, without
-/// what lies between them in memory.
+/// Writes a frame as `sensor_msgs/Image` into a buffer, replacing its contents. Rows are written
+/// without the padding between them in memory.
 ///
-/// `stamp_ns`: when it was taken, in nanoseconds of Unix time; `rig`: its frame of reference. `false`, and nothing is
-/// written: the header does not describe these bytes, or has no image.
+/// `stamp_ns` is the exposure, in nanoseconds of Unix time, and `rig` is the frame of reference.
+/// Returns `false` and writes nothing if the header does not match the bytes, or has no image.
 pub fn encode_image(
     header: &FrameHeader,
     bytes: &[u8],
@@ -83,7 +84,7 @@ pub fn encode_image(
         return false;
     };
     let row = format.row_bytes(header.width);
-    // An NV12's half-size plane ends with its rows.
+    // Includes the rows of NV12's half-size plane.
     let rows = bytes.len() / header.stride as usize;
     let mut to = Encoder::new(into);
     put_header(&mut to, stamp_ns, rig);
@@ -103,32 +104,32 @@ pub fn encode_image(
     true
 }
 
-/// An image as it stands in a recording.
+/// An image in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ImageRecord<'a> {
-    /// When it was taken, in nanoseconds of Unix time.
+    /// Exposure time, in nanoseconds of Unix time.
     pub stamp_ns: u64,
-    /// Its frame of reference: the rig.
+    /// Frame of reference: the rig.
     pub frame_id: &'a str,
-    /// Pixels in a row.
+    /// Pixels per row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// What its pixels are called.
+    /// Name of the pixel encoding.
     pub encoding: &'a str,
-    /// Whether numbers of several bytes begin with the highest.
+    /// True if the most significant byte of a number comes first.
     pub is_big_endian: bool,
-    /// Bytes from one row's start to the next.
+    /// Bytes from the start of one row to the next.
     pub step: u32,
     /// The pixels.
     pub data: &'a [u8],
 }
 
 impl<'a> ImageRecord<'a> {
-    /// Reads an image, in place.
+    /// Reads an image in place.
     ///
     /// # Errors
-    /// The bytes are no `sensor_msgs/Image`.
+    /// Fails if the bytes are not a `sensor_msgs/Image`.
     pub fn decode(cdr: &'a [u8]) -> Result<Self, CdrError> {
         let mut from = Decoder::new(cdr)?;
         let stamp_ns = stamp(&mut from)?;
@@ -150,19 +151,20 @@ impl<'a> ImageRecord<'a> {
         })
     }
 
-    /// How the bytes make pixels; `None` if lariat has no such format.
+    /// Returns the pixel format; `None` if lariat has no such format.
     pub fn format(&self) -> Option<PixelFormat> {
         let is_turned = self.is_big_endian != cfg!(target_endian = "big");
-        // No format of this machine has another machine's byte order.
+        // Gray16 is in this machine's byte order.
         format_of(self.encoding).filter(|format| !(is_turned && *format == PixelFormat::Gray16))
     }
 
-    /// Returns true if the encoding is read: as it is, or [converted](crate::convert).
+    /// Returns true if the encoding is supported, directly or by [conversion](crate::convert).
     pub fn is_known(&self) -> bool {
         self.format().is_some() || is_convertible(self.encoding)
     }
 
-    /// Whether there are as many bytes as width, height and step ask for, in a format that lariat knows.
+    /// Returns whether the format is one of lariat's, and the number of bytes matches width, height
+    /// and step.
     pub fn is_whole(&self) -> bool {
         let header = FrameHeader {
             width: self.width,
@@ -171,14 +173,14 @@ impl<'a> ImageRecord<'a> {
             pixel_format: self.format().map_or(0, |format| format as u32),
             ..FrameHeader::default()
         };
-        // Wide enough for any product: an image this large is in no memory.
+        // Avoids overflow: no image this large is in memory.
         let fits = u64::from(self.step) * u64::from(self.height) <= 1 << 40;
         fits && header.image_bytes() == Some(self.data.len())
     }
 }
 
-/// Writes a picture file's bytes as `sensor_msgs/CompressedImage` into a buffer, which is emptied first. `format`: `png`
-/// or `jpeg`; the rest as in [`encode_image`].
+/// Writes a picture file as `sensor_msgs/CompressedImage` into a buffer, replacing its contents.
+/// `format` is `png` or `jpeg`; the rest is as in [`encode_image`].
 pub fn encode_compressed_image(
     file: &[u8],
     format: &str,
@@ -193,24 +195,24 @@ pub fn encode_compressed_image(
     to.raw(file);
 }
 
-/// A picture file as it stands in a recording.
+/// A picture file in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CompressedImageRecord<'a> {
-    /// When it was taken, in nanoseconds of Unix time.
+    /// Exposure time, in nanoseconds of Unix time.
     pub stamp_ns: u64,
-    /// Its frame of reference: the rig.
+    /// Frame of reference: the rig.
     pub frame_id: &'a str,
-    /// `png` or `jpeg`, or what another writer says.
+    /// `png` or `jpeg`, or another writer's name of the format.
     pub format: &'a str,
     /// The picture file.
     pub data: &'a [u8],
 }
 
 impl<'a> CompressedImageRecord<'a> {
-    /// Reads a picture, in place.
+    /// Reads a picture in place.
     ///
     /// # Errors
-    /// The bytes are no `sensor_msgs/CompressedImage`.
+    /// Fails if the bytes are not a `sensor_msgs/CompressedImage`.
     pub fn decode(cdr: &'a [u8]) -> Result<Self, CdrError> {
         let mut from = Decoder::new(cdr)?;
         Ok(Self {

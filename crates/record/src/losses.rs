@@ -1,37 +1,37 @@
-//! What was lost, as it stands in a recording.
+//! Losses, as recorded.
 
 use crate::cdr::{Cdr, CdrError, Decoder, Encoder, fields};
 use crate::messages::{Record, record};
 use crate::schema::{Schema, schema};
 
-/// What was lost since the recording began, up to a moment: by the chain on each link, and by the recorder.
+/// Losses since the recording began, up to a time: by the chain on each link, and by the recorder.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// The moment, on the clock of the traces.
+    /// The time, on the clock of the traces.
     pub at_ns: u64,
-    /// Frames lost at the source: numbered, never sent.
+    /// Frames lost at the source: numbered, but never sent.
     pub source: u64,
-    /// Frames lost between capture and extract, or for want of a mask.
+    /// Frames lost between capture and extract, or for lack of a mask.
     pub capture: u64,
     /// Frames lost between extract and fit.
     pub extract: u64,
     /// On another machine: frames whose descriptors the bridge never wrote there.
     pub bridge: u64,
-    /// Frames whose descriptors never came to the recorder, for another reason than that.
+    /// Frames whose descriptors did not reach the recorder for another reason.
     pub fit: u64,
-    /// Frames that the recorder did not get or had no room for: their images are not in the recording.
+    /// Frames that the recorder missed or dropped. Their images are not in the recording.
     pub dropped_frames: u64,
-    /// Centerlines likewise.
+    /// Centerlines that the recorder missed or dropped.
     pub dropped_centerlines: u64,
-    /// Descriptors that came and that the recorder had no room for.
+    /// Descriptors that arrived but were dropped.
     pub dropped_descriptors: u64,
-    /// True centerlines likewise.
+    /// True centerlines that the recorder missed or dropped.
     pub dropped_truth: u64,
-    /// Masks likewise.
+    /// Masks that the recorder missed or dropped.
     pub dropped_masks: u64,
-    /// Depth images likewise.
+    /// Depth images that the recorder missed or dropped.
     pub dropped_depths: u64,
-    /// Descriptors in space likewise.
+    /// 3-D descriptors that arrived but were dropped.
     pub dropped_descriptors3: u64,
 }
 

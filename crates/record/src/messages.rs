@@ -1,4 +1,4 @@
-//! The messages of the channels as they stand in a recording: only what is meant of each list, nothing stale.
+//! Encoding of the channels' messages in a recording. Only the valid entries of a list are written.
 
 use lariat_message::fields::{self, Field, Meaning, Message, Place, Value};
 use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader, MAX_POINTS};
@@ -8,16 +8,17 @@ use crate::schema::{Schema, schema};
 
 /// A message that can be recorded.
 pub trait Record {
-    /// Its definition.
+    /// Schema of the message.
     const SCHEMA: Schema;
 
-    /// Writes it into a buffer, which is emptied first.
+    /// Encodes the message into a buffer, replacing its contents.
     fn encode(&self, into: &mut Vec<u8>);
 
-    /// Reads it. What is not meant (behind a `count`) stays as it was; after an error, anything may stand in it.
+    /// Decodes the message. Entries beyond a `count` are unchanged. After an error, the contents
+    /// are unspecified.
     ///
     /// # Errors
-    /// The bytes are no such message.
+    /// Fails if the bytes are not such a message.
     fn decode(&mut self, cdr: &[u8]) -> Result<(), CdrError>;
 }
 
@@ -99,8 +100,9 @@ record!(
     )
 );
 
-/// What comes in which part of a message: messages within and positions, words, numbers, times, lists, and what is hidden of
-/// them. Within a part fields come as they lie in memory; counts go with their lists.
+/// Number of parts into which fields are sorted: inner messages and positions, words, numbers,
+/// times, lists, and hidden flags of lists. Within a part, fields are in the order of memory.
+/// Counts are written with their lists.
 const PARTS: usize = 6;
 
 fn put(message: &dyn Message, to: &mut Encoder) {
@@ -134,10 +136,10 @@ fn put_field(part: usize, field: &Field, value: Value, to: &mut Encoder) {
     }
 }
 
-/// Lists of one message at most.
+/// Maximum number of lists in a message.
 const MOST_LISTS: usize = 8;
 
-/// How many entries of each list were read.
+/// Number of entries read for each list.
 #[derive(Default)]
 struct Lengths {
     lists: [(&'static str, u32); MOST_LISTS],
@@ -172,7 +174,8 @@ fn get(message: &mut dyn Message, from: &mut Decoder) -> Result<(), CdrError> {
             *count = lengths.of(list).unwrap_or(0);
         }
     });
-    // What belongs together has one length, and of knots there are as many as the curve has.
+    // Checks that lists that belong together have the same length, and that there are as many knots
+    // as the curve needs.
     let mut is_even = true;
     message.visit(&mut |field, value| {
         let meant = match value {

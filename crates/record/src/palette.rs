@@ -1,6 +1,7 @@
-//! The colors of ropes wherever they are drawn.
+//! The colors of drawn ropes.
 
-/// A color a rope, told apart also by those who see fewer colors (Okabe and Ito's set, without the black).
+/// One color per rope, distinguishable with color vision deficiencies (Okabe and Ito's set, without
+/// black).
 const ROPES: [[u8; 3]; 7] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -11,7 +12,8 @@ const ROPES: [[u8; 3]; 7] = [
     [0, 114, 178],
 ];
 
-/// The color of a rope, red, green and blue, by its track: so one keeps its color.
+/// Returns the color of a rope, red, green and blue. It depends on the track, so a rope keeps its
+/// color.
 pub fn rope_color(track: u32) -> [u8; 3] {
     ROPES[track as usize % ROPES.len()]
 }

@@ -1,8 +1,8 @@
-//! Reading recordings, whole ones and what is left of others.
+//! Reads recordings, complete or damaged.
 //!
-//! An MCAP file is a row of records, most of them chunks of messages, with an index at its end. A recorder that was killed
-//! leaves no index, and a last chunk that may be torn; so the index is made again then, from what is whole. The bytes are
-//! read at places and never all at once.
+//! An MCAP file is a sequence of records, mostly chunks of messages, with an index at its end. A
+//! recorder that was killed leaves no index, and its last chunk may be torn. The index is then
+//! rebuilt from the intact part. Bytes are read at given positions and never all at once.
 
 mod about;
 mod census;
@@ -29,7 +29,7 @@ pub use error::RecordingError;
 pub use files::names_a_recording;
 pub use recording::{Place, Recording, Span, TopicSummary};
 
-/// The recordings that are read: what they are, and what of them is read.
+/// The kinds of recordings that are read, and what is supported of each.
 pub const READ: [[&str; 2]; 5] = [
     [
         "MCAP, `.mcap`",
@@ -41,7 +41,7 @@ pub const READ: [[&str; 2]; 5] = [
     ],
     [
         "the folder of `ros2 bag record`",
-        "its `.mcap` and `.mcap.zstd` files in the order of `metadata.yaml`, else by their numbers",
+        "its `.mcap` and `.mcap.zstd` files in the order of `metadata.yaml`, or by number without it",
     ],
     [
         "images",

@@ -1,20 +1,21 @@
-//! The definitions of the messages, as ROS 2 writes them: they stand in each file, so that any tool can read it.
+//! Definitions of the messages in ROS 2's format. Each file contains them, so that any tool can
+//! read it.
 
-/// How messages are encoded: CDR, little endian.
+/// Encoding of messages: CDR, little endian.
 pub const ENCODING: &str = "cdr";
-/// How schemas are written.
+/// Encoding of schemas.
 pub const SCHEMA_ENCODING: &str = "ros2msg";
 
 /// The definition of one kind of message.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Schema {
-    /// Its full name, such as `sensor_msgs/msg/Image`.
+    /// Full name, such as `sensor_msgs/msg/Image`.
     pub name: &'static str,
-    /// Its definition, followed by those of the messages in it.
+    /// Definition, followed by those of the messages in it.
     pub text: &'static str,
 }
 
-/// A definition with those it needs behind it, in the way of ROS 2.
+/// Joins a definition and those it needs, as ROS 2 does.
 macro_rules! schema {
     ($name:literal, $file:literal $(, $part:literal = $part_file:literal)*) => {
         Schema {

@@ -1,4 +1,4 @@
-//! Recordings being written.
+//! Writes recordings.
 
 mod clock;
 mod error;

@@ -1,4 +1,4 @@
-//! What can be asked, in lariat's words and in ROS's.
+//! Command-line options of lariat and of ROS.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -8,50 +8,56 @@ use clap::Parser;
 use lariat_chain::exit::{WrongUse, wrong_use};
 use lariat_wire::{Axes, MAX_GRIPPERS, Rig};
 
-/// A rig in a ROS 2 graph: ropes, pictures and health as topics, while somebody listens
+/// A rig in a ROS 2 graph: ropes, images and health as topics, for as long as something subscribes
 #[derive(Debug, Clone, Parser)]
 #[command(name = "lariat ros2", version, after_help = EXAMPLES)]
 pub(crate) struct Args {
-    /// The rig
+    /// Name of the rig
     #[arg(long, value_name = "NAME", default_value = "default")]
     pub(crate) rig: Rig,
-    /// The graph's domain, 0 to 232; else ROS_DOMAIN_ID, else 0
+    /// Domain of the graph, 0 to 232; by default ROS_DOMAIN_ID, or 0
     #[arg(long, value_name = "N")]
     domain_id: Option<u16>,
-    /// The frame of reference of ropes; else the rig's name, or, in a camera's own axes, the pictures'
+    /// Coordinate frame of ropes; by default the rig's name, or that of images for ropes in the
+    /// camera's axes
     #[arg(long, value_name = "NAME")]
     frame_id: Option<String>,
-    /// The frame of reference of pictures; else the rig's name with _camera
+    /// Coordinate frame of images; by default the rig's name with _camera
     #[arg(long, value_name = "NAME")]
     camera_frame_id: Option<String>,
-    /// Send each message once, as sensor data. Listeners that ask for reliable delivery, as RViz does, are then not matched
+    /// Send each message once, as sensor data. Subscribers that request reliable delivery, such as
+    /// RViz, are then not matched
     #[arg(long)]
     pub(crate) best_effort: bool,
-    /// The pictures' JPEG quality, 1 to 100
+    /// JPEG quality of images, 1 to 100
     #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) jpeg_quality: u8,
-    /// Larger messages are not sent, in bytes
+    /// Maximum size of a message in bytes; larger ones are not sent
     #[arg(long, value_name = "N", default_value_t = 4_000_000)]
     pub(crate) max_bytes: usize,
-    /// A topic whose images are the rig's frames: sensor_msgs/Image, or CompressedImage if it ends in /compressed
+    /// Topic whose images become the rig's frames: sensor_msgs/Image, or CompressedImage if it ends
+    /// in /compressed
     #[arg(long, value_name = "TOPIC", help_heading = IN)]
     pub(crate) image: Option<String>,
-    /// A topic of masks of these images, mono8, paired by their stamp, for a chain with --mask external
+    /// Topic of masks of these images, mono8, paired by stamp, for a chain with --mask external
     #[arg(long, value_name = "TOPIC", requires = "image", help_heading = IN)]
     pub(crate) mask: Option<String>,
-    /// A topic of the camera's sensor_msgs/CameraInfo: its calibration becomes the chain's
+    /// Topic of the camera's sensor_msgs/CameraInfo, which becomes the chain's calibration
     #[arg(long, value_name = "TOPIC", help_heading = IN)]
     pub(crate) camera_info: Option<String>,
-    /// Where that calibration is written; else the rig's name with _camera.yaml, here
+    /// File for that calibration; by default the rig's name with _camera.yaml, in the current
+    /// folder
     #[arg(long, value_name = "FILE", requires = "camera_info", help_heading = IN)]
     pub(crate) calibration_out: Option<PathBuf>,
-    /// A topic of geometry_msgs/TwistStamped that a gripper of the simulated rope goes by; again for the second gripper
+    /// Topic of geometry_msgs/TwistStamped that moves a gripper of the simulated rope; repeat for
+    /// the second gripper
     #[arg(long, value_name = "TOPIC", help_heading = IN)]
     pub(crate) gripper: Vec<String>,
-    /// Have images and masks sent again that were lost on the way; best-effort publishers are not heard then
+    /// Request that lost images and masks are sent again; best-effort publishers are then not
+    /// received
     #[arg(long, help_heading = IN)]
     pub(crate) reliable_images: bool,
-    /// Go by when messages arrive, not by their stamps: for recorded or simulated time
+    /// Use the arrival time of messages instead of their stamps, for recorded or simulated time
     #[arg(long, help_heading = IN)]
     pub(crate) stamp_on_arrival: bool,
     #[arg(skip)]
@@ -66,17 +72,17 @@ const EXAMPLES: &str = "Examples:
   lariat ros2 --image /camera/image_raw        the frames of `lariat run --source external`
   lariat ros2 --ros-args -r __ns:=/cell -r /lariat/default/points:=/rope";
 
-/// How the node and its topics are called.
+/// Names of the node and its topics.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Names {
     node: Option<String>,
     namespace: Option<String>,
-    /// From, to.
+    /// Pairs of old and new name.
     topics: Vec<(String, String)>,
 }
 
 impl Args {
-    /// The arguments of this process; help and mistakes of form end it.
+    /// Parses the arguments of this process; exits on `--help` or a syntax error.
     pub(crate) fn from_command_line() -> Result<Self> {
         let (ours, ros) = split(std::env::args_os().collect());
         let mut args = Self::parse_from(ours);
@@ -89,7 +95,7 @@ impl Args {
         Ok(args)
     }
 
-    /// The graph's domain.
+    /// Domain of the graph.
     pub(crate) fn domain_id(&self) -> Result<u16> {
         let id = match (self.domain_id, std::env::var("ROS_DOMAIN_ID")) {
             (Some(id), _) => id,
@@ -107,7 +113,7 @@ impl Args {
         Ok(id)
     }
 
-    /// The frame of reference of ropes: in space, with these axes; else on the plane, or in the image.
+    /// Coordinate frame of ropes: in space with these axes, otherwise on the plane or in the image.
     pub(crate) fn frame_id(&self, in_space: Option<Axes>) -> String {
         let usual = || match in_space {
             Some(Axes::Camera) => self.camera_frame_id(),
@@ -116,7 +122,7 @@ impl Args {
         self.frame_id.clone().unwrap_or_else(usual)
     }
 
-    /// That of pictures.
+    /// Coordinate frame of images.
     pub(crate) fn camera_frame_id(&self) -> String {
         let usual = || format!("{}_camera", self.rig);
         self.camera_frame_id.clone().unwrap_or_else(usual)
@@ -124,7 +130,7 @@ impl Args {
 }
 
 impl Names {
-    /// What stands between `--ros-args` and `--`.
+    /// Parses the words between `--ros-args` and `--`.
     fn of(words: &[String]) -> Result<Self> {
         let mut names = Self::default();
         let mut words = words.iter();
@@ -136,7 +142,7 @@ impl Names {
                     };
                     names.add(rule)?;
                 }
-                // What of ROS's own logging there is goes to standard error as it is.
+                // ROS's own log always goes to standard error.
                 "--log-level" => drop(words.next()),
                 "--enable-rosout-logs"
                 | "--disable-rosout-logs"
@@ -163,17 +169,17 @@ impl Names {
         Ok(())
     }
 
-    /// The node's name; `usual` if none was said.
+    /// Name of the node, or `usual` if none was given.
     pub(crate) fn node<'a>(&'a self, usual: &'a str) -> &'a str {
         self.node.as_deref().unwrap_or(usual)
     }
 
-    /// The node's namespace.
+    /// Namespace of the node.
     pub(crate) fn namespace(&self) -> &str {
         self.namespace.as_deref().unwrap_or("/")
     }
 
-    /// The whole name of a topic that is called so within the namespace, such as `lariat/default/points`.
+    /// Full name of a topic whose name in the namespace is this, such as `lariat/default/points`.
     pub(crate) fn topic(&self, name: &str) -> String {
         let whole = self.whole(name);
         let rule = self
@@ -191,7 +197,7 @@ impl Names {
     }
 }
 
-/// Lariat's words, and ROS's.
+/// Separates lariat's words from ROS's.
 fn split(words: Vec<OsString>) -> (Vec<OsString>, Vec<String>) {
     let (mut ours, mut ros, mut is_ros) = (Vec::new(), Vec::new(), false);
     for word in words {

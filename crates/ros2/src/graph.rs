@@ -20,20 +20,22 @@ use serde::ser::{Serialize, SerializeTuple, Serializer};
 use crate::args::{Args, Names};
 use crate::parameters;
 
-/// How late the transport's timers may be. RustDDS has one for each of its writers (a heartbeat each second, where it is reliable, and some housekeeping) and for
-/// some tasks; those within this time of each other are one waking, and stay together from then on. What it sends again it sends by a timer, too:
-/// so not for who asks for that. What is published, and who listens, waits for none.
+/// Timer slack of the transport's threads. RustDDS has one timer per writer (housekeeping, and a
+/// heartbeat each second if reliable) and some for other tasks. Timers within this time of each
+/// other expire in one wakeup and then stay together. Retransmission uses a timer too, so reliable
+/// delivery keeps exact timers. Publishing and discovery do not wait for a timer.
 const TIMER_SLACK_NS: u64 = 100_000_000;
-/// Messages that a reliable publisher keeps for those who missed some: two seconds at 30 in one.
+/// Messages that a reliable publisher keeps for retransmission: two seconds at 30 fps.
 const KEPT: usize = 64;
 
-/// This process in the graph. It leaves when it is dropped.
+/// This process in the graph. Dropping it leaves the graph.
 pub(crate) struct Graph {
-    // Dropped in this order: the node tells its spinner to end, which then is waited for; the context says goodbye last.
+    // Dropped in this order: the node stops its spinner, whose thread is then joined; the context
+    // leaves last.
     node: Option<Node>,
     spinner: Option<JoinHandle<()>>,
     context: Context,
-    /// The transport's, by their numbers.
+    /// Threads of the transport, as paths in `/proc`.
     threads: Vec<PathBuf>,
     names: Names,
     reliable: bool,
@@ -44,14 +46,14 @@ pub(crate) struct Graph {
 pub(crate) struct Topic {
     publisher: Publisher<Body>,
     name: String,
-    /// Whether it was said that a message was too large.
+    /// True after a message that is too large has been reported.
     said: bool,
-    /// Messages that found no room, or were too large.
+    /// Messages that were too large or found no free space.
     unsent: u64,
 }
 
 impl Graph {
-    /// Enters the graph.
+    /// Joins the graph.
     pub(crate) fn enter(args: &Args) -> Result<Self> {
         let id = args.domain_id()?;
         let about = || format!("the ROS 2 domain {id} could not be entered");
@@ -100,7 +102,8 @@ impl Graph {
         })
     }
 
-    /// A publisher of a topic, by its name within the namespace, of messages such as `sensor_msgs` `PointCloud2`.
+    /// Creates a publisher of a topic, by its name within the namespace, of messages such as
+    /// `sensor_msgs` `PointCloud2`.
     pub(crate) fn publisher(&mut self, name: &str, package: &str, kind: &str) -> Result<Topic> {
         let name = self.names.topic(name);
         let qos = sent(self.reliable);
@@ -117,7 +120,8 @@ impl Graph {
         })
     }
 
-    /// A subscription to a topic, by its name within the namespace, to what is made of its messages; and the topic's whole name.
+    /// Creates a subscription to a topic, by its name within the namespace. Also returns the
+    /// topic's full name.
     pub(crate) fn subscription<M: 'static>(
         &mut self,
         name: &str,
@@ -152,26 +156,27 @@ impl Graph {
         Ok((topic, node))
     }
 
-    /// Makes the parameters these; those that are so already stay.
+    /// Sets the node's parameters; unchanged ones stay.
     pub(crate) fn set_parameters(&self, all: BTreeMap<String, ParameterValue>) {
         let Some(node) = &self.node else {
             return;
         };
         for known in node.list_parameters() {
-            // What ROS has for every node is no setting.
+            // ROS's own parameters of every node are not settings.
             if known.contains('.') && !all.contains_key(&known) {
                 node.undeclare_parameter(&known);
             }
         }
         for (name, value) in all {
             if node.get_parameter(&name).as_ref() != Some(&value) {
-                // Whatever the chain says is taken.
+                // The chain's values are always accepted.
                 let _ = node.set_parameter(&name, value);
             }
         }
     }
 
-    /// The types by which nodes publish a topic of this whole name, such as `sensor_msgs::msg::dds_::Image_`.
+    /// Types under which nodes publish a topic of this full name, such as
+    /// `sensor_msgs::msg::dds_::Image_`.
     pub(crate) fn published(&self, topic: &str) -> Vec<String> {
         let name = format!("rt{topic}");
         let writers = self.context.domain_participant().discovered_writers();
@@ -183,19 +188,20 @@ impl Graph {
             .collect()
     }
 
-    /// Whether the transport still works: RustDDS 0.15 ends its threads without a word when a process that was stopped (Ctrl-Z, a
-    /// debugger) goes on, as it takes the interrupted wait for a failure.
+    /// Returns whether the transport still works. When a process is suspended (Ctrl-Z, a debugger)
+    /// and continues, RustDDS 0.15 silently ends its threads, because it treats the interrupted
+    /// wait as a failure.
     pub(crate) fn is_alive(&self) -> bool {
         self.threads.iter().all(|thread| thread.exists())
     }
 
-    /// Whether somebody listens.
+    /// Returns whether the topic has a subscriber.
     pub(crate) fn is_heard(&self, topic: &Topic) -> bool {
         let node = self.node.as_ref();
         node.is_some_and(|node| topic.publisher.get_subscription_count(node) > 0)
     }
 
-    /// Whether somebody listens to a topic below this one, whether it is there or not.
+    /// Returns whether a topic below this name has a subscriber, whether or not the topic exists.
     pub(crate) fn is_heard_below(&self, name: &str) -> bool {
         let below = format!("rt{}/", self.names.topic(name));
         let readers = self.context.domain_participant().discovered_readers();
@@ -205,7 +211,8 @@ impl Graph {
         names.any(|name| name.starts_with(&below))
     }
 
-    /// Sends a message. One that is too large or finds no room among those that listeners have not taken is not sent, and counted.
+    /// Sends a message. A message is counted but not sent if it is too large, or if subscribers
+    /// have not taken enough of the earlier ones.
     pub(crate) fn send(&self, topic: &mut Topic, message: &[u8]) {
         if message.len() > self.max_bytes {
             topic.unsent += 1;
@@ -227,7 +234,7 @@ impl Graph {
 }
 
 impl Topic {
-    /// Messages that were not sent.
+    /// Number of messages that were not sent.
     pub(crate) fn unsent(&self) -> u64 {
         self.unsent
     }
@@ -237,30 +244,31 @@ impl Drop for Graph {
     fn drop(&mut self) {
         self.node = None;
         if let Some(spinner) = self.spinner.take() {
-            // It has said what went wrong, if anything did.
+            // It has already reported its error, if there was one.
             let _ = spinner.join();
         }
     }
 }
 
-/// How messages are received.
+/// Delivery of received messages.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Delivery {
-    /// Whether what is lost on the way is sent again; best-effort publishers are not matched then.
+    /// True if lost messages are sent again; best-effort publishers are then not matched.
     pub(crate) reliable: bool,
-    /// How many wait for this process.
+    /// Number of messages that may wait for this process.
     pub(crate) kept: usize,
 }
 
-/// The threads of this process.
+/// Threads of this process.
 fn threads() -> Result<Vec<PathBuf>> {
     let listed = fs::read_dir("/proc/self/task")?.map(|entry| Ok(entry?.path()));
     listed.collect()
 }
 
-/// Makes something, whose threads have timers that may be late, if they may.
+/// Runs `make` with timer slack for the threads that it starts, if `may_be_late`.
 fn with_timer_slack<T>(may_be_late: bool, make: impl FnOnce() -> T) -> T {
-    // A thread has that of the one that started it. Where the kernel has none, timers are as they are.
+    // A thread inherits the slack of the one that started it. Without support in the kernel, timers
+    // stay exact.
     let usual = current_timer_slack().ok();
     if may_be_late && usual.is_some() {
         let _ = set_current_timer_slack(NonZeroU64::new(TIMER_SLACK_NS));
@@ -286,7 +294,7 @@ fn received(Delivery { reliable, kept }: Delivery) -> QosProfile {
 fn sent(reliable: bool) -> QosProfile {
     let qos = QosProfile::publisher_default().durability(Durability::Volatile);
     if reliable {
-        // Nobody waits for a listener: what it does not take is told of, and the chain is read on.
+        // Never wait for a subscriber: count what it does not take, and continue to read the chain.
         qos.reliability_reliable(WhenFull::Fail)
             .history(History::KeepLast { depth: KEPT })
     } else {
@@ -295,7 +303,7 @@ fn sent(reliable: bool) -> QosProfile {
     }
 }
 
-/// A name with nothing but what ROS allows in one: letters, digits and `_`, no digit first.
+/// Converts a name to what ROS allows: letters, digits and `_`, not starting with a digit.
 pub(crate) fn in_ros(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(allowed).collect();
@@ -305,12 +313,13 @@ pub(crate) fn in_ros(name: &str) -> String {
     name
 }
 
-/// A message that is encoded already, with its head of four bytes, for a transport that would encode it.
+/// A message that is already encoded, with its four-byte header, for a transport that would encode
+/// it again.
 struct Body(Vec<u8>);
 
 impl Serialize for Body {
-    /// As many numbers of eight bytes as there are, and then bytes: encoded by the same rules they are what they were, because
-    /// the head is left out, and the first lies at a multiple of eight.
+    /// Serializes as many eight-byte numbers as fit, and then single bytes. The result equals the
+    /// encoded message, because the header is left out and the first number is aligned to eight.
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let body = self.0.get(4..).unwrap_or_default();
         let (words, rest) = body.as_chunks::<8>();

@@ -1,16 +1,16 @@
-//! How the chain is, as diagnostics say it: whether messages come, how old they are, what was lost where, what takes how long.
+//! State of the chain for diagnostics: whether messages arrive, their age, losses, latencies.
 
 use lariat_sink::{Arrival, Ledger, Step, Times};
 use lariat_wire::{Descriptors, FitQuality, Status as Seen, Unit};
 
 use crate::messages::{Level, Shapes, Status};
 
-/// An image this old says that the chain stands.
+/// Age of an image at which the chain counts as stalled.
 const STALE_NS: u64 = 1_000_000_000;
-/// Reports whose latencies stand together.
+/// Number of reports that share one set of latencies.
 const REPORTS: u32 = 10;
 
-/// What is known of the rig since this process reads it.
+/// State of the rig since this process began to read it.
 pub(crate) struct Health {
     ledger: Ledger,
     lost_before: u64,
@@ -19,7 +19,7 @@ pub(crate) struct Health {
     newest: Option<Newest>,
 }
 
-/// Of the newest message.
+/// Facts about the newest message.
 #[derive(Debug, Clone, Copy)]
 struct Newest {
     exposed_ns: u64,
@@ -28,7 +28,7 @@ struct Newest {
     lost: usize,
     doubtful: usize,
     coarse: usize,
-    /// Seen, and not known where in space.
+    /// Visible, but without a known position in space.
     unplaced: usize,
 }
 
@@ -43,7 +43,8 @@ impl Health {
         }
     }
 
-    /// A message, and where it is known that its ropes are, in hand at this moment of `CLOCK_MONOTONIC`.
+    /// Processes a message, with the positions of its ropes if known, received at `now_ns` of
+    /// `CLOCK_MONOTONIC`.
     pub(crate) fn take(&mut self, message: &Descriptors, shapes: Option<Shapes>, now_ns: u64) {
         if self.ledger.received(&message.trace, now_ns) == Arrival::Stale {
             return;
@@ -57,7 +58,7 @@ impl Health {
         }
         let ropes = message.curves();
         let count = |status| ropes.iter().filter(|r| r.status() == Some(status)).count();
-        // Rather wrong than right, whatever the status says.
+        // More likely wrong than right, whatever the status.
         let is_unsure = |rope: &&lariat_wire::Descriptor| {
             let is_seen = matches!(rope.status(), Some(Seen::Ok | Seen::Partial));
             is_seen && rope.confidence < lariat_wire::MIN_CONFIDENCE
@@ -74,7 +75,7 @@ impl Health {
         });
     }
 
-    /// What there is to say of it now. `unsent`: messages that did not go out.
+    /// Returns the current diagnostics. `unsent` is the number of messages that were not sent.
     pub(crate) fn status(&mut self, rig: &str, unsent: u64, now_ns: u64) -> Status {
         let lost = self.ledger.lost();
         let lost_now = lost.source + lost.capture + lost.extract + lost.bridge + lost.fit;

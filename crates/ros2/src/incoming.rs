@@ -1,10 +1,11 @@
-//! From the graph to the rig: images as its frames, masks of them, velocities for the simulated rope's grippers, and the camera's
-//! calibration.
+//! From the graph to the rig: images as its frames, their masks, velocities for the simulated
+//! rope's grippers, and the camera's calibration.
 //!
-//! By a thread of its own, which is woken by what comes: the other one sleeps until the rig has something. An image is copied once,
-//! from where the transport put it together into the slot of shared memory, and a picture file is decoded into it. What each
-//! publisher numbers its messages by is the frame's number, so that what got lost on the way is a frame lost at the source in all of the
-//! chain's books. What cannot be used is counted, and said once.
+//! This runs in its own thread, which incoming messages wake; the other thread sleeps until the rig
+//! has messages. An image is copied once, from the transport's memory into the slot of shared
+//! memory; an image file is decoded into the slot. A frame's number is the publisher's message
+//! number, so the whole chain counts a message lost on the way as a frame lost at the source.
+//! Unusable messages are counted and reported once.
 
 mod calibration;
 mod frames;
@@ -43,22 +44,22 @@ pub(crate) use stamps::Originals;
 use stamps::Stamps;
 use trouble::{Tally, Trouble};
 
-/// A topic that nobody publishes for so long is told of.
+/// Time after which a topic without publisher is reported.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Messages that wait for this process: images are large.
+/// Messages that may wait for this process; images are large.
 const IMAGES_KEPT: usize = 8;
 const OTHERS_KEPT: usize = 32;
 
-/// What comes in; it ends when it is dropped.
+/// The incoming topics; dropping this ends their thread.
 pub(crate) struct Incoming {
-    // Dropped first: that ends the thread.
+    // Dropped first, which ends the thread.
     end: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
     topics: Vec<Expected>,
     originals: Originals,
 }
 
-/// A topic as others are to publish it.
+/// A topic that others should publish.
 struct Expected {
     what: &'static str,
     name: String,
@@ -69,7 +70,7 @@ struct Expected {
     said: Option<String>,
 }
 
-/// What is read.
+/// The subscribed topics.
 #[derive(Default)]
 struct Feeds {
     image: Option<Feed<Result<u64, Trouble>>>,
@@ -78,20 +79,20 @@ struct Feeds {
     camera_info: Option<Feed<CameraInfo>>,
 }
 
-/// A topic that is read, of messages `M` or what is made of them at once.
+/// A subscribed topic with messages `M`, or with values made from them at once.
 struct Feed<M> {
     subscription: Subscription<M>,
     name: String,
     tally: Arc<Tally>,
-    /// Whether its images are files.
+    /// True if its images are files.
     is_file: bool,
 }
 
 impl Incoming {
-    /// Listens to the topics that were asked for, if any were.
+    /// Subscribes to the requested topics, if any.
     ///
     /// # Errors
-    /// A topic's name is none, or the rig has another writer.
+    /// A topic's name is invalid, or the rig has another writer.
     pub(crate) fn start(args: &Args, graph: &mut Graph, stop: &Stop) -> Result<Self> {
         let mut incoming = Self {
             end: None,
@@ -177,12 +178,12 @@ impl Incoming {
         })
     }
 
-    /// The stamps of the newest frames as they came.
+    /// The original stamps of the newest frames.
     pub(crate) fn originals(&self) -> &Originals {
         &self.originals
     }
 
-    /// What came of each topic, as diagnostics say it.
+    /// Counts of each topic for diagnostics.
     pub(crate) fn values(&self) -> impl Iterator<Item = (String, String)> {
         let topics = self.topics.iter();
         topics.flat_map(|topic| {
@@ -192,7 +193,7 @@ impl Incoming {
         })
     }
 
-    /// Says of a topic from which nothing comes what may be wrong with it.
+    /// Reports the likely cause if nothing arrives on a topic.
     pub(crate) fn look(&mut self, graph: &Graph) {
         for topic in &mut self.topics {
             if topic.tally.has_come() || topic.since.elapsed() < PATIENCE {
@@ -201,7 +202,8 @@ impl Incoming {
             let types = graph.published(&topic.name);
             let trouble = match types.iter().find(|name| **name != topic.type_name) {
                 None if types.is_empty() => "no node publishes it yet".to_owned(),
-                // A publisher that fits: it may be quiet, or give less than is asked for.
+                // The publisher matches: it may be silent, or offer a weaker quality of service
+                // than requested.
                 None => "a node publishes it, and nothing comes: is its quality of service best effort, and --reliable-images was \
                          said?"
                     .to_owned(),
@@ -223,7 +225,7 @@ impl Drop for Incoming {
     fn drop(&mut self) {
         self.end = None;
         if let Some(thread) = self.thread.take() {
-            // It has said what went wrong, if anything did.
+            // It has already reported its error, if there was one.
             let _ = thread.join();
         }
     }
@@ -231,7 +233,7 @@ impl Drop for Incoming {
 
 const COMPRESSED: (&str, &str) = ("sensor_msgs", "CompressedImage");
 
-/// Of topics of files, `image_transport`'s names tell.
+/// Topics of files are recognized by `image_transport`'s names.
 fn image_kind(topic: &str) -> (&'static str, &'static str) {
     if topic.ends_with("/compressed") {
         COMPRESSED
@@ -240,13 +242,13 @@ fn image_kind(topic: &str) -> (&'static str, &'static str) {
     }
 }
 
-/// `sensor_msgs/msg/Image`, of `sensor_msgs::msg::dds_::Image_`.
+/// Converts `sensor_msgs::msg::dds_::Image_` to `sensor_msgs/msg/Image`.
 fn in_ros_words(type_name: &str) -> String {
     let name = type_name.replace("::dds_::", "::").replace("::", "/");
     name.strip_suffix('_').unwrap_or(&name).to_owned()
 }
 
-/// What the thread is started with.
+/// State with which the thread is started.
 struct Reader {
     rig: Rig,
     by_arrival: bool,
@@ -255,7 +257,7 @@ struct Reader {
     originals: Originals,
 }
 
-/// What takes what comes.
+/// Handlers of the incoming messages.
 struct Takers {
     frames: Option<RefCell<Frames>>,
     masks: Option<RefCell<Masks>>,
@@ -264,9 +266,10 @@ struct Takers {
 }
 
 impl Reader {
-    /// Reads until it is to end. `ready`: told when the rig's writers are there, or why not.
+    /// Reads until `ended`. Reports on `ready` when the rig's writers are open, or why they are
+    /// not.
     fn read(self, feeds: &Feeds, ended: oneshot::Receiver<()>, ready: &Sender<Result<()>>) {
-        // Before what is in it.
+        // Declared before everything that is in it.
         let domain = match Domain::open() {
             Ok(domain) => domain,
             Err(cause) => return drop(ready.send(Err(cause.into()))),
@@ -371,7 +374,7 @@ impl Reader {
 }
 
 impl<M: 'static> Feed<M> {
-    /// Its images, each taken where the transport has it.
+    /// The images of this feed, each read in the transport's memory.
     fn pictures<'a, F>(&'a self, take: &'a RefCell<F>) -> Read<'a, M>
     where
         F: received::TakePicture<Taken = M>,
@@ -386,7 +389,7 @@ impl<M: 'static> Feed<M> {
 
 type Read<'a, M> = LocalBoxStream<'a, Result<(M, MessageInfo), ReadError>>;
 
-/// What comes, topic by topic.
+/// The incoming messages, one stream per topic.
 struct Streams<'a> {
     images: Read<'a, Result<u64, Trouble>>,
     masks: Read<'a, Result<masks::Taken, Trouble>>,
@@ -395,7 +398,8 @@ struct Streams<'a> {
 }
 
 impl Streams<'_> {
-    /// Each of these takes one message, if one waits, and says whether it did.
+    /// This function and the ones below handle one message, if one waits, and return whether they
+    /// did.
     fn poll_image(
         &mut self,
         cx: &mut Context,

@@ -1,20 +1,23 @@
 //! `lariat-ros2`: a rig of lariat in a ROS 2 graph.
 //!
-//! It is a reader of the rig like any control loop, a writer of its frames if those come from the graph, and a node of the graph, by RustDDS, without ROS installed. What nobody in the
-//! graph listens to is not made; when nobody listens to anything, the rig is not read. Bytes on the wire are those of
-//! `lariat-record`'s CDR, which recordings have too: there is one encoder, and one set of `.msg` files.
+//! It is a reader of the rig like any control loop, and a writer of its frames if those come from
+//! the graph. It is a node of the graph through RustDDS, without a ROS installation. Messages
+//! without a subscriber are not made, and without any subscriber the rig is not read. The encoding
+//! is that of `lariat-record`'s CDR, which recordings use too: there is one encoder and one set of
+//! `.msg` files.
 //!
 //! | | |
 //! |---|---|
-//! | `args` | the command line, ROS's own words (`--ros-args -r`, `__ns`, `__node`) among it |
-//! | `graph` | the node, its publishers, who listens |
-//! | `rig` | the channels that are read, as long as there is a writer and a listener |
-//! | `messages/` | what a message of lariat is in ROS's own types. Pure |
-//! | `pictures` | a frame as JPEG, with and without the ropes drawn on it |
-//! | `health` | what diagnostics say |
+//! | `args` | the command line, including ROS's own options (`--ros-args -r`, `__ns`, `__node`) |
+//! | `graph` | the node, its publishers and their subscribers |
+//! | `rig` | the channels, read while there is a writer and a subscriber |
+//! | `messages/` | conversion of lariat's messages to ROS's own types. Pure |
+//! | `pictures` | a frame as JPEG, with or without the ropes drawn on it |
+//! | `health` | contents of diagnostics |
 //! | `outgoing` | from the rig to the graph, message by message |
 //! | `parameters` | the chain's settings as the node's parameters |
-//! | `incoming/` | from the graph to the rig: images, masks, velocities of grippers, the camera's calibration |
+//! | `incoming/` | from the graph to the rig: images, masks, velocities of grippers, the camera's
+//! calibration |
 
 mod args;
 mod graph;

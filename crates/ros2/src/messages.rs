@@ -1,7 +1,8 @@
-//! What a message of lariat is in ROS's own types, as CDR. Pure: no I/O, no clock.
+//! Converts lariat's messages to ROS's own types, as CDR. Pure: no I/O, no clock.
 //!
-//! Lengths are metres in space, and where the rig has a plane (`mm`); else pixels, of the image or, with a lens only, of an ideal one:
-//! then a number in a message of ROS is a pixel, which [`Scale`] says. On the plane z is 0.
+//! Lengths are meters in space, and on the plane if the rig has one (`mm`). Otherwise they are
+//! pixels of the image, or of an ideal one if there is only a lens; a number in a ROS message is
+//! then one pixel, as [`Scale`] defines. On the plane z is 0.
 
 mod camera_info;
 mod diagnostics;
@@ -21,10 +22,10 @@ pub(crate) use rope::{Rope, Shapes};
 use lariat_record::{Cdr, Encoder};
 use lariat_wire::{Descriptors, Unit};
 
-/// Where and when a message's numbers hold.
+/// Time and coordinate frame of a message.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Header<'a> {
-    /// Nanoseconds of Unix time: when the image was taken.
+    /// Exposure time of the image in nanoseconds of Unix time.
     pub(crate) stamp_ns: u64,
     pub(crate) frame_id: &'a str,
 }
@@ -35,14 +36,14 @@ impl Header<'_> {
     }
 }
 
-/// What the rig's lengths are multiplied by.
+/// Factor applied to the rig's lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale(f64);
 
 impl Scale {
     pub(crate) const MILLIMETERS: Self = Self(1e-3);
 
-    /// Metres of millimetres; pixels stay.
+    /// Converts millimeters to meters; pixels stay.
     pub(crate) fn of(message: &Descriptors) -> Self {
         match message.unit() {
             Some(Unit::Millimeter) => Self::MILLIMETERS,
@@ -63,13 +64,14 @@ impl Scale {
     }
 }
 
-/// `geometry_msgs/Pose`, its x axis along `direction`, of length 1, and its y axis level: without a turn about the direction.
+/// Writes a `geometry_msgs/Pose` whose x axis points along the unit vector `direction`. Its y axis
+/// is level, without rotation about the direction.
 fn put_pose(to: &mut Encoder, at: [f64; 3], direction: [f64; 3]) {
     at.put(to);
     let [x, y, z] = direction;
     let [(sin_yaw, cos_yaw), (sin_rise, cos_rise)] =
         [y.atan2(x), z.atan2(x.hypot(y))].map(|angle| (0.5 * angle).sin_cos());
-    // To rise is to turn about y backwards.
+    // An upward tilt is a negative rotation about y.
     [
         sin_yaw * sin_rise,
         -cos_yaw * sin_rise,
@@ -79,7 +81,7 @@ fn put_pose(to: &mut Encoder, at: [f64; 3], direction: [f64; 3]) {
     .put(to);
 }
 
-/// The quaternion x, y, z, w of a turn about z.
+/// The quaternion x, y, z, w of a rotation about z.
 fn turn_about_z(yaw: f64) -> [f64; 4] {
     let (sine, cosine) = (0.5 * yaw).sin_cos();
     [0.0, 0.0, sine, cosine]

@@ -22,13 +22,13 @@ use crate::pictures::Pictures;
 use crate::rig::{Channels, Space, Wanted};
 use paths::Paths;
 
-/// How often diagnostics are said, and the clocks are held against each other.
+/// Interval at which diagnostics are sent and the clocks are compared.
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// Sends what the rig says, and takes what it is to be told, for as long as no signal comes.
+/// Publishes the rig's messages, and handles incoming ones, until a signal arrives.
 ///
 /// # Errors
-/// The graph or the rig's domain cannot be entered.
+/// The graph or the rig's domain cannot be joined.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let stop = Stop::on_signals()?;
     let domain = Domain::open()?;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Why nothing is sent any more.
+/// Reason why publishing ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ended {
     Asked,
@@ -77,7 +77,7 @@ fn serve(args: &Args, domain: &Domain, stop: &Stop) -> Result<Ended> {
     Ok(Ended::Asked)
 }
 
-/// The topics, and what their messages are made with.
+/// The topics, and the state for making their messages.
 struct Outgoing<'a> {
     args: &'a Args,
     prefix: String,
@@ -104,7 +104,7 @@ struct Outgoing<'a> {
     picture: Vec<u8>,
 }
 
-/// The calibration that the rig goes by.
+/// The calibration that the rig uses.
 #[derive(Default)]
 struct Lens {
     file: Option<(PathBuf, Option<SystemTime>)>,
@@ -112,7 +112,7 @@ struct Lens {
 }
 
 impl Lens {
-    /// Reads it, where it is another one than before.
+    /// Reads the calibration if it has changed.
     fn look(&mut self, rig: &Rig) {
         let file = calibration_of(rig).map(|path| {
             let changed = path.metadata().and_then(|file| file.modified()).ok();
@@ -120,7 +120,7 @@ impl Lens {
         });
         if file != self.file {
             let path = file.as_ref().map(|(path, _)| path);
-            // What is wrong with it the chain has said, which goes by it.
+            // The chain uses the same file and has already reported any error in it.
             self.camera = path.and_then(|path| read_camera(path).ok());
             self.file = file;
         }
@@ -160,7 +160,7 @@ impl<'a> Outgoing<'a> {
         })
     }
 
-    /// What is to be read for those who listen.
+    /// The channels that the current subscribers need.
     fn wanted(&self, graph: &Graph) -> Wanted {
         let heard = |topics: &[&Topic]| topics.iter().any(|topic| graph.is_heard(topic));
         let centerlines = heard(&[&self.markers, &self.overlay]);
@@ -172,7 +172,8 @@ impl<'a> Outgoing<'a> {
             &self.descriptors3,
             &self.diagnostics,
         ];
-        // A rope's own topic is there once the rope was seen, and may be listened to before.
+        // A rope's own topic exists only after the rope was detected, but may have subscribers
+        // before.
         let path = graph.is_heard_below(self.paths.prefix());
         Wanted {
             descriptors: centerlines || frames || path || heard(&shapes),
@@ -181,7 +182,7 @@ impl<'a> Outgoing<'a> {
         }
     }
 
-    /// What a message says goes to whoever listens.
+    /// Publishes the contents of a message to the subscribers.
     fn take(
         &mut self,
         graph: &mut Graph,
@@ -199,16 +200,16 @@ impl<'a> Outgoing<'a> {
         self.say_unit(message, shapes);
         self.paths.make(graph, message)?;
         let exposed_ns = message.trace.exposed_ns;
-        // Of an image that came with a stamp, that one to the last digit.
+        // For an image that came with a stamp, exactly that stamp.
         let original_ns = self.incoming.originals().of(exposed_ns);
         let stamp_ns = original_ns.unwrap_or_else(|| self.clock.wall_ns(exposed_ns));
-        // What a control loop steers by goes first, and pictures, which take milliseconds, last.
+        // Descriptors for control loops come first; images, which take milliseconds, come last.
         if graph.is_heard(&self.descriptors) {
             message.encode(&mut self.buffer);
             graph.send(&mut self.descriptors, &self.buffer);
         }
         let seen = channels.centerlines_of(sequence);
-        // Of a rig in space nothing is said of a frame whose place there did not come.
+        // For a rig in space, nothing is published about a frame whose message in space is missing.
         if let Some(shapes) = shapes {
             self.send_shapes(graph, shapes, seen.as_deref(), stamp_ns);
         }
@@ -293,7 +294,8 @@ impl<'a> Outgoing<'a> {
         }
     }
 
-    /// Diagnostics, parameters, and the clock's offset, which the keepers of the time of day move.
+    /// Updates diagnostics, parameters, and the clock's offset, which changes when the wall clock
+    /// is adjusted.
     fn every_second(&mut self, graph: &Graph, is_open: bool) {
         let now_ns = now_ns();
         if now_ns < self.second_due_ns {
@@ -333,7 +335,7 @@ impl<'a> Outgoing<'a> {
         graph.send(&mut self.diagnostics, &self.buffer);
     }
 
-    /// A ROS message's lengths are metres. Where they are not, that is said.
+    /// Reports once that positions are pixels, because lengths in ROS messages should be meters.
     fn say_unit(&mut self, message: &Descriptors, shapes: Option<Shapes>) {
         let is_flat = matches!(shapes, Some(Shapes::Flat(_)));
         let in_pixels = message.unit() != Some(lariat_wire::Unit::Millimeter);

@@ -1,11 +1,12 @@
-//! The chain's settings as the node's parameters: `ros2 param set` is what `lariat set` is.
+//! The chain's settings as the node's parameters: `ros2 param set` does the same as `lariat set`.
 //!
-//! What holds the chain knows: a client's word is the chain's to take or refuse, and what was changed elsewhere is looked for. A setting
-//! that is not set is no parameter.
+//! The chain knows the current settings. It accepts or refuses a client's change, and changes made
+//! elsewhere are polled. A setting without a value is not a parameter.
 //!
-//! Only what the chain takes between two frames: RustDDS 0.15 sends no answer of a service that is larger than a datagram (it writes the
-//! answer's address with a byte too many where a message is sent in fragments: an `Option` is written, not what is in it), and one with
-//! the values of all settings would be.
+//! Only settings that the chain can change between two frames are parameters. RustDDS 0.15 cannot
+//! send a service response larger than a datagram, and one with the values of all settings would
+//! be. (For a message in fragments it writes the response's address with a byte too many: an
+//! `Option` instead of its contents.)
 
 use std::collections::BTreeMap;
 use std::thread;
@@ -19,19 +20,19 @@ use toml::{Table, Value};
 
 use crate::graph::Graph;
 
-/// The sections that are taken between two frames.
+/// The sections that can change between two frames.
 const SECTIONS: [&str; 3] = ["extract", "fit", "camera"];
-/// How often it is looked whether they were changed elsewhere.
+/// Interval at which changes made elsewhere are polled.
 const LOOK_NS: u64 = 5_000_000_000;
 
-/// What makes a client's parameters the chain's settings. The thread that calls this is the one that knows what holds:
-/// what it sets itself is not asked of the chain.
+/// Makes a client's parameters the chain's settings. The thread that calls this one already knows
+/// the current settings, so parameters that it sets itself are not sent to the chain.
 pub(crate) fn options(rig: &Rig) -> NodeOptions {
     let (rig, own) = (rig.clone(), thread::current().id());
     NodeOptions::new()
-        // What it has to say goes to standard error; each writer of RustDDS wakes it now and then.
+        // The log goes to standard error, and each writer of RustDDS causes wakeups.
         .enable_rosout(false)
-        // Which there are, and of which type, the chain says.
+        // The chain knows the parameters and their types.
         .allow_undeclared_parameters(true)
         .parameter_set_action(Box::new(move |name, value| {
             if thread::current().id() == own {
@@ -41,7 +42,7 @@ pub(crate) fn options(rig: &Rig) -> NodeOptions {
         }))
 }
 
-/// Has the chain take a setting.
+/// Changes a setting of the chain.
 fn set(rig: &Rig, name: &str, value: &ParameterValue) -> Result<()> {
     let section = name.split_once('.').map_or(name, |(section, _)| section);
     ensure!(
@@ -57,16 +58,16 @@ fn set(rig: &Rig, name: &str, value: &ParameterValue) -> Result<()> {
     Ok(())
 }
 
-/// What the node's parameters were made of last.
+/// The state at the last update of the node's parameters.
 #[derive(Default)]
 pub(crate) struct Parameters {
-    /// The process of the fit, and the version of its settings.
+    /// Process ID of fit, and the version of its settings.
     known: Option<(u32, u32)>,
     due_ns: u64,
 }
 
 impl Parameters {
-    /// Makes them what holds, where that is another than before.
+    /// Updates the parameters if the current settings have changed.
     pub(crate) fn look(&mut self, rig: &Rig, graph: &Graph, now_ns: u64) {
         if now_ns < self.due_ns {
             return;
@@ -79,7 +80,8 @@ impl Parameters {
         if newest.is_none() || newest == self.known {
             return;
         }
-        // A stage that was started by hand has no chain to be asked; one that is being started is asked later.
+        // A stage started by hand runs without a chain to ask; a chain that is starting is asked
+        // later.
         if let Ok(settings) = holding(rig) {
             graph.set_parameters(settings);
             self.known = newest;
@@ -87,7 +89,7 @@ impl Parameters {
     }
 }
 
-/// The settings that hold, by the names of their parameters.
+/// The current settings, by the names of their parameters.
 fn holding(rig: &Rig) -> Result<BTreeMap<String, ParameterValue>> {
     let settings: Table = ask(rig.as_str(), &Asked::Settings)?
         .parse()
@@ -100,7 +102,7 @@ fn holding(rig: &Rig) -> Result<BTreeMap<String, ParameterValue>> {
     Ok(SECTIONS.into_iter().flat_map(of).collect())
 }
 
-/// A value of the settings file as a parameter; what ROS has no type for as its text.
+/// Converts a value of the settings file to a parameter. Types that ROS lacks become strings.
 fn parameter(value: &Value) -> ParameterValue {
     fn all<T>(values: &[Value], of: impl Fn(&Value) -> Option<T>) -> Option<Vec<T>> {
         let values: Option<Vec<T>> = values.iter().map(of).collect();
@@ -121,15 +123,15 @@ fn parameter(value: &Value) -> ParameterValue {
     }
 }
 
-/// A parameter as `lariat set` takes it.
+/// Formats a parameter for `lariat set`.
 ///
 /// # Errors
-/// No setting is of this type.
+/// No setting has this type.
 fn text(value: &ParameterValue) -> Result<String> {
     Ok(match value {
         ParameterValue::Boolean(is_so) => is_so.to_string(),
         ParameterValue::Integer(number) => number.to_string(),
-        // With a point, also where it is a whole number.
+        // With a decimal point, even for a whole number.
         ParameterValue::Double(number) => format!("{number:?}"),
         ParameterValue::String(text) => text.clone(),
         ParameterValue::IntegerArray(numbers) => format!("{numbers:?}"),

@@ -1,6 +1,7 @@
-//! A frame as JPEG, as it is and with the ropes drawn on it: `sensor_msgs/CompressedImage`.
+//! A frame as JPEG, with or without the ropes drawn on it: `sensor_msgs/CompressedImage`.
 //!
-//! Compressed, because RustDDS has an image of a megabyte under way for tens of milliseconds, and one of ten not at all.
+//! Compressed, because RustDDS takes tens of milliseconds to send an image of 1 MB, and cannot send
+//! one of 10 MB.
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
@@ -15,7 +16,7 @@ use crate::messages::Header;
 
 const END: [u8; 3] = [255; 3];
 
-/// Makes pictures, in memory that it keeps.
+/// Makes images, in buffers that it keeps.
 pub(crate) struct Pictures {
     quality: u8,
     maker: PictureMaker,
@@ -33,7 +34,8 @@ impl Pictures {
         }
     }
 
-    /// Writes the frame as a compressed image; `false` if it has no picture, or is of a Bayer pattern, which has no JPEG.
+    /// Writes the frame as a compressed image. Returns `false` for a blank frame, and for a Bayer
+    /// pattern, which JPEG does not support.
     pub(crate) fn plain(
         &mut self,
         frame: &FrameHeader,
@@ -53,11 +55,11 @@ impl Pictures {
             .is_ok_and(|made| made)
     }
 
-    /// Writes a frame that is a compressed image already, with the ropes drawn as extract saw them: each in its color, gray where
-    /// it is covered, a dot at its first end.
+    /// Writes a frame that is already a compressed image, with the ropes drawn as extract found
+    /// them. Each has its own color, gray where it is covered, and a dot at its first end.
     ///
     /// # Errors
-    /// It is no such image.
+    /// It is not a compressed image.
     pub(crate) fn with_ropes(
         &mut self,
         plain: &[u8],

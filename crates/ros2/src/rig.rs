@@ -1,4 +1,4 @@
-//! The rig's channels, read as long as there is a writer and somebody to read them for.
+//! The rig's channels, read while there is a writer and a subscriber.
 
 use std::time::{Duration, Instant};
 
@@ -9,44 +9,45 @@ use lariat_wire::{
 };
 use std::os::fd::AsFd;
 
-/// How often it is looked whether the writer is there, and who listens.
+/// Interval at which writers and subscribers are checked.
 const CHECK: Duration = Duration::from_millis(250);
-/// The same while nothing is read: each look costs some 70 µs of waking up.
+/// The same interval while nothing is read; each wakeup costs about 70 µs.
 const CHECK_AT_REST: Duration = Duration::from_millis(500);
 
-/// What is wanted of a rig.
+/// The channels that are needed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Wanted {
-    /// And of a rig with a depth camera those in space.
+    /// Includes descriptors in space if the rig has a depth camera.
     pub(crate) descriptors: bool,
     pub(crate) centerlines: bool,
     pub(crate) frames: bool,
 }
 
-/// What a rig says of where a frame's ropes are in space.
+/// A frame's shapes in space.
 pub(crate) enum Space {
-    /// It has no depth camera.
+    /// The rig lacks a depth camera.
     None,
-    /// It has one, and this frame's message was not seen here.
+    /// The rig has a depth camera, but this frame's message did not arrive.
     Missing,
     Of(Message<Descriptors3>),
 }
 
-/// The ends of the channels.
+/// The reading ends of the channels.
 ///
-/// Descriptors wake this process: once a frame, when the frame's work is done. What belongs to them has come before, and is looked
-/// for then. A reader that stayed when its writer has gone would keep the channel as it was, so it goes too.
+/// Descriptors wake this process once per frame, when the frame is complete. The other messages of
+/// the frame were sent before and are read then. A reader must not outlive its writer, because it
+/// would keep the channel as it was, so it is closed too.
 pub(crate) struct Channels<'d> {
     domain: &'d Domain,
     rig: &'d Rig,
     descriptors: Option<Receiver<Descriptors>>,
     descriptors3: Option<Receiver<Descriptors3>>,
-    /// Whether the rig has a depth camera, whatever is read of it.
+    /// True if the rig has a depth camera, whatever is read.
     is_in_space: bool,
     centerlines: Option<Receiver<Centerlines>>,
     frames: Option<Receiver<[u8]>>,
     checked: Option<Instant>,
-    /// What kept a channel from being read, said once.
+    /// The error that keeps a channel from being read, reported once.
     said: Option<String>,
 }
 
@@ -65,17 +66,17 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Whether it is time to look who writes and who listens.
+    /// Returns whether writers and subscribers should be checked now.
     pub(crate) fn is_check_due(&self) -> bool {
         self.checked.is_none_or(|at| at.elapsed() >= self.pause())
     }
 
-    /// From one look to the next.
+    /// Time between two checks.
     fn pause(&self) -> Duration {
         if self.is_open() { CHECK } else { CHECK_AT_REST }
     }
 
-    /// Takes up what is wanted and written, and lets go of the rest.
+    /// Opens the channels that are needed and have a writer, and closes the others.
     pub(crate) fn check(&mut self, wanted: Wanted) {
         self.checked = Some(Instant::now());
         let (domain, rig) = (self.domain, self.rig);
@@ -109,12 +110,12 @@ impl<'d> Channels<'d> {
         self.said = obstacle;
     }
 
-    /// Whether descriptors are read.
+    /// Returns whether descriptors are read.
     pub(crate) fn is_open(&self) -> bool {
         self.descriptors.is_some()
     }
 
-    /// Sleeps until descriptors may have come, until the next check, or until a signal.
+    /// Sleeps until descriptors may have arrived, until the next check, or until a signal.
     pub(crate) fn sleep(&mut self, stop: &Stop) {
         let due = self.checked.unwrap_or_else(Instant::now) + self.pause();
         if let Some(reader) = &self.descriptors {
@@ -128,12 +129,12 @@ impl<'d> Channels<'d> {
         stop.sleep_until(now_ns().saturating_add(ns));
     }
 
-    /// The oldest descriptors that wait.
+    /// The oldest waiting descriptors.
     pub(crate) fn next(&mut self) -> Option<Message<Descriptors>> {
         take(&mut self.descriptors, |reader| reader.next())
     }
 
-    /// What is said of where in space the ropes of the frame with this number of the source's are. That comes before its
+    /// The shapes in space of the frame with this source number. They are sent before its
     /// descriptors.
     pub(crate) fn space_of(&mut self, sequence: u64) -> Space {
         let came = take(&mut self.descriptors3, |reader| {
@@ -146,14 +147,14 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// The centerlines of the frame with this number of the source's, if they came.
+    /// The centerlines of the frame with this source number, if they arrived.
     pub(crate) fn centerlines_of(&mut self, sequence: u64) -> Option<Message<Centerlines>> {
         take(&mut self.centerlines, |reader| {
             until(reader, sequence, |message| message.trace.sequence)
         })
     }
 
-    /// The frame of this number, if it came.
+    /// The frame with this source number, if it arrived.
     pub(crate) fn frame_of(&mut self, sequence: u64) -> Option<Message<[u8]>> {
         let sequence_of = |message: &Message<[u8]>| -> u64 {
             let header: &FrameHeader = message.header();
@@ -165,8 +166,9 @@ impl<'d> Channels<'d> {
     }
 }
 
-/// The first of the waiting messages that is of this frame; those before it are let go of. One of a later frame is lost, as are
-/// what belongs to it: so is an image that overflowed.
+/// Returns the waiting message of this frame and discards earlier ones. If the first remaining
+/// message is of a later frame, it is lost, together with its frame's other messages; the same
+/// happens to an image after an overflow.
 fn until<P: Payload + ?Sized>(
     reader: &Receiver<P>,
     sequence: u64,
@@ -181,7 +183,7 @@ fn until<P: Payload + ?Sized>(
     Ok(None)
 }
 
-/// What is read; a reader that fails is let go of, and taken up again at the next check.
+/// Reads from a reader. One that fails is closed, and opened again at the next check.
 fn take<P: Payload + ?Sized, T>(
     reader: &mut Option<Receiver<P>>,
     read: impl FnOnce(&Receiver<P>) -> Result<Option<T>, WireError>,
@@ -207,17 +209,18 @@ fn follow<P: Payload + ?Sized>(
         (Some(_), None) if channel.name() == DESCRIPTORS.name() => {
             *reader = Some(Receiver::create(domain, rig, channel, None)?);
         }
-        // A lossless writer waits for its readers, and this one looks only when descriptors come: it must not be one but of what is
-        // always sent just before them.
+        // A lossless writer waits for its readers, but this reader reads only when descriptors
+        // arrive. It must therefore only read channels whose messages always come just before
+        // descriptors.
         (Some(state), None) if state.lossless && channel.name() != DESCRIPTORS3.name() => {}
         (Some(_), None) => *reader = Some(Receiver::create_unwoken(domain, rig, channel, None)?),
     }
     Ok(())
 }
 
-/// The channel's state, if it has a writer.
+/// The state of the channel if it has a writer.
 fn written(domain: &Domain, rig: &Rig, channel: &str) -> Option<ChannelState> {
-    // Of another version nobody's ends are known: opening it says so.
+    // The ends of a channel of another version are unknown; opening it reports the mismatch.
     let state = domain.channel(rig, channel);
     state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()))
 }

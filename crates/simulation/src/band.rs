@@ -1,17 +1,18 @@
-//! Symmetric positive definite systems whose entries all lie near the diagonal.
+//! Symmetric positive definite systems with entries only near the diagonal.
 
-/// The lower half of a banded matrix, row by row: `rows[r][d]` is the entry in row r, column r − d, of `WIDTH` that may not be 0. Solved by
-/// A = L D Lᵀ in place (Golub and Van Loan, *Matrix Computations*, 4.3.5), in a fixed order of sums.
+/// Lower half of a banded matrix, row by row: `rows[r][d]` is the entry in row r, column r − d.
+/// `WIDTH` entries per row may be nonzero. The system is solved in place by A = L D Lᵀ (Golub and
+/// Van Loan, *Matrix Computations*, 4.3.5), with sums in a fixed order.
 #[derive(Debug, Clone)]
 pub(crate) struct Band<const WIDTH: usize> {
     pub(crate) rows: Vec<[f64; WIDTH]>,
 }
 
 impl<const WIDTH: usize> Band<WIDTH> {
-    /// Entries beside the diagonal.
+    /// Number of entries next to the diagonal.
     pub(crate) const BESIDE: usize = WIDTH - 1;
 
-    /// A matrix of zeros.
+    /// Makes a matrix of zeros.
     pub(crate) fn new(size: usize) -> Self {
         Self {
             rows: vec![[0.0; WIDTH]; size],
@@ -37,13 +38,14 @@ impl<const WIDTH: usize> Band<WIDTH> {
         }
     }
 
-    /// L below the diagonal, D on it.
+    /// Factors the matrix into L below the diagonal and D on it.
     fn factorize(&mut self) {
         let rows = &mut self.rows;
         for r in 0..rows.len() {
             let mut row = rows[r];
             let mut pivot = row[0];
-            // From the leftmost column: each entry needs those before it, which still hold L times D.
+            // From the leftmost column on: each entry needs the entries before it, which still
+            // contain L times D.
             for d in (1..=Self::BESIDE.min(r)).rev() {
                 let column = rows[r - d];
                 for e in d + 1..=Self::BESIDE.min(r) {

@@ -1,36 +1,37 @@
-//! The robot: grippers that go where they are told to, within what a robot allows itself; in the plane or in space.
+//! The robot: grippers that follow commands within the robot's limits, in the plane or in 3-D.
 
 use crate::Limits;
 use crate::vector::{cross, distance, dot, length, push};
 
-/// Where a gripper is: the rope's end, and the direction in which the rope leaves its jaws.
+/// Pose of a gripper: the rope's end, and the direction in which the rope leaves the jaws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// The rope's end, in pixels.
+    /// Position of the rope's end, in pixels.
     pub at: [f64; 2],
-    /// The direction from x towards y, in radians.
+    /// Direction, from x toward y, in radians.
     pub angle_rad: f64,
 }
 
 impl Pose {
-    /// The point so far before the rope's end, along the direction.
+    /// Returns the point `by_px` ahead of the rope's end, along the direction.
     pub fn ahead(&self, by_px: f64) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.angle_rad);
         [self.at[0] + by_px * cos, self.at[1] + by_px * sin]
     }
 }
 
-/// Where a gripper is in space. How it is turned about the rope does not matter to a rope that may be twisted.
+/// Pose of a gripper in 3-D. Its rotation about the rope does not matter, because the rope may be
+/// twisted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpacePose {
-    /// The rope's end, in millimetres.
+    /// Position of the rope's end, in millimeters.
     pub at: [f64; 3],
-    /// The direction in which the rope leaves the jaws, of length 1.
+    /// Direction in which the rope leaves the jaws, of length 1.
     pub along: [f64; 3],
 }
 
 impl SpacePose {
-    /// The point so far before the rope's end, along the direction.
+    /// Returns the point `by_mm` ahead of the rope's end, along the direction.
     pub fn ahead(&self, by_mm: f64) -> [f64; 3] {
         let mut at = self.at;
         push(&mut at, by_mm, self.along);
@@ -38,18 +39,18 @@ impl SpacePose {
     }
 }
 
-/// What a robot asks of a pose with `D` coordinates of place, and as many of velocity (`V`) as it can be moved by: those of place, then
-/// turns in rad/s.
+/// Operations of a robot on a pose. `D` is the number of position coordinates, `V` that of velocity
+/// coordinates: those of the position, then turns in rad/s.
 pub(crate) trait Grip<const D: usize, const V: usize>: Copy {
     fn place(&mut self) -> &mut [f64; D];
 
-    /// The point so far before the rope's end.
+    /// Point at this distance ahead of the rope's end.
     fn tip(&self, by_px: f64) -> [f64; D];
 
-    /// Turns for so long.
+    /// Turns for the duration of a step.
     fn turn(&mut self, step_s: f64, velocity: &[f64; V]);
 
-    /// The way to another pose: what velocity leads there in a second.
+    /// Velocity that leads to another pose within one second.
     fn way(&self, to: &Self) -> [f64; V];
 }
 
@@ -82,7 +83,7 @@ impl Grip<3, 6> for SpacePose {
     }
 
     fn turn(&mut self, step_s: f64, &[.., x, y, z]: &[f64; 6]) {
-        // ȧ = ω × a; in a step of a millisecond the arc is its chord.
+        // ȧ = ω × a; in a step of a millisecond, the chord approximates the arc.
         let change = cross([x, y, z], self.along);
         push(&mut self.along, step_s, change);
         let length = length(self.along);
@@ -93,25 +94,26 @@ impl Grip<3, 6> for SpacePose {
         let axis = cross(self.along, to.along);
         let sine = length(axis);
         let angle = libm::atan2(sine, dot(self.along, to.along));
-        // Of directions that are opposite any axis will do that is across both; none is asked for.
+        // For opposite directions, any axis perpendicular to both would do; no caller needs this
+        // case.
         let [a, b, c] = axis.map(|c| if sine > 0.0 { angle * c / sine } else { 0.0 });
         let [x, y, z] = crate::vector::minus(to.at, self.at);
         [x, y, z, a, b, c]
     }
 }
 
-/// One or two grippers, and what they were told last.
+/// One or two grippers, and their last command.
 #[derive(Debug, Clone)]
 pub(crate) struct Robot<const D: usize, const V: usize, P> {
     limits: Limits,
     poses: Vec<P>,
-    /// Of place in px/s, then turns in rad/s.
+    /// Linear velocities in px/s, then turns in rad/s.
     velocities: Vec<[f64; V]>,
-    /// Since the last command.
+    /// Time since the last command.
     silent_s: f64,
-    /// Where the grippers may go: the lowest and the highest of each coordinate.
+    /// Range of the grippers: minimum and maximum of each coordinate.
     workspace_px: [[f64; 2]; D],
-    /// How far the jaws hold the rope.
+    /// Length over which the jaws hold the rope.
     held_px: f64,
 }
 
@@ -140,7 +142,8 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
         &self.velocities
     }
 
-    /// Takes a command. What is faster than the limits is slowed down in its direction; what is no number is zero.
+    /// Takes a command. A velocity above the limits is reduced without changing its direction.
+    /// Values that are not numbers become zero.
     pub(crate) fn command(&mut self, velocities: &[[f64; V]]) {
         self.silent_s = 0.0;
         for (i, velocity) in self.velocities.iter_mut().enumerate() {
@@ -149,7 +152,7 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
         }
     }
 
-    /// Moves for so long; where the rope is taut, `too_long_px` says by how much it is stretched too far.
+    /// Moves for the duration of a step. `too_long_px`: excess length of a rope that is taut.
     pub(crate) fn step(&mut self, step_s: f64, too_long_px: f64) {
         self.silent_s += step_s;
         if self.silent_s > self.limits.watchdog_s {
@@ -174,7 +177,7 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
         }
     }
 
-    /// How far apart the jaws are.
+    /// Distance between the jaws.
     fn apart_px(&self) -> f64 {
         let [first, second] = &self.poses[..] else {
             return 0.0;
@@ -182,7 +185,8 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
         distance(first.tip(self.held_px), second.tip(self.held_px))
     }
 
-    /// The grippers go back along the rope until they are no farther apart than that, each by its share in the motion.
+    /// Moves the grippers back along the rope until they are at most `most_px` apart, each in
+    /// proportion to its motion.
     fn give_way(&mut self, most_px: f64, moved_px: [f64; 2]) {
         let apart_px = self.apart_px();
         let excess_px = apart_px - most_px;
@@ -202,14 +206,15 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
 }
 
 impl Limits {
-    /// The nearest velocity that is allowed: of place in the same direction, each turn by itself.
+    /// Returns the nearest velocity within the limits. The linear part keeps its direction; each
+    /// turn is limited by itself.
     pub(crate) fn within<const D: usize, const V: usize>(&self, asked: [f64; V]) -> [f64; V] {
         let place: [f64; D] = std::array::from_fn(|axis| asked[axis]);
         let speed_px_s = length(place);
         let share = if speed_px_s.is_finite() {
             self.speed_px_s / speed_px_s.max(self.speed_px_s)
         } else {
-            // Also where the square of a number overflows: no robot is asked for that in earnest.
+            // Also if the square of a number overflows, which no real command does.
             0.0
         };
         let turn = |v: f64| if v.is_nan() { 0.0 } else { v };

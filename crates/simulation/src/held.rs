@@ -1,28 +1,29 @@
-//! Rope and robot together, step by step: the same in the plane and in space.
+//! Rope and robot together, step by step, with the same code in the plane and in 3-D.
 
 use crate::gripper::{Grip, Robot};
 use crate::options::Options;
 use crate::rod::{Energy, Material, Rod};
 
-/// How long a step is.
+/// Duration of a step.
 pub const STEP_NS: u64 = 1_000_000;
-/// The same in seconds.
+/// Duration of a step in seconds.
 pub const STEP_S: f64 = 1e-3;
-/// Nodes at each end that are within the jaws: the rope's position and direction there are the gripper's.
+/// Number of nodes at each end that are inside the jaws. There, the gripper determines the rope's
+/// position and direction.
 pub(crate) const HELD: usize = 3;
 
-/// What share of its speed a rope loses in a second to the air and in itself.
+/// Share of its speed that a rope loses per second to the air and to internal friction.
 const DAMPING_PER_S: f64 = 4.0;
-/// A rope whose nodes are all slower than this is at rest,
+/// A rope is at rest if all its nodes are slower than this.
 const AT_REST_PX_S: f64 = 0.2;
-/// and none is waited for longer than this.
+/// Maximum time to wait for a rope to come to rest.
 const LONGEST_REST_S: f64 = 4.0;
-/// A rope that is stretched by this share is taut: the robot pulls no farther.
+/// Relative stretch at which a rope is taut and the robot pulls no farther.
 const TAUT: f64 = 5e-4;
-/// Of what the robot can, what it does where nothing is in a hurry.
+/// Share of the robot's limits that unhurried motions use.
 const UNHURRIED: f64 = 0.5;
 
-/// A rope and its grippers, in `D` dimensions, with `V` coordinates of a gripper's velocity.
+/// A rope and its grippers, in `D` dimensions, with `V` velocity coordinates per gripper.
 #[derive(Debug, Clone)]
 pub(crate) struct Held<const D: usize, const V: usize, const BAND: usize, P> {
     pub(crate) options: Options,
@@ -32,7 +33,7 @@ pub(crate) struct Held<const D: usize, const V: usize, const BAND: usize, P> {
 }
 
 impl<const D: usize, const V: usize, const BAND: usize, P: Grip<D, V>> Held<D, V, BAND, P> {
-    /// The rope that was laid along these nodes, come to rest in its grippers.
+    /// Lays a rope along these nodes and lets it come to rest in its grippers.
     pub(crate) fn new(
         options: &Options,
         line: Vec<[f64; D]>,
@@ -42,7 +43,7 @@ impl<const D: usize, const V: usize, const BAND: usize, P: Grip<D, V>> Held<D, V
         let segment_px = options.segment_px();
         let material = Material {
             segment_px,
-            // From m⁴ to px⁴.
+            // Converts m⁴ to px⁴.
             bending_px4_s2: options.stiffness * 1e12,
             friction: options.friction,
             damping_per_s: DAMPING_PER_S,

@@ -1,5 +1,6 @@
-//! A rope held by one or two grippers, on a table seen from above, one unit a pixel, or lifted off it, one unit a millimetre:
-//! position-based dynamics.
+//! A rope held by one or two grippers, simulated by position-based dynamics. It is either on a
+//! table seen from above, with one unit per pixel, or lifted off the table, with one unit per
+//! millimeter.
 //!
 //! ```
 //! use lariat_simulation::{Options, Simulation, TargetShape, at_equal_steps};
@@ -16,48 +17,59 @@
 //! # Ok::<(), lariat_simulation::OptionsError>(())
 //! ```
 //!
-//! The rope hardly stretches, resists bending and rubs on the table ([`Options`]); how it is computed stands at the head
-//! of `rod`. It does not feel itself: strands pass through each other. Each gripper clamps an end, place and direction
-//! ([`Pose`]), and goes where it is [told](Simulation::command) as fast as the robot's [`Limits`] allow. A robot that feels
-//! the rope taut between its grippers pulls no farther. A [`Simulation`] is in the plane of the table; a [`SpaceSimulation`] has gravity, the
-//! table below, and grippers with a [place and direction in space](SpacePose).
+//! The rope hardly stretches, resists bending and has friction with the table ([`Options`]); the
+//! documentation of `rod` explains the method. There is no self-contact: strands pass through each
+//! other. Each gripper clamps an end in position and direction ([`Pose`]). It moves as
+//! [commanded](Simulation::command), as fast as the robot's [`Limits`] allow. A robot that feels a
+//! taut rope between its grippers pulls no farther. A [`Simulation`] is in the plane of the table.
+//! A [`SpaceSimulation`] has gravity, a table below, and grippers with a [pose in 3-D](SpacePose).
 //!
-//! Pure: no I/O, no clock, no threads; nothing is allocated in a step. Sums are in a fixed order, roots are IEEE's, sines
-//! libm's: the same commands give the same rope, to the last bit, on every machine.
+//! Pure: no I/O, no clock, no threads, and no allocation within a step. Sums have a fixed order,
+//! roots are IEEE's and sines are libm's. Therefore the same commands give the same rope on every
+//! machine, to the last bit.
 //!
 //! # How the chain shows it
 //!
-//! `crates/simulation` is the rope and the robot, step by step of a millisecond; `crates/capture/src/simulated.rs` runs it in real
-//! time, and `crates/drawn` takes its picture; the shell (`crates/chain/src/stages/capture.rs`) hands it the rig's commands.
+//! `crates/simulation` simulates the rope and the robot in steps of a millisecond.
+//! `crates/capture/src/simulated.rs` runs it in real time, and `crates/drawn` draws its pictures.
+//! The shell (`crates/chain/src/stages/capture.rs`) passes the rig's commands to it.
 //!
-//! **The rope** (`rod`, `band`) is a chain of 61 masses under extended position-based dynamics (XPBD: Macklin et al. 2016, and *Small
-//! Steps* 2019), one iteration a step. The constraints of a chain, stretch and bend in turns, couple no farther than four rows:
-//! the system is solved exactly, by a banded LDLᵀ, instead of constraint by constraint. Stiffness is then what was asked for, whatever the step, and the
-//! rope between two clamps is an elastica, and hardly stretches. Bending is that of discrete elastic rods, 2 tan(φ/2).
-//! Coulomb friction is a drag of μg over the speed, implicit in each mass's inverse mass: it can only take energy, and below
-//! 10⁻³ px/s it holds. One pixel is a millimetre; stiffness and friction are a cable's on a smooth table. There is no self-contact. A
-//! test holds the energy from growing in any step while grippers rest, the length to 2 % in the fastest motion, and all of it to a digest:
-//! sums have one order, roots are IEEE's, sines libm's.
+//! **The rope** (`rod`, `band`) is a chain of 61 masses under extended position-based dynamics
+//! (XPBD: Macklin et al. 2016, and *Small Steps* 2019), with one iteration per step. The
+//! constraints of a chain, alternately stretch and bend, couple at most four rows. The system is
+//! therefore solved exactly, by a banded LDLᵀ, instead of constraint by constraint. The stiffness
+//! is then the requested one whatever the step, and the rope between two clamps is an elastica that
+//! hardly stretches. Bending is that of discrete elastic rods, 2 tan(φ/2). Coulomb friction is a
+//! drag of μg over the speed, implicit in each mass's inverse mass. It can only remove energy, and
+//! it holds the rope below 10⁻³ px/s. One pixel is a millimeter; stiffness and friction are those
+//! of a cable on a smooth table. There is no self-contact. Tests check that the energy does not
+//! grow in any step while the grippers rest, and that the length stays within 2 % in the fastest
+//! motion. They also check a digest of the results: sums have one order, roots are IEEE's, and
+//! sines are libm's.
 //!
-//! **In space** (`space`) the same chain has three coordinates, and at each node bends about three axes: the band is 11 wide instead of 5, and a step
-//! takes some five times as long. Gravity takes it down, the table is a stiff damped spring, implicit like friction, which there is by
-//! what presses. It may be twisted as one likes. What it is told and what holds it is in the plane and in space one code
-//! (`held`, `gripper`, `rod`), and in the plane the same to the bit.
+//! **In 3-D** (`space`), the same chain has three coordinates, and each node bends about three
+//! axes. The band is 11 wide instead of 5, and a step takes about five times as long. Gravity pulls
+//! the rope down. The table is a stiff damped spring, implicit like friction, which there depends
+//! on the contact pressure. The rope has no torsional stiffness. The code for commands and clamps
+//! is the same as in the plane (`held`, `gripper`, `rod`).
 //!
-//! **The robot** (`gripper`) clamps an end by three nodes: place and direction. It slows down what is faster than its limits, stays
-//! in its workspace, stops 0.25 s after the last command, and pulls no farther than the rope is long: grippers that go apart at a taut
-//! rope are put back along it, each by its share.
+//! **The robot** (`gripper`) clamps three nodes of an end, which fixes position and direction. It
+//! limits velocities, stays in its workspace, stops 0.25 s after the last command, and does not
+//! pull beyond the rope's length. Grippers that move apart on a taut rope are moved back along it,
+//! each in proportion to its motion.
 //!
-//! **Targets** (`target`): `u`, `s`, `line` are poses, and the shape is what the rope takes when it is slowly brought there from its own
-//! start: so it can be reached. The S is the one of an elastica neither pulled nor pushed, as under a push a rod between
-//! antisymmetric clamps has several shapes; the line hangs by a twentieth of its length, as a taut rope's middle moves by
-//! many times what a gripper does.
+//! **Targets** (`target`): `u`, `s` and `line` are poses. The shape is the one that the rope takes
+//! when it is slowly moved there from its own start, so it can be reached. The S is that of an
+//! elastica without tension or compression, because a compressed rod between antisymmetric clamps
+//! has several shapes. The line sags by a twentieth of its length, because the middle of a taut
+//! rope moves many times as far as a gripper does.
 //!
-//! **The picture.** Frames are a camera's: the moment comes by the pacer, the simulation goes on to it, the picture is drawn then
-//! and `exposed_ns` is the moment. Between two frames the source looks for commands every 4 ms and simulates up to
-//! 3 ms behind the clock, so that a command takes effect at its `sent_ns` and little is left to do at the moment. Grippers are
-//! orange, with a wrist far wider than the rope: extraction takes what is so out of the mask. The truth is the
-//! centerline from jaw to jaw.
+//! **The picture.** Frames are like a camera's: the pacer gives the time, the simulation advances
+//! to it, the picture is drawn, and `exposed_ns` is that time. Between two frames, the source
+//! checks for commands every 4 ms and simulates up to 3 ms behind the clock. A command therefore
+//! takes effect at its `sent_ns`, and little work remains at the time of the frame. Grippers are
+//! orange, with a wrist much wider than the rope, so that extraction removes them from the mask.
+//! The truth is the centerline from jaw to jaw.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -1,39 +1,43 @@
-//! What is simulated, and how the robot is limited.
+//! Parameters of the simulation, and limits of the robot.
 
-/// Most grippers.
+/// Maximum number of grippers.
 pub const MAX_GRIPPERS: usize = 2;
 
-/// The rope, the table and the robot. One pixel is taken to be one millimetre.
+/// Parameters of the rope, the table and the robot. One pixel corresponds to one millimeter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Which of all starts.
+    /// Selects the start.
     pub seed: u64,
-    /// How many grippers hold the rope: 1 or 2.
+    /// Number of grippers that hold the rope: 1 or 2.
     pub grippers: usize,
-    /// Length of the rope from end to end in pixels: 100 to two thirds of the picture's width, and of 4/3 of its height.
+    /// Length of the rope from end to end in pixels: at least 100, and at most two thirds of the
+    /// smaller of the picture's width and 4/3 of its height.
     pub length_px: f64,
-    /// How many nodes the rope is made of, 21 to 201. They are as far apart as the jaws are half long.
+    /// Number of nodes of the rope, 21 to 201. Their spacing is half the length of the jaws.
     pub nodes: usize,
-    /// Bending stiffness by mass of length, in m⁴/s²: 0.01 to 1. A cable of 30 g/m that needs 3 mN m² has 0.1.
+    /// Bending stiffness per mass of length, in m⁴/s²: 0.01 to 1. A cable of 30 g/m with 3 mN m²
+    /// has 0.1.
     pub stiffness: f64,
     /// Coefficient of friction with the table, 0 to 1.
     pub friction: f64,
-    /// Width and height of the picture in pixels, each 200 to 8192: the rope starts in the middle of it.
+    /// Width and height of the picture in pixels, each 200 to 8192. The rope starts in the middle
+    /// of the picture.
     pub picture_px: [f64; 2],
-    /// What the robot allows itself.
+    /// Limits of the robot.
     pub limits: Limits,
 }
 
-/// What a robot allows itself.
+/// Limits of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// The fastest that a gripper goes, in px/s: above 0, at most 300.
+    /// Maximum speed of a gripper, in px/s: above 0, at most 300.
     pub speed_px_s: f64,
-    /// The fastest that it turns, in rad/s: above 0, at most 3.
+    /// Maximum turn rate of a gripper, in rad/s: above 0, at most 3.
     pub turn_rad_s: f64,
-    /// How long it goes on without a command, in seconds.
+    /// Time for which it moves without a new command, in seconds.
     pub watchdog_s: f64,
-    /// How near to the picture's edge a gripper goes, in pixels: less than a quarter of the picture.
+    /// Minimum distance of a gripper from the picture's edge, in pixels: less than a quarter of the
+    /// picture.
     pub margin_px: f64,
 }
 
@@ -63,16 +67,16 @@ impl Default for Options {
     }
 }
 
-/// What cannot be simulated.
+/// Reason why a simulation is impossible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OptionsError {
     /// A number out of its range.
     #[error("the simulated rope needs {what}")]
     OutOfRange {
-        /// What is needed, and what was asked.
+        /// What is required, and what was requested.
         what: String,
     },
-    /// A shape that one gripper cannot give a rope.
+    /// The shape needs two grippers.
     #[error("one gripper cannot give a rope a shape: take two")]
     OneGripper,
 }
@@ -83,13 +87,13 @@ impl Options {
         self.length_px / (self.nodes - 1) as f64
     }
 
-    /// Where grippers may go: the lowest and the highest x, and y.
+    /// Range of the grippers: minimum and maximum of x and of y.
     pub(crate) fn workspace_px(&self) -> [[f64; 2]; 2] {
         let margin_px = self.limits.margin_px;
         self.picture_px.map(|size| [margin_px, size - margin_px])
     }
 
-    /// The picture's middle, or what is aside of it by these shares of the picture.
+    /// Middle of the picture, offset by these shares of the picture.
     pub(crate) fn middle(&self, aside: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|axis| {
             let size = self.picture_px[axis];
@@ -130,7 +134,7 @@ impl Options {
 }
 
 fn within(what: &str, value: f64, low: f64, high: f64) -> Result<(), OptionsError> {
-    // Also false for what is no number.
+    // Also false for NaN.
     if (low..=high).contains(&value) {
         return Ok(());
     }

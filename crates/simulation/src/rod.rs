@@ -1,99 +1,108 @@
-//! The rope: a chain of point masses that hardly stretches, resists bending and rubs on the table; in the plane of the table, or in
-//! space above it.
+//! The rope: a chain of point masses that hardly stretches, resists bending and has friction with
+//! the table. It is in the plane of the table, or in 3-D above the table.
 //!
-//! Extended position-based dynamics (Macklin, Müller and Chentanez, *XPBD*, 2016; one iteration in each of many small
-//! steps: Macklin et al., *Small Steps in Physics Simulation*, 2019). Each constraint C with compliance α is worth the
-//! energy C² / 2α. A step predicts where the masses go by themselves, x̃, and moves them by
+//! The method is extended position-based dynamics (Macklin, Müller and Chentanez, *XPBD*, 2016; one
+//! iteration in each of many small steps: Macklin et al., *Small Steps in Physics Simulation*,
+//! 2019). Each constraint C with compliance α has the energy C² / 2α. A step predicts the free
+//! motion of the masses to x̃, and moves them by
 //!
 //! ```text
 //! Δx = W Jᵀλ,   (J W Jᵀ + α/Δt²) λ = −C(x̃),   v = (x̃ + Δx − x) / Δt
 //! ```
 //!
-//! Along a chain this system is banded, so it is solved exactly and not constraint by constraint (as Deul et al., *Direct
-//! Position-Based Solver for Stiff Rods*, 2018): a pull is felt at the other end at once, however stiff the rope is.
-//! Bending is that of discrete elastic rods (Bergou et al. 2008): 2 tan(φ/2) for the angle φ between two segments, about the one axis of
-//! the plane or the three of space (where it is their curvature binormal). A rope in space may be twisted as one likes: it resists that not.
+//! Along a chain, this system is banded. It is solved exactly (as in Deul et al., *Direct
+//! Position-Based Solver for Stiff Rods*, 2018) and not constraint by constraint. A pull therefore
+//! acts on the other end at once, however stiff the rope is. Bending is that of discrete elastic
+//! rods (Bergou et al. 2008): 2 tan(φ/2) for the angle φ between two segments. It is about the one
+//! axis of the plane, or about the three axes of 3-D space, where it is their curvature binormal. A
+//! rope in 3-D has no torsional stiffness.
 //!
-//! Coulomb friction is a drag whose coefficient is μp over the speed, p what presses on the table by mass, implicit as all else: it is part of
-//! W, the inverse of what resists in a step. Below [`CREEP_PX_S`] the coefficient stays what it is there, so that what holds a rope at
-//! rest is a drag so strong that it creeps by less than a pixel in a quarter of an hour.
+//! Coulomb friction is a drag with the coefficient μp over the speed, where p is the contact
+//! pressure on the table per mass. It is implicit like everything else: it is part of W, the
+//! inverse of the resistance in a step. Below [`CREEP_PX_S`], the coefficient is constant. A rope
+//! at rest is thus held by a drag so strong that it creeps by less than a pixel in a quarter of an
+//! hour.
 //!
-//! In the plane all of the rope's weight presses. In space gravity takes it down, and the table is a stiff damped spring below it, implicit
-//! likewise: a part of W along z.
+//! In the plane, the whole weight of the rope presses on the table. In 3-D, gravity pulls the rope
+//! down, and the table below is a stiff damped spring. It is implicit, too: a part of W along z.
 //!
-//! The rope does not feel itself: strands pass through each other.
+//! There is no self-contact: strands pass through each other.
 
 use crate::band::Band;
 use crate::vector::{dot, length, minus, push};
 
 /// Gravity in px/s².
 pub(crate) const GRAVITY_PX_S2: f64 = 9810.0;
-/// Below this speed friction no longer grows.
+/// Speed below which friction no longer grows.
 const CREEP_PX_S: f64 = 1e-3;
-/// How fast a pull runs along the rope: it stretches by a millionth under its own friction.
+/// Speed at which a pull travels along the rope. At this speed, the rope stretches by a millionth
+/// under its own friction.
 const SOUND_PX_S: f64 = 1e6;
-/// What 1 + cos φ is taken to be at least: segments folded upon each other have no direction to unfold in.
+/// Minimum value of 1 + cos φ, because segments folded onto each other have no direction to unfold
+/// in.
 const LEAST_OPENING: f64 = 0.05;
-/// How stiff the table is, by mass: under its own weight a rope sinks into it by a fiftieth of a millimetre.
+/// Stiffness of the table, per mass: under its own weight, a rope sinks into it by a fiftieth of a
+/// millimeter.
 const TABLE_PER_S2: f64 = GRAVITY_PX_S2 / 0.02;
-/// What it takes from what moves into it: no bounce is left (the damping that is critical, 2√stiffness).
+/// Damping of motion into the table. It is critical (2√stiffness), so nothing bounces.
 const TABLE_DAMPING_PER_S: f64 = 1400.0;
 
-/// What a rope is made of, and what it is above.
+/// Properties of a rope and of the table below it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Material {
     /// Length of a segment.
     pub(crate) segment_px: f64,
-    /// Bending stiffness by mass of a pixel's length, in px⁴/s².
+    /// Bending stiffness per mass of a pixel's length, in px⁴/s².
     pub(crate) bending_px4_s2: f64,
     /// Coefficient of friction with the table.
     pub(crate) friction: f64,
-    /// What share of its speed it loses in a second beside friction.
+    /// Share of its speed that it loses per second in addition to friction.
     pub(crate) damping_per_s: f64,
-    /// Its centerline's height where it lies on the table, in space.
+    /// Height of the centerline of a rope on the table, in 3-D.
     pub(crate) lies_at_px: f64,
 }
 
-/// What is stored in a rope, in px²/s² by the mass of one node.
+/// Energy stored in a rope, in px²/s² per mass of one node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energy {
-    /// Of motion, but for the nodes that grippers hold.
+    /// Kinetic energy, without the nodes that grippers hold.
     pub kinetic: f64,
-    /// Of bending.
+    /// Bending energy.
     pub bending: f64,
-    /// Of stretching.
+    /// Stretching energy.
     pub stretching: f64,
-    /// Of height above the table, and of what is pressed into that; 0 in the plane.
+    /// Energy of the height above the table, and of the pressure into it; 0 in the plane.
     pub height: f64,
 }
 
 impl Energy {
-    /// All of it.
+    /// Returns the total energy.
     pub fn total(&self) -> f64 {
         self.kinetic + self.bending + self.stretching + self.height
     }
 }
 
-/// One constraint where it stands: its value, and its gradient at the nodes from its first on.
+/// One constraint at the current positions: its value, and its gradient at the nodes from its first
+/// one on.
 #[derive(Debug, Clone, Copy)]
 struct Constraint<const D: usize> {
     value: f64,
     gradient: [[f64; D]; 3],
-    /// How many nodes it is about.
+    /// Number of nodes that it involves.
     nodes: usize,
 }
 
-/// How a node gives way in a step.
+/// Mobility of a node in a step.
 #[derive(Debug, Clone, Copy)]
 struct Mobility {
-    /// 0 where a gripper holds the node, 1 where nothing resists.
+    /// 0 if a gripper holds the node, 1 if nothing resists.
     along: f64,
-    /// What of that is left along z.
+    /// Remaining share of it along z.
     up: f64,
 }
 
-/// A chain of nodes of equal mass. `BAND`: the width of the system's band, which for `bends` at a node is 2 (1 + bends) + bends: 5 in the
-/// plane, 11 in space.
+/// A chain of nodes of equal mass. `BAND`: width of the system's band, which is 2 (1 + bends) +
+/// bends for `bends` at a node: 5 in the plane, 11 in 3-D.
 #[derive(Debug, Clone)]
 pub(crate) struct Rod<const D: usize, const BAND: usize> {
     material: Material,
@@ -101,17 +110,18 @@ pub(crate) struct Rod<const D: usize, const BAND: usize> {
     before: Vec<[f64; D]>,
     velocity: Vec<[f64; D]>,
     mobility: Vec<Mobility>,
-    /// Stretch of segment k, and the bends at its end: the order in which the system is banded.
+    /// Stretch of segment k, then the bends at its end. In this order the system is banded.
     constraints: Vec<Constraint<D>>,
     system: Band<BAND>,
     multipliers: Vec<f64>,
 }
 
 impl<const D: usize, const BAND: usize> Rod<D, BAND> {
-    /// Constraints by segment: one axis to bend about in the plane, three in space.
+    /// Number of constraints per segment: a stretch, and one bending axis in the plane or three in
+    /// 3-D.
     const ROWS: usize = 1 + D * (D - 1) / 2;
 
-    /// A rope at rest along these nodes, three or more at equal steps.
+    /// Makes a rope at rest along these nodes, at least three at equal steps.
     pub(crate) fn new(nodes: Vec<[f64; D]>, material: Material) -> Self {
         let count = nodes.len();
         // The last segment has no bend at its end.
@@ -143,14 +153,14 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         &self.at
     }
 
-    /// How much longer it is than when it is loose, as a share.
+    /// Relative elongation, compared with the relaxed rope.
     pub(crate) fn stretch(&self) -> f64 {
         let chords = self.at.windows(2).map(|pair| minus(pair[1], pair[0]));
         let length_px: f64 = chords.map(length).sum();
         length_px / (self.material.segment_px * (self.at.len() - 1) as f64) - 1.0
     }
 
-    /// The fastest node's speed.
+    /// Speed of the fastest node.
     pub(crate) fn speed_px_s(&self) -> f64 {
         self.velocity
             .iter()
@@ -159,7 +169,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
             .sqrt()
     }
 
-    /// One step in time; `held` says where nodes are at its end.
+    /// Makes one time step. `held`: positions of the held nodes at its end.
     pub(crate) fn step(&mut self, step_s: f64, held: impl IntoIterator<Item = (usize, [f64; D])>) {
         self.predict(step_s);
         for (node, at) in held {
@@ -167,7 +177,8 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
             self.mobility[node].along = 0.0;
         }
         self.constrain(step_s);
-        // Wound up beyond what its stiffness can be solved for, it stays where it was.
+        // If the rope is wound up beyond what its stiffness can be solved for, it stays where it
+        // was.
         if !self.at.as_flattened().iter().all(|c| c.is_finite()) {
             self.at.copy_from_slice(&self.before);
         }
@@ -176,7 +187,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         }
     }
 
-    /// Where each node goes by itself, slowed by the table.
+    /// Predicts the free motion of each node, slowed by the table.
     fn predict(&mut self, step_s: f64) {
         let Material {
             friction,
@@ -209,7 +220,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         }
     }
 
-    /// Moves the nodes so that the constraints hold as stiffly as they should.
+    /// Moves the nodes so that the constraints hold with their stiffness.
     fn constrain(&mut self, step_s: f64) {
         self.linearize();
         let per_step2 = 1.0 / (step_s * step_s);
@@ -238,7 +249,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         }
     }
 
-    /// Values and gradients of all constraints at the nodes as they are.
+    /// Computes the values and gradients of all constraints at the current nodes.
     fn linearize(&mut self) {
         let segment_px = self.material.segment_px;
         for (row, constraint) in self.constraints.iter_mut().enumerate() {
@@ -250,7 +261,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         }
     }
 
-    /// The entry of J W Jᵀ for two constraints, `a` not before `b`.
+    /// Entry of J W Jᵀ for two constraints, with `a` not before `b`.
     fn coupling(&self, a: usize, b: usize) -> f64 {
         let (later, earlier) = (&self.constraints[a], &self.constraints[b]);
         let first = a / Self::ROWS;
@@ -268,7 +279,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
             .sum()
     }
 
-    /// α of a constraint, for nodes of mass 1.
+    /// Compliance α of a constraint, for nodes of mass 1.
     fn compliance(&self, row: usize) -> f64 {
         let segment_px = self.material.segment_px;
         let stiffness = if row.is_multiple_of(Self::ROWS) {
@@ -279,7 +290,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
         segment_px * segment_px / stiffness
     }
 
-    /// What is stored in the rope now.
+    /// Returns the energy stored in the rope now.
     pub(crate) fn energy(&mut self) -> Energy {
         self.linearize();
         let stored = |is_meant: fn(usize) -> bool| -> f64 {
@@ -311,8 +322,8 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
     }
 }
 
-/// How far a node that is so high above where it would lie goes by itself along z, and how it gives way there. The table counts where
-/// the node would be in it at the step's end.
+/// Free motion along z of a node at this height above its resting height, and its mobility there.
+/// The table counts if the node would be inside it at the end of the step.
 fn fall(above_px: f64, velocity_px_s: f64, damping_per_s: f64, step_s: f64) -> (f64, f64) {
     let free_px_s = velocity_px_s - GRAVITY_PX_S2 * step_s;
     if above_px + step_s * free_px_s >= 0.0 {
@@ -324,11 +335,11 @@ fn fall(above_px: f64, velocity_px_s: f64, damping_per_s: f64, step_s: f64) -> (
     (up * step_s * pushed_px_s, up)
 }
 
-/// How much longer a segment is than it should be.
+/// Elongation of a segment.
 fn stretch<const D: usize>(from: [f64; D], to: [f64; D], segment_px: f64) -> Constraint<D> {
     let chord = minus(to, from);
     let length_px = length(chord);
-    // Two nodes upon each other have no direction; they are parted by their neighbours.
+    // Coincident nodes have no direction; their neighbors separate them.
     let along = chord.map(|c| c / length_px.max(1e-9));
     Constraint {
         value: length_px - segment_px,
@@ -337,10 +348,11 @@ fn stretch<const D: usize>(from: [f64; D], to: [f64; D], segment_px: f64) -> Con
     }
 }
 
-/// Axes to bend about, each by the two that it is across: z, x, y.
+/// Bending axes z, x and y, each given by the two axes perpendicular to it.
 const AXES: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 
-/// Of 2 tan(φ/2), for the turn φ at the middle one of three nodes, what is about an axis: 2 e·(a×b) / (ℓ² + a·b).
+/// Component about an axis of 2 tan(φ/2), for the turn φ at the middle one of three nodes: 2
+/// e·(a×b) / (ℓ² + a·b).
 fn bend<const D: usize>(
     [p, q, r]: [[f64; D]; 3],
     segment_px: f64,

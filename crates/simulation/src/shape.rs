@@ -1,12 +1,12 @@
-//! Lines by their heading, and points at equal steps along a line.
+//! Lines from their heading, and points at equal steps along a line.
 
 use crate::gripper::Pose;
 use crate::held::HELD;
 use crate::vector::distance;
 use lariat_portable::SplitMix64;
 
-/// The heading of the rope at the start of a seed, how far aside of the middle it lies as a share of the picture, and random numbers
-/// for the rest.
+/// Returns the rope's heading at the start of a seed, its offset from the middle as a share of the
+/// picture, and a random generator for the rest.
 pub(crate) fn bow(seed: u64) -> (impl Fn(f64) -> f64, [f64; 2], SplitMix64) {
     let mut random = SplitMix64::of_stream(seed, 1);
     let bow = random.uniform(0.6, 0.85);
@@ -20,8 +20,8 @@ pub(crate) fn bow(seed: u64) -> (impl Fn(f64) -> f64, [f64; 2], SplitMix64) {
     (heading, aside, random)
 }
 
-/// Nodes of a rope in the middle of which is `middle`, whose heading in radians is a function of the share of its free
-/// part: the parts in the jaws are straight.
+/// Lays the nodes of a rope with its middle at `middle`. Its heading in radians is a function of
+/// the share of its free part; the parts in the jaws are straight.
 pub(crate) fn lay(
     nodes: usize,
     segment_px: f64,
@@ -46,17 +46,18 @@ pub(crate) fn lay(
     line
 }
 
-/// The poses that hold such a rope: the first end's, and the last one's.
+/// Poses that hold such a rope: at its first end, and at its last one.
 pub(crate) fn poses(line: &[[f64; 2]], heading: impl Fn(f64) -> f64) -> [Pose; 2] {
     let pose = |at, angle_rad| Pose { at, angle_rad };
     [
         pose(line[0], heading(0.0)),
-        // From the last end the rope leaves backwards.
+        // At the last end, the rope leaves backward.
         pose(line[line.len() - 1], heading(1.0) + std::f64::consts::PI),
     ]
 }
 
-/// So many points, two or more, at equal steps of arc length from the first point of a line to its last.
+/// Returns `count` points (two or more) at equal steps of arc length, from the first point of a
+/// line to its last.
 pub fn at_equal_steps<const D: usize>(line: &[[f64; D]], count: usize) -> Vec<[f64; D]> {
     let chord = |i: usize| distance(line[i + 1], line[i]);
     let segments = line.len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! A rope in space: lifted by its grippers, with gravity, and a table below it.
+//! A rope in 3-D: lifted by its grippers, with gravity and a table below.
 
 use crate::gripper::SpacePose;
 use crate::held::Held;
@@ -6,25 +6,26 @@ use crate::options::{Options, OptionsError};
 use crate::rod::Energy;
 use crate::shape::{bow, lay, poses};
 
-/// Radius of the rope, mm: its centerline lies so high on the table.
+/// Radius of the rope, mm, which is the height of its centerline on the table.
 pub const RADIUS_MM: f64 = 6.0;
-/// The highest that a gripper goes, mm.
+/// Maximum height of a gripper, mm.
 const HIGHEST_MM: f64 = 140.0;
-/// How high the grippers hold a rope at the start, mm.
+/// Range of the grippers' heights at the start, mm.
 const START_MM: [f64; 2] = [60.0, 90.0];
 
-/// A rope held by grippers above a table, which is z = 0, with z up; x and y are from the middle of the part that is seen, and a
-/// millimetre is what a pixel is in the plane.
+/// A rope held by grippers above a table at z = 0, with z up. The origin of x and y is the middle
+/// of the visible part. A millimeter corresponds to a pixel in the plane.
 ///
 /// The same options and the same commands at the same steps give the same rope, to the last bit, on every machine.
 #[derive(Debug, Clone)]
 pub struct SpaceSimulation(Held<3, 6, 11, SpacePose>);
 
 impl SpaceSimulation {
-    /// The rope at rest in the start of its seed: gently bent, without loops, its ends held above the middle of the table.
+    /// Makes the rope at rest at the start of its seed: gently bent, without loops, its ends held
+    /// above the middle of the table.
     ///
     /// # Errors
-    /// Options out of their ranges.
+    /// Returns an error if an option is out of its range.
     pub fn new(options: &Options) -> Result<Self, OptionsError> {
         options.check()?;
         let (heading, aside, mut random) = bow(options.seed);
@@ -41,7 +42,7 @@ impl SpaceSimulation {
         Ok(Self(Held::new(options, line, &poses, workspace_mm)))
     }
 
-    /// Where the grippers may go: the lowest and the highest of x, y and z.
+    /// Returns the range of the grippers: minimum and maximum of x, y and z.
     pub fn workspace_mm(options: &Options) -> [[f64; 2]; 3] {
         let [x, y] = options
             .picture_px
@@ -49,70 +50,73 @@ impl SpaceSimulation {
         [[-x, x], [-y, y], [RADIUS_MM, HIGHEST_MM]]
     }
 
-    /// What it was made with.
+    /// Returns the options.
     pub fn options(&self) -> &Options {
         &self.0.options
     }
 
-    /// Tells the grippers their velocities, from now on: along x, y and z in mm/s, about x, y and z in rad/s; a gripper that is not
-    /// told any stops. The robot keeps to its limits as [in the plane](crate::Simulation::command).
+    /// Sets the velocities of the grippers: along x, y and z in mm/s, about x, y and z in rad/s. A
+    /// gripper without a velocity stops. The robot keeps to its limits as [in the
+    /// plane](crate::Simulation::command).
     pub fn command(&mut self, velocities: &[[f64; 6]]) {
         self.0.robot.command(velocities);
     }
 
-    /// Goes on by [`STEP_S`](crate::STEP_S).
+    /// Advances by [`STEP_S`](crate::STEP_S).
     pub fn step(&mut self) {
         self.0.step();
     }
 
-    /// How many steps have been made.
+    /// Returns the number of steps so far.
     pub fn steps(&self) -> u64 {
         self.0.steps
     }
 
-    /// Where the grippers are.
+    /// Returns the poses of the grippers.
     pub fn grippers(&self) -> &[SpacePose] {
         self.0.robot.poses()
     }
 
-    /// How far before a gripper's place its jaws hold the rope, in millimetres.
+    /// Returns how far the jaws hold the rope, ahead of a gripper's position, in millimeters.
     pub fn jaw_mm(&self) -> f64 {
         self.0.jaw_px()
     }
 
-    /// The whole rope, from end to end, mm.
+    /// Returns the whole rope, from end to end, mm.
     pub fn nodes(&self) -> &[[f64; 3]] {
         self.0.rod.nodes()
     }
 
-    /// The part that is not within a gripper's jaws.
+    /// Returns the part outside the grippers' jaws.
     pub fn visible(&self) -> &[[f64; 3]] {
         self.0.visible()
     }
 
-    /// What is stored in the rope.
+    /// Returns the energy stored in the rope.
     pub fn energy(&mut self) -> Energy {
         self.0.energy()
     }
 
-    /// Takes the grippers to these poses at half of what the robot can, all in the same time, and lets the rope come to rest.
+    /// Moves the grippers to these poses at half of the robot's limits, all in the same time, and
+    /// lets the rope come to rest.
     pub fn drive_to(&mut self, poses: &[SpacePose]) {
         self.0.drive_to(poses);
     }
 
-    /// Lets the rope come to rest between grippers that stand still.
+    /// Lets the rope come to rest between stationary grippers.
     pub fn settle(&mut self) {
         self.0.settle();
     }
 }
 
-/// What is so high above a place in the picture; there y goes down, here away from who looks.
+/// Point at this height above a place in the picture. In the picture, y points down; here, it
+/// points away from the viewer.
 fn above(options: &Options, [x, y]: [f64; 2], height_mm: f64) -> [f64; 3] {
     let [width, height] = options.picture_px;
     [x - 0.5 * width, 0.5 * height - y, height_mm]
 }
 
-/// A pose of the plane, level at a height.
+/// Converts a pose of the plane to a level pose at a height.
 pub(crate) fn lifted(options: &Options, pose: &crate::Pose, height_mm: f64) -> SpacePose {
     let (sin, cos) = libm::sincos(pose.angle_rad);
     SpacePose {

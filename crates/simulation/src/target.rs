@@ -1,4 +1,4 @@
-//! Shapes to drive the rope to. Each is one that the rope has taken, so that it can be reached.
+//! Target shapes for the rope. The rope has taken each of them, so they can be reached.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::str::FromStr;
@@ -10,19 +10,20 @@ use crate::simulation::Simulation;
 use crate::space::{SpaceSimulation, lifted};
 use lariat_portable::SplitMix64;
 
-/// The shapes that have names.
+/// Named shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TargetShape {
-    /// Both ends upwards.
+    /// Both ends point up.
     U,
     /// Bent to one side, then to the other.
     S,
-    /// All but straight. A rope between two ends as far apart as it is long has no shape of its own: it moves by many
-    /// times as much as a gripper does, to either side. So this one hangs by a twentieth of its length.
+    /// Almost straight. A rope between two ends as far apart as it is long has no definite shape:
+    /// its middle moves many times as far as a gripper does, to either side. This one therefore
+    /// sags by a twentieth of its length.
     Line,
 }
 
-/// An unknown name.
+/// The name of the shape is unknown.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is not a target: choose u, s or line")]
 pub struct NoTarget(String);
@@ -40,25 +41,26 @@ impl FromStr for TargetShape {
     }
 }
 
-/// How high the ends of a target in space are held, mm, and by how much the rope leaves them upwards or downwards, rad.
+/// Range of the heights of a 3-D target's ends, mm, and the maximum upward or downward tilt of the
+/// rope there, rad.
 const LIFTED_MM: [f64; 2] = [60.0, 110.0];
 const TILTED_RAD: f64 = 0.35;
 
-/// A shape, and how the rope was brought there.
+/// A shape, and the poses that lead to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// The poses that the grippers went to.
+    /// Final poses of the grippers.
     pub poses: [Pose; 2],
-    /// The part of the rope between the jaws, at equal steps of arc length, in pixels.
+    /// Part of the rope between the jaws, at equal steps of arc length, in pixels.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A shape in space, and how the rope was brought there.
+/// A shape in 3-D, and the poses that lead to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceTarget {
-    /// The poses that the grippers went to.
+    /// Final poses of the grippers.
     pub poses: [SpacePose; 2],
-    /// The part of the rope between the jaws, at equal steps of arc length, in millimetres.
+    /// Part of the rope between the jaws, at equal steps of arc length, in millimeters.
     pub points: Vec<[f64; 3]>,
 }
 
@@ -67,14 +69,15 @@ impl TargetShape {
     fn heading(self, share: f64) -> f64 {
         match self {
             Self::U => FRAC_PI_2 * libm::cos(PI * share),
-            // What a rod does whose ends are turned by as much to the same side and neither pulled nor pushed: with a push it
-            // could as well take other shapes.
+            // Shape of a rod whose ends are turned equally to the same side, without tension or
+            // compression. With compression, other shapes would be possible.
             Self::S => 1.25 * (1.0 - 6.0 * share * (1.0 - share)),
             Self::Line => 0.15 * libm::cos(PI * share),
         }
     }
 
-    /// The poses for a rope of these options: the shape's own, a little moved and turned by the seed.
+    /// Poses for a rope of these options: those of the shape, slightly moved and turned by the
+    /// seed.
     fn poses(self, options: &Options) -> [Pose; 2] {
         let random = &mut SplitMix64::of_stream(options.seed, 2);
         let turn = random.uniform(-0.08, 0.08);
@@ -84,10 +87,11 @@ impl TargetShape {
         poses(&line, heading)
     }
 
-    /// The shape as the rope of these options takes it, when it is taken there slowly from its start: so many points.
+    /// Returns the shape that the rope of these options takes when it is slowly moved there from
+    /// its start, as `points` points.
     ///
     /// # Errors
-    /// Options out of their ranges, or a single gripper.
+    /// Returns an error if an option is out of its range, or if there is a single gripper.
     pub fn reached(self, options: &Options, points: usize) -> Result<Target, OptionsError> {
         let mut simulation = Simulation::new(options)?;
         if options.grippers < 2 {
@@ -101,11 +105,11 @@ impl TargetShape {
         })
     }
 
-    /// The same as a lifted rope takes it: seen from above it is the shape, its ends held at heights and tilts of the seed, and what
-    /// is between hangs.
+    /// Returns the shape that a lifted rope takes. Seen from above, it is the same shape. Its ends
+    /// are held at heights and tilts of the seed, and the part between them sags.
     ///
     /// # Errors
-    /// As [`reached`](Self::reached).
+    /// Returns the same errors as [`reached`](Self::reached).
     pub fn reached_in_space(
         self,
         options: &Options,

@@ -1,4 +1,4 @@
-//! Points of the plane or of space. Sums are from the first coordinate on.
+//! Points in the plane or in 3-D. Sums start with the first coordinate.
 
 /// `a·b`
 pub(crate) fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {

@@ -1,4 +1,4 @@
-//! What may be relied on of the simulated rope.
+//! Guaranteed properties of the simulated rope.
 
 use lariat_simulation::{Limits, Options, Pose, STEP_S, Simulation};
 
@@ -17,7 +17,7 @@ fn length_px(line: &[[f64; 2]]) -> f64 {
     line.windows(2).map(|p| distance(p[0], p[1])).sum()
 }
 
-/// Lets the grippers dance: each goes its own way for 0.3 s at a time, at the most that the robot allows.
+/// Moves each gripper in its own direction, changed every 0.3 s, at the robot's limits.
 fn dance(simulation: &mut Simulation, seconds: f64, mut look: impl FnMut(&mut Simulation)) {
     for step in 0..(seconds / STEP_S) as u64 {
         if step % 100 == 0 {
@@ -41,7 +41,7 @@ fn energy_does_not_grow_while_the_grippers_rest() {
         dance(&mut simulation, 0.9, |_| ());
         simulation.command(&[]);
         simulation.step();
-        // What the last motion of the jaws put in is in.
+        // This step includes the energy from the last motion of the jaws.
         simulation.step();
         let mut last = simulation.energy().total();
         let first = last;
@@ -79,7 +79,7 @@ fn the_rope_keeps_its_length_in_the_fastest_motion_allowed() {
                 worst = worst.max((distance(pair[0], pair[1]) / step_px - 1.0).abs());
             }
         });
-        // One segment alone, where a jaw turns around at full speed.
+        // The worst case is a single segment at a jaw that reverses at full speed.
         assert!(worst < 0.05, "{seed}: {worst}");
     }
 }
@@ -123,7 +123,7 @@ fn friction_holds_a_rope_at_rest_and_nothing_else_does() {
             ..of_seed(3)
         };
         let mut simulation = Simulation::new(&options).unwrap();
-        // The free end is bent aside, as it was laid there.
+        // The free end is bent to the side, because it was laid like that.
         let before = simulation.nodes().to_vec();
         for _ in 0..3000 {
             simulation.step();
@@ -146,7 +146,7 @@ fn friction_holds_a_rope_at_rest_and_nothing_else_does() {
 fn a_straight_rope_pulled_straight_stays_straight() {
     let mut simulation = Simulation::new(&of_seed(1)).unwrap();
     let middle = [320.0, 240.0];
-    // Farther than the rope is long: the robot stops where it is taut.
+    // Farther than the rope is long: the robot stops when the rope is taut.
     let half = 0.5 * simulation.options().length_px + 1.0;
     let pose = |x: f64, angle_rad| Pose {
         at: [x, middle[1]],
@@ -239,7 +239,7 @@ fn starts_differ_by_seed_and_lie_well_within_the_picture() {
                 "{p:?}"
             );
         }
-        // Unlooped: it goes from left to right all along.
+        // It has no loop: it runs from left to right everywhere.
         assert!(
             start.nodes().windows(2).all(|p| p[1][0] > p[0][0]),
             "{seed}"

@@ -1,4 +1,4 @@
-//! What may be relied on of the simulated rope in space.
+//! Guaranteed properties of the simulated rope in 3-D.
 
 use lariat_simulation::{
     Limits, Options, RADIUS_MM, STEP_S, SpacePose, SpaceSimulation, TargetShape, at_equal_steps,
@@ -25,7 +25,8 @@ fn lowest_mm(simulation: &SpaceSimulation) -> f64 {
     nodes.map(|p| p[2]).fold(f64::MAX, f64::min)
 }
 
-/// Lets the grippers dance: each goes its own way for 0.3 s at a time, at the most that the robot allows, and turns by this, rad/s.
+/// Moves each gripper in its own direction, changed every 0.3 s, at the robot's limits, and turns
+/// it by `turn_rad_s`.
 fn dance(
     simulation: &mut SpaceSimulation,
     seconds: f64,
@@ -48,7 +49,8 @@ fn dance(
     }
 }
 
-/// A stiff rope held by one end, level: at each node the moment of all weight beyond bends it, by M ℓ/B.
+/// A stiff rope, held level at one end. At each node, the moment of all weight beyond bends it by M
+/// ℓ/B.
 #[test]
 fn a_rope_held_by_one_end_bends_by_its_weight_as_a_beam_does() {
     let options = Options {
@@ -67,7 +69,7 @@ fn a_rope_held_by_one_end_bends_by_its_weight_as_a_beam_does() {
     let wanted_mm: f64 = (0..free.len())
         .map(|node| turn(node) * (free.len() - 1 - node) as f64 * segment_mm)
         .sum();
-    // Between the beam of engineers, w L⁴/8B, and one a segment longer.
+    // Between the engineering beam, w L⁴/8B, and one that is a segment longer.
     let beam_mm = |length: f64| 9810.0 * length.powi(4) / 8e12;
     let free_mm = options.length_px - simulation.jaw_mm();
     assert!((beam_mm(free_mm)..beam_mm(free_mm + segment_mm)).contains(&wanted_mm));
@@ -82,11 +84,12 @@ fn a_rope_held_by_one_end_bends_by_its_weight_as_a_beam_does() {
 fn energy_does_not_grow_while_the_grippers_rest() {
     for seed in 1..=4 {
         let mut simulation = SpaceSimulation::new(&of_seed(seed)).unwrap();
-        // Not wound up so far that its bends are folded: a linear step is not all of those.
+        // The rope is not wound up so far that its bends fold, because one linear step does not
+        // solve those.
         dance(&mut simulation, 0.9, 0.7, |_| ());
         simulation.command(&[]);
         simulation.step();
-        // What the last motion of the jaws put in is in.
+        // This step includes the energy from the last motion of the jaws.
         simulation.step();
         let mut last = simulation.energy().total();
         let first = last;
@@ -118,7 +121,7 @@ fn it_keeps_its_length_and_stays_on_the_table_in_the_fastest_motion_allowed() {
             let length_mm = length_mm(simulation.nodes());
             let error = (length_mm - options.length_px).abs() / options.length_px;
             assert!(error < 0.02, "{seed}: {length_mm}");
-            // Pressed down by a gripper that turns, by some of its own radius.
+            // A turning gripper presses the rope down by part of its radius.
             let lowest_mm = lowest_mm(simulation);
             assert!(lowest_mm > 0.0, "{seed}: {lowest_mm}");
         });
@@ -170,7 +173,7 @@ fn grippers_stay_in_their_workspace_and_a_taut_rope_is_pulled_no_farther() {
             simulation.step();
             for pose in simulation.grippers() {
                 for (at, [low, high]) in pose.at.iter().zip(workspace_mm) {
-                    // Where it gives way to the rope it is not held in.
+                    // A gripper that gives way to the rope is not confined to its workspace.
                     assert!((low - 1.0..=high + 1.0).contains(at), "{pose:?}");
                 }
             }

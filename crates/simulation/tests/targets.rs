@@ -1,4 +1,4 @@
-//! The named shapes can be reached, each from every start, and are what their names say.
+//! The named shapes can be reached from every start, and have the shape of their name.
 
 use lariat_simulation::{Options, Simulation, TargetShape, at_equal_steps};
 
@@ -13,7 +13,7 @@ fn mean_distance(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 #[test]
 fn every_target_is_reached_from_every_start() {
     for seed in 0..20 {
-        // Each shape with a third of the seeds, from the start of another.
+        // Each shape is tested with a third of the seeds, from the start of another seed.
         let shape = SHAPES[seed as usize % 3];
         let options = Options {
             seed,
@@ -42,7 +42,7 @@ fn targets_are_what_their_names_say() {
     };
     // Both ends of the U are far above its middle.
     assert!(u[50][1] - u[0][1] > 100.0 && u[50][1] - u[100][1] > 100.0);
-    // The S passes its chord in the middle, and is on either side of it before and after.
+    // The S crosses its chord in the middle, and is on opposite sides of it before and after.
     let off_chord = |points: &[[f64; 2]], i: usize| {
         let (a, b, p) = (points[0], points[100], points[i]);
         let (x, y) = (b[0] - a[0], b[1] - a[1]);

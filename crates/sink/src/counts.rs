@@ -1,4 +1,4 @@
-//! What is counted of messages, without what is timed: small enough to be saved with each.
+//! Counts of messages, without their times. They are small enough to be saved with every message.
 
 use crate::losses::{Arrival, Ledger};
 use crate::receipt::Receipt;
@@ -10,7 +10,7 @@ pub(crate) struct Counts {
     pub(crate) ledger: Ledger,
     pub(crate) with_curve: u64,
     pub(crate) blank: u64,
-    /// When the first and the last message came.
+    /// Arrival times of the first and the last message.
     pub(crate) span_ns: Option<[u64; 2]>,
 }
 

@@ -1,10 +1,10 @@
-//! A descriptor's curve as points: to draw it, or to hold it against others.
+//! Samples a descriptor's curve, for drawing or for comparison.
 
 use lariat_fit::{self as fit, Curve, Knots, MAX_KNOTS};
 use lariat_message::{self as wire, Descriptor};
 
-/// Fills `points` with points of the curve that a descriptor means, at even steps of ρ from 0 to 1, in its message's unit.
-/// `false` if it means none that this version knows.
+/// Fills `points` with points of the descriptor's curve at even steps of ρ from 0 to 1, in its
+/// message's unit. Returns `false` if this version does not know the curve.
 pub fn points_along(descriptor: &Descriptor, points: &mut [[f64; 2]]) -> bool {
     let mut knots = [0.0; MAX_KNOTS];
     let Some(curve) = curve(descriptor, &mut knots) else {
@@ -17,7 +17,7 @@ pub fn points_along(descriptor: &Descriptor, points: &mut [[f64; 2]]) -> bool {
     true
 }
 
-/// The curve that a descriptor means, if it means one. `knots` is room for a B-spline's.
+/// Returns the descriptor's curve, if it is valid. `knots` is a buffer for the knots of a B-spline.
 fn curve<'a>(descriptor: &'a Descriptor, knots: &mut [f64; MAX_KNOTS]) -> Option<Curve<'a>> {
     let control_points = descriptor.control_points();
     let (count, order) = (control_points.len(), descriptor.degree as usize);

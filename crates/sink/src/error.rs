@@ -1,9 +1,10 @@
-//! How far measured curves are from the true ones.
+//! Errors of measured curves relative to the true ones.
 //!
-//! Each measured curve is held against the true rope to which its points are nearest in the mean. Its error is the
-//! distance of each of its points from that rope, wherever along it: what a gripper would miss the rope by. Point by
-//! point it is also the distance from the true point at the same ρ, in the better of both directions: this sees what the
-//! first cannot, a curve that lies on the rope but ends too early.
+//! Each measured curve is compared with the true rope to which its points have the smallest mean
+//! distance. Its error is the distance of each of its points from that rope, at any position along
+//! it. A gripper would miss the rope by this distance. In addition, each point is compared with the
+//! true point at the same ρ, in the better of both directions. This detects a curve that lies on
+//! the rope but ends too early.
 
 use crate::polyline::{Point, Polyline, Polylines, between};
 use crate::saved::{RestoreError, Saved, Saving};
@@ -12,11 +13,12 @@ use crate::times::{self, histogram};
 use hdrhistogram::Histogram;
 use lariat_message::MAX_POINTS;
 
-/// The histograms count thousandths of a pixel, up to 100 000 px.
+/// Histograms count thousandths of a pixel, up to 100 000 px.
 const PER_PX: f64 = 1000.0;
 const FARTHEST: u64 = 100_000_000;
 
-/// A heap of distances: mean and maximum exact, percentiles to a thousandth of a pixel, past 2 px of themselves.
+/// Distribution of distances. Mean and maximum are exact. Percentiles are accurate to a thousandth
+/// of a pixel, and above 2 px to a thousandth of their value.
 #[derive(Debug, Clone)]
 pub(crate) struct Heap {
     sum_px: f64,
@@ -40,7 +42,7 @@ impl Heap {
             .saturating_record((distance_px * PER_PX).round() as u64);
     }
 
-    /// Becomes another one of the same kind.
+    /// Copies another distribution.
     fn set_to(&mut self, other: &Self) {
         (self.sum_px, self.max_px) = (other.sum_px, other.max_px);
         self.histogram
@@ -61,12 +63,12 @@ impl Heap {
         Ok(heap)
     }
 
-    /// Sum and number of the distances.
+    /// Returns the sum and the number of the distances.
     pub(crate) fn sum(&self) -> (f64, u64) {
         (self.sum_px, self.histogram.len())
     }
 
-    /// The figures; none without a distance.
+    /// Returns the figures, or empty ones without a distance.
     pub(crate) fn distances(&self) -> Distances {
         if self.histogram.is_empty() {
             return Distances::default();
@@ -85,20 +87,20 @@ impl Heap {
     }
 }
 
-/// One kind of curve against the truth.
+/// One kind of curve compared with the truth.
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
-    /// Distances to the rope, wherever along it.
+    /// Distances to the rope, at any position along it.
     pub(crate) nearest: Heap,
-    /// Distances to the true point at the same ρ; open curves only.
+    /// Distances to the true point at the same ρ. Only for open curves.
     pub(crate) point_by_point: Heap,
-    /// Frames whose truth is known.
+    /// Frames with a known truth.
     pub(crate) frames: u64,
-    /// Of these, the ones with a rope and no curve at all.
+    /// Frames that contain a rope but no curve at all.
     pub(crate) frames_without_curve: u64,
-    /// True ropes, over all frames, that no curve was nearest to.
+    /// True ropes, over all frames, that are nearest to no curve.
     pub(crate) ropes_without_curve: u64,
-    /// Curves with a coordinate that is no number, or in a frame without a rope.
+    /// Curves with an invalid coordinate, or in a frame without a rope.
     pub(crate) curves_of_nothing: u64,
 }
 
@@ -114,7 +116,7 @@ impl Comparison {
         }
     }
 
-    /// Takes over what came to another one since the last time.
+    /// Copies another comparison if it has changed since the last call.
     fn follow(&mut self, other: &Self) {
         if self.frames == other.frames {
             return;
@@ -160,16 +162,16 @@ impl Comparison {
     }
 }
 
-/// Everything that is compared with the truth.
+/// All comparisons with the truth.
 #[derive(Debug, Clone)]
 pub(crate) struct Compared {
-    /// Centerlines against the truth.
+    /// Centerlines compared with the truth.
     pub(crate) centerline: Comparison,
-    /// Fitted curves against the truth.
+    /// Fitted curves compared with the truth.
     pub(crate) curve: Comparison,
-    /// Fitted curves that this version does not know how to draw.
+    /// Number of fitted curves that this version cannot draw.
     pub(crate) unknown_basis: u64,
-    /// Whether fitted curves come in another unit than the truth, pixels of the image.
+    /// True if the unit of fitted curves differs from that of the truth, which is image pixels.
     pub(crate) elsewhere: bool,
 }
 
@@ -183,7 +185,8 @@ impl Compared {
         }
     }
 
-    /// What the live line shows: centerlines, or the curves where no centerlines come.
+    /// Returns the comparison for the live line: that of centerlines, or that of curves without
+    /// centerlines.
     pub(crate) fn shown(&self) -> &Comparison {
         match self.centerline.frames {
             0 => &self.curve,
@@ -191,7 +194,7 @@ impl Compared {
         }
     }
 
-    /// Takes over what came to another one since the last time.
+    /// Copies what has changed in another one since the last call.
     pub(crate) fn follow(&mut self, other: &Self) {
         self.centerline.follow(&other.centerline);
         self.curve.follow(&other.curve);
@@ -215,7 +218,7 @@ impl Compared {
     }
 }
 
-/// The comparison of one frame; to be ended with [`end`](Self::end).
+/// The comparison of one frame. Must be ended with [`end`](Self::end).
 pub(crate) struct Frame<'a> {
     comparison: &'a mut Comparison,
     truth: &'a Polylines,
@@ -225,7 +228,7 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// One measured curve: its points in order, at most 256.
+    /// Adds a measured curve: its points in order, at most 256.
     pub(crate) fn curve(&mut self, points: impl Iterator<Item = Point>, closed: bool) {
         let mut buffer = [[0.0; 2]; MAX_POINTS];
         let mut count = 0;
@@ -236,7 +239,8 @@ impl Frame<'_> {
         let points = &buffer[..count];
         let mut trial = [0.0; MAX_POINTS];
         let mut best: Option<(f64, usize, [f64; MAX_POINTS])> = None;
-        // The rope of the same place in its list is the likeliest, and with a good first the others are soon ruled out.
+        // The rope at the same index is the most likely one. If it matches well, the others are
+        // ruled out quickly.
         let ropes = self.truth.len();
         for index in (0..ropes).map(|i| (self.curves as usize + i) % ropes) {
             let rope = self.truth.get(index);
@@ -276,7 +280,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Ends the frame: counts the ropes that no curve was found for.
+    /// Ends the frame: counts the ropes without a curve.
     pub(crate) fn end(self) {
         let ropes = self.truth.len();
         self.comparison.frames += 1;
@@ -285,7 +289,8 @@ impl Frame<'_> {
     }
 }
 
-/// Each point's distance from the rope, and their sum. `None` as soon as that is no less than `least`.
+/// Computes each point's distance from the rope, and their sum. Returns `None` as soon as the sum
+/// reaches `least`.
 fn distances(
     points: &[Point],
     rope: &Polyline,
@@ -296,7 +301,8 @@ fn distances(
     let scale = rope.points.len() as f64 / points.len() as f64;
     let mut sum = 0.0;
     for (i, (distance, point)) in into.iter_mut().zip(points).enumerate() {
-        // Both are evenly spaced, so that, but for the direction, like indices are near each other.
+        // Both are evenly spaced, so equal fractions of the indices are near each other, apart from
+        // the direction.
         *distance = rope.distance(*point, longest_step, (i as f64 * scale) as usize);
         sum += *distance;
         if sum >= least {

@@ -1,8 +1,9 @@
-//! Numbers as people read them.
+//! Formats numbers for people.
 
 use std::fmt::{self, Write};
 
-/// Three significant digits, and no exponent: `0.123`, `4.56`, `78.9`, `1230`. Nothing is `–`.
+/// A number with three significant digits and no exponent: `0.123`, `4.56`, `78.9`, `1230`. `None`
+/// is shown as `–`.
 #[derive(Debug, Clone, Copy)]
 pub struct Figure(pub Option<f64>);
 
@@ -24,7 +25,7 @@ impl fmt::Display for Unpadded {
         if value == 0.0 {
             return f.write_str("0");
         }
-        // Rounded first, so that 9.996 has two digits before the point and not one.
+        // Round first, so that 9.996 has two digits before the point.
         let digits_before = value.abs().max(0.1).log10().floor() as i32 + 1;
         let unit = 10f64.powi(digits_before - 3);
         let value = (value / unit).round() * unit;
@@ -34,24 +35,26 @@ impl fmt::Display for Unpadded {
     }
 }
 
-/// From this many microseconds on, a time is given in milliseconds: a figure in microseconds has at most five digits.
+/// Limit above which a time is shown in milliseconds, so that microseconds have at most five
+/// digits.
 const IN_MS_FROM_US: f64 = 1e5;
 
-/// A time in a table of microseconds: a [`Figure`] of at most six characters. From 100,000 µs on it is in milliseconds, from
-/// a second on in seconds, and names that unit: `373`, `50400`, `134 ms`, `1.58 s`.
+/// A time in a table of microseconds: a [`Figure`] of at most six characters. From 100,000 µs on it
+/// is shown in milliseconds, from one second on in seconds, with the unit: `373`, `50400`,
+/// `134 ms`, `1.58 s`.
 #[derive(Debug, Clone, Copy)]
 pub struct Micros(pub Option<f64>);
 
 impl Micros {
-    /// The same in a sentence, where microseconds are named, too: `373 µs`.
+    /// Returns the time for a sentence, where microseconds are named, too: `373 µs`.
     pub fn named(self) -> impl fmt::Display {
         Named(self)
     }
 
-    /// The number and its unit, if that is not microseconds.
+    /// Returns the number, and its unit unless that is microseconds.
     fn scaled(self) -> (Figure, &'static str) {
         let in_unit = |unit_us| Figure(self.0.map(|us| us / unit_us));
-        // As the figure is rounded: 99,960 µs are 100 ms.
+        // Choose the unit after rounding: 99,960 µs are 100 ms.
         match self.0.map(|us| us * (1.0 + 0.5e-3)) {
             Some(us) if us >= 1e6 => (in_unit(1e6), " s"),
             Some(us) if us >= IN_MS_FROM_US => (in_unit(1e3), " ms"),
@@ -81,8 +84,8 @@ impl fmt::Display for Named {
     }
 }
 
-/// A number's text on the stack, so that it can be padded without an allocation. The longest finite f64 has 309 digits
-/// before the point; what does not fit is not a figure.
+/// Text of a number on the stack, so that it can be padded without an allocation. The longest
+/// finite f64 has 309 digits before the point. A longer text is not a figure.
 struct Short {
     bytes: [u8; 320],
     len: usize,

@@ -1,4 +1,4 @@
-//! `.hgrm`: a histogram as text, by HdrHistogram's own format, which its plotters read.
+//! `.hgrm`: a histogram as text in HdrHistogram's own format, which its plotters read.
 
 use crate::times::Times;
 use std::io::{Result, Write};
@@ -6,10 +6,10 @@ use std::io::{Result, Write};
 /// Steps for each halving of the distance to 100 %, as in HdrHistogram's own output.
 const TICKS_PER_HALF: u32 = 5;
 
-/// Writes a heap of durations, in microseconds.
+/// Writes a distribution of durations, in microseconds.
 pub(crate) fn write(times: &Times, out: &mut impl Write) -> Result<()> {
     let histogram = times.histogram();
-    // Of nothing there is neither a mean nor a longest; the format wants numbers.
+    // An empty distribution has neither mean nor maximum, but the format requires numbers.
     let longest_us = times.quantile_us(1.0).unwrap_or(0.0);
     let mean_us = times.mean_us().unwrap_or(0.0);
     writeln!(
@@ -48,7 +48,7 @@ pub(crate) fn write(times: &Times, out: &mut impl Write) -> Result<()> {
     )
 }
 
-/// Reads a heap of durations. The mean is that of the steps.
+/// Reads a distribution of durations. Its mean is that of the steps.
 pub(crate) fn read(text: &str) -> Option<Times> {
     let mut times = Times::default();
     let mut before = 0;

@@ -1,8 +1,9 @@
-//! Where the time of a frame went: one HDR histogram for each piece of the way, and one for the whole.
+//! Latency of a frame: one HDR histogram for each step, and one for the total.
 //!
-//! Because every stage stamps its own beginning and end, work and waiting are told apart frame by frame: the pieces are
-//! the differences of neighbouring stamps and add up to the whole. A stamp that is 0 is not known, and its pieces are
-//! left out; one that lies before its predecessor makes a piece of 0, never a negative or giant one, and is counted.
+//! Every stage stamps its own beginning and end, so work and waiting are separated frame by frame.
+//! The steps are the differences of neighboring stamps and add up to the total. A stamp of 0 is
+//! unknown, and its steps are left out. A stamp before its predecessor makes a step of 0, never a
+//! negative or huge one, and is counted.
 
 use crate::saved::{RestoreError, Saved, Saving};
 use crate::step::Step;
@@ -12,27 +13,27 @@ use lariat_message::Trace;
 /// A row of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Row {
-    /// A step of the way, or the whole of it.
+    /// A step, or the total.
     Way(Step),
-    /// The whole way without the work of extraction and fit: what the chain itself costs.
+    /// The total without the work of extraction and fit: the cost of the chain itself.
     Overhead,
-    /// The three waits together: the overhead without how late capture was.
+    /// The three waits together: the overhead without the lateness of capture.
     Links,
-    /// How unevenly descriptors come.
+    /// Irregularity with which descriptors arrive.
     Jitter,
 }
 
-/// How many rows there are.
+/// Number of rows.
 const ROWS: usize = Step::ALL.len() + 3;
 
 impl Row {
-    /// All rows, as they stand in the table.
+    /// Returns all rows, in the order of the table.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let way = Step::ALL.into_iter().map(Self::Way);
         way.chain([Self::Overhead, Self::Links, Self::Jitter])
     }
 
-    /// The row's name, as in `summary.json` where it stands there, and of its `.hgrm` file.
+    /// Returns the name of the row in `summary.json`, if it is there, and of its `.hgrm` file.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Way(Step::Received) => "total",
@@ -78,22 +79,22 @@ impl Latency {
         }
     }
 
-    /// The durations of a row.
+    /// Returns the durations of a row.
     pub(crate) fn row(&self, row: Row) -> &Times {
         &self.rows[row.place()]
     }
 
-    /// Times longer than the histograms reach.
+    /// Returns the number of times that exceed the range of the histograms.
     pub(crate) fn saturated(&self) -> u64 {
         self.saturated
     }
 
-    /// Messages with a stamp that lies before its predecessor on the way.
+    /// Returns the number of messages with a stamp before its predecessor.
     pub(crate) fn backwards(&self) -> u64 {
         self.backwards
     }
 
-    /// Nothing came just before what comes next.
+    /// Forgets the previous message, because the next one does not follow it directly.
     pub(crate) fn resume(&mut self) {
         self.previous = None;
     }
@@ -114,7 +115,7 @@ impl Latency {
         Ok(latency)
     }
 
-    /// Records one message. Returns the whole way in nanoseconds, if it is known.
+    /// Records one message. Returns the total in nanoseconds, if it is known.
     pub(crate) fn record(&mut self, trace: &Trace, received_ns: u64) -> Option<u64> {
         let mut backwards = false;
         for step in Step::ALL {
@@ -129,8 +130,8 @@ impl Latency {
         (trace.exposed_ns != 0).then(|| received_ns.saturating_sub(trace.exposed_ns))
     }
 
-    /// Records what is left of the way when the work is taken off: frame by frame, as a difference of percentiles is not
-    /// a percentile of the differences.
+    /// Records the total without the work. This is done frame by frame, because a difference of
+    /// percentiles is not a percentile of the differences.
     fn without_work(&mut self, trace: &Trace, received_ns: u64) {
         let stamps = [
             trace.exposed_ns,
@@ -150,15 +151,16 @@ impl Latency {
             (Row::Links, trace.captured_ns),
         ] {
             let way_ns = received_ns.saturating_sub(from_ns);
-            // Longer than a histogram reaches: counted with the whole way already.
+            // Times beyond the range of a histogram are already counted with the total.
             self.rows[row.place()].add(way_ns.saturating_sub(work_ns));
         }
     }
 
-    /// Records the period jitter: how much the time between two receptions differs from the time between their
-    /// exposures, |(Rᵢ − Rᵢ₋₁) − (Sᵢ − Sᵢ₋₁)|, the interarrival jitter of RFC 3550, section 6.4.1. For a paced source
-    /// the exposures are the nominal period apart, or whole multiples of it where frames were lost, so that a loss is
-    /// not taken for jitter.
+    /// Records the period jitter |(Rᵢ − Rᵢ₋₁) − (Sᵢ − Sᵢ₋₁)|: the difference between the time from
+    /// one reception to the next and the time between their exposures. It is the interarrival
+    /// jitter of RFC 3550, section 6.4.1. The exposures of a paced source are one nominal period
+    /// apart, or a multiple of it where frames were lost. A loss therefore does not count as
+    /// jitter.
     fn jitter(&mut self, exposed_ns: u64, received_ns: u64) {
         if exposed_ns == 0 {
             self.previous = None;

@@ -1,8 +1,8 @@
-//! What the chain did: latency histograms, losses, errors against the truth, reports.
+//! The accounts of a chain: latency histograms, losses, errors relative to the truth, and reports.
 //!
-//! A library without clock or shared memory: whoever receives the messages hands them over and says when they came.
-//! Every figure comes from the messages alone, because every stage stamps and counts its own work in the trace that they
-//! carry.
+//! This library uses neither a clock nor shared memory: the caller receives the messages and passes
+//! them on together with their arrival times. Every figure comes from the messages alone, because
+//! every stage records its own times and counts in the trace that they carry.
 //!
 //! ```
 //! use lariat_sink::{FinalCounts, Options, Sink};

@@ -1,4 +1,4 @@
-//! How it goes just now, in one line.
+//! The live line: the current state of the chain.
 
 use crate::error::Comparison;
 use crate::figure::{Figure, Micros};
@@ -6,14 +6,14 @@ use crate::losses::Ledger;
 use crate::times::Times;
 use std::fmt::Write;
 
-/// The figures of the line are those of the last whole interval of about a second: 0.9 s, so that a caller who comes
-/// once a second, and a little early, is shown new ones each time.
+/// Length of the interval that the figures of the line cover. At 0.9 s, a caller who comes once a
+/// second, and a little early, gets new figures each time.
 const INTERVAL_NS: u64 = 900_000_000;
 
-/// Longest latency the line tells from longer ones: 10 s.
+/// Longest latency that the line distinguishes from longer ones: 10 s.
 const LONGEST_NS: u64 = 10_000_000_000;
 
-/// One interval's figures.
+/// Figures of one interval.
 #[derive(Debug, Clone, Copy, Default)]
 struct Figures {
     frames_per_s: Option<f64>,
@@ -22,29 +22,29 @@ struct Figures {
     error_px: Option<f64>,
 }
 
-/// The line, and what it is made of.
+/// The line and its data.
 #[derive(Debug)]
 pub(crate) struct Live {
-    /// When the interval began.
+    /// Start of the interval.
     since_ns: Option<u64>,
     frames: u64,
     curves: usize,
     total: Times,
     /// Sum and number of the errors before the interval.
     errors_before: (f64, u64),
-    /// The last whole interval's.
+    /// Figures of the last complete interval.
     figures: Option<Figures>,
     line: String,
 }
 
 impl Live {
-    /// `error`: what came before the first interval.
+    /// `error` holds the errors before the first interval.
     pub(crate) fn new(error: &Comparison) -> Self {
         Self {
             since_ns: None,
             frames: 0,
             curves: 0,
-            // Two digits are more than the eye takes in, and a tenth of the memory to clear.
+            // Two digits are more than the eye can follow, and take a tenth of the memory to clear.
             total: Times::new(LONGEST_NS, 2),
             errors_before: error.nearest.sum(),
             figures: None,
@@ -52,9 +52,10 @@ impl Live {
         }
     }
 
-    /// A message came, with this many curves seen.
+    /// Notes a message with this many visible curves.
     pub(crate) fn received(&mut self, curves: usize, total_ns: Option<u64>, received_ns: u64) {
-        // The first message begins the first interval: what is counted are the periods that end in it.
+        // The first message starts the first interval. Later messages count the periods that end in
+        // it.
         match self.since_ns {
             None => self.since_ns = Some(received_ns),
             Some(_) => self.frames += 1,
@@ -65,7 +66,7 @@ impl Live {
         }
     }
 
-    /// The line at this moment.
+    /// Returns the current line.
     pub(crate) fn line(&mut self, now_ns: u64, ledger: &Ledger, error: &Comparison) -> &str {
         let since_ns = *self.since_ns.get_or_insert(now_ns);
         let elapsed_ns = now_ns.saturating_sub(since_ns);
@@ -77,7 +78,7 @@ impl Live {
             self.errors_before = error.nearest.sum();
             *self.figures.insert(figures)
         } else {
-            // Until the first interval is whole, as far as it goes.
+            // Until the first interval is complete, show the part of it that has passed.
             self.figures
                 .unwrap_or_else(|| self.figures(elapsed_ns, error))
         };
@@ -99,7 +100,7 @@ impl Live {
 
     fn write(&mut self, figures: Figures, ledger: &Ledger) {
         self.line.clear();
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(
             self.line,
             "{:>5}/s  p50 {:>8}  p99 {:>8}  {} received, {} lost  {} {}",
@@ -150,7 +151,7 @@ mod tests {
             line,
             "  100/s  p50   500 µs  p99   500 µs  100 received, 0 lost  1 curve"
         );
-        // In the middle of the next second the figures stand, and the counts go on.
+        // In the middle of the next second, the figures stay and the counts change.
         receive(&mut live, &mut ledger, 102, 1_020_000_000);
         let line = live.line(1_100_000_000, &ledger, &error);
         assert!(line.starts_with("  100/s"), "{line}");

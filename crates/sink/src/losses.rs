@@ -1,26 +1,34 @@
-//! Where frames were lost: differences of the counters in the trace, nothing else.
+//! Loss accounting: determines where frames were lost, using only differences of the counters in
+//! the trace.
 //!
-//! Each stage numbers what it sends. Of two consecutive messages at the sink, let Δs, Δc, Δe, Δf be how far the source's
-//! number and the counters of capture, extract and fit have moved: the source skipped Δs − Δc frames, the link after
-//! capture lost Δc − Δe, the one after extract Δe − Δf, the one after fit Δf − 1. The sums telescope, so that every frame
-//! that was published is received or lost on exactly one link. Extract reports at its end how
-//! many of Δc − Δe it skipped for want of a mask.
+//! Each stage numbers its messages. Between two consecutive messages at the sink, the source's
+//! number and the counters of capture, extract and fit increase by Δs, Δc, Δe, Δf. The source
+//! skipped Δs − Δc frames. The link after capture lost Δc − Δe, the one after extract Δe − Δf, and
+//! the one after fit Δf − 1. The sums telescope, so every published frame is received or lost on
+//! exactly one link. At its end, extract reports how many of the Δc − Δe frames it skipped for lack
+//! of a mask.
 //!
-//! A stage that its chain restarted in its place counts on, and says so in the trace: what was lost from the last message before to the
-//! first one after, on whichever link, was lost at that restart (`at_restart`). One of a chain that was restarted whole counts from 1
-//! again: then its counter itself is the difference. As no stage sends more than it got, Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1; where such a
-//! start breaks that, the frame that proves a send is believed.
+//! A stage that its chain restarts continues its counter and reports the restart in the trace.
+//! Frames lost between the last message before and the first one after, on any link, were lost at
+//! that restart (`at_restart`). A stage of a chain that was restarted as a whole counts from 1
+//! again, so the difference is the counter itself. No stage sends more than it receives, therefore
+//! Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1. If such a restart violates this, a frame that proves that a message was
+//! sent takes precedence.
 //!
-//! On another machine the bridge is one more stage: it counts what it writes there, Δb. Then what was lost on the way there is Δf − Δb, and what was lost
-//! behind it Δb − 1.
+//! On another machine, the bridge is one more stage, which counts the messages that it writes
+//! there, Δb. Then Δf − Δb were lost on the way to that machine, and Δb − 1 after it.
 //!
-//! A restarted sink continues where the last one stopped. It counts the Δf − 1 of its first message as lost with that one:
-//! messages that were received but not yet noted, and messages that came while no sink ran.
+//! A restarted sink continues where the last one stopped. It counts the Δf − 1 of its first message
+//! as lost with the last sink: messages that were received but not yet saved, and messages that
+//! arrived while no sink ran.
 //!
-//! `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` + `lost.sink`, always. By hand, without a chain to say it to, frames
-//! skipped for want of a mask are in `lost.capture`. What was under way when the chain stopped is known too: each stage says at its end what it
-//! sent, the chain tells sink on its standard input, and the difference to the last message is lost on its link. A stage that did not live to say
-//! leaves its share on the link before it, with the sum still exact.
+//! Always, `frames.published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` +
+//! `lost.bridge` + `lost.fit` + `lost.sink`. If the stages run by hand, without a chain that passes
+//! the counts on, frames skipped for lack of a mask are in `lost.capture`. Frames in progress when
+//! the chain stopped are accounted for, too. Each stage reports at its end what it sent, and the
+//! chain passes this to the sink on its standard input. The difference to the last message is lost
+//! on its link. If a stage did not live to report, its share counts as lost on the link before it,
+//! and the sum is still exact.
 
 use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
 use crate::{AtRestart, FinalCounts, Lost};
@@ -39,53 +47,54 @@ pub struct Restarts {
     pub sink: u64,
 }
 
-/// The source's number and the counters of capture, extract and fit, in the order of the way.
+/// The source's number and the counters of capture, extract and fit, in the order of the data.
 type Counters = [u64; 4];
 
-/// What a message is to the counting.
+/// Classification of a message by the accounting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrival {
-    /// The first one.
+    /// The first message.
     First,
-    /// A later one.
+    /// A later message.
     Next,
-    /// The first one since the sink goes on where another stopped.
+    /// The first message after the sink continued where another stopped.
     Resumed,
-    /// Seen before, older than one seen before, or of counters or of a clock that cannot be: not counted.
+    /// Not counted: seen before, older than one seen before, or with impossible counters or times.
     Stale,
 }
 
-/// The ledger: what was received, and what was lost on which link, from the counters in the traces.
+/// The loss accounting: what was received, and what was lost on which link, according to the
+/// counters in the traces.
 #[derive(Debug, Clone)]
 pub struct Ledger {
     from_start: bool,
-    /// The first message's counters.
+    /// Counters of the first message.
     first: Option<Counters>,
     last: Option<(Counters, u64)>,
     /// Sums of the steps Δs, Δc, Δe, Δf.
     steps: Counters,
     received: u64,
-    /// The bridge's counter; 0 if the last message came over none.
+    /// The bridge's counter; 0 if the last message came without a bridge.
     bridged: u64,
-    /// What fit sent and no bridge wrote on this machine.
+    /// Messages that fit sent and no bridge wrote on this machine.
     over_bridge: u64,
-    /// What fit sent and no sink has counted, as there was none.
+    /// Messages from fit that were lost with the last sink.
     with_sink: u64,
-    /// Nothing has come since the sink goes on where another stopped.
+    /// True until the first message after the sink continued where another stopped.
     resumed: bool,
     stale: u64,
-    /// Frames that extract says it skipped for want of a mask.
+    /// Frames that extract reports as skipped for lack of a mask.
     masks_late: u64,
-    /// What the last message's trace said of restarts.
+    /// Restarts according to the last message's trace.
     said: [u8; 3],
-    /// Of the losses after capture, extract and fit, those at a restart.
+    /// Losses after capture, extract and fit that happened at a restart.
     at_restart: [u64; 3],
     restarts: Restarts,
 }
 
 impl Ledger {
-    /// Begins with nothing. `from_start`: it is there before the first frame, so that what is missing before the first message
-    /// was lost.
+    /// Starts empty. With `from_start`, the sink was running before the first frame, so everything
+    /// missing before the first message was lost.
     pub fn new(from_start: bool) -> Self {
         Self {
             from_start,
@@ -105,11 +114,11 @@ impl Ledger {
         }
     }
 
-    /// Counts one descriptors message, which came at that moment.
+    /// Counts one descriptors message and its arrival time.
     pub fn received(&mut self, trace: &Trace, received_ns: u64) -> Arrival {
         let counts = [trace.captured, trace.extracted, trace.fitted, trace.bridged];
         if counts.iter().any(|&count| count > LARGEST_COUNT) || trace.fitted_ns > received_ns {
-            // Taken as it is, it would be ahead of all messages that are to come, and none of them would count.
+            // If counted, it would be ahead of all later messages, and none of them would count.
             self.stale += 1;
             return Arrival::Stale;
         }
@@ -120,9 +129,10 @@ impl Ledger {
             trace.fitted,
         ];
         let (before, arrival) = match self.last {
-            // A fit begun again also counts from 1, but its clock does not go back.
+            // A restarted fit also counts from 1, but its clock does not go back.
             Some((last, fitted_ns)) if now[3] <= last[3] && trace.fitted_ns <= fitted_ns => {
-                // A reader that comes late is given the newest of before: the last sink has counted it.
+                // A reader that joins late gets the newest earlier message, which the last sink has
+                // counted.
                 let is_repeated = self.resumed && now == last;
                 self.stale += u64::from(!is_repeated);
                 return Arrival::Stale;
@@ -151,17 +161,18 @@ impl Ledger {
         arrival
     }
 
-    /// How many messages a bridge has written here since the last one, this one included; 1 if there is none.
+    /// Returns how many messages a bridge has written here since the last one, including this one.
+    /// Returns 1 without a bridge.
     fn follow_bridge(&mut self, bridged: u64) -> u64 {
         match std::mem::replace(&mut self.bridged, bridged) {
             last if last > 0 && last < bridged => bridged - last,
-            // Begun again.
+            // The bridge was restarted.
             last if bridged > 0 && last > bridged => bridged,
             _ => 1,
         }
     }
 
-    /// Counts what was under way when the chain stopped.
+    /// Counts the frames that were in progress when the chain stopped.
     pub fn finish(&mut self, sent: FinalCounts) {
         self.masks_late = sent.masks_late.unwrap_or(0);
         if let Some([sequence, captured]) = sent.before_first {
@@ -170,7 +181,7 @@ impl Ledger {
         let (before, fitted_ns) = match self.last {
             Some(last) => last,
             None if self.from_start => ([0; 4], 0),
-            // Nothing came, and nobody knows what was sent before the sink was there.
+            // No message arrived, and what was sent before the sink started is unknown.
             None => return,
         };
         let now = [
@@ -185,7 +196,7 @@ impl Ledger {
         self.last = Some((reached, fitted_ns));
     }
 
-    /// Counts what the trace says of restarts since the last message, and what was lost meanwhile.
+    /// Counts the restarts that the trace reports since the last message, and the losses meanwhile.
     fn note_restarts(&mut self, trace: &Trace, arrival: Arrival, before: &Lost) {
         let said = trace.restarts();
         let last = std::mem::replace(&mut self.said, said);
@@ -207,7 +218,8 @@ impl Ledger {
         }
     }
 
-    /// Losses after capture, extract and fit between the last message before a stage's restart and the first one after it.
+    /// Returns the losses after capture, extract and fit between the last message before a stage's
+    /// restart and the first one after it.
     pub fn at_restart(&self) -> AtRestart {
         let [capture, extract, fit] = self.at_restart;
         AtRestart {
@@ -217,20 +229,21 @@ impl Ledger {
         }
     }
 
-    /// Goes on where another stopped.
+    /// Continues where another ledger stopped.
     pub(crate) fn resume(&mut self) {
         self.resumed = true;
         self.restarts.sink += 1;
     }
 
-    /// What of fit's messages is missing now and was not before is lost with the last sink, if this one has just gone on.
+    /// Attributes new losses after fit to the last sink, if this sink has just continued from it.
     fn lose_with_sink(&mut self, before: u64) {
         if std::mem::take(&mut self.resumed) {
             self.with_sink += self.lost().fit - before;
         }
     }
 
-    /// Counts what was lost before the first message, now that it is known where the counters stood when the chain began.
+    /// Counts the losses before the first message, now that the counters at the start of the chain
+    /// are known.
     fn begin_after(&mut self, before: Counters) {
         let Some(first) = self.first else {
             self.last = Some((before, 0));
@@ -238,15 +251,15 @@ impl Ledger {
         };
         let mut least = 0;
         for i in (0..4).rev() {
-            // Less than nothing: begun again in between.
+            // A negative difference means a restart in between.
             let step = (first[i].saturating_sub(1)).saturating_sub(before[i]);
             least = step.max(least);
             self.steps[i] = self.steps[i].saturating_add(least);
         }
     }
 
-    /// Adds the steps from `before` to `now` (a counter that is not known moves as far as the later ones prove), of
-    /// which the last is at least `least`. Returns the counters as they then are.
+    /// Adds the steps from `before` to `now`; the last step is at least `least`. An unknown counter
+    /// moves as far as the later ones prove. Returns the resulting counters.
     fn advance(&mut self, before: Counters, now: [Option<u64>; 4], least: u64) -> Counters {
         let mut reached = before;
         let mut least = least;
@@ -258,7 +271,8 @@ impl Ledger {
                     count.max(least)
                 }
                 Some(count) => {
-                    // Fewer than the next stage sent: begun again, and past its old count again.
+                    // Fewer than the next stage sent: it was restarted and has passed its old count
+                    // again.
                     again[i] = count - before[i] < least;
                     (count - before[i]).max(least)
                 }
@@ -274,25 +288,27 @@ impl Ledger {
         reached
     }
 
-    /// Frames that capture sent, as far as known.
+    /// Returns the number of frames that capture sent, as far as known.
     pub fn published(&self) -> u64 {
         self.steps[1]
     }
 
-    /// Messages that came, each counted once.
+    /// Returns the number of messages received, each counted once.
     pub fn received_count(&self) -> u64 {
         self.received
     }
 
-    /// Messages that came again, late or damaged, and were not counted.
+    /// Returns the number of messages that were not counted because they were repeated, late or
+    /// damaged.
     pub fn stale(&self) -> u64 {
         self.stale
     }
 
-    /// What each link lost. The subtractions cannot be negative: no step is smaller than the next stage's.
+    /// Returns the losses on each link. The subtractions cannot be negative, because no step is
+    /// smaller than the next stage's.
     pub fn lost(&self) -> Lost {
         let [source, captured, extracted, fitted] = self.steps;
-        // A sink that came late has not counted all that extract skipped.
+        // A sink that joined late has not counted all frames that extract skipped.
         let mask = self.masks_late.min(captured - extracted);
         Lost {
             source: source - captured,
@@ -361,7 +377,7 @@ impl Ledger {
         })
     }
 
-    /// Which stages began again.
+    /// Returns the number of restarts of each stage.
     pub fn restarts(&self) -> Restarts {
         self.restarts
     }

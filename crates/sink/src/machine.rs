@@ -1,26 +1,26 @@
-//! The machine the figures were measured on: without it they say little.
+//! The machine on which the figures were measured. Without it, they mean little.
 
 use serde::Serialize;
 use std::fs::read_to_string;
 use std::thread::available_parallelism;
 
-/// What the latency of a chain depends on besides the chain. What cannot be read is `None`.
+/// Properties of the machine on which latencies depend. Unreadable ones are `None`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Machine {
-    /// The processor's name.
+    /// Name of the processor.
     pub cpu: Option<String>,
-    /// How many cores this process may use.
+    /// Number of cores that this process may use.
     pub cores: Option<usize>,
-    /// The kernel's name and release.
+    /// Name and release of the kernel.
     pub kernel: String,
-    /// The first core's frequency governor.
+    /// Frequency governor of the first core.
     pub governor: Option<String>,
     /// Main memory, in MB of 10⁶ bytes.
     pub memory_mb: Option<u64>,
 }
 
 impl Machine {
-    /// Reads this machine from `/proc`, `/sys` and `uname`.
+    /// Reads the properties of this machine from `/proc`, `/sys` and `uname`.
     pub fn this() -> Self {
         let uname = rustix::system::uname();
         let governor = "/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor";
@@ -46,7 +46,8 @@ impl Machine {
     }
 }
 
-/// `/proc/cpuinfo` names the processor under another key on each architecture, and on some not at all.
+/// Returns the name of the processor. The key in `/proc/cpuinfo` depends on the architecture and
+/// may be missing.
 fn cpu_name(cpuinfo: &str) -> Option<String> {
     ["model name", "Model", "Hardware", "cpu model", "uarch"]
         .iter()
@@ -55,7 +56,7 @@ fn cpu_name(cpuinfo: &str) -> Option<String> {
         .filter(|name| !name.is_empty())
 }
 
-/// `/proc/meminfo` counts in kB of 1024 bytes.
+/// Converts the memory to MB. `/proc/meminfo` counts in kB of 1024 bytes.
 fn memory_mb(meminfo: &str) -> Option<u64> {
     let kib: u64 = value(meminfo, "MemTotal")?
         .split_whitespace()
@@ -65,7 +66,7 @@ fn memory_mb(meminfo: &str) -> Option<u64> {
     Some(kib.saturating_mul(1024) / 1_000_000)
 }
 
-/// The value of the first `key : value` line with this key.
+/// Returns the value of the first `key : value` line with this key.
 fn value<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     text.lines().find_map(|line| {
         let (name, value) = line.split_once(':')?;

@@ -1,60 +1,62 @@
-//! What the sink is told: before the first frame, and after the last.
+//! Inputs of the sink besides messages: its options, and the final counts.
 
-/// How the sink counts. The default: no period, no deadline, joined late.
+/// Options for counting. By default, period and deadline are unset, and the sink has joined late.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Options {
-    /// The time between two frames of the source, in nanoseconds, if it has a fixed one.
+    /// Time between two frames of a source with a fixed rate, in nanoseconds.
     pub period_ns: Option<u64>,
-    /// How old a descriptor may be when the reader has it, in nanoseconds after the exposure. `None`: the period; without
-    /// a period there is no deadline.
+    /// Maximum age of a descriptor when the reader receives it, in nanoseconds after the exposure.
+    /// `None` means the period. Without a period, frames are never late.
     pub deadline_ns: Option<u64>,
-    /// Whether the sink was there before the first frame.
+    /// True if the sink was running before the first frame.
     ///
-    /// `true`: every counter began at 1, and what is missing up to the first message was lost. `false`: the counting
-    /// begins at the first message, which may be the newest of before the sink came (the service keeps one), so that it
-    /// is received but says nothing about latency.
+    /// Then every counter began at 1, and everything missing before the first message was lost. If
+    /// false, counting begins at the first message. The service keeps the newest message, so the
+    /// first one may be older than the sink. It is received, but says nothing about latency.
     pub from_start: bool,
 }
 
 impl Options {
-    /// The deadline in force, in nanoseconds.
+    /// Returns the deadline in force, in nanoseconds.
     pub fn deadline_ns(&self) -> Option<u64> {
         self.deadline_ns.or(self.period_ns)
     }
 }
 
-/// What each stage says it has sent in all, known when the chain has stopped. `None`: the stage did not live to say.
+/// Totals that each stage reports when the chain has stopped. `None` means that the stage did not
+/// live to report.
 ///
-/// With it the frames that were under way when the chain stopped are lost too, on the link where they were: without a
-/// stage's word, on the link before it, as far as later stages do not prove that it sent them.
+/// With the totals, frames that were in progress when the chain stopped count as lost on the link
+/// where they were. If a stage did not report, they count as lost on the link before it, unless
+/// later stages prove that it sent them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FinalCounts {
-    /// The source's number and capture's count before the first frame, if the frames are not the chain's own: whoever writes
-    /// them may have begun long before.
+    /// The source's number and capture's count before the first frame, for frames from an external
+    /// writer, which may have started long before the chain.
     pub before_first: Option<[u64; 2]>,
     /// The source's last frame number, sent or not.
     pub last_sequence: Option<u64>,
-    /// How many frames capture sent.
+    /// Number of frames that capture sent.
     pub captured: Option<u64>,
-    /// How many frames extract sent.
+    /// Number of frames that extract sent.
     pub extracted: Option<u64>,
-    /// How many frames fit sent.
+    /// Number of frames that fit sent.
     pub fitted: Option<u64>,
-    /// How many frames extract skipped, as their masks, made by another process, came too late.
+    /// Number of frames that extract skipped because their external masks were late.
     pub masks_late: Option<u64>,
-    /// How many frames fit had no depth image or second view for, if it reads those.
+    /// Number of frames without a depth image or second view, if fit reads those.
     pub depthless: Option<u64>,
-    /// What capture says of its depth camera, if it has one.
+    /// Counts of the depth camera, if capture has one.
     pub depths: Option<DepthCounts>,
 }
 
-/// What became of a depth camera's images.
+/// Counts of a depth camera's images.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthCounts {
-    /// How many it gave.
+    /// Images that it delivered.
     pub images: u64,
-    /// How many it numbered and did not give.
+    /// Images that it numbered but did not deliver.
     pub lost: u64,
-    /// How many of those it gave were no frame's.
+    /// Delivered images that belonged to no frame.
     pub unpaired: u64,
 }

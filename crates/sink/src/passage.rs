@@ -1,4 +1,4 @@
-//! One frame's stamps, and when it was in the reader's hands.
+//! Stamps of one frame, and the time of its reception.
 
 use crate::saved::{RestoreError, Saved, Saving};
 use crate::step::Step;
@@ -11,7 +11,7 @@ pub(crate) struct Passage {
 }
 
 impl Passage {
-    /// How long a step took, in nanoseconds; 0 where that is not known.
+    /// Returns the duration of a step in nanoseconds, or 0 if it is unknown.
     pub(crate) fn ns(&self, step: Step) -> u64 {
         step.ns(&self.trace, self.received_ns).unwrap_or(0)
     }

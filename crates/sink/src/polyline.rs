@@ -6,7 +6,7 @@ use lariat_message::{Centerlines, MAX_CURVES, MAX_POINTS};
 /// A point, `[x, y]` in pixels.
 pub(crate) type Point = [f64; 2];
 
-/// Several centerlines, one after the other in memory that is allocated once.
+/// Several centerlines, stored one after the other in memory that is allocated once.
 #[derive(Debug, Clone)]
 pub(crate) struct Polylines {
     points: Vec<[f32; 2]>,
@@ -28,7 +28,7 @@ impl Default for Polylines {
 }
 
 impl Polylines {
-    /// Takes over the curves of a message that are seen in its frame and have points that are numbers.
+    /// Copies the visible curves of a message whose coordinates are all finite.
     pub(crate) fn set(&mut self, message: &Centerlines) {
         self.points.clear();
         self.count = 0;
@@ -46,12 +46,12 @@ impl Polylines {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of centerlines.
     pub(crate) fn len(&self) -> usize {
         self.count
     }
 
-    /// One of them.
+    /// Returns one of the centerlines.
     pub(crate) fn get(&self, index: usize) -> Polyline<'_> {
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         Polyline {
@@ -60,13 +60,13 @@ impl Polylines {
         }
     }
 
-    /// All of them, in order.
+    /// Returns all centerlines in order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Polyline<'_>> {
         (0..self.count).map(|index| self.get(index))
     }
 }
 
-/// One centerline: points at equal steps of arc length; at least one.
+/// One centerline: at least one point, at equal steps of arc length.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Polyline<'a> {
     pub(crate) points: &'a [[f32; 2]],
@@ -74,7 +74,7 @@ pub(crate) struct Polyline<'a> {
 }
 
 impl Polyline<'_> {
-    /// The point of this index; past the last, the first.
+    /// Returns the point of this index, or the first one past the end.
     fn vertex(&self, index: usize) -> Point {
         let point = self.points.get(index).unwrap_or(&self.points[0]);
         point.map(f64::from)
@@ -84,18 +84,20 @@ impl Polyline<'_> {
         self.points.len() - usize::from(!self.closed)
     }
 
-    /// The longest step from one point to the next, as [`distance`](Self::distance) needs it.
+    /// Returns the longest step between neighboring points, as [`distance`](Self::distance) needs
+    /// it.
     pub(crate) fn longest_step(&self) -> f64 {
         (0..self.segments())
             .map(|i| between(self.vertex(i), self.vertex(i + 1)))
             .fold(0.0, f64::max)
     }
 
-    /// Distance from a point to the nearest place on the polyline.
+    /// Returns the distance of a point from the polyline.
     ///
-    /// No place within arc length s of a vertex is nearer than the vertex's distance less s: from a vertex that is far
-    /// away the search may leap along the line, as a sphere tracer does along its ray, and still find the minimum. It
-    /// begins with the segment at `hint`, which, if it is a good one, makes all leaps long.
+    /// No position within arc length s of a vertex is nearer than the vertex's distance minus s.
+    /// From a distant vertex, the search can therefore leap along the line, like a sphere tracer
+    /// along its ray, and still finds the minimum. It begins with the segment at `hint`; a good
+    /// hint makes all leaps long.
     pub(crate) fn distance(&self, point: Point, longest_step: f64, hint: usize) -> f64 {
         let segments = self.segments();
         if segments == 0 {
@@ -117,7 +119,7 @@ impl Polyline<'_> {
         nearest
     }
 
-    /// The point at normalized arc length `rho` in [0, 1] of an open polyline.
+    /// Returns the point at the normalized arc length `rho` in [0, 1] of an open polyline.
     pub(crate) fn at(&self, rho: f64) -> Point {
         let place = rho * (self.points.len() - 1) as f64;
         let i = (place as usize).min(self.points.len().saturating_sub(2));
@@ -129,12 +131,12 @@ impl Polyline<'_> {
     }
 }
 
-/// Distance of two points.
+/// Returns the distance between two points.
 pub(crate) fn between(a: Point, b: Point) -> f64 {
     ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()
 }
 
-/// Distance of a point from the segment a b.
+/// Returns the distance of a point from the segment a b.
 fn to_segment(point: Point, a: Point, b: Point) -> f64 {
     let (ab, ap) = (
         [b[0] - a[0], b[1] - a[1]],
@@ -154,7 +156,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition: the least of all segments.
+    /// Returns the distance by definition: the minimum over all segments.
     fn distance_by_definition(line: &Polyline, point: Point) -> f64 {
         (0..line.segments())
             .map(|i| to_segment(point, line.vertex(i), line.vertex(i + 1)))

@@ -1,21 +1,21 @@
-//! What is counted of a descriptors message: little enough to be kept until somebody has time to count it.
+//! Receipts of descriptors messages. A receipt is small enough to be kept until it is counted.
 
 use crate::truth::is_seen;
 use lariat_message::{Descriptors, Trace};
 
-/// A descriptors message that came, as far as it is counted and timed.
+/// The properties of a received descriptors message that are counted and timed.
 #[derive(Debug, Clone, Copy)]
 pub struct Receipt {
     pub(crate) trace: Trace,
     pub(crate) received_ns: u64,
-    /// Curves that were seen.
+    /// Number of visible curves.
     pub(crate) seen: usize,
-    /// Without an image there is nothing that was exposed.
+    /// True for a message without an image, and therefore without an exposure.
     pub(crate) is_blank: bool,
 }
 
 impl Receipt {
-    /// How many messages fit had sent with it.
+    /// Returns the number of messages that fit had sent, including this one.
     pub fn fitted(&self) -> u64 {
         self.trace.fitted
     }

@@ -1,4 +1,4 @@
-//! What remains of a run: the table, the stable summary, the histograms.
+//! The report of a run: the table, the stable summary, and the histograms.
 
 use crate::error::Compared;
 use crate::latency::{Latency, Row};
@@ -8,7 +8,7 @@ use crate::{FinalCounts, Restarts, Summary, hgrm, table};
 use std::fmt;
 use std::io::{self, Write};
 
-/// Everything that a run has shown. `Display` is the final table.
+/// All results of a run. `Display` writes the final table.
 #[derive(Debug, Clone)]
 pub struct Report {
     pub(crate) summary: Summary,
@@ -19,36 +19,37 @@ pub struct Report {
     pub(crate) facts: Facts,
 }
 
-/// What the table says and the summary does not.
+/// Facts in the table that are not in the summary.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facts {
     pub(crate) period_ns: Option<u64>,
     pub(crate) from_start: bool,
-    /// When the first and the last message came.
+    /// Arrival times of the first and the last message.
     pub(crate) span_ns: Option<[u64; 2]>,
     pub(crate) restarts: Restarts,
     pub(crate) stale: u64,
     pub(crate) blank: u64,
-    /// What the stages said at the end, if it has come.
+    /// Final totals of the stages, once they are known.
     pub(crate) finished: Option<FinalCounts>,
 }
 
 impl Report {
-    /// The figures of `summary.json`.
+    /// Returns the figures of `summary.json`.
     pub fn summary(&self) -> &Summary {
         &self.summary
     }
 
-    /// Which stages were seen to begin again.
+    /// Returns the number of restarts seen, for each stage.
     pub fn restarts(&self) -> Restarts {
         self.facts.restarts
     }
 
-    /// The files of a report, names and contents: `report.txt`, `slowest.txt`, an `.hgrm` for each row, `summary.json`. The table comes first and
-    /// the summary last: where there is any of them there is that, and where this is, the others are.
+    /// Returns the names and contents of the report's files: `report.txt`, `slowest.txt`, an
+    /// `.hgrm` file for each row, and `summary.json`. The table is first and the summary last. If
+    /// any file exists, the table does; if the summary exists, all others do.
     ///
     /// # Errors
-    /// None but those of writing to memory.
+    /// Returns only errors of writing to memory.
     pub fn files(&self) -> io::Result<Vec<(String, Vec<u8>)>> {
         let mut files = vec![("report.txt".to_owned(), self.to_string().into_bytes())];
         let [start_ns, _] = self.facts.span_ns.unwrap_or_default();
@@ -66,10 +67,11 @@ impl Report {
         Ok(files)
     }
 
-    /// Writes when each stage worked on each of the last 1,000 frames, as a trace that Perfetto and Chrome show.
+    /// Writes the times at which each stage worked on each of the last 1,000 frames, as a trace for
+    /// Perfetto and Chrome.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Returns an error if writing fails.
     pub fn write_timeline(&self, out: &mut impl Write) -> io::Result<()> {
         self.timeline.write(out)
     }

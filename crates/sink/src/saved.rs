@@ -1,25 +1,27 @@
-//! What a sink knows, as bytes: so that another goes on where it stopped.
+//! Saves the state of a sink as bytes, so that another sink can continue.
 //!
 //! ```text
 //! kind      4 bytes    "LTLY": a tally; "LCNT": its counts only
 //! version   1 byte
-//! body                 one part after the other, as each writes itself
-//! check     4 bytes    CRC-32 of all before, little-endian
+//! body                 one part after the other, in each part's own encoding
+//! check     4 bytes    CRC-32 of all preceding bytes, little-endian
 //! ```
 //!
-//! Whole numbers are LEB128, seven bits a byte, the lowest first; floating-point numbers eight bytes, little-endian; of a
-//! histogram stand the buckets that are not empty. Bytes that are not whole are refused; what is read is held to what can be,
-//! so that no bytes whatever make a sink that panics, and nothing is allocated by a number that was read.
+//! Integers are LEB128: seven bits per byte, lowest first. Floating-point numbers are eight bytes,
+//! little-endian. A histogram is stored as its nonempty buckets. Incomplete bytes are refused. All
+//! values are checked against their valid ranges, so no input makes a sink panic. No number from
+//! the input determines the size of an allocation.
 
 use thiserror::Error;
 
-/// The version of what is written. Another one is not read: a sink is followed by one of the same executable.
+/// Version of the format. Other versions are not read, because a sink is followed by one of the
+/// same executable.
 const VERSION: u8 = 3;
 
-/// What no stage counts to: a thousand frames a second for eight thousand years.
+/// Limit that no stage's counter reaches: a thousand frames per second for eight thousand years.
 pub(crate) const LARGEST_COUNT: u64 = 1 << 48;
 
-/// What is written.
+/// Kind of the saved data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Tally,
@@ -35,27 +37,27 @@ impl Kind {
     }
 }
 
-/// Why a sink cannot go on where another stopped.
+/// Reason why a sink cannot continue where another stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum RestoreError {
-    /// It was written by something else.
+    /// The bytes were not saved by a sink.
     #[error("these bytes are not what a sink has saved: begin a new tally")]
     OfAnother,
-    /// It was written by another release.
+    /// The bytes were saved by another release.
     #[error(
         "a sink of another release has saved this, in version {found} of the format: use the same release for all stages, or \
          begin a new tally"
     )]
     Version {
-        /// The format that was found.
+        /// Version of the format that was found.
         found: u8,
     },
-    /// It is not as it was written.
+    /// The bytes are damaged.
     #[error("what the sink had saved is damaged: begin a new tally")]
     Damaged,
 }
 
-/// Writes what `body` says behind what is in a buffer. Allocates only where that grows.
+/// Appends the output of `body` to a buffer. Allocates only if the buffer grows.
 pub(crate) fn save(kind: Kind, into: &mut Vec<u8>, body: impl FnOnce(&mut Saving)) {
     let start = into.len();
     into.extend(kind.mark());
@@ -65,7 +67,7 @@ pub(crate) fn save(kind: Kind, into: &mut Vec<u8>, body: impl FnOnce(&mut Saving
     into.extend(check.to_le_bytes());
 }
 
-/// The body of what was saved.
+/// Returns the body of the saved bytes.
 pub(crate) fn open(kind: Kind, bytes: &[u8]) -> Result<Saved<'_>, RestoreError> {
     let Some((&version, rest)) = bytes
         .strip_prefix(&kind.mark())
@@ -104,7 +106,7 @@ impl Saving<'_> {
         self.0.extend(number.to_bits().to_le_bytes());
     }
 
-    /// Numbers that may not be known.
+    /// Writes numbers that may be unknown.
     pub(crate) fn optional<const N: usize>(&mut self, numbers: Option<[u64; N]>) {
         self.number(numbers.is_some().into());
         self.numbers(numbers.into_iter().flatten());
@@ -115,7 +117,7 @@ impl Saving<'_> {
 pub(crate) struct Saved<'a>(&'a [u8]);
 
 impl Saved<'_> {
-    /// Any number.
+    /// Reads any number.
     pub(crate) fn number(&mut self) -> Result<u64, RestoreError> {
         let mut number = 0;
         for shift in (0..64).step_by(7) {
@@ -141,12 +143,12 @@ impl Saved<'_> {
         Ok(numbers)
     }
 
-    /// How many of something there were, to which more will be added.
+    /// Reads a count that will increase further.
     pub(crate) fn count(&mut self) -> Result<u64, RestoreError> {
         sound(self.number()?, |&count| count <= LARGEST_COUNT)
     }
 
-    /// A finite number, of what is never negative.
+    /// Reads a finite number that is not negative.
     pub(crate) fn real(&mut self) -> Result<f64, RestoreError> {
         let (bits, rest) = self.0.split_first_chunk().ok_or(RestoreError::Damaged)?;
         self.0 = rest;
@@ -162,13 +164,13 @@ impl Saved<'_> {
         self.flag()?.then(|| self.numbers()).transpose()
     }
 
-    /// Nothing more is there.
+    /// Checks that all bytes have been read.
     pub(crate) fn end(self) -> Result<(), RestoreError> {
         sound(self.0, |rest| rest.is_empty()).map(drop)
     }
 }
 
-/// What was read, if it can be.
+/// Returns a value that was read, if it is valid.
 pub(crate) fn sound<T>(value: T, can_be: impl FnOnce(&T) -> bool) -> Result<T, RestoreError> {
     if can_be(&value) {
         Ok(value)

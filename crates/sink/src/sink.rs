@@ -1,4 +1,4 @@
-//! The sink itself: messages in, figures out.
+//! The sink: turns messages into figures.
 
 use crate::live::Live;
 use crate::losses::Arrival;
@@ -9,10 +9,10 @@ use crate::truth::Truth;
 use crate::{FinalCounts, Machine, Options, Report};
 use lariat_message::{Centerlines, Descriptors};
 
-/// Counts, times and checks what comes out of a chain.
+/// Counts, times and checks the output of a chain.
 ///
-/// It knows neither clock nor service: whoever receives the messages says when. Once made, it allocates nothing for a
-/// message.
+/// It is independent of clocks and services: the caller passes messages and their arrival times.
+/// After its creation it allocates nothing for a message.
 #[derive(Debug)]
 pub struct Sink {
     tally: Tally,
@@ -21,12 +21,13 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// A sink that has seen nothing.
+    /// Creates an empty sink.
     pub fn new(options: Options) -> Self {
         Self::of(Tally::new(options))
     }
 
-    /// A sink that continues a tally. Messages that waited for their truth are not compared, and the live line starts again.
+    /// Creates a sink that continues a tally. Messages that waited for their truth are not
+    /// compared, and the live line starts again.
     pub fn of(tally: Tally) -> Self {
         let live = Live::new(tally.compared.shown());
         Self {
@@ -36,9 +37,10 @@ impl Sink {
         }
     }
 
-    /// One descriptors message, and when it was in the reader's hands. One that came before is not counted again.
+    /// Takes a descriptors message and the time of its reception. A repeated message is not counted
+    /// again.
     ///
-    /// Returns what of it was [counted](Tally::count), for another tally.
+    /// Returns the receipt that was [counted](Tally::count), for another tally.
     pub fn descriptors(&mut self, message: &Descriptors, received_ns: u64) -> Receipt {
         let receipt = Receipt::of(message, received_ns);
         let (arrival, total_ns) = self.tally.count(&receipt);
@@ -49,23 +51,24 @@ impl Sink {
         receipt
     }
 
-    /// One centerlines message, for its error against the truth.
+    /// Takes a centerlines message, to compute its error relative to the truth.
     pub fn centerlines(&mut self, message: &Centerlines) {
         self.truth.centerlines(message, &mut self.tally.compared);
     }
 
-    /// The true centerlines of one frame, of a source that knows them; before or after what was measured in it.
+    /// Takes the true centerlines of a frame, if the source knows them. They may come before or
+    /// after the measurements.
     pub fn truth(&mut self, message: &Centerlines) {
         self.truth.truth(message, &mut self.tally.compared);
     }
 
-    /// What the stages say they sent in all, known when the chain has stopped.
+    /// Takes the totals that the stages report when the chain has stopped.
     pub fn finish(&mut self, sent: FinalCounts) {
         self.tally.finish(sent);
     }
 
-    /// How it goes just now, in one line without its end. To be called about once a second for lines, or ten times a
-    /// second for one line in place.
+    /// Returns the live line without a line end. Call this about once a second for separate lines,
+    /// or ten times a second for a line in place.
     pub fn live_line(&mut self, now_ns: u64) -> &str {
         let Tally {
             counts, compared, ..
@@ -73,22 +76,22 @@ impl Sink {
         self.live.line(now_ns, &counts.ledger, compared.shown())
     }
 
-    /// What was counted, timed and compared so far.
+    /// Returns everything that was counted, timed and compared until now.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// How many frames so far, and where they went.
+    /// Returns the number of frames until now, and the losses.
     pub fn frames(&self) -> Frames {
         self.tally.frames()
     }
 
-    /// What has been seen so far, on this machine.
+    /// Returns the report of this run until now, on this machine.
     pub fn report(&self) -> Report {
         self.report_on(Machine::this())
     }
 
-    /// What has been seen so far, for the machine that is given.
+    /// Returns the report of this run until now, for the given machine.
     pub fn report_on(&self, machine: Machine) -> Report {
         self.tally.report_on(machine)
     }

@@ -1,4 +1,4 @@
-//! The slowest frames of a run, one by one: where the time of each went.
+//! The slowest frames of a run, and the times of their steps.
 
 use crate::figure::Micros;
 use crate::latency::{Latency, Row};
@@ -8,10 +8,11 @@ use crate::step::Step;
 use std::cmp::Reverse;
 use std::fmt::{self, Write};
 
-/// How many are kept.
+/// Number of frames kept.
 const KEPT: usize = 20;
 
-/// The frames that were longest under way, from exposure to reception. Keeping another allocates nothing.
+/// The frames with the longest time from exposure to reception. Keeping another one allocates
+/// nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Slowest {
     passages: Vec<Passage>,
@@ -48,8 +49,9 @@ impl Slowest {
         Ok(slowest)
     }
 
-    /// A table, the slowest first: its steps, and which of them took most beyond its median, in microseconds. `start_ns`:
-    /// when the first message came.
+    /// Returns a table of the slowest frames, slowest first. It shows the steps in microseconds,
+    /// and the one that exceeded its median most. `start_ns` is the arrival time of the first
+    /// message.
     pub(crate) fn table(&self, latency: &Latency, start_ns: u64) -> Result<String, fmt::Error> {
         let mut passages = self.passages.clone();
         passages.sort_unstable_by_key(|kept| (Reverse(total_ns(kept)), kept.trace.sequence));
@@ -92,7 +94,7 @@ impl Slowest {
     }
 }
 
-/// The whole way, and its steps.
+/// Returns the total and its steps.
 fn ways() -> impl Iterator<Item = Step> {
     Step::ALL.into_iter().filter(|step| *step != Step::Fitted)
 }

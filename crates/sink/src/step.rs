@@ -1,14 +1,14 @@
-//! The steps of a frame's way, each between two stamps that lie next to each other.
+//! The steps of a frame's latency, each between two neighboring stamps.
 
 use lariat_message::Trace;
 
-/// A step of the way, or the whole of it. Those from [`Capture`](Self::Capture) on add up to
+/// A step, or the total. The steps from [`Capture`](Self::Capture) on add up to
 /// [`Received`](Self::Received).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// Exposed → received: the whole way.
+    /// Exposed → received: the total.
     Received,
-    /// Exposed → fitted: without the way to the reader.
+    /// Exposed → fitted: without the transport to the reader.
     Fitted,
     /// Exposed → captured.
     Capture,
@@ -25,7 +25,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// All of them, the whole way first.
+    /// All steps, the total first.
     pub const ALL: [Self; 8] = [
         Self::Received,
         Self::Fitted,
@@ -37,7 +37,7 @@ impl Step {
         Self::WaitSink,
     ];
 
-    /// Its name in tables.
+    /// Returns the name in tables.
     pub fn label(self) -> &'static str {
         match self {
             Self::Received => "exposed → received",
@@ -51,13 +51,14 @@ impl Step {
         }
     }
 
-    /// Whether nothing is worked on meanwhile.
+    /// Returns true if no stage works during this step.
     pub fn is_wait(self) -> bool {
         matches!(self, Self::WaitExtract | Self::WaitFit | Self::WaitSink)
     }
 
-    /// When it begins and ends in a frame's trace, in nanoseconds of `CLOCK_MONOTONIC`; `None` if either is not known.
-    /// `received_ns`: when the message was in the reader's hands, 0 if that is not known.
+    /// Returns the start and the end of the step in a frame's trace, in nanoseconds of
+    /// `CLOCK_MONOTONIC`. Returns `None` if either is unknown. `received_ns` is the time of the
+    /// message's reception, or 0 if that is unknown.
     pub fn ends_ns(self, trace: &Trace, received_ns: u64) -> Option<(u64, u64)> {
         let (from, to) = match self {
             Self::Received => (trace.exposed_ns, received_ns),
@@ -72,7 +73,7 @@ impl Step {
         (from != 0 && to != 0).then_some((from, to))
     }
 
-    /// How long it took in a frame, in nanoseconds: never below 0.
+    /// Returns the duration of the step in a frame, in nanoseconds. It is never negative.
     pub fn ns(self, trace: &Trace, received_ns: u64) -> Option<u64> {
         let (from, to) = self.ends_ns(trace, received_ns)?;
         Some(to.saturating_sub(from))

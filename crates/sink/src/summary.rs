@@ -1,61 +1,64 @@
-//! `summary.json`: the whole measurement in one object whose keys are stable.
+//! `summary.json`: the complete measurement as one object with stable keys.
 
 use crate::{FinalCounts, Machine};
 use serde::Serialize;
 
-/// The measurement, as `summary.json` has it. A figure without a single sample is `null`.
+/// The contents of `summary.json`. A figure without a single sample is `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The version of these keys: 2. With 2 came `finished`, `frames.lost.sink`, `frames.lost.bridge` and `frames.at_restart`.
+    /// The version of these keys: 2. Version 2 added `finished`, `frames.lost.sink`,
+    /// `frames.lost.bridge` and `frames.at_restart`.
     pub schema: u32,
-    /// Whether the run has ended. A summary that was written while it went on, as every 10 s, says how it stood then.
+    /// True if the run has ended. A summary that is written during a run, every 10 s, shows the
+    /// state at that time.
     pub finished: bool,
-    /// How many frames, and where they went.
+    /// Number of frames, and the losses.
     pub frames: Frames,
-    /// What depth images were missing, where there are any. FrameTruth at the chain's end.
+    /// Missing depth images, if the chain uses depth. FrameTruth at the end of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<Depth>,
-    /// Where the time went, in microseconds.
+    /// Latencies in microseconds.
     pub latency_us: Latencies,
-    /// How far from the truth, in pixels.
+    /// Distances from the truth in pixels.
     pub error_px: Errors,
-    /// How many were late.
+    /// Number of late frames.
     pub deadline: Deadline,
-    /// What it was measured on.
+    /// The machine on which the figures were measured.
     pub machine: Machine,
 }
 
-/// `published` = `received` + `lost.capture` + `lost.mask` + `lost.extract` + `lost.bridge` + `lost.fit` +
-/// `lost.sink`, always.
+/// Counts of frames. Always, `published` = `received` + `lost.capture` + `lost.mask` +
+/// `lost.extract` + `lost.bridge` + `lost.fit` + `lost.sink`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Frames {
-    /// What capture sent, as far as known.
+    /// Frames that capture sent, as far as known.
     pub published: u64,
-    /// Descriptor messages that came, each counted once.
+    /// Descriptor messages received, each counted once.
     pub received: u64,
-    /// Of these, the ones with a curve that was seen: status `Ok` or `Partial`.
+    /// Received messages with a visible curve: status `Ok` or `Partial`.
     pub with_curve: u64,
-    /// What was lost on each link.
+    /// Frames lost on each link.
     pub lost: Lost,
-    /// The part of these that was lost while a stage was restarted.
+    /// Losses during a restart of a stage. Part of `lost`.
     pub at_restart: AtRestart,
 }
 
-/// Frames and depth images, or second views, that did not find each other. A figure that nobody knows is `null`.
+/// Frames and depth images, or second views, that were not paired. An unknown figure is `null`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Depth {
-    /// Frames that had no depth image or second view when they were fitted: their ropes are described in the image only.
+    /// Frames without a depth image or second view when they were fitted. Their ropes are described
+    /// in the image only.
     pub frames_without: Option<u64>,
-    /// Images that the chain's own depth camera gave.
+    /// Images that the chain's own depth camera delivered.
     pub images: Option<u64>,
-    /// Images that it numbered and did not give.
+    /// Images that it numbered but did not deliver.
     pub lost: Option<u64>,
-    /// Images that it gave and that were no frame's.
+    /// Delivered images that belonged to no frame.
     pub unpaired: Option<u64>,
 }
 
 impl Depth {
-    /// By what the stages said; `None` if there is no depth.
+    /// Returns the counts that the stages reported, or `None` without depth.
     pub(crate) fn of(sent: &FinalCounts) -> Option<Self> {
         let (frames_without, depths) = (sent.depthless, sent.depths);
         (frames_without.is_some() || depths.is_some()).then_some(Self {
@@ -67,7 +70,7 @@ impl Depth {
     }
 }
 
-/// Frames lost after a stage while it or another was restarted in its place.
+/// Frames lost after a stage while that stage or another was restarted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct AtRestart {
     /// Sent by capture, never by extract.
@@ -78,35 +81,36 @@ pub struct AtRestart {
     pub fit: u64,
 }
 
-/// Frames lost, by the link they were lost on.
+/// Frames lost, by link.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Lost {
     /// Numbered by the source, never sent by capture.
     pub source: u64,
-    /// Sent by capture, never by extract, for another reason than the next.
+    /// Sent by capture, never by extract, except those in `mask`.
     pub capture: u64,
-    /// Skipped by extract, as the frame's mask, made by another process, came too late. FrameTruth at the chain's end; until
-    /// then these are in `capture`.
+    /// Skipped by extract because the frame's external mask was late. FrameTruth at the end of the
+    /// chain; until then these are in `capture`.
     pub mask: u64,
     /// Sent by extract, never by fit.
     pub extract: u64,
-    /// On another machine: sent by fit, never written by the bridge there.
+    /// Only on another machine: sent by fit, never written by the bridge there.
     pub bridge: u64,
-    /// Sent by fit (on another machine: written by the bridge there), never received here, though there was a sink.
+    /// Sent by fit (on another machine: written by the bridge there), but never received here
+    /// although a sink was running.
     pub fit: u64,
-    /// Sent by fit while the sink was dead, until another one went on where it had stopped; with what it had received and could
-    /// not write down any more.
+    /// Sent by fit while no sink was running, until another one continued. Includes messages that
+    /// the last sink received but could not save.
     pub sink: u64,
 }
 
 impl Lost {
-    /// All of them.
+    /// Returns the sum of all losses.
     pub fn total(&self) -> u64 {
         self.source + self.capture + self.mask + self.extract + self.bridge + self.fit + self.sink
     }
 }
 
-/// Work and waits of a frame on its way.
+/// Work and waits of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Latencies {
     /// Exposed → received.
@@ -130,11 +134,11 @@ pub struct Latencies {
 pub struct Spread {
     /// The median.
     pub p50: Option<f64>,
-    /// 90 % are no longer.
+    /// 90 % are not longer.
     pub p90: Option<f64>,
-    /// 99 % are no longer.
+    /// 99 % are not longer.
     pub p99: Option<f64>,
-    /// 99.9 % are no longer.
+    /// 99.9 % are not longer.
     pub p999: Option<f64>,
     /// The longest.
     pub max: Option<f64>,
@@ -145,7 +149,7 @@ pub struct Spread {
 /// Distances from the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// The centerlines' points.
+    /// Points of the centerlines.
     pub centerline: Distances,
     /// Points of the fitted curves.
     pub curve: Distances,
@@ -156,18 +160,18 @@ pub struct Errors {
 pub struct Distances {
     /// The mean.
     pub mean: Option<f64>,
-    /// 95 % are no farther.
+    /// 95 % are not larger.
     pub p95: Option<f64>,
-    /// 99.9 % are no farther: what a single frame cannot move.
+    /// 99.9 % are not larger. A single frame cannot change this figure.
     pub p999: Option<f64>,
-    /// The farthest.
+    /// The largest.
     pub max: Option<f64>,
 }
 
-/// The deadline and what missed it.
+/// The deadline, and the frames that missed it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Deadline {
-    /// From exposure to reception, in microseconds.
+    /// Time from exposure to reception, in microseconds.
     pub us: Option<f64>,
     /// Received frames that took longer; `None` without a deadline.
     pub missed: Option<u64>,

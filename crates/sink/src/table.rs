@@ -1,4 +1,5 @@
-//! The table at a run's end: the whole way first, then its pieces in their order, then what was lost, late and wrong.
+//! The table at the end of a run: the total latency, its steps in order, then losses, late frames
+//! and errors.
 
 use crate::error::Comparison;
 use crate::figure::{Figure, Micros};
@@ -8,12 +9,13 @@ use crate::step::Step;
 use crate::summary::{Distances, Summary};
 use std::fmt::{Formatter, Result, Write};
 
-/// The table of latencies is as wide as a usual terminal, so its columns of figures and its bar share these characters.
+/// Characters that the columns of figures and the bar share. The table of latencies is as wide as a
+/// usual terminal.
 const FIGURES_AND_BAR: usize = 5 * 7 + BAR;
-/// Width of the bar that stands for the whole way, where no figure names its unit.
+/// Width of the bar that stands for the total, if no figure has a unit.
 const BAR: usize = 12;
 
-/// The columns of a row of times.
+/// Columns of a row of times.
 const QUANTILES: [f64; 5] = [0.5, 0.9, 0.99, 0.999, 1.0];
 
 pub(crate) fn write(report: &Report, f: &mut Formatter<'_>) -> Result {
@@ -50,7 +52,7 @@ fn heading(report: &Report, f: &mut Formatter<'_>) -> Result {
 fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     let period_ns = report.facts.period_ns.filter(|period_ns| *period_ns > 0);
     let width = column_width(report, Step::ALL.map(Row::Way));
-    // Figures as wide as that leave no room for a bar.
+    // Very wide figures leave no room for a bar.
     let bar_width = FIGURES_AND_BAR.saturating_sub(QUANTILES.len() * width);
     write!(f, "{:<20}", "latency, µs")?;
     for column in ["p50", "p90", "p99", "p99.9", "max"] {
@@ -83,7 +85,8 @@ fn latency(report: &Report, f: &mut Formatter<'_>) -> Result {
     writeln!(f)
 }
 
-/// What limits it, in one line: what takes the most of the way, and how many frames a second the slowest stage could do.
+/// Writes what limits the chain: the part that takes most of the total, and the frame rate that the
+/// slowest stage could reach.
 fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     let (Some(whole), Some(capture), Some(extract), Some(fit)) = (
         median_us(report, Row::Way(Step::Received)),
@@ -113,7 +116,7 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
         Row::Way(Step::WaitSink),
     ];
     let waiting = waits.into_iter().filter_map(|row| median_us(report, row));
-    // A paced frame is ready before it is due: what it takes until it is sent is the wake.
+    // A paced frame is ready before it is due, so the time until it is sent is the wake-up.
     let sending = match period {
         Some(_) => "sending a frame after it was due",
         None => "capture",
@@ -134,7 +137,7 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
     )
 }
 
-/// A row's label and its five figures, each in a column of this width.
+/// Writes a row: its label and five figures, each in a column of this width.
 fn spread(report: &Report, row: Row, label: &str, width: usize, f: &mut Formatter<'_>) -> Result {
     write!(f, "{label:<20}")?;
     for quantile in QUANTILES {
@@ -144,7 +147,8 @@ fn spread(report: &Report, row: Row, label: &str, width: usize, f: &mut Formatte
     Ok(())
 }
 
-/// Width of the columns of figures of these rows: two spaces stand before the longest one, and at least one.
+/// Returns the width of the columns of these rows. It leaves two spaces before the longest figure,
+/// and is at least 7.
 fn column_width(report: &Report, rows: impl IntoIterator<Item = Row>) -> usize {
     let longest = rows.into_iter().flat_map(|row| {
         let figures = QUANTILES.map(|q| Micros(report.latency.row(row).quantile_us(q)));
@@ -158,7 +162,7 @@ fn median_us(report: &Report, row: Row) -> Option<f64> {
     report.latency.row(row).quantile_us(0.5)
 }
 
-/// A bar of eighths of a character.
+/// Draws a bar with a resolution of an eighth of a character.
 fn bar(share: f64, width: usize, f: &mut Formatter<'_>) -> Result {
     let eighths = (share.clamp(0.0, 1.0) * width as f64 * 8.0).round() as usize;
     if eighths > 0 {
@@ -173,7 +177,7 @@ fn bar(share: f64, width: usize, f: &mut Formatter<'_>) -> Result {
     }
 }
 
-/// What each stage sent, and what of it the next one did not send on.
+/// Writes what each stage sent, and how much of it the next stage did not send on.
 fn losses(report: &Report, f: &mut Formatter<'_>) -> Result {
     let frames = &report.summary.frames;
     let lost = &frames.lost;
@@ -310,7 +314,7 @@ fn machine(report: &Report, f: &mut Formatter<'_>) -> Result {
     paragraph("", &kernel, 21, f)
 }
 
-/// What a reader of the figures must know to read them rightly: only what applies.
+/// Writes the notes that are needed to interpret the figures. Only those that apply are written.
 fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     let facts = &report.facts;
     let mut notes = Vec::new();
@@ -391,7 +395,7 @@ fn notes(report: &Report, f: &mut Formatter<'_>) -> Result {
     notes.iter().try_for_each(|note| paragraph("!", note, 2, f))
 }
 
-/// What of depth was missing.
+/// Returns notes on missing depth images.
 fn depth_notes(summary: &Summary) -> impl Iterator<Item = String> {
     let depth = summary.depth.unwrap_or_default();
     let without = depth
@@ -413,7 +417,7 @@ fn depth_notes(summary: &Summary) -> impl Iterator<Item = String> {
     without.into_iter().chain(images)
 }
 
-/// Text behind a label, in lines of at most 80 columns.
+/// Writes a text after a label, in lines of at most 80 columns.
 fn paragraph(label: &str, text: &str, indent: usize, f: &mut Formatter<'_>) -> Result {
     write!(f, "{label:<0$}", indent - 1)?;
     let mut column = indent - 1;
@@ -442,7 +446,7 @@ fn error_notes(comparison: &Comparison, kind: &str) -> impl Iterator<Item = Stri
     .flatten()
 }
 
-/// `1 frame`, `2 frames`.
+/// Formats a count and its noun: `1 frame`, `2 frames`.
 fn plural(count: u64, thing: &str) -> String {
     match count {
         1 => format!("1 {thing}"),

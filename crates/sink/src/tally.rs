@@ -1,4 +1,5 @@
-//! All that a report says of a run: what was counted, timed and compared so far. It can be saved, and gone on with.
+//! The tally behind a report: everything that was counted, timed and compared until now. It can be
+//! saved and continued.
 
 use crate::counts::Counts;
 use crate::error::Compared;
@@ -15,10 +16,11 @@ use crate::timeline::Timeline;
 use crate::times::to_hundredths;
 use crate::{FinalCounts, Machine, Options, Report};
 
-/// What was counted, timed and compared of a run so far.
+/// Everything that was counted, timed and compared in a run until now.
 ///
-/// A [`Sink`](crate::Sink) has one. A second one that is told the same [receipts](Receipt), and now and then
-/// [what was compared](Self::take_comparisons), says the same: for a thread that writes reports while the sink receives.
+/// A [`Sink`](crate::Sink) contains one. A second tally that takes the same [receipts](Receipt),
+/// and from time to time [the comparisons](Self::take_comparisons), gives the same results. A
+/// thread can use it to write reports while the sink receives.
 #[derive(Debug, Clone)]
 pub struct Tally {
     options: Options,
@@ -32,7 +34,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of nothing.
+    /// Creates an empty tally.
     pub fn new(options: Options) -> Self {
         Self {
             options,
@@ -46,9 +48,9 @@ impl Tally {
         }
     }
 
-    /// Counts and times one message. A message that came before is not counted again. Allocates nothing.
+    /// Counts and times one message. A repeated message is not counted again. Allocates nothing.
     ///
-    /// Returns the whole way in nanoseconds, if it counts and is known.
+    /// Returns the total latency in nanoseconds, if it counts and is known.
     pub fn count(&mut self, receipt: &Receipt) -> (Arrival, Option<u64>) {
         let arrival = self.counts.count(receipt);
         let Receipt {
@@ -56,7 +58,8 @@ impl Tally {
         } = receipt;
         let timed = match arrival {
             Arrival::Stale => return (arrival, None),
-            // The first message of a late joiner may have waited for it: its age is not the chain's.
+            // The first message of a late joiner may have waited for it, so its age says nothing
+            // about the chain.
             Arrival::First => self.options.from_start,
             Arrival::Resumed => false,
             Arrival::Next => true,
@@ -79,8 +82,8 @@ impl Tally {
         (arrival, total_ns)
     }
 
-    /// Takes over what another has compared with the truth since the last time. Allocates nothing, and copies only where
-    /// something came.
+    /// Copies the comparisons that another tally has made since the last call. Allocates nothing,
+    /// and copies only what has changed.
     pub fn take_comparisons(&mut self, from: &Self) {
         self.compared.follow(&from.compared);
     }
@@ -90,7 +93,7 @@ impl Tally {
         self.finished = Some(sent);
     }
 
-    /// How many frames so far, and where they went.
+    /// Returns the number of frames until now, and the losses.
     pub fn frames(&self) -> Frames {
         let ledger = &self.counts.ledger;
         Frames {
@@ -102,7 +105,7 @@ impl Tally {
         }
     }
 
-    /// What has been seen so far, for the machine that is given.
+    /// Returns the report of this run until now, for the given machine.
     pub fn report_on(&self, machine: Machine) -> Report {
         let ledger = &self.counts.ledger;
         Report {
@@ -152,7 +155,9 @@ impl Tally {
         }
     }
 
-    /// Writes all of it behind what is in a buffer: some kilobytes, and some 60 for the stamps of 1,000 frames. What the stages said at the end is not in it: a tally that has it is not gone on with.
+    /// Appends the tally to a buffer. It takes some kilobytes, and about 60 kB for the stamps of
+    /// 1,000 frames. The final totals of the stages are not included, because a tally that has them
+    /// is not continued.
     pub fn save(&self, into: &mut Vec<u8>) {
         saved::save(Kind::Tally, into, |to| {
             self.counts.save(to);
@@ -164,10 +169,10 @@ impl Tally {
         });
     }
 
-    /// Reads what [`save`](Self::save) wrote. `options`: those that hold from now on.
+    /// Reads the output of [`save`](Self::save). `options` are those in force from now on.
     ///
     /// # Errors
-    /// The bytes are not whole, or of another release.
+    /// Returns an error if the bytes are incomplete or come from another release.
     pub fn restore(options: Options, bytes: &[u8]) -> Result<Self, RestoreError> {
         let mut from = saved::open(Kind::Tally, bytes)?;
         let tally = Self {
@@ -184,16 +189,16 @@ impl Tally {
         Ok(tally)
     }
 
-    /// Writes the counts alone, without what is timed and compared, behind what is in a buffer: some 100 bytes, to be written with
-    /// each message. Allocates only where the buffer grows.
+    /// Appends only the counts to a buffer, without times and comparisons. They take about 100
+    /// bytes and are meant to be saved with each message. Allocates only if the buffer grows.
     pub fn save_counts(&self, into: &mut Vec<u8>) {
         saved::save(Kind::Counts, into, |to| self.counts.save(to));
     }
 
-    /// Takes over counts that [`save_counts`](Self::save_counts) wrote.
+    /// Replaces the counts by the output of [`save_counts`](Self::save_counts).
     ///
     /// # Errors
-    /// As of [`restore`](Self::restore).
+    /// Fails like [`restore`](Self::restore).
     pub fn restore_counts(&mut self, bytes: &[u8]) -> Result<(), RestoreError> {
         let mut from = saved::open(Kind::Counts, bytes)?;
         let counts = Counts::restore(&mut from, self.options.from_start)?;
@@ -202,8 +207,8 @@ impl Tally {
         Ok(())
     }
 
-    /// Goes on where a sink stopped that is gone: what fit sent from then until the next message counts as lost with that one,
-    /// and that message, which may have waited, is not timed.
+    /// Continues where a sink that is gone stopped. Messages that fit sent until the next received
+    /// one count as lost with that sink. The next message may have waited, so it is not timed.
     #[must_use]
     pub fn resumed(mut self) -> Self {
         self.counts.ledger.resume();

@@ -1,22 +1,23 @@
-//! The last frames' ways through the stages as a trace in Chrome's event format, which Perfetto (ui.perfetto.dev) and
-//! `chrome://tracing` show: a row a stage, an arrow from stage to stage for each frame.
+//! The timeline of the last frames as a trace in Chrome's event format, for Perfetto
+//! (ui.perfetto.dev) and `chrome://tracing`. It has a row for each stage, and arrows from stage to
+//! stage for each frame.
 
 use std::io::{self, Write};
 
 use crate::passage::Passage;
 use crate::saved::{RestoreError, Saved, Saving, sound};
 
-/// How many frames are kept.
+/// Number of frames kept.
 const KEPT: usize = 1000;
 
-/// The rows, in the order of the way.
+/// The rows, in the order of the data.
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 
-/// The last 1,000 frames. Keeping another allocates nothing.
+/// The last 1,000 frames. Keeping another one allocates nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Timeline {
     passages: Vec<Passage>,
-    /// The oldest, once all places are taken.
+    /// Index of the oldest frame, once all places are taken.
     oldest: usize,
 }
 
@@ -37,7 +38,7 @@ impl Timeline {
         }
     }
 
-    /// The oldest first.
+    /// Returns the frames, oldest first.
     fn passages(&self) -> impl Iterator<Item = &Passage> + Clone {
         let (newer, older) = self.passages.split_at(self.oldest);
         older.iter().chain(newer)
@@ -57,7 +58,7 @@ impl Timeline {
         Ok(timeline)
     }
 
-    /// Writes the events as JSON; times are microseconds since the oldest frame's exposure.
+    /// Writes the events as JSON. Times are in microseconds since the oldest frame's exposure.
     pub(crate) fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let passages = self.passages();
         let start_ns = passages.clone().map(Passage::begin_ns).min().unwrap_or(0);
@@ -70,7 +71,8 @@ impl Timeline {
                  \"args\":{{\"name\":\"{stage}\"}}}}"
             )?;
         }
-        // Of one row no two slices may overlap: a frame that was due before the last was done begins after it.
+        // Slices of a row must not overlap: a frame that was due before the previous one was done
+        // begins after it.
         let mut done_ns = [0; STAGES.len()];
         for passage in passages {
             passage.write(start_ns, &mut done_ns, out)?;
@@ -80,7 +82,8 @@ impl Timeline {
 }
 
 impl Passage {
-    /// When each stage began and ended with it; of an unknown stamp nothing is shown.
+    /// Returns when each stage began and ended its work on the frame. Unknown stamps yield no
+    /// slice.
     fn slices(&self) -> [Option<(u64, u64)>; STAGES.len()] {
         let trace = &self.trace;
         let known = |from: u64, to: u64| (from != 0 && to >= from).then_some((from, to));
@@ -117,7 +120,7 @@ impl Passage {
                 STAGES[row],
                 us(to) - us(from),
             )?;
-            // The arrow: begun in the first row, bound to the slices of the others.
+            // The arrow starts in the first row and is bound to the slices of the others.
             let (phase, bound) = match row {
                 0 => ("s", ""),
                 _ if row + 1 == STAGES.len() => ("f", ",\"bp\":\"e\""),
@@ -152,7 +155,7 @@ mod tests {
         }
     }
 
-    /// So many nanoseconds after it was fitted.
+    /// Returns a passage received `after_ns` nanoseconds after it was fitted.
     fn passed(trace: Trace, after_ns: u64) -> Passage {
         let received_ns = trace.fitted_ns + after_ns;
         Passage { trace, received_ns }

@@ -1,4 +1,4 @@
-//! A heap of durations: percentiles from an HDR histogram, mean and longest exact.
+//! A distribution of durations, with percentiles from an HDR histogram, and exact mean and maximum.
 
 use crate::hgrm;
 use crate::saved::{RestoreError, Saved, Saving, sound};
@@ -6,24 +6,25 @@ use crate::summary::Spread;
 use hdrhistogram::Histogram;
 use std::io::{self, Write};
 
-/// Longest time told from longer ones: 100 s. Of longer ones the longest is known, and how many there were.
+/// Upper limit of the histograms: 100 s. Longer times are only counted, except for the longest.
 pub(crate) const LONGEST_NS: u64 = 100_000_000_000;
 
-/// Three significant digits: the error of a percentile is below 0.1 %, at 200 kB a histogram.
+/// Significant digits: percentiles have errors below 0.1 %, and a histogram takes 200 kB.
 const DIGITS: u8 = 3;
 
-/// A histogram of whole numbers up to `largest` that never grows, right to so many significant digits.
+/// Creates a histogram of integers up to `largest`, accurate to `digits` significant digits. It
+/// never grows.
 ///
-/// Only the pages of it that are in use become resident.
+/// Only the pages in use become resident.
 pub(crate) fn histogram(largest: u64, digits: u8) -> Histogram<u64> {
     Histogram::new_with_bounds(1, largest, digits)
         .expect("the bounds are constants: 1, more than 2, at most 5 digits")
 }
 
-/// What no histogram holds: more than all stages together count to.
+/// Limit that no histogram's count reaches: more than all stages together can count.
 const LARGEST_HEAP: u64 = 1 << 62;
 
-/// Writes the buckets of a histogram that are not empty.
+/// Writes the nonempty buckets of a histogram.
 pub(crate) fn save(histogram: &Histogram<u64>, to: &mut Saving) {
     to.number(histogram.iter_recorded().count() as u64);
     let mut before = 0;
@@ -34,14 +35,14 @@ pub(crate) fn save(histogram: &Histogram<u64>, to: &mut Saving) {
     }
 }
 
-/// Reads them into an empty histogram of the same kind.
+/// Reads the buckets into an empty histogram of the same kind.
 pub(crate) fn restore(
     histogram: &mut Histogram<u64>,
     from: &mut Saved,
 ) -> Result<(), RestoreError> {
     let buckets = from.number()?;
     let (mut value, mut total) = (0u64, 0u64);
-    // As long as there are bytes to read: each bucket takes two at least.
+    // The input limits this loop, because each bucket takes at least two bytes.
     for _ in 0..buckets {
         let [step, count] = from.numbers()?;
         value = value.checked_add(step).ok_or(RestoreError::Damaged)?;
@@ -51,7 +52,7 @@ pub(crate) fn restore(
     Ok(())
 }
 
-/// Durations in nanoseconds: told apart to three significant digits, up to 100 s.
+/// Durations in nanoseconds, distinguished to three significant digits, up to 100 s.
 ///
 /// ```
 /// let mut times = lariat_sink::Times::default();
@@ -77,7 +78,8 @@ impl Default for Times {
 }
 
 impl Times {
-    /// No durations yet; longer ones than `longest_told_ns` will be told from it by the longest only.
+    /// Creates an empty distribution. Times longer than `longest_told_ns` are not distinguished,
+    /// except for the maximum.
     pub(crate) fn new(longest_told_ns: u64, digits: u8) -> Self {
         Self {
             histogram: histogram(longest_told_ns, digits),
@@ -86,12 +88,12 @@ impl Times {
         }
     }
 
-    /// One more.
+    /// Adds a duration.
     pub fn add(&mut self, ns: u64) {
         self.add_many(ns, 1);
     }
 
-    /// So many more of one length.
+    /// Adds a duration `count` times.
     pub(crate) fn add_many(&mut self, ns: u64, count: u64) {
         self.histogram.saturating_record_n(ns, count);
         self.sum_ns += u128::from(ns) * u128::from(count);
@@ -100,7 +102,7 @@ impl Times {
         }
     }
 
-    /// All durations of another heap, too.
+    /// Adds all durations of another distribution.
     pub fn merge(&mut self, other: &Self) {
         for step in other.histogram.iter_recorded() {
             self.histogram
@@ -110,16 +112,17 @@ impl Times {
         self.longest_ns = self.longest_ns.max(other.longest_ns);
     }
 
-    /// Reads what [`write_hgrm`](Self::write_hgrm) wrote, as far as its steps tell durations apart: each counts as its
-    /// step's longest. `None` if the text is no such histogram.
+    /// Reads the output of [`write_hgrm`](Self::write_hgrm), with the resolution of its steps: each
+    /// duration counts as the longest of its step. Returns `None` if the text is not such a
+    /// histogram.
     pub fn from_hgrm(text: &str) -> Option<Self> {
         hgrm::read(text)
     }
 
-    /// Writes the distribution as text, in HdrHistogram's own format, in microseconds.
+    /// Writes the distribution as text in HdrHistogram's own format, in microseconds.
     ///
     /// # Errors
-    /// What `out` says.
+    /// Returns the errors of `out`.
     pub fn write_hgrm(&self, out: &mut impl Write) -> io::Result<()> {
         hgrm::write(self, out)
     }
@@ -130,7 +133,7 @@ impl Times {
         to.numbers([high, low, self.longest_ns]);
     }
 
-    /// Reads what was saved of times of the same kind; there are none yet.
+    /// Reads saved times of the same kind. The distribution must be empty.
     pub(crate) fn restore(&mut self, from: &mut Saved) -> Result<(), RestoreError> {
         restore(&mut self.histogram, from)?;
         let [high, low, longest_ns] = from.numbers()?;
@@ -146,7 +149,7 @@ impl Times {
         self.longest_ns = 0;
     }
 
-    /// How many there are.
+    /// Returns the number of durations.
     pub fn count(&self) -> u64 {
         self.histogram.len()
     }
@@ -155,13 +158,14 @@ impl Times {
         &self.histogram
     }
 
-    /// The duration that this share of all does not exceed, in microseconds; 1 is the longest. `None` without any.
+    /// Returns the duration that this share of all durations does not exceed, in microseconds. A
+    /// share of 1 gives the maximum. Returns `None` for an empty distribution.
     pub fn quantile_us(&self, quantile: f64) -> Option<f64> {
         if self.histogram.is_empty() {
             return None;
         }
         let ns = if quantile < 1.0 {
-            // A bucket's upper edge may lie past all that is in it.
+            // The upper edge of a bucket may exceed everything in it.
             self.histogram
                 .value_at_quantile(quantile)
                 .min(self.longest_ns)
@@ -171,13 +175,13 @@ impl Times {
         Some(ns as f64 / 1e3)
     }
 
-    /// The mean, in microseconds.
+    /// Returns the mean in microseconds.
     pub fn mean_us(&self) -> Option<f64> {
         let count = self.histogram.len();
         (count > 0).then(|| self.sum_ns as f64 / count as f64 / 1e3)
     }
 
-    /// The figures of `summary.json`.
+    /// Returns the figures of `summary.json`.
     pub(crate) fn spread(&self) -> Spread {
         let at = |quantile| self.quantile_us(quantile).map(to_hundredths);
         Spread {
@@ -191,7 +195,7 @@ impl Times {
     }
 }
 
-/// To 10 ns: less than a stamp costs.
+/// Rounds to 10 ns, which is less than a stamp costs.
 pub(crate) fn to_hundredths(us: f64) -> f64 {
     (us * 100.0).round() / 100.0
 }
@@ -228,7 +232,8 @@ mod tests {
             let us = times.quantile_us(quantile).unwrap_or(0.0);
             for other in [&read, &merged] {
                 let found = other.quantile_us(quantile).unwrap_or(0.0);
-                // A step of the format holds a twentieth of what is left, at most 10 % of 5000² ns near the median.
+                // Each step of the format holds a twentieth of the rest: at most 10 % of 5000² ns
+                // near the median.
                 assert!((found / us - 1.0).abs() < 0.1, "{quantile}: {found}, {us}");
                 assert!(found <= 25_001.0, "{found}");
             }

@@ -1,31 +1,34 @@
-//! Brings what was measured in a frame and what is true of it together, whichever comes first.
+//! Pairs the measurements of a frame with its truth, whichever comes first.
 //!
-//! Truth, centerlines and descriptors come over three services, each at its own time, and any of them may be lost. Each
-//! waits for the others in a ring of the last frames, found by the source's number; the moment of exposure, where both
-//! know it, tells the frames of a source that began again from those before.
+//! Truth, centerlines and descriptors arrive on three services at different times, and any of them
+//! may be lost. Each waits for the others in a ring of the last frames, indexed by the source's
+//! number. The exposure time, if both have one, distinguishes the frames of a restarted source from
+//! earlier ones.
 
 use crate::drawn::points_along;
 use crate::error::{Compared, Frame};
 use crate::polyline::{Point, Polylines};
 use lariat_message::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
 
-/// How many frames' truth waits: a quarter of a second at 1000 frames/s. It is known when the frame is taken, and the chain
-/// may be many frames behind.
+/// Number of frames whose truth waits: a quarter of a second at 1000 frames/s. The truth is known
+/// when the frame is taken, and the chain may be many frames behind.
 const KNOWN: usize = 256;
 
-/// How many frames' measurements wait: their truth was sent before, and has at most been read a little later.
+/// Number of frames whose measurements wait. Their truth was sent before them, so it is read at
+/// most a little later.
 const MEASURED: usize = 32;
 
-/// Points at which a fitted curve is held against the truth, evenly spaced in ρ: four for each control point that a curve
-/// can have, so that it has no room to leave the rope between them.
+/// Number of points at which a fitted curve is compared with the truth, evenly spaced in ρ. With
+/// four for each control point that a curve can have, it cannot leave the rope between them.
 const SAMPLES: usize = 128;
 
-/// Whether the curve is seen in its frame: neither lost nor of a status that this version does not know.
+/// Returns true if the curve is visible in its frame: it is not lost, and this version knows its
+/// status.
 pub(crate) fn is_seen(status: Option<Status>) -> bool {
     !matches!(status, Some(Status::Lost) | None)
 }
 
-/// Which frame a message is about.
+/// Identifies the frame of a message.
 #[derive(Debug, Clone, Copy, Default)]
 struct Key {
     sequence: u64,
@@ -48,7 +51,7 @@ impl Key {
     }
 }
 
-/// The last frames' values.
+/// Values of the last frames.
 #[derive(Debug)]
 struct Ring<T> {
     slots: Vec<(Option<Key>, T)>,
@@ -66,27 +69,27 @@ impl<T: Default> Ring<T> {
         &mut self.slots[(key.sequence % frames) as usize]
     }
 
-    /// A place for a frame's value, in the stead of an older frame's.
+    /// Returns a place for a frame's value, which replaces that of an older frame.
     fn insert(&mut self, key: Key) -> &mut T {
         let slot = self.slot(key);
         slot.0 = Some(key);
         &mut slot.1
     }
 
-    /// A frame's value, if it is there.
+    /// Returns a frame's value, if it is there.
     fn get(&mut self, key: Key) -> Option<&mut T> {
         let (holds, value) = self.slot(key);
         holds.is_some_and(|held| held.matches(key)).then_some(value)
     }
 
-    /// A frame's value, once.
+    /// Returns a frame's value and removes it.
     fn take(&mut self, key: Key) -> Option<&mut T> {
         let (holds, value) = self.slot(key);
         holds.take_if(|held| held.matches(key)).map(|_| value)
     }
 }
 
-/// A frame's truth, and what it has been compared with.
+/// A frame's truth, and which comparisons were made.
 #[derive(Debug, Default)]
 struct FrameTruth {
     ropes: Polylines,
@@ -94,10 +97,10 @@ struct FrameTruth {
     descriptors_done: bool,
 }
 
-/// Points on a frame's curves that were seen.
+/// Points on the visible curves of a frame.
 #[derive(Debug)]
 struct Drawn {
-    /// With whether it is closed.
+    /// Points of each curve, and whether it is closed.
     curves: Vec<([Point; SAMPLES], bool)>,
 }
 
@@ -126,7 +129,7 @@ impl Truth {
         }
     }
 
-    /// The true centerlines of a frame.
+    /// Takes the true centerlines of a frame.
     pub(crate) fn truth(&mut self, message: &Centerlines, compared: &mut Compared) {
         let key = Key::of(&message.trace);
         if self.known.get(key).is_some() {
@@ -146,7 +149,7 @@ impl Truth {
         }
     }
 
-    /// The measured centerlines of a frame.
+    /// Takes the measured centerlines of a frame.
     pub(crate) fn centerlines(&mut self, message: &Centerlines, compared: &mut Compared) {
         let key = Key::of(&message.trace);
         match self.known.get(key) {
@@ -163,7 +166,7 @@ impl Truth {
         }
     }
 
-    /// The fitted curves of a frame. Such as are not in pixels of the image cannot be compared.
+    /// Takes the fitted curves of a frame. They can only be compared if they are in image pixels.
     pub(crate) fn descriptors(&mut self, message: &Descriptors, compared: &mut Compared) {
         if message.unit() != Some(Unit::Pixel) {
             compared.elsewhere = true;
@@ -186,7 +189,8 @@ impl Truth {
 }
 
 impl Drawn {
-    /// Takes over the curves of a message that are seen. Returns how many others this version does not know.
+    /// Copies the visible curves of a message. Returns the number of curves that this version does
+    /// not know.
     fn set(&mut self, message: &Descriptors) -> u64 {
         self.curves.clear();
         let mut unknown = 0;

@@ -1,7 +1,8 @@
-#![allow(unsafe_code)] // An allocator is unsafe by its trait; this one counts and passes everything on to the system's.
-//! The counting allocator, by which tests show that something allocates nothing: every program that links this crate has it.
+#![allow(unsafe_code)] // An allocator is unsafe by its trait; this one counts and forwards.
+//! The counting allocator, with which tests prove that code does not allocate. Every program that
+//! links this crate uses it.
 //!
-//! Each thread counts its own, so that tests may run side by side.
+//! Each thread has its own counters, so tests may run in parallel.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -13,7 +14,7 @@ struct Counting;
 static COUNTING: Counting = Counting;
 
 thread_local! {
-    // Constants without a destructor: they take no memory from the allocator themselves.
+    // Constants without a destructor, which do not use the allocator themselves.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
     static BYTES: Cell<u64> = const { Cell::new(0) };
     static HELD_BYTES: Cell<i64> = const { Cell::new(0) };
@@ -21,27 +22,29 @@ thread_local! {
 
 static WATCHER: OnceLock<fn(usize)> = OnceLock::new();
 
-/// How often this thread has asked for memory; a block that grows counts again.
+/// Returns how often this thread has requested memory; a block that grows counts again.
 pub fn allocations() -> u64 {
     ALLOCATIONS.get()
 }
 
-/// How many bytes this thread has asked for.
+/// Returns how many bytes this thread has requested.
 pub fn bytes() -> u64 {
     BYTES.get()
 }
 
-/// How many of them it has not given back: negative where it freed what another thread allocated.
+/// Returns how many of these bytes this thread has not freed. The number is negative if it freed
+/// memory of another thread.
 pub fn held_bytes() -> i64 {
     HELD_BYTES.get()
 }
 
-/// Has every allocation of every thread told to `watcher`, with its size; the first one stays. It must not allocate.
+/// Calls `watcher` for every allocation of every thread, with its size. The first watcher stays; it
+/// must not allocate.
 pub fn watch(watcher: fn(usize)) {
     WATCHER.get_or_init(|| watcher);
 }
 
-// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+// SAFETY: every call is forwarded unchanged to the system's allocator, which fulfills the contract.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -50,13 +53,14 @@ unsafe impl GlobalAlloc for Counting {
         if let Some(watcher) = WATCHER.get() {
             watcher(layout.size());
         }
-        // SAFETY: the caller keeps `alloc`'s contract, which is the same.
+        // SAFETY: the caller fulfills the contract of `alloc`, which is the same.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         HELD_BYTES.set(HELD_BYTES.get() - layout.size() as i64);
-        // SAFETY: `pointer` came from `System` with this layout, as all of ours do.
+        // SAFETY: `pointer` came from `System` with this layout, like all pointers of this
+        // allocator.
         unsafe { System.dealloc(pointer, layout) }
     }
 }

@@ -1,4 +1,4 @@
-//! The commands in the documents, for tests that every one of them is understood.
+//! Commands in the documents, for tests that all of them are understood.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,16 +6,17 @@ use std::path::{Path, PathBuf};
 /// A command in a document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
-    /// Its text, in one line.
+    /// Text of the command, on one line.
     pub text: String,
-    /// Its words, from the program's name on, up to a comment or a pipe.
+    /// Words of the command, from the program's name up to a comment or a pipe.
     pub words: Vec<String>,
 }
 
-/// The commands in README.md, CONTRIBUTING.md, ARCHITECTURE.md and all of `docs/`, but for those that leave something out.
+/// Returns the commands in README.md, CONTRIBUTING.md, ARCHITECTURE.md and all of `docs/`, except
+/// those with parts left out.
 ///
 /// # Panics
-/// A document cannot be read.
+/// Panics if a document cannot be read.
 pub fn commands() -> Vec<Command> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let entries = fs::read_dir(root.join("docs")).expect("the folder of documents");
@@ -27,7 +28,8 @@ pub fn commands() -> Vec<Command> {
     texts.flat_map(|text| commands_in(&text)).collect()
 }
 
-/// The commands in a document's text: `lariat …` or `lariat-bench …` in backquotes, or from a line's begin on in a block of code.
+/// Returns the commands in a document's text: `lariat …` or `lariat-bench …` in backquotes, or at
+/// the start of a line in a code block.
 pub fn commands_in(text: &str) -> Vec<Command> {
     let quoted = text.split('`').skip(1).step_by(2);
     let blocks = text.split("```").skip(1).step_by(2);
@@ -44,7 +46,7 @@ pub fn commands_in(text: &str) -> Vec<Command> {
     commands.filter_map(command).collect()
 }
 
-/// The words of a command up to a comment or a pipe; `None` if it leaves something out.
+/// Splits a command into words, up to a comment or a pipe; `None` if parts are left out.
 fn words(command: &str) -> Option<Vec<String>> {
     let mut words = Vec::new();
     for (place, part) in command.split('"').enumerate() {

@@ -1,10 +1,11 @@
-//! Code that the tests of several crates share.
+//! Code shared by the tests of several crates.
 //!
-//! - [`allocations`], [`bytes`], [`held_bytes`], [`watch`]: the counters of an allocator, which every program that links this crate has.
+//! - [`allocations`], [`bytes`], [`held_bytes`], [`watch`]: counters of an allocator that every
+//!   program linking this crate uses.
 //! - [`documents`]: the commands in README.md, in `docs/` and in the other documents.
 //!
-//! This crate's own test `hostile` sends messages with arbitrary bytes to everything that receives one. `fuzz/` has a fuzz
-//! target for each of its targets (`tests/hostile/targets`).
+//! The test `hostile` of this crate sends messages with arbitrary bytes to all receivers. `fuzz/`
+//! has a fuzz target for each of its targets (`tests/hostile/targets`).
 
 mod counting;
 pub mod documents;

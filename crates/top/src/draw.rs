@@ -1,4 +1,4 @@
-//! The picture of a [`View`]: pure, so that a test draws it without a terminal.
+//! Draws a [`View`]. The code is pure, so a test can draw without a terminal.
 
 mod latency;
 mod ropes;
@@ -13,9 +13,10 @@ use ratatui::widgets::{Paragraph, Wrap};
 
 use lariat_view::View;
 
-/// Rows of the tables: a heading and six steps, and the bar.
+/// Number of rows of the tables: a heading, six steps, and the bar.
 const TABLES: u16 = 8;
-/// Columns of the table of stages; the rest, but for a gap, is the latencies': 46 of the usual 80.
+/// Number of columns of the table of stages. The latencies get the rest, less a gap: 46 of the
+/// usual 80.
 const STAGES: u16 = 32;
 
 const DIM: Style = Style::new().fg(Color::DarkGray);
@@ -52,7 +53,7 @@ pub(super) fn draw(frame: &mut Frame, view: &View) {
     }
 }
 
-/// With room left and right.
+/// Adds margins on the left and right.
 fn inset(area: Rect) -> Rect {
     Rect {
         x: area.x + 4.min(area.width / 4),
@@ -81,7 +82,8 @@ fn heading(view: &View) -> Line<'static> {
                 (0, _) | (_, 0) => add("no image".into(), BAD),
                 (width, height) => add(format!("{width}×{height}"), Style::new()),
             }
-            // The age of a frame that waits for this look says nothing; one that nothing follows does.
+            // The age of a frame that waits for this update means nothing. The age of the last
+            // frame does.
             if shape.age_s > 1.0 {
                 add(format!("silent for {:.0} s", shape.age_s), BAD);
             }

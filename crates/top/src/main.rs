@@ -1,9 +1,10 @@
-//! `lariat-top`, which `lariat top` hands over to: a running chain, live on a terminal.
+//! `lariat-top`, the program that `lariat top` runs: a running chain, live on a terminal.
 //!
-//! What is seen is gathered by `lariat_view`'s [`Gatherer`], what is shown is a plain [`View`](lariat_view::View), and drawing it ([`draw`]) knows no
-//! terminal: that is all in [`screen`]. Ten times a second the descriptors that wait are taken, as a reader that is not
-//! woken, so that the chain pays nothing for being looked at: stamps and counters tell rates, losses and latencies as well
-//! from a part of the messages as from all.
+//! [`Gatherer`] of `lariat_view` collects the data into a plain [`View`](lariat_view::View). The
+//! drawing code ([`draw`]) is independent of the terminal, and [`screen`] handles the terminal. Ten
+//! times a second, the program reads the waiting descriptors without being woken, so that it costs
+//! the chain nothing. Time stamps and counters give rates, losses and latencies even if only some
+//! of the messages are read.
 
 mod draw;
 mod screen;
@@ -29,7 +30,7 @@ struct Args {
     rig: Option<Rig>,
 }
 
-/// From one picture to the next.
+/// Interval between two pictures.
 const TICK: Duration = Duration::from_millis(100);
 
 fn main() -> ExitCode {
@@ -77,14 +78,15 @@ fn run(args: &Args) -> Result<()> {
                 Key::Shorter => gatherer.shorter(),
                 Key::Redraw => {}
             }
-            // What a key does is seen at once.
+            // Show the effect of a key at once.
             due = Instant::now();
         }
     }
     Ok(())
 }
 
-/// The next key until the moment; `None` when it has come. A lossless chain is read meanwhile.
+/// Waits for the next key until a deadline, and returns `None` when it has passed. Meanwhile, a
+/// lossless chain is read.
 fn wait(
     screen: &mut Screen,
     gatherer: &mut Gatherer,

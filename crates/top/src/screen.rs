@@ -1,4 +1,4 @@
-//! The terminal: taken over, and given back as it was however the program ends, but for SIGKILL.
+//! Takes over the terminal, and restores it however the program ends, except for SIGKILL.
 
 use std::fs::File;
 use std::io::{self, IsTerminal, Stdout};
@@ -13,7 +13,7 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, Ke
 use ratatui::{Frame, Terminal};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-/// What the user wants.
+/// An action of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Key {
     Quit,
@@ -21,15 +21,16 @@ pub(super) enum Key {
     NextRig,
     Longer,
     Shorter,
-    /// The terminal has another size.
+    /// The size of the terminal has changed.
     Redraw,
 }
 
-/// A terminal in raw mode, on its alternate screen. A panic gives it back before it says what happened.
+/// A terminal in raw mode, on its alternate screen. A panic restores it before its message is
+/// printed.
 pub(super) struct Screen {
-    /// Its own drop would tell a terminal that is gone that it is, and break off over that.
+    /// Not dropped: the drop would report errors to a terminal that is gone, and panic.
     terminal: ManuallyDrop<Terminal<CrosstermBackend<Stdout>>>,
-    /// Where keys come from.
+    /// Input of keys.
     keys: OwnedFd,
 }
 
@@ -52,16 +53,17 @@ impl Screen {
         self.terminal.draw(picture).map(|_| ())
     }
 
-    /// The next key that means something, until the moment; `None` when it has come, or a signal.
+    /// Returns the next key that has a meaning. Returns `None` at the deadline or after a signal.
     ///
-    /// crossterm is asked for what is there, and never waited in: a terminal that is closed meanwhile it would read for ever.
+    /// crossterm only reads what is available and never waits: if the terminal were closed
+    /// meanwhile, it would read forever.
     pub(super) fn key(&mut self, until: Instant, stop: &Stop) -> Result<Option<Key>> {
         let gone = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
         let mut left = Duration::ZERO;
         loop {
             let ready = [self.keys.as_fd(), stop.as_fd()];
             let mut ready = ready.map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN));
-            // What interrupts it is a signal, as that of another size.
+            // Interrupted by a signal, for example a change of size.
             let _ = poll(&mut ready, Timespec::try_from(left).ok().as_ref());
             if ready[0].revents().intersects(gone) {
                 return Ok(Some(Key::Quit));
@@ -81,7 +83,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // Where it is gone, nobody is left to be told.
+        // If the terminal is gone, nobody can see the errors.
         let _ = self.terminal.show_cursor();
         let _ = ratatui::try_restore();
     }
@@ -99,7 +101,7 @@ fn meaning(event: &Event) -> Option<Key> {
     };
     let is_control = key.modifiers.contains(KeyModifiers::CONTROL);
     Some(match key.code {
-        // In raw mode the keyboard's Ctrl-C is a key, and no signal.
+        // In raw mode, Ctrl-C on the keyboard is a key and not a signal.
         KeyCode::Char('c') if is_control => Key::Quit,
         _ if is_control => return None,
         KeyCode::Char('q') | KeyCode::Esc => Key::Quit,

@@ -1,6 +1,6 @@
-//! `lariat top` in a real terminal.
+//! Tests `lariat top` in a real terminal.
 
-// Written for the chain's own tests.
+// Written for the chain's own tests, so parts are unused here.
 #[allow(dead_code)]
 #[path = "../../../tests/chain/rig.rs"]
 mod rig;
@@ -13,12 +13,12 @@ use rig::{Bench, send};
 use rustix::process::Signal;
 use screen::{Screen, is_tmux_here, run};
 
-/// What the shell does: something to see before and after, and whether the terminal is as it was.
+/// Shell commands that print something before and after, and check that the terminal is restored.
 const SHELL: &str =
     "echo before; \"$LARIAT\" top; echo left with $?; stty -a | tr ';' '\\n' | grep icanon; cat";
 
 impl Screen {
-    /// The process of `lariat top`.
+    /// Returns the process id of `lariat top`.
     fn top(&self) -> i32 {
         let shell = run(self.tmux(&["display-message", "-p", "#{pane_pid}"]));
         let shell = String::from_utf8_lossy(&shell.stdout).trim().to_owned();
@@ -27,7 +27,8 @@ impl Screen {
         children.trim().parse().expect("one child: lariat top")
     }
 
-    /// The shell has the terminal back: what stood there before does again, and lines are read as lines.
+    /// Checks that the terminal was restored: the previous text is back, and input is read line by
+    /// line.
     fn assert_it_was_given_back(&self) {
         let text = self.wait_for_text("icanon");
         assert!(
@@ -51,7 +52,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     screen.wait_for_text("No chain is running here");
 
     let chain = bench.start(&["--fps", "100", "--duration", "120"]);
-    // A process is listed once it has said its name.
+    // A process is listed once it has announced its name.
     let pid = format!("{:>7}", chain.ids[1]);
     let shown = screen.wait_for("a rope", |text| {
         ["rope  conf.", "wait for extract", "sink", "●", &pid]
@@ -59,7 +60,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
             .all(|part| text.contains(part))
     });
     assert!(shown.contains("rig default"), "{shown}");
-    // All of it in 80 columns and 24 rows: the frame's right edge and the keys.
+    // Everything fits in 80 columns and 24 rows: the right edge of the frame and the keys.
     assert!(shown.contains('┐') && shown.contains("q quit"), "{shown}");
 
     run(screen.tmux(&["resize-window", "-x", "100", "-y", "30"]));
@@ -83,7 +84,7 @@ fn top_shows_a_chain_as_it_comes_and_goes_and_gives_the_terminal_back() {
     other.signal_chain(Signal::INT);
     assert!(other.end().status.success());
     screen.wait_for_text("Nothing runs on rig arm");
-    // It is no obstacle to another delivery, and follows it.
+    // `lariat top` must not hinder a chain with the other delivery, and must follow it.
     let again = bench.start(&[
         "--fps",
         "100",

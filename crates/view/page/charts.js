@@ -1,4 +1,4 @@
-// The histogram of latency and its last minute, as SVG.
+// Charts of latency as SVG: a histogram, and a strip of the last minute.
 
 import { time } from "./words.js";
 
@@ -11,7 +11,7 @@ function make(name, about, text) {
   return made;
 }
 
-/** Width and height of a chart in its own pixels, and those of a line of text. */
+/** Returns width and height of a chart in its own pixels, and the height of a line of text. */
 function room(svg) {
   const { width, height } = svg.getBoundingClientRect();
   const line = parseFloat(getComputedStyle(document.documentElement).fontSize) * 0.95;
@@ -20,7 +20,7 @@ function room(svg) {
 }
 
 /**
- * Bars over a logarithmic axis of time, those beyond the 99th percentile in another colour.
+ * Draws bars over a logarithmic axis of time, those beyond the 99th percentile in another color.
  *
  * @param {{least_us: number, bars_per_octave: number, counts: number[]}} of
  */
@@ -31,7 +31,7 @@ export function histogram(svg, of, p99) {
   const used = of.counts.flatMap((count, place) => (count ? [place] : []));
   const parts = [make("path", { class: "axis", d: `M0 ${bottom + 0.5}H${width}` })];
   if (used.length) {
-    // At least four octaves, so that the bars do not jump about.
+    // Show at least four octaves, so that the bars do not jump about.
     const octave = of.bars_per_octave;
     let from = Math.floor(used[0] / octave) * octave;
     let to = Math.ceil((used.at(-1) + 1) / octave) * octave;
@@ -63,7 +63,10 @@ export function histogram(svg, of, p99) {
   svg.replaceChildren(...parts);
 }
 
-/** Median and 99th percentile of each of the last seconds, or of parts of a recording: so many, the newest at the right. */
+/**
+ * Draws the median and 99th percentile of each of the last seconds, or of parts of a recording.
+ * There is room for `length` of them, the newest at the right.
+ */
 export function strip(svg, seconds, name, length) {
   const { width, height, line } = room(svg);
   const most = Math.max(1, ...seconds.flatMap((second) => (second ? [second[1]] : [])));

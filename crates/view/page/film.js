@@ -1,6 +1,6 @@
-// The time line of a recording: each frame is asked for when it is to be shown.
+// The time line of a recording. Each frame is requested when it is to be shown.
 
-/** Between two frames that tell no time, and the longest pause that is kept, in ms. */
+/** Interval between two frames without times, and the longest pause that is kept, in ms. */
 const FRAME_MS = 1000 / 30;
 const LONGEST_MS = 1000;
 
@@ -8,7 +8,7 @@ export class Film {
   #link;
   #width;
   #show;
-  /** The frame that is shown, the one that is asked for, and when the next is due. */
+  /** The frame that is shown, the one that is requested, and when the next is due. */
   #shown = null;
   #asked = null;
   #due = null;
@@ -36,7 +36,7 @@ export class Film {
     this.#asked = null;
     const place = moment.said.number - 1;
     if (place !== this.place && !this.#plays) {
-      // It was gone further meanwhile.
+      // The user has gone further in the meantime.
       this.#ask(this.place);
       return;
     }
@@ -45,14 +45,14 @@ export class Film {
     [this.#shown, this.place] = [moment, place];
     await this.#show(moment);
     if (!this.#plays) return;
-    // At the pace at which it was taken.
+    // Play at the pace of the recording.
     const took = before ? moment.said.exposed_ms - before.exposed_ms : FRAME_MS;
     const pace = took > 0 && took < LONGEST_MS ? took : FRAME_MS;
     this.#due = Math.max(performance.now(), (this.#due ?? performance.now()) + pace);
     this.#next();
   }
 
-  /** A frame that cannot be had. */
+  /** Skips a frame that does not exist or is damaged. */
   missing() {
     this.#asked = null;
     if (this.#plays) this.#next();

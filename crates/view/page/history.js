@@ -1,4 +1,5 @@
-// The moments of the last 30 seconds, so that one can go back to them. What is older, or too much, is forgotten.
+// The moments of the last 30 seconds, to go back to. Older moments are dropped, and so are moments
+// over the memory limit.
 
 const LONGEST_MS = 30_000;
 const MOST_BYTES = 96 << 20;
@@ -7,10 +8,10 @@ export class History {
   #moments = [];
   #bytes = 0;
 
-  /** Keeps one more. */
+  /** Adds a moment. */
   add(moment) {
     const last = this.#moments.at(-1);
-    // Another chain, or one that was restarted after a reboot: its clock is another.
+    // Another chain has another clock, and so has one that was restarted after a reboot.
     if (last && moment.said.exposed_ms < last.said.exposed_ms) this.clear();
     this.#moments.push(moment);
     this.#bytes += moment.bytes;
@@ -19,7 +20,7 @@ export class History {
     }
   }
 
-  /** Has another of the same frame in its place. */
+  /** Replaces a moment by another one of the same frame. */
   replace(place, moment) {
     this.#bytes += moment.bytes - this.#moments[place].bytes;
     this.#moments[place] = moment;
@@ -38,12 +39,12 @@ export class History {
     return this.#moments.at(place);
   }
 
-  /** From the first to the last, in ms. */
+  /** Time from the first moment to the last, in ms. */
   span() {
     return this.length ? this.at(-1).said.exposed_ms - this.at(0).said.exposed_ms : 0;
   }
 
-  /** How long before the last this one was, in s. */
+  /** Time from this moment to the last, in s. */
   age(place) {
     return (this.at(-1).said.exposed_ms - this.at(place).said.exposed_ms) / 1000;
   }

@@ -1,13 +1,14 @@
-// The WebSocket to the server, opened again whenever it has gone.
+// The WebSocket to the server, reopened whenever it closes.
 
 const PROTOCOL = "lariat.view.v1";
-/** How long after a connection has gone a new one is tried, in ms: at first, and at most. */
+/** Delay before reconnecting in ms: at first, and at most. */
 const AGAIN = [300, 3000];
 
 /**
  * Keeps a connection open.
  *
- * @param hears what is called with each moment, with what the server says by its type, and with whether there is a connection (`state`)
+ * @param hears handlers: `moment` for each moment, `state` for whether there is a connection, and
+ * others by the type of the server's message
  */
 export function connect(hears) {
   let socket = null;
@@ -45,7 +46,7 @@ export function connect(hears) {
     else reject?.(new Error(refused));
   }
 
-  /** Says something, if there is a connection. */
+  /** Sends a message, if there is a connection. */
   function say(what) {
     if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(what));
   }
@@ -53,11 +54,11 @@ export function connect(hears) {
   open();
   return {
     say,
-    /** Has a picture file traced. */
+    /** Sends a picture file to be traced. */
     drop(file) {
       if (socket.readyState === WebSocket.OPEN) socket.send(file);
     },
-    /** Asks for something; what is said to it, or why it was refused, as an error. */
+    /** Sends a request. Resolves to the answer, or rejects with the reason why it was refused. */
     ask(wish) {
       if (socket.readyState !== WebSocket.OPEN) return Promise.reject(new Error("the server is gone"));
       asked += 1;
@@ -67,7 +68,10 @@ export function connect(hears) {
   };
 }
 
-/** A moment's message: the lengths of its JSON and its JPEG, these two, and a PNG of the mask. */
+/**
+ * Splits a moment's message: the lengths of its JSON and its JPEG, then the JSON, the JPEG, and a
+ * PNG of the mask.
+ */
 function moment(data) {
   const head = new DataView(data);
   const ends = [8, head.getUint32(0, true), head.getUint32(4, true)];

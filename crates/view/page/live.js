@@ -1,4 +1,4 @@
-// The time line of a rig: the newest moment, or, paused, one of the last 30 seconds.
+// The time line of a rig: the newest moment or, while paused, one of the last 30 seconds.
 
 import { History } from "./history.js";
 
@@ -10,8 +10,8 @@ export class Live {
   #width;
 
   /**
-   * @param link to the server
-   * @param {() => number} width of the picture on the screen, in its pixels
+   * @param link the connection to the server
+   * @param {() => number} width returns the width of the picture on the screen, in its pixels
    * @param {(moment) => Promise} show puts a moment on the screen
    */
   constructor(link, width, show) {
@@ -22,7 +22,7 @@ export class Live {
     return this.#history.length;
   }
 
-  /** Which of them is shown, from 0. */
+  /** Index of the moment that is shown, from 0. */
   get place() {
     return this.#place ?? Math.max(0, this.length - 1);
   }
@@ -42,7 +42,7 @@ export class Live {
 
   async moment(moment) {
     if (moment.said.number === this.#history.at(this.place)?.said.number) {
-      // The one that is shown, with another mask.
+      // This is the moment that is shown, with another mask.
       this.#history.replace(this.place, moment);
       await this.#show(moment);
       return;
@@ -50,7 +50,7 @@ export class Live {
     if (this.isPaused) return;
     this.#history.add(moment);
     await this.#show(moment);
-    // Not before it is on the screen, and not at all while nobody looks.
+    // Ask for the next one when this one is on the screen, and not while the page is hidden.
     requestAnimationFrame(() => this.connected());
   }
 

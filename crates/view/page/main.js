@@ -1,4 +1,4 @@
-// Brings the parts together: the link, the stage, the time line, the panel, keys and buttons.
+// Connects the parts: the link, the stage, the time line, the panel, keys and buttons.
 
 import { Film } from "./film.js";
 import { connect } from "./link.js";
@@ -12,9 +12,9 @@ import { Tuning } from "./tuning.js";
 import { element } from "./words.js";
 
 const by = (id) => document.getElementById(id);
-/** The largest file that is taken. */
+/** Largest file that is accepted, in bytes. */
 const MOST_BYTES = 24_000_000;
-/** The number of a moment that is of no frame. */
+/** Number of a moment that belongs to no frame: a dropped picture. */
 const DROPPED = 0;
 let status = null;
 let isConnected = false;
@@ -52,7 +52,7 @@ const link = connect({
   },
 });
 const tuning = new Tuning(by("tuning"), by("stage"), link, (hears) => new Plane(by("stage"), stage, link, hears));
-/** A rig's, until the server says that it shows a recording. */
+/** Shows a rig, until the server says that it shows a recording. */
 let line = new Live(link, width, show);
 
 async function show(moment) {
@@ -66,14 +66,14 @@ async function show(moment) {
   update();
 }
 
-/** A picture that was dropped on the page, until something else is to be seen. */
+/** Shows a picture that was dropped on the page, until something else is to be shown. */
 async function showDropped(moment) {
   if (!line.isPaused) await line.pause();
   await show(moment);
   showNotices(moment.said.notice ? [moment.said.notice] : []);
 }
 
-/** What the state and the time line say. */
+/** Updates the state and the time line. */
 function update() {
   if (!isConnected) showState("lost", "the server is gone; trying again");
   else if (shown?.said.number === DROPPED) showState("paused", "a picture");
@@ -92,7 +92,7 @@ function update() {
   by("forth").disabled = !line.isPaused || line.place >= last;
 }
 
-/** Does something with the time line, and says so. */
+/** Returns a handler that changes the time line and updates the page. */
 const act = (does) => () => {
   does();
   update();
@@ -100,7 +100,7 @@ const act = (does) => () => {
 const step = (frames) => act(() => line.goTo(line.place + frames));
 const pause = act(() => (line.isPaused ? line.goOn() : line.pause()));
 
-/** The frame with what is drawn over it as PNG, and what was seen in it as JSON. */
+/** Saves the frame with its overlay as PNG, and what was seen in it as JSON. */
 async function save() {
   if (!shown) return;
   const name = `${status?.rig ?? status?.film?.name ?? "lariat"}-${shown.said.frame}`;
@@ -113,7 +113,7 @@ async function save() {
   }
 }
 
-/* What is drawn over the picture. */
+/* Layers over the picture. */
 const layers = new Set(LAYERS.filter(({ on }) => on).map(({ name }) => name));
 const toggles = LAYERS.map(({ name, label }, i) => {
   const toggle = element("button", { textContent: label, title: `${label} (${i + 1})` });
@@ -131,7 +131,7 @@ function showLayers() {
 by("layers").append(...toggles);
 showLayers();
 
-/* Light or dark: as the system has it, until it is chosen. */
+/* Light or dark: as the system has it, until the user chooses. */
 function turn(theme) {
   document.documentElement.dataset.theme = theme;
   by("theme").textContent = theme === "light" ? "Dark" : "Light";
@@ -148,7 +148,7 @@ function switchTheme() {
   turn(theme);
 }
 
-/* A picture file, dropped anywhere. */
+/* A picture file may be dropped anywhere. */
 addEventListener("dragover", (event) => {
   event.preventDefault();
   document.body.classList.add("drops");
@@ -162,7 +162,7 @@ addEventListener("drop", (event) => {
   else if (file) showNotices(["The file is too large: a picture of at most 24 MB can be traced here."]);
 });
 
-/* Figures or settings. */
+/* The tabs: figures or settings. */
 function turnTo(tab) {
   for (const name of ["figures", "tuning"]) {
     by(name).hidden = name !== tab;

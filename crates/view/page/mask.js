@@ -1,9 +1,9 @@
-// A mask, white for rope, as a tint to be laid over the picture.
+// Turns a mask, white for rope, into a tint over the picture.
 
 const TINT = [0, 220, 170];
 const ALPHA = 0.5;
 
-/** @param {Blob} png of one channel */
+/** @param {Blob} png a picture with one channel */
 export async function tinted(png) {
   const bitmap = await createImageBitmap(png);
   const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);

@@ -1,11 +1,13 @@
-// What is drawn over the picture, from the numbers themselves: lines stay sharp however far one zooms.
+// The overlay, drawn from the numbers themselves, so that lines stay sharp at any zoom.
 
-/** By track, well apart for the color-blind too (Okabe and Ito's palette). */
+/** Colors by track, well apart for the color-blind too (Okabe and Ito's palette). */
 const COLORS = ["#e69f00", "#56b4e9", "#00a878", "#f0e442", "#d97fb0", "#e8602c"];
 const HIDDEN = "#9aa4b0";
 const GRID = "#5de0ff";
 const CASING = "rgb(8 9 11 / 55%)";
-/** Standard deviations of an ellipse, and how many times larger it is drawn: most are a tenth of a pixel. */
+/**
+ * Size of an ellipse in standard deviations, and its magnification: most are a tenth of a pixel.
+ */
 const SIGMAS = 3;
 const LARGER = 10;
 
@@ -20,7 +22,9 @@ export const LAYERS = [
   { name: "tracks", label: "Tracks", on: true },
 ];
 
-/** CSS pixels of a line one wide: more where text is larger, on a screen that is looked at from afar. */
+/**
+ * Width of a thin line in CSS pixels. It grows with the text, for screens that are seen from afar.
+ */
 let unit = 1;
 
 export function color(track) {
@@ -31,7 +35,8 @@ export function color(track) {
  * Draws over a canvas whose unit is a CSS pixel.
  *
  * @param {CanvasRenderingContext2D} pen
- * @param {{scale: number, x: number, y: number, unit: number}} view from the image's pixels to the canvas, and how wide a line is
+ * @param {{scale: number, x: number, y: number, unit: number}} view maps the image's pixels to the
+ * canvas; `unit` is the width of a line
  * @param {Set<string>} layers
  */
 export function draw(pen, said, view, layers) {
@@ -48,7 +53,7 @@ export function draw(pen, said, view, layers) {
 }
 
 /**
- * Draws points that were clicked, and a grid on the table that they mean.
+ * Draws points that were clicked, and a grid on the table that they determine.
  *
  * @param {{points: number[][], lines: number[][][]}} marks in the image's pixels
  */
@@ -73,11 +78,11 @@ export function drawPlane(pen, { points, lines }, view) {
   });
 }
 
-/** Sets the pen up, and returns where the image's pixels are on the canvas. */
+/** Sets up the pen. Returns a function from the image's pixels to the canvas. */
 function begin(pen, view) {
   unit = view.unit ?? 1;
   pen.lineJoin = pen.lineCap = "round";
-  // The centre of the top-left pixel is (0, 0), its corner lies half a pixel before.
+  // The center of the top-left pixel is (0, 0), and its corner is half a pixel before.
   return ([x, y]) => [(x + 0.5) * view.scale + view.x, (y + 0.5) * view.scale + view.y];
 }
 
@@ -120,7 +125,7 @@ function centerline(pen, rope, at, scale) {
   pen.fill();
 }
 
-/** Runs of covered points, each with the seen point at either end. */
+/** Draws runs of covered points, each with the visible point at either end. */
 function hidden(pen, rope, at) {
   if (!rope.hidden.length) return;
   const covered = new Set(rope.hidden);
@@ -168,7 +173,10 @@ function covariance(pen, rope, at, scale) {
   });
 }
 
-/** The upper strand as a short bar over the lower one, in a ring that is closed as far as it is sure. */
+/**
+ * Draws the upper strand as a short bar over the lower one, in a ring. The arc of the ring shows
+ * the confidence.
+ */
 function over(pen, crossing, ropes, at, scale) {
   const [x, y] = at(crossing.at);
   const upper = ropes.find((rope) => rope.track === crossing.over);
@@ -193,7 +201,7 @@ function over(pen, crossing, ropes, at, scale) {
   stroke(pen, 3, color(crossing.over));
 }
 
-/** The first end, with the rope's number. */
+/** Draws the first end, with the rope's number. */
 function track(pen, rope, at) {
   const first = rope.curve[0] ?? rope.points[0];
   if (!first) return;
@@ -207,7 +215,7 @@ function track(pen, rope, at) {
   label(pen, text, x, y);
 }
 
-/** A word beside a place. */
+/** Draws a word next to a position. */
 function label(pen, text, x, y) {
   pen.font = `600 ${12 * unit}px system-ui, sans-serif`;
   pen.lineWidth = 3.5 * unit;

@@ -1,4 +1,4 @@
-// The figures beside the picture, and the line above it.
+// The figures next to the picture, and the line above it.
 
 import { histogram, strip } from "./charts.js";
 import { color } from "./overlay.js";
@@ -7,7 +7,10 @@ import { digits, element, micros, time } from "./words.js";
 const by = (id) => document.getElementById(id);
 const STAGES = ["capture", "extract", "fit", "sink"];
 
-/** What the server says four times a second. `isOfOther`: what is shown is not what it speaks of. */
+/**
+ * Shows the status, which the server sends four times per second. `isOfOther`: true if the page
+ * shows something else than the status describes.
+ */
 export function showStatus(status, isOfOther) {
   by("rig").textContent = status.rig ?? status.film?.name ?? "";
   by("processes").hidden = Boolean(status.film);
@@ -18,7 +21,7 @@ export function showStatus(status, isOfOther) {
   by("stages").replaceChildren(...status.stages.map((stage) => stageRow(stage, status.lost)));
 }
 
-/** What is to be known of the picture, as sentences. */
+/** Shows notices about the picture, as sentences. */
 export function showNotices(notices) {
   by("notices").hidden = !notices.length;
   by("notices").replaceChildren(...notices.map((text) => element("p", { textContent: text })));
@@ -58,7 +61,7 @@ function stageRow(stage, lost) {
     cell(stage.own_mb == null ? "" : stage.own_mb.toFixed(1)));
 }
 
-/** What was seen in the moment that is shown. */
+/** Shows the ropes of the moment that is shown. */
 export function showRopes(said) {
   by("count").textContent = said.ropes.length ? `${said.ropes.length}` : "";
   const none = element("li", { className: "none", textContent: "no rope in this frame" });
@@ -78,7 +81,7 @@ function ropeItem(rope, unit) {
     confidence(rope.confidence));
 }
 
-/** The confidence as a bar and a number; it stands out where the rope is rather wrong than right. */
+/** Shows the confidence as a bar and a number, highlighted below 0.5. */
 function confidence(value) {
   const bar = element("i");
   bar.style.width = `${100 * value}%`;
@@ -86,7 +89,7 @@ function confidence(value) {
     element("span", {}, bar), element("b", { textContent: (value ?? NaN).toFixed(2) }));
 }
 
-/** The line at the top, of the moment that is shown and the rate. */
+/** Shows the line at the top: the moment that is shown, and the rate. */
 export function showFacts(said, fps) {
   const fact = (name, value, unit = "") => element("div", {},
     element("dt", { textContent: name }), element("dd", {}, value, element("span", { textContent: unit })));
@@ -99,7 +102,7 @@ export function showFacts(said, fps) {
   by("facts").replaceChildren(...facts);
 }
 
-/** What is left to say of the connection and of what is shown. */
+/** Shows the state of the connection and of the time line. */
 export function showState(state, text) {
   by("state").dataset.state = state;
   by("state").querySelector("b").textContent = text;

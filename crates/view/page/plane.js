@@ -1,8 +1,9 @@
-// The table's plane, by points that are clicked in the picture and measured on the table. What they say of it the server computes.
+// The table's plane, from points that are clicked in the picture and measured on the table. The
+// server computes it.
 
 import { digits, element } from "./words.js";
 
-/** The corners of a sheet of A4, which is mostly at hand, until something else is written there. */
+/** Corners of a sheet of A4, which is mostly at hand. The user may enter others. */
 const SHEET = [[0, 0], [297, 0], [297, 210], [0, 210]];
 const LEAST = 4;
 
@@ -14,10 +15,10 @@ export class Plane {
   #hears;
   #isOn = false;
   #hasChain = false;
-  /** Each as its `pixel` and its `mm`, in pictures of this size. */
+  /** Points with their `pixel` and `mm`, in pictures of this size. */
   #points = [];
   #size = null;
-  /** What the server says of them, and which of its answers is waited for. */
+  /** The server's judgment of the points, and the number of the newest question. */
   #judged = null;
   #asked = 0;
   #rows = element("tbody");
@@ -28,9 +29,10 @@ export class Plane {
   #clear;
 
   /**
-   * @param {HTMLElement} box that is clicked in
-   * @param {Stage} stage what is drawn there
-   * @param hears what is called when it begins (`begins`), and with the change of the settings when a plane was written (`wrote`)
+   * @param {HTMLElement} box the element to click in
+   * @param {Stage} stage shows points and grid
+   * @param hears handlers: `begins` when clicking begins, and `wrote` with the change of the
+   * settings when a plane was written
    */
   constructor(box, stage, link, hears) {
     [this.#box, this.#stage, this.#link, this.#hears] = [box, stage, link, hears];
@@ -57,14 +59,14 @@ export class Plane {
     return this.#isOn;
   }
 
-  /** Whether there is a chain that a plane can be given to. */
+  /** Sets whether there is a chain that can use a plane. */
   set hasChain(hasChain) {
     if (hasChain === this.#hasChain) return;
     this.#hasChain = hasChain;
     this.#show();
   }
 
-  /** From now on a click is a point, or not any more. */
+  /** Starts or stops taking clicks as points. */
   turn(isOn = !this.#isOn) {
     if (isOn) this.#hears.begins();
     this.#isOn = isOn;
@@ -72,7 +74,7 @@ export class Plane {
     this.#show();
   }
 
-  /** A click on a pixel of a moment. */
+  /** Takes a click on a pixel of a moment. */
   click(pixel, { width, height }) {
     const isOther = !this.#size || this.#size[0] !== width || this.#size[1] !== height;
     this.#size = [width, height];
@@ -109,7 +111,7 @@ export class Plane {
       cell(field(0)), cell(field(1)), cell("–"), cell(remove));
   }
 
-  /** Asks what the points say; the answer to the newest question counts. */
+  /** Asks for the plane of the points. Only the answer to the newest question counts. */
   async #judge() {
     this.#asked += 1;
     const asked = this.#asked;
@@ -144,7 +146,7 @@ export class Plane {
     }
   }
 
-  /** What can be done, and what is known. */
+  /** Shows what can be done, and what is known. */
   #show() {
     this.#click.textContent = this.#isOn ? "Done" : "Click points";
     this.#click.setAttribute("aria-pressed", this.#isOn);

@@ -1,4 +1,4 @@
-// The canvas: the picture and what lies over it, moved and zoomed.
+// The canvas: the picture and its overlay, moved and zoomed.
 
 import { draw, drawPlane } from "./overlay.js";
 
@@ -13,12 +13,12 @@ export class Stage {
   #mask = null;
   #layers = new Set();
   #marks = null;
-  /** How many times larger than what fits, and where the middle of the view lies in the image, 0 to 1. */
+  /** Zoom relative to what fits, and where the middle of the view is in the image, 0 to 1. */
   #zoom = 1;
   #middle = [0.5, 0.5];
   #due = false;
 
-  /** @param {HTMLElement} box with a canvas in it */
+  /** @param {HTMLElement} box an element with a canvas in it */
   constructor(box, { hovers, clicks } = {}) {
     this.#box = box;
     this.#canvas = box.querySelector("canvas");
@@ -34,7 +34,10 @@ export class Stage {
     box.addEventListener("dblclick", () => this.whole());
   }
 
-  /** Shows a moment with its decoded picture, which is the stage's from now on, and what is drawn of a mask. */
+  /**
+   * Shows a moment with its decoded picture, which the stage owns from now on, and a drawing of its
+   * mask.
+   */
   show(moment, bitmap, mask) {
     this.#bitmap?.close();
     [this.#moment, this.#bitmap, this.#mask] = [moment, bitmap, mask];
@@ -46,13 +49,13 @@ export class Stage {
     this.redraw();
   }
 
-  /** Points that were clicked, and lines of a grid: shown over every moment. */
+  /** Sets clicked points and lines of a grid, which are shown over every moment. */
   set marks(marks) {
     this.#marks = marks;
     this.redraw();
   }
 
-  /** Pixels of the screen that the picture's whole width takes. */
+  /** Width of the whole picture, in pixels of the screen. */
   get width() {
     const { scale } = this.#view();
     return scale * (this.#size()[0]) * devicePixelRatio;
@@ -64,7 +67,7 @@ export class Stage {
     this.redraw();
   }
 
-  /** Zooms about a place of the box, its middle if none is named. */
+  /** Zooms about a position in the box, by default its middle. */
   zoomBy(times, place = [this.#box.clientWidth / 2, this.#box.clientHeight / 2]) {
     const before = this.#image(place);
     this.#zoom = Math.min(MOST_ZOOM, Math.max(1, this.#zoom * times));
@@ -76,7 +79,7 @@ export class Stage {
     ]);
   }
 
-  /** The pixel of the image under a pointer, or null beside it. */
+  /** Returns the pixel of the image under a pointer, or null outside the picture. */
   pixel(event) {
     const [x, y] = this.#image(this.#inside(event)).map((c) => c - 0.5);
     const [width, height] = this.#size();
@@ -98,7 +101,7 @@ export class Stage {
     return [said?.width || 640, said?.height || 480];
   }
 
-  /** From the image's pixels, counted from the corner, to those of the box. */
+  /** Returns the mapping from the image's pixels, counted from the corner, to those of the box. */
   #view() {
     const [width, height] = this.#size();
     const [w, h] = [this.#box.clientWidth || 1, this.#box.clientHeight || 1];
@@ -117,7 +120,7 @@ export class Stage {
     return [(x - view.x) / view.scale, (y - view.y) / view.scale];
   }
 
-  /** So that no more of the room beside the picture is seen than need be. */
+  /** Moves the view, and shows as little as possible of the room around the picture. */
   #moveTo(middle) {
     const [width, height] = this.#size();
     const { scale } = this.#view();
@@ -161,14 +164,14 @@ export class Stage {
     this.paint(this.#pen, ratio, [w, h], this.#view(), getComputedStyle(this.#box).backgroundColor);
   }
 
-  /** Paints the moment as `view` says. */
+  /** Paints the moment with the mapping `view`. */
   paint(pen, ratio, [w, h], view, ground) {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.fillStyle = ground;
     pen.fillRect(0, 0, w, h);
     if (!this.#moment) return;
     const [width, height] = this.#size();
-    // Pixels are to be seen as such once they are large.
+    // Large pixels are shown as squares.
     pen.imageSmoothingEnabled = view.scale < 6;
     pen.imageSmoothingQuality = "high";
     const place = [view.x, view.y, width * view.scale, height * view.scale];
@@ -178,7 +181,7 @@ export class Stage {
     if (this.#marks) drawPlane(pen, this.#marks, view);
   }
 
-  /** The whole picture in its own size, with what lies over it, as a canvas. */
+  /** Returns the whole picture in its own size, with its overlay, as a canvas. */
   still() {
     const [width, height] = this.#size();
     const canvas = new OffscreenCanvas(width, height);

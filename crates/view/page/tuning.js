@@ -1,9 +1,12 @@
-// What can be changed while the chain runs: a rope's colour, picked from the picture, the table's plane, and some of the settings. All others, and what
-// each does: `lariat config init`.
+// Settings that can be changed while the chain runs: a rope's color, picked from the picture, the
+// table's plane, and some others. `lariat config init` lists all settings and what each does.
 
 import { element } from "./words.js";
 
-/** How a setting is shown: a slider, a switch or a choice. A slider that is `even` in its logarithm spans decades. */
+/**
+ * Settings, each shown as a slider, a switch or a choice. A slider that is `even` is even in the
+ * logarithm, and spans decades.
+ */
 const SETTINGS = [
   { title: "Rope", of: [
     { name: "extract.ropes", label: "Ropes at most", from: 1, to: 24, step: 1 },
@@ -30,9 +33,12 @@ export class Tuning {
   #link;
   #rig = null;
   #isFilm = false;
-  /** What was changed from here, by its name. */
+  /** Changes made here, by the name of their setting. */
   #changed = new Map();
-  /** Points that were clicked, the mask that was made of them, and whether a click is one. */
+  /**
+   * Clicked points, the number of their moment, the mask made of them, and whether clicks are
+   * points.
+   */
   #points = [];
   #number = null;
   #mask = null;
@@ -44,9 +50,10 @@ export class Tuning {
   #keep = element("section");
 
   /**
-   * @param {HTMLElement} box for all of it
-   * @param {HTMLElement} stage that is clicked in
-   * @param {(hears) => Plane} makePlane the calibration of the table's plane, which has its place here
+   * @param {HTMLElement} box holds everything
+   * @param {HTMLElement} stage the element to click in
+   * @param {(hears) => Plane} makePlane makes the calibration of the table's plane, which is part
+   * of this tab
    */
   constructor(box, stage, link, makePlane) {
     [this.#box, this.#stage, this.#link] = [box, stage, link];
@@ -61,7 +68,7 @@ export class Tuning {
     this.#showColour();
   }
 
-  /** The server shows this. */
+  /** Takes the server's status. */
   of(status) {
     this.#isFilm = Boolean(status.film);
     this.#plane.hasChain = !this.#isFilm;
@@ -71,7 +78,7 @@ export class Tuning {
     if (!this.#box.hidden) this.look();
   }
 
-  /** Asks for the settings that hold, and shows them. */
+  /** Asks for the current settings, and shows them. */
   async look() {
     if (this.#isFilm) return;
     try {
@@ -82,7 +89,7 @@ export class Tuning {
     }
   }
 
-  /** From now on a click is on a rope, or not any more. */
+  /** Starts or stops taking clicks as points on a rope. */
   pick(picks = !this.#picks) {
     if (picks) this.#plane.turn(false);
     this.#picks = picks;
@@ -91,17 +98,17 @@ export class Tuning {
     this.#showColour();
   }
 
-  /** From now on a click is a point of the table, or not any more. */
+  /** Starts or stops taking clicks as points of the table. */
   calibrate() {
     this.#plane.turn();
   }
 
-  /** A click on a pixel of a moment. */
+  /** Takes a click on a pixel of a moment. */
   async click(pixel, said) {
     if (this.#plane.isOn) this.#plane.click(pixel, said);
     if (!this.#picks) return;
     const { number } = said;
-    // Points of one picture belong together.
+    // Only points of the same picture belong together.
     if (number !== this.#number) this.#points = [];
     this.#number = number;
     this.#points.push(pixel);
@@ -191,7 +198,7 @@ export class Tuning {
     tell(value);
   }
 
-  /** Has a setting hold from now on. */
+  /** Changes a setting of the running chain. */
   async #set(name, value) {
     const change = `${name}=${value}`;
     try {

@@ -1,6 +1,6 @@
-// How numbers are written.
+// Formats numbers, and makes elements.
 
-/** Microseconds as a person reads them: three digits, in µs, ms or s. */
+/** Formats microseconds for people: three digits, in µs, ms or s. */
 export function time(us) {
   if (us == null || !Number.isFinite(us)) return "–";
   if (us < 1000) return `${digits(us)} µs`;
@@ -8,13 +8,13 @@ export function time(us) {
   return `${digits(us / 1e6)} s`;
 }
 
-/** The same in a table of µs: without its unit below 100,000 µs. */
+/** Formats microseconds for a table of µs: without a unit below 100,000 µs. */
 export function micros(us) {
   if (us == null) return "–";
   return us < 1e5 ? digits(us) : time(us);
 }
 
-/** A number with three digits. */
+/** Formats a number with three digits. */
 export function digits(x) {
   if (x == null || !Number.isFinite(x)) return "–";
   const size = Math.abs(x);
@@ -22,7 +22,7 @@ export function digits(x) {
   return x.toFixed(size >= 100 ? 0 : size >= 10 ? 1 : 2);
 }
 
-/** An element with a class and text or children. */
+/** Makes an element with properties, and with text or children. */
 export function element(name, about = {}, ...children) {
   const made = Object.assign(document.createElement(name), about);
   made.append(...children);

@@ -1,5 +1,6 @@
-//! The table's plane from points that were clicked in the picture: judged while they come, then written into the file that the
-//! chain's `[camera] plane` names, which the chain reads.
+//! The table's plane, from points that were clicked in the picture. The server judges them while
+//! they come. Then it writes the plane into the file that the chain's `[camera] plane` names, which
+//! the chain reads.
 
 use std::path::{Path, PathBuf};
 
@@ -16,25 +17,26 @@ use serde_json::{Value, json};
 
 use crate::gather::stage_of;
 
-/// Points at most: a page shows no more.
+/// Maximum number of points; a page shows no more.
 const MOST_POINTS: usize = 64;
-/// What a new plane's file is called, beside the settings file.
+/// Name of a new plane's file, next to the settings file.
 const FILE_NAME: &str = "plane.toml";
 
-/// A point that was clicked, and measured.
+/// A point that was clicked and measured.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Point {
-    /// Where it is seen, px.
+    /// Position in the picture, px.
     pixel: [f64; 2],
-    /// Where it is on the table, mm.
+    /// Position on the table, mm.
     mm: [f64; 2],
 }
 
-/// What points of pictures of this size say of the plane: how far each is off, how large a pixel is, and a grid to be drawn.
+/// Judges the plane of these points, in pictures of this size. Returns each point's error, the size
+/// of a pixel, and a grid to draw.
 ///
 /// # Errors
-/// They determine no plane; a sentence says why.
+/// Fails with a sentence that says why, if the points do not determine a plane.
 pub(crate) fn judge(rig: Option<&str>, points: &[Point], size: [u32; 2]) -> Result<Value> {
     let lens = rig.map(Lens::of).transpose()?.unwrap_or_default();
     let measured = lens.measured(points, size)?;
@@ -55,11 +57,12 @@ pub(crate) fn judge(rig: Option<&str>, points: &[Point], size: [u32; 2]) -> Resu
     }))
 }
 
-/// Writes the plane of these points into the file that the rig's chain goes by, and has the chain read it: what was done, and the
-/// change of the settings that it is.
+/// Writes the plane of these points into the file that the rig's chain uses, and makes the chain
+/// read it. Returns what was done, and the change of the settings.
 ///
 /// # Errors
-/// They determine no plane, the file cannot be written or is another's, or the chain refuses it.
+/// Fails if the points do not determine a plane, if the file cannot be written or is not the
+/// chain's, or if the chain refuses it.
 pub(crate) fn write(rig: &str, points: &[Point], size: [u32; 2]) -> Result<Value> {
     let lens = Lens::of(rig)?;
     let text = lens
@@ -90,14 +93,14 @@ pub(crate) fn write(rig: &str, points: &[Point], size: [u32; 2]) -> Result<Value
     }))
 }
 
-/// What a rig's fit has of lens and plane.
+/// Lens and plane of a rig's fit.
 #[derive(Default)]
 struct Lens {
     camera: settings::Camera,
 }
 
 impl Lens {
-    /// Nothing, where no fit runs.
+    /// Returns the settings of the rig's fit, or defaults if no fit runs.
     fn of(rig: &str) -> Result<Self> {
         let members = members()?;
         Ok(match stage_of(&members, rig, "fit") {
@@ -126,7 +129,7 @@ impl Lens {
     }
 }
 
-/// A path as a settings file has it.
+/// Quotes a path for a settings file.
 fn quoted(path: &Path) -> Result<String> {
     let path = path.to_str().with_context(|| {
         format!(

@@ -1,4 +1,5 @@
-//! A picture that was dropped on the page, traced as `lariat trace` would: by the settings of the chain that is shown, or without any.
+//! Traces a picture that was dropped on the page, as `lariat trace` would: with the settings of the
+//! chain that is shown, or with the defaults.
 
 use std::io::{Cursor, Write as _};
 use std::sync::{Mutex, PoisonError};
@@ -15,22 +16,22 @@ use tempfile::NamedTempFile;
 
 use crate::moment::{Image, Moment};
 
-/// Pixels of the largest picture that is traced here: three times those of a 4K camera.
+/// Maximum number of pixels of a picture: three times those of a 4K camera.
 const MOST_PIXELS: u64 = 25_000_000;
-/// One picture is traced at a time: each takes some hundred megabytes.
+/// Held while a picture is traced, because each takes some hundred megabytes.
 static TRACING: Mutex<()> = Mutex::new(());
 
-/// The number of such a moment: no frame's.
+/// Number of a moment that belongs to no frame.
 const NUMBER: u64 = 0;
 
-/// What is seen in a picture file, by these settings.
+/// Traces a picture file with these settings.
 ///
 /// # Errors
-/// It is no picture, or cannot be traced.
+/// Fails if the file is not a picture, or cannot be traced.
 pub(crate) fn trace(file: &[u8], mut settings: Settings) -> Result<Moment> {
     let _one = TRACING.lock().unwrap_or_else(PoisonError::into_inner);
     require_moderate(file)?;
-    // Curves are drawn over the picture; the camera is another; and there are no masks from elsewhere.
+    // Curves are drawn over the picture, the camera is unknown, and external masks do not exist.
     settings.camera = Camera::default();
     settings.fit.filter = false;
     if settings.extract.mask == Mask::External {

@@ -1,4 +1,5 @@
-//! A recording in the place of a rig: the page asks for one frame or another, and is told how the whole went.
+//! A recording in place of a rig. The page requests frames, and receives a summary of the
+//! latencies.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -13,9 +14,9 @@ use lariat_wire::{Centerlines, Descriptors, Trace};
 use crate::moment::{Image, Moment};
 use crate::status::{Film as Told, Reporter};
 
-/// How long it is looked through for its latencies before the page is served.
+/// Time limit for reading latencies, before the page is served.
 const LOOKING: Duration = Duration::from_millis(500);
-/// A frame that is so few places on is gone to frame by frame.
+/// A frame at most this far ahead is reached frame by frame.
 const NEAR: u64 = 30;
 
 /// A recording that is shown.
@@ -23,13 +24,13 @@ const NEAR: u64 = 30;
 pub(crate) struct Film {
     path: PathBuf,
     topic: Option<String>,
-    /// How it went, as the page is told.
+    /// The summary for the page, as JSON.
     pub(crate) status: String,
 }
 
 impl Film {
     /// # Errors
-    /// It cannot be read, or has no frames.
+    /// Fails if the recording cannot be read, or contains no frames.
     pub(crate) fn open(path: &Path, topic: Option<&str>) -> Result<Self> {
         let about = || path.display().to_string();
         let recording = Recording::open_topic(path, topic).with_context(about)?;
@@ -48,14 +49,14 @@ impl Film {
         })
     }
 
-    /// A reader of its own for one page.
+    /// Opens a reader for one page.
     ///
     /// # Errors
-    /// It cannot be read any more.
+    /// Fails if the recording cannot be read any more.
     pub(crate) fn playback(&self) -> Result<Playback> {
         let recording = Recording::open_topic(&self.path, self.topic.as_deref())?;
         let at = Gather::new(&recording, Span::default())?;
-        // Without its settings it is shown all the same, but for curves in millimetres.
+        // Without its settings, a recording is still shown, except for curves in millimeters.
         let settings = RecordedSettings::of(&recording).ok().flatten();
         Ok(Playback {
             recording,
@@ -68,7 +69,7 @@ impl Film {
     }
 }
 
-/// The traces of the first frames that have descriptors: as many as are found while the page's user does not notice.
+/// Returns the traces of the first frames that have descriptors, as many as [`LOOKING`] allows.
 fn traces(recording: &Recording) -> Result<Vec<Trace>> {
     let until = Instant::now() + LOOKING;
     let mut messages = recording.messages(Span::default())?;
@@ -83,23 +84,23 @@ fn traces(recording: &Recording) -> Result<Vec<Trace>> {
     Ok(traces)
 }
 
-/// Goes from frame to frame.
+/// Reads a recording frame by frame.
 pub(crate) struct Playback {
     recording: Recording,
     settings: Option<RecordedSettings>,
-    /// By the settings' version.
+    /// Mappings by the version of the settings.
     places: Places<u32>,
     at: Gather,
-    /// The place of the frame that `at` gives next, from 0.
+    /// Index of the frame that `at` gives next, from 0.
     next: u64,
     decoder: Decoder,
 }
 
 impl Playback {
-    /// The frame of a place, from 0; `None` behind the last.
+    /// Returns the frame at an index, from 0; `None` after the last.
     ///
     /// # Errors
-    /// The recording is damaged there.
+    /// Fails if the recording is damaged there.
     pub(crate) fn moment(&mut self, place: u64) -> Result<Option<Moment>> {
         if !(self.next..self.next + NEAR).contains(&place) {
             let span = Span {

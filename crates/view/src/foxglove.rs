@@ -1,9 +1,11 @@
-//! Foxglove's protocol, spoken by its own app, by Lichtblick and by libraries in several languages: the rig's messages as channels, in the schemas
-//! and the encoding that recordings have (`lariat_record`), and the latency of each frame as JSON, to be plotted.
+//! Foxglove's protocol, which its own app, Lichtblick and libraries in several languages speak. It
+//! serves the rig's messages as channels, with the schemas and the encoding of recordings
+//! (`lariat_record`). It also serves the latency of each frame as JSON, to be plotted.
 //!
-//! [The protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md): the server says which channels there are, the client
-//! subscribes to some, and each message of these comes in binary. Nothing can be written by it. Newest wins: a client gets the next moment when it has
-//! taken the last, and only what it has subscribed to is encoded.
+//! In [the protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md), the server
+//! advertises channels and the client subscribes to some. Their messages come in binary. Clients
+//! cannot write anything. Newest wins: a client gets the next moment when it has taken the last,
+//! and only channels that it has subscribed to are encoded.
 
 use std::io::{Read, Write};
 use std::os::fd::AsFd;
@@ -24,25 +26,26 @@ use crate::moment::Moment;
 use crate::session::{Event, Session};
 use crate::worker::Worker;
 
-/// What the WebSocket may be called: the older name, and that of the app's newer releases. What is used of them is the same.
+/// Names of the WebSocket protocol: the older one, and that of the app's newer releases. The parts
+/// used here are the same.
 pub(crate) const PROTOCOLS: [&str; 2] = ["foxglove.websocket.v1", "foxglove.sdk.v1"];
-/// The longest sleep.
+/// Longest sleep.
 const LOOK: Duration = Duration::from_secs(5);
-/// Subscriptions of one client at most.
+/// Maximum number of subscriptions of one client.
 const MOST_SUBSCRIPTIONS: usize = 64;
-/// What a binary message with a channel's data begins with.
+/// First byte of a binary message with a channel's data.
 const MESSAGE_DATA: u8 = 1;
 
 /// A channel of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channel {
-    /// As a recording has it.
+    /// A topic of recordings.
     Recorded(Topic),
-    /// How long each step of a frame's way took.
+    /// Duration of each step of a frame.
     Latency,
 }
 
-/// All of them; a channel's number is its place.
+/// All channels; a channel's number is its index.
 const CHANNELS: [Channel; 9] = [
     Channel::Recorded(Topic::Frames),
     Channel::Recorded(Topic::Image),
@@ -56,12 +59,12 @@ const CHANNELS: [Channel; 9] = [
 ];
 
 impl Channel {
-    /// As it is made known.
+    /// Returns the channel's advertisement.
     fn said(self, id: usize, rig: &str) -> Value {
         match self {
             Self::Recorded(topic) => {
                 let schema = topic.schema();
-                // In a recording images are of either kind; here there are both.
+                // A recording has one kind of image under this topic; here there are both.
                 let more = if topic == Topic::Picture {
                     "/compressed"
                 } else {
@@ -84,7 +87,8 @@ impl Channel {
         matches!(self, Self::Recorded(Topic::Image | Topic::Picture))
     }
 
-    /// Writes its message of a moment into a buffer, which is emptied first, and says of when it is; `None` if there is none.
+    /// Writes the channel's message of a moment into a buffer, which is cleared first. Returns its
+    /// time; `None` if the moment has nothing for this channel.
     fn encode(self, moment: &Moment, rig: &str, clock: Clock, into: &mut Vec<u8>) -> Option<u64> {
         let shapes = &*moment.descriptors;
         let trace = &shapes.trace;
@@ -137,7 +141,7 @@ impl Channel {
     }
 }
 
-/// The steps of a frame's way, in ms.
+/// The steps of a frame, in ms.
 const STEPS: [&str; 6] = [
     "total",
     "capture",
@@ -172,7 +176,7 @@ fn latency_schema() -> String {
     json!({ "title": "lariat.Latency", "type": "object", "properties": properties }).to_string()
 }
 
-/// What a client says, as far as it is heard.
+/// Messages of a client that are handled.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
 enum Said {
@@ -218,7 +222,8 @@ impl Pictures {
     }
 }
 
-/// Encodes a moment for a subscription, by way of a buffer; `None` if the moment has no such message.
+/// Encodes a moment for a subscription, using `encoded` as a buffer; `None` if the moment has
+/// nothing for the channel.
 fn message_data(
     subscription: Subscription,
     moment: &Moment,
@@ -236,7 +241,7 @@ fn message_data(
     Some(Message::binary(message))
 }
 
-/// Serves one client, until either goes.
+/// Serves one client, until it or the server ends.
 pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Watcher) {
     let Ok(worker) = Worker::start(watcher.bell(), Pictures::messages) else {
         return;
@@ -264,7 +269,7 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
                     return;
                 }
             }
-            // Clients can publish nothing here.
+            // Clients cannot publish here.
             Event::Binary(_) | Event::End => return,
             Event::RigState => watcher.hear(),
         }
@@ -276,7 +281,7 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
 
 struct Client {
     subscriptions: Vec<Subscription>,
-    /// Whose channels it knows.
+    /// The rig whose channels the client knows.
     rig: Option<Rig>,
     shown: u64,
     clock: Clock,
@@ -285,7 +290,7 @@ struct Client {
 }
 
 impl Client {
-    /// What is said to it at once.
+    /// Handles a client's message. Returns the reply, if there is one.
     fn hear(&mut self, text: &str) -> Option<Value> {
         let warning =
             |message: String| Some(json!({ "op": "status", "level": 1, "message": message }));
@@ -319,7 +324,7 @@ impl Client {
         }
     }
 
-    /// Says what is new; `false`: it is over.
+    /// Sends what is new. Returns false if the connection is over.
     fn tell<S: Read + Write + AsFd>(
         &mut self,
         session: &mut Session<S>,
@@ -342,7 +347,7 @@ impl Client {
                     return false;
                 }
             }
-            // Those of moments that come while others are encoded are left out.
+            // Pictures of moments that come while others are encoded are left out.
             if !pictures.is_empty() && self.worker.is_idle() {
                 let pictures = Pictures {
                     moment,

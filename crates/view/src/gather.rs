@@ -1,4 +1,4 @@
-//! Brings together what the screen shows: from the descriptors that come by, the channel they come on, and `/proc`.
+//! Collects what the screen shows: from descriptors, from their channel, and from `/proc`.
 
 use std::os::fd::BorrowedFd;
 use std::time::Instant;
@@ -15,34 +15,34 @@ use super::processes::Processes;
 use super::recent::Recent;
 use super::view::{InSpace, Losses, Rope, Shape, StageRow, View};
 
-/// How often the processes are looked at, and which rigs there are.
+/// Interval at which processes and rigs are looked up.
 const ROSTER_NS: u64 = 1_000_000_000;
-/// How often it is looked whether the writer is there.
+/// Interval at which the channel is checked for a writer.
 const LINK_NS: u64 = 300_000_000;
-/// The rates are of so long.
+/// Duration over which rates are measured.
 const RATE_NS: u64 = 1_000_000_000;
-/// Seconds whose latencies can be chosen.
+/// Windows for latencies that can be chosen, in seconds.
 const WINDOWS_S: [u64; 5] = [1, 3, 10, 30, 60];
-/// What is said of a rope in space is shown beside its image of no more than this before or after.
+/// Maximum time between a rope in 3-D and the image next to which it is shown.
 const SAME_TIME_NS: u64 = 200_000_000;
-/// Points that a rope is drawn with.
+/// Number of points that a rope is drawn with.
 const DRAWN: usize = 160;
 
-/// Looks at one rig at a time, through the descriptors that come by.
+/// Watches one rig at a time, through its descriptors.
 #[derive(Debug)]
 pub struct Gatherer<'d> {
     domain: &'d Domain,
-    /// The one that was asked for, or that is shown: waited for when it has gone.
+    /// The requested rig, or the one that is shown. If it has gone, the gatherer waits for it.
     rig: Option<Rig>,
     rigs: Vec<Rig>,
     members: Vec<Member>,
     roster_due_ns: u64,
-    /// Which of [`WINDOWS_S`].
+    /// Index into [`WINDOWS_S`].
     window: usize,
     look: RigState,
 }
 
-/// The state of the rig that is shown. It starts again for another rig.
+/// State of the rig that is shown. It starts again for another rig.
 #[derive(Debug, Default)]
 struct RigState {
     reader: Option<Receiver<Descriptors>>,
@@ -54,18 +54,19 @@ struct RigState {
     stages: Vec<StageRow>,
     ledger: Option<Ledger>,
     recent: Recent,
-    /// The counters of a second ago, and the moment; then the newest.
+    /// The trace of about a second ago, where the measurement of rates started.
     rate_from: Option<Trace>,
     rate: Option<[f64; 3]>,
     newest: Option<Box<Descriptors>>,
-    /// Where ropes are in space, of a chain that says it.
+    /// Reader of ropes in 3-D, if the chain sends them.
     space: Option<Receiver<Descriptors3>>,
     newest_in_space: Option<Box<Descriptors3>>,
     reach: Option<[f64; 4]>,
 }
 
 impl<'d> Gatherer<'d> {
-    /// `rig`: the one to begin with.
+    /// Creates a gatherer that starts with `rig`, or by default with the rig `default` or the first
+    /// there is.
     pub fn new(domain: &'d Domain, rig: Option<Rig>) -> Self {
         Self {
             domain,
@@ -78,7 +79,7 @@ impl<'d> Gatherer<'d> {
         }
     }
 
-    /// Goes to the next rig.
+    /// Switches to the next rig.
     pub fn next_rig(&mut self) {
         let here = self
             .rigs
@@ -90,42 +91,42 @@ impl<'d> Gatherer<'d> {
         {
             self.rig = Some(rig.clone());
             self.look = RigState::default();
-            // Its processes are to be there with the first picture.
+            // Its processes are to be listed in the first view.
             self.roster_due_ns = 0;
         }
     }
 
-    /// Latencies of more of the last seconds.
+    /// Widens the window for latencies.
     pub fn longer(&mut self) {
         self.window = (self.window + 1).min(WINDOWS_S.len() - 1);
     }
 
-    /// Of fewer.
+    /// Narrows the window for latencies.
     pub fn shorter(&mut self) {
         self.window = self.window.saturating_sub(1);
     }
 
-    /// Whether the rig waits for its readers, so that messages must be taken as they come.
+    /// Returns whether the rig waits for its readers, so that messages must be taken as they come.
     pub fn must_keep_up(&self) -> bool {
         self.look.is_lossless && self.look.reader.is_some()
     }
 
-    /// The newest descriptors, if the rig has sent any since it is looked at.
+    /// Returns the newest descriptors, if the rig has sent any while watched.
     pub fn newest(&self) -> Option<&Descriptors> {
         self.look.newest.as_deref()
     }
 
-    /// The rig, while it is read.
+    /// Returns the rig, while it is read.
     pub(crate) fn linked(&self) -> Option<&Rig> {
         self.rig.as_ref().filter(|_| self.look.reader.is_some())
     }
 
-    /// What one of the rig's stages said of itself when it was last looked at.
+    /// Returns what one of the rig's stages reported about itself when it was last checked.
     pub(crate) fn stage(&self, name: &str) -> Option<&Member> {
         stage_of(&self.members, self.rig.as_ref()?.as_str(), name)
     }
 
-    /// What was lost since the rig is looked at.
+    /// Returns the frames lost since watching of the rig began.
     pub(crate) fn losses(&self, now_ns: u64) -> lariat_record::Losses {
         let lost = self.look.ledger.as_ref().map(Ledger::lost);
         let lost = lost.unwrap_or_default();
@@ -139,12 +140,12 @@ impl<'d> Gatherer<'d> {
         }
     }
 
-    /// How long the frames of after this moment took from exposure to fit, µs.
+    /// Returns the times from exposure to fit of the frames since `since_ns`, in µs.
     pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
         self.look.recent.fitted_us(since_ns)
     }
 
-    /// Takes what comes until the moment, or until `also` is readable.
+    /// Takes messages until `until`, or until `also` is readable.
     pub fn keep_up(&mut self, until: Instant, also: Option<BorrowedFd>) {
         if let Some(reader) = &self.look.reader
             && let Err(error) = reader.sleep(Some(until), also)
@@ -155,7 +156,7 @@ impl<'d> Gatherer<'d> {
         self.look.drain();
     }
 
-    /// Looks at everything that is due.
+    /// Does every check that is due, and takes all messages.
     pub fn look(&mut self, now_ns: u64) {
         if now_ns >= self.roster_due_ns {
             self.roster_due_ns = now_ns + ROSTER_NS;
@@ -200,7 +201,7 @@ impl<'d> Gatherer<'d> {
         look.shared_mb = (bytes > 0).then_some(bytes as f64 / 1e6);
     }
 
-    /// What is to be seen at this moment.
+    /// Returns what is to be shown now.
     pub fn view(&self, now_ns: u64) -> View {
         let look = &self.look;
         let here = self
@@ -242,7 +243,7 @@ impl<'d> Gatherer<'d> {
         }
     }
 
-    /// Why there is nothing to be seen, if so.
+    /// Returns why there is nothing to show, if so.
     fn obstacle(&self) -> Option<String> {
         if let Some(obstacle) = &self.look.obstacle {
             return Some(obstacle.clone());
@@ -270,7 +271,7 @@ impl<'d> Gatherer<'d> {
 }
 
 impl Gatherer<'_> {
-    /// Says what a chain that has sent nothing yet waits for.
+    /// Describes what a chain that has sent nothing yet waits for.
     fn awaited(&self, rig: &Rig) -> String {
         let settings = stage_of(&self.members, rig.as_str(), "extract")
             .and_then(|extract| settings_of(extract).ok());
@@ -284,12 +285,12 @@ impl Gatherer<'_> {
 }
 
 impl RigState {
-    /// Becomes a reader when there is a writer, and goes with it: a reader that stayed would be in the way of a chain that
-    /// is restarted with another delivery.
+    /// Becomes a reader when there is a writer, and stops with it. A reader that stayed would block
+    /// a chain that is restarted with another delivery.
     fn link(&mut self, domain: &Domain, rig: &Rig) {
         let state = domain.channel(rig, DESCRIPTORS.name());
         let is_written = state.as_ref().is_some_and(|state| {
-            // Of another version: opening it says so.
+            // For another version, opening reports that.
             state.ends.as_ref().is_none_or(|ends| ends.writer.is_some())
         });
         if !is_written {
@@ -317,7 +318,8 @@ impl RigState {
         }
     }
 
-    /// A reader of the ropes in space, if there are any. None of a lossless chain, which waits for each of its readers to wake.
+    /// Opens a reader of ropes in 3-D, if there are any. A lossless chain gets none, because it
+    /// waits for each of its readers to wake.
     fn in_space(&self, domain: &Domain, rig: &Rig) -> Option<Receiver<Descriptors3>> {
         let ends = domain.channel(rig, DESCRIPTORS3.name())?.ends?;
         (ends.writer.is_some() && !self.is_lossless)
@@ -326,7 +328,7 @@ impl RigState {
     }
 
     fn drain(&mut self) {
-        // Each is sent before those of the same frame.
+        // Each is sent before the descriptors of the same frame.
         if let Some(Ok(Some(message))) = self.space.as_ref().map(Receiver::latest) {
             let empty = || Box::new(Descriptors3::EMPTY);
             let newest = self.newest_in_space.get_or_insert_with(empty);
@@ -350,7 +352,7 @@ impl RigState {
         if ledger.received(trace, lariat_wire::now_ns()) == Arrival::Stale {
             return;
         }
-        // Without an image there is nothing that was exposed.
+        // Without an image, nothing was exposed.
         if message.width > 0 {
             self.recent.add(trace);
         }
@@ -368,7 +370,8 @@ impl RigState {
             });
     }
 
-    /// Frames a second of capture, extract and fit: by their own counters, over the time between two of fit's stamps.
+    /// Measures the frames per second of capture, extract and fit: their own counters, over the
+    /// time between two of fit's timestamps.
     fn rates(&mut self, trace: &Trace) {
         let Some(from) = &self.rate_from else {
             self.rate_from = Some(*trace);
@@ -385,7 +388,8 @@ impl RigState {
         }
     }
 
-    /// Where a rope of a frame is in space, by what came last: that of a frame or two before or after is as good to look at.
+    /// Returns where a rope of a frame is in 3-D, from the newest message. One that is a frame or
+    /// two away is just as good to look at.
     fn place_of(&self, track: u32, trace: &Trace) -> Option<InSpace> {
         let newest = self.newest_in_space.as_deref()?;
         let apart_ns = newest.trace.exposed_ns.abs_diff(trace.exposed_ns);
@@ -418,14 +422,14 @@ impl RigState {
     }
 }
 
-/// A stage of a rig.
+/// Finds a stage of a rig.
 pub(crate) fn stage_of<'a>(members: &'a [Member], rig: &str, name: &str) -> Option<&'a Member> {
     let mut of_rig = members.iter().filter(|member| member.rig == rig);
     of_rig.find(|member| member.stage == name)
 }
 
-/// By how much the stamps of a rig may be off, µs, because a bridge brings it here from a machine with a clock of its own: what that one says
-/// in the roster. `None` for a rig of this machine.
+/// Returns the maximum error of a rig's timestamps in µs, if a bridge brings the rig from a machine
+/// with its own clock. The bridge reports it in the roster. `None` for a rig of this machine.
 pub fn clock_bound_us(members: &[Member], rig: &Rig) -> Option<f64> {
     bound_in(&stage_of(members, rig.as_str(), "bridge")?.settings)
 }
@@ -436,7 +440,7 @@ fn bound_in(settings: &str) -> Option<f64> {
     us.filter(|us| us.is_finite())
 }
 
-/// A reader that is woken only where the chain would wait for it.
+/// Opens a reader. Messages wake it only if the chain would wait for it.
 fn open(domain: &Domain, rig: &Rig, woken: bool) -> Result<Receiver<Descriptors>, WireError> {
     if woken {
         Receiver::create(domain, rig, &DESCRIPTORS, None)

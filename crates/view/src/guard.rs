@@ -1,39 +1,40 @@
-//! Who may have the page, and who may change anything by it.
+//! Decides who may load the page, and who may change anything through it.
 //!
-//! A browser that shows another site's page can be made to connect to this machine. Then `Host` is the name by which that page
-//! reached us (a name that was made to point here), or `Origin` that page's: both must be our own. Who has the token may come from anywhere,
-//! as Foxglove's own page does.
+//! A browser that shows another site's page can be made to connect to this machine. Then either
+//! `Host` is a foreign name that was made to point here, or `Origin` is that of the foreign page.
+//! Both must be our own. Whoever has the token may come from anywhere, as Foxglove's own page does.
 //!
-//! Whatever listens on this machine's own address every user of the machine can reach. So without the token the other end must be a process of our own
-//! user (`peer`), as who may join the rig's domain is.
+//! Every user of the machine can reach what listens on its loopback address. So without the token,
+//! the other end must be a process of our own user (`peer`), as for joining the rig's domain.
 
 use std::net::{IpAddr, SocketAddr};
 
 use crate::http::{Refusal, Request};
 
-/// What a request has to show.
+/// Checks requests.
 #[derive(Debug, Clone)]
 pub(crate) struct Guard {
-    /// Where the server listens.
+    /// Address that the server listens on.
     pub(crate) address: SocketAddr,
-    /// What stands first in the path of an address that opens everything.
+    /// First component of a path that opens everything.
     pub(crate) token: String,
 }
 
-/// What a request may have.
+/// Permissions of an admitted request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Admitted {
-    /// The path behind the token, without the first `/`.
+    /// Path after the token, without the first `/`.
     pub(crate) path: String,
-    /// Whether it may change anything: it comes from our own page, or has the token.
+    /// True if the request may change anything: it comes from our own page, or has the token.
     pub(crate) may_write: bool,
 }
 
 impl Guard {
-    /// `is_of_this_user`: whether the request is of the user that the server runs as.
+    /// Checks a request. `is_of_this_user` returns whether it comes from the user that the server
+    /// runs as.
     ///
     /// # Errors
-    /// It comes from elsewhere, or without the token where that is asked for.
+    /// Fails if the request comes from elsewhere, or lacks a token that is required.
     pub(crate) fn admit(
         &self,
         request: &Request,
@@ -79,7 +80,7 @@ impl Guard {
         })
     }
 
-    /// Whether a `Host` is this machine's own name for itself, and our port.
+    /// Returns whether a `Host` is this machine's own name for itself, with our port.
     fn is_ours(&self, host: &str) -> bool {
         let (name, port) = match host.rsplit_once(':') {
             Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
@@ -92,7 +93,7 @@ impl Guard {
     }
 }
 
-/// Whether two texts are the same, in a time that does not tell how much of them is.
+/// Compares two texts, in a time that does not reveal how much of them is the same.
 fn is_same(a: &str, b: &str) -> bool {
     a.len() == b.len()
         && !b.is_empty()
@@ -102,7 +103,7 @@ fn is_same(a: &str, b: &str) -> bool {
             == 0
 }
 
-/// 128 random bits, as a path's word.
+/// Returns 128 random bits, as a component of a path.
 pub(crate) fn token() -> std::io::Result<String> {
     use std::io::Read as _;
     let mut bytes = [0; 16];

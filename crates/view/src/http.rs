@@ -1,40 +1,40 @@
-//! The little of HTTP/1.1 that a page and a WebSocket's opening need: one request's head in, one answer out, and the connection
-//! ends or becomes a WebSocket.
+//! The small part of HTTP/1.1 that a page and the opening of a WebSocket need. One request's head
+//! comes in and one answer goes out. Then the connection ends, or becomes a WebSocket.
 
 use std::fmt::Write as _;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha1_smol::Sha1;
 
-/// The largest head of a request, in bytes. Browsers send some hundred.
+/// Maximum length of a request's head in bytes. Browsers send some hundred.
 pub(crate) const LARGEST_HEAD: usize = 16 << 10;
-/// The most lines of a head.
+/// Maximum number of header lines.
 const MOST_HEADERS: usize = 64;
 
-/// A request, as far as it matters.
+/// The relevant parts of a request.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Request {
-    /// What is asked for, from the first `/` up to a `?`.
+    /// Path that is requested, from the first `/` up to a `?`.
     pub(crate) path: String,
     pub(crate) host: Option<String>,
     pub(crate) origin: Option<String>,
-    /// Set, it asks for a WebSocket: its key.
+    /// The WebSocket's key, if the request asks for one.
     pub(crate) key: Option<String>,
-    /// What the WebSocket may speak, the most wanted first.
+    /// Protocols that the client offers for the WebSocket, the preferred one first.
     pub(crate) protocols: Vec<String>,
-    /// Whether only the answer's head is asked for.
+    /// True if only the head of the answer is requested.
     pub(crate) is_head: bool,
 }
 
-/// What is answered instead of what was asked for: a status, and a sentence.
+/// Answer that refuses a request: a status and a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Refusal(pub(crate) u16, pub(crate) &'static str);
 
 impl Request {
-    /// Reads a head, and says how many bytes it has; `None` if more of it is to come.
+    /// Parses a head. Returns the request and the number of bytes; `None` if more is to come.
     ///
     /// # Errors
-    /// It is no request that this server answers.
+    /// Fails if this server does not answer such a request.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Option<(Self, usize)>, Refusal> {
         let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut head = httparse::Request::new(&mut headers);
@@ -117,11 +117,11 @@ const fn reason(status: u16) -> &'static str {
     }
 }
 
-/// Nothing of the page comes from elsewhere, and no other page holds it.
+/// Policy: the page loads nothing from elsewhere, and no other page may embed it.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// An answer after which the connection ends.
+/// Returns an answer after which the connection ends.
 pub(crate) fn answer(status: u16, kind: &str, body: &[u8], is_head: bool) -> Vec<u8> {
     let mut head = format!("HTTP/1.1 {status} {}\r\n", reason(status));
     let _ = write!(
@@ -150,9 +150,9 @@ impl Refusal {
     }
 }
 
-/// The answer that opens a WebSocket.
+/// Returns the answer that opens a WebSocket.
 pub(crate) fn switch(key: &str, protocol: &str) -> Vec<u8> {
-    // RFC 6455, 4.2.2.
+    // RFC 6455, section 4.2.2.
     let digest = Sha1::from(format!("{key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11")).digest();
     let accept = BASE64_STANDARD.encode(digest.bytes());
     format!(

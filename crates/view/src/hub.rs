@@ -1,7 +1,7 @@
-//! The one that reads the rig for all clients, while there are any.
+//! Reads the rig for all clients, while there are any.
 //!
-//! Its thread sleeps without a client, and has no reader then. Clients say what they want ([`Watcher::want`]) and sleep until it is
-//! there; who wants nothing costs nothing.
+//! Without a client, the hub's thread sleeps and has closed its reader. Clients ask for a moment
+//! ([`Watcher::want`]) and sleep until it is there. An idle client costs nothing.
 
 use std::fmt;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -22,20 +22,20 @@ use crate::notices::Notices;
 use crate::pace::Pace;
 use crate::status::Reporter;
 
-/// From one status to the next.
+/// Interval between two statuses.
 const STATUS: Duration = Duration::from_millis(250);
-/// The longest sleep of a lossless rig's reader, which each message wakes.
+/// Longest sleep of a lossless rig's reader, which each message wakes.
 const KEEPING_UP: Duration = Duration::from_millis(50);
-/// How often it is looked whether a channel is written.
+/// Interval at which channels are checked for a writer.
 const LINK_NS: u64 = 100_000_000;
-/// How long after a failure to join the domain it is tried again.
+/// Delay before another attempt to join the domain.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// What clients and the reading thread share.
+/// State that clients and the reading thread share.
 pub(crate) struct Hub {
     rig: Option<Rig>,
     state: Mutex<State>,
-    /// A client came or went, or all is to end.
+    /// Notified when a client comes or goes, or when everything is to end.
     changed: Condvar,
 }
 
@@ -51,22 +51,22 @@ impl fmt::Debug for Hub {
 struct State {
     watchers: Vec<Wants>,
     next_id: u64,
-    /// The one that is read.
+    /// The rig that is read.
     rig: Option<Rig>,
     newest: Option<Arc<Moment>>,
-    /// Its number goes up with each.
+    /// The newest status, and its number, which goes up with each.
     status: Option<(u64, Arc<str>)>,
     is_over: bool,
 }
 
-/// What a client waits for.
+/// A client, and whether it waits for a moment.
 struct Wants {
     id: u64,
     moment: bool,
     bell: Arc<OwnedFd>,
 }
 
-/// A client's place at the hub. Dropped, it is given up.
+/// A client's registration at the hub, which ends when this is dropped.
 pub(crate) struct Watcher {
     hub: Arc<Hub>,
     id: u64,
@@ -83,14 +83,14 @@ impl Hub {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // What a panicking thread left of it is as good as before: each change is one assignment.
+        // A panicking thread leaves a valid state, because each change is one assignment.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes a place.
+    /// Registers a client.
     ///
     /// # Errors
-    /// The process has no descriptor left.
+    /// Fails if the process has run out of descriptors.
     pub(crate) fn join(self: &Arc<Self>) -> std::io::Result<Watcher> {
         let bell = Arc::new(eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?);
         let mut state = self.state();
@@ -126,7 +126,7 @@ impl Hub {
         self.state().is_over
     }
 
-    /// Reads the rig whenever there are clients, until the [end](Self::end).
+    /// Reads the rig whenever there are clients, until the [`end`](Self::end).
     pub(crate) fn run(&self) {
         loop {
             let mut state = self.state();
@@ -150,7 +150,7 @@ impl Hub {
     fn read_the_rig(&self) -> Result<(), WireError> {
         let domain = Domain::open()?;
         let mut gatherer = Gatherer::new(&domain, self.rig.clone());
-        // A page has room for the tail of a distribution, which 3 s of frames do not have.
+        // A page shows the tail of a distribution, for which 3 s of frames are too few.
         gatherer.longer();
         let mut reporter = Reporter::default();
         let mut reading = Sources::default();
@@ -166,7 +166,7 @@ impl Hub {
             let is_wanted = self.is_moment_wanted(gatherer.linked());
             let lossless = gatherer.must_keep_up();
             match gatherer.linked() {
-                // Not only when one is wanted: the chain would wait for it.
+                // A lossless chain waits for its readers, even if no moment is wanted.
                 Some(rig) if is_wanted || lossless => {
                     if let Err(error) = reading.open(&domain, rig, lossless) {
                         reporter.note(&error);
@@ -194,7 +194,7 @@ impl Hub {
         Ok(())
     }
 
-    /// Sleeps for so long, or until a client comes or goes.
+    /// Sleeps for `time`, or until a client comes or goes.
     fn rest(&self, time: Duration) {
         let state = self.state();
         if !state.is_over && !state.watchers.is_empty() {
@@ -207,7 +207,7 @@ impl Hub {
         !state.watchers.is_empty() && !state.is_over
     }
 
-    /// Whether a client waits for a moment of the rig that is read.
+    /// Notes which rig is read. Returns whether a client waits for a moment of it.
     fn is_moment_wanted(&self, rig: Option<&Rig>) -> bool {
         let mut state = self.state();
         if rig.is_some() && state.rig.as_ref() != rig {
@@ -237,12 +237,12 @@ impl Hub {
 }
 
 pub(crate) fn ring(bell: &OwnedFd) {
-    // A bell that is full has been heard of anyway.
+    // Writing fails only if the counter is full, and then the descriptor is readable anyway.
     let _ = rustix::io::write(bell, &1_u64.to_ne_bytes());
 }
 
 impl Watcher {
-    /// Asks for the next moment. The bell rings when it is there.
+    /// Asks for the next moment. The client is woken when it is there.
     pub(crate) fn want(&self) {
         let mut state = self.hub.state();
         if let Some(wants) = state.watchers.iter_mut().find(|wants| wants.id == self.id) {
@@ -250,34 +250,34 @@ impl Watcher {
         }
     }
 
-    /// The rig, once it is known which.
+    /// Returns the rig, once it is known.
     pub(crate) fn rig(&self) -> Option<Rig> {
         self.hub.state().rig.clone()
     }
 
-    /// The newest moment after this number.
+    /// Returns the newest moment, if its number is above this one.
     pub(crate) fn moment_after(&self, number: u64) -> Option<Arc<Moment>> {
         let state = self.hub.state();
         state.newest.clone().filter(|newest| newest.number > number)
     }
 
-    /// The newest status after this number, with its own.
+    /// Returns the newest status and its number, if that is above this one.
     pub(crate) fn status_after(&self, number: u64) -> Option<(u64, Arc<str>)> {
         let state = self.hub.state();
         state.status.clone().filter(|(newest, _)| *newest > number)
     }
 
-    /// Whether the server ends.
+    /// Returns whether the server is ending.
     pub(crate) fn is_over(&self) -> bool {
         self.hub.is_over()
     }
 
-    /// The bell, for others who have news for the client.
+    /// Returns the event descriptor that wakes the client, for others that have news for it.
     pub(crate) fn bell(&self) -> Arc<OwnedFd> {
         self.bell.clone()
     }
 
-    /// Has the bell ring again from now on.
+    /// Resets the event descriptor, so that it can wake the client again.
     pub(crate) fn hear(&self) {
         let mut count = [0; 8];
         let _ = rustix::io::read(&*self.bell, &mut count);
@@ -295,7 +295,7 @@ impl Drop for Watcher {
         let mut state = self.hub.state();
         state.watchers.retain(|wants| wants.id != self.id);
         if state.watchers.is_empty() {
-            // An old picture is not what the next client wants to see first.
+            // The next client is not to see an old picture first.
             (state.newest, state.status) = (None, state.status.take());
         }
         drop(state);
@@ -303,20 +303,20 @@ impl Drop for Watcher {
     }
 }
 
-/// The readers of what the descriptors were made of.
+/// Readers of the frames and centerlines that belong to the descriptors.
 #[derive(Default)]
 struct Sources {
     frames: Option<Ordered<[u8]>>,
     centerlines: Option<Ordered<Centerlines>>,
-    /// When it is looked again whether they are written.
+    /// When to check again whether the channels are written.
     due_ns: u64,
-    /// The last moment's number, and its frame.
+    /// Number of the last moment, and its frame.
     number: u64,
     shown: Option<(u64, u64)>,
 }
 
 impl Sources {
-    /// Without readers, and counting on.
+    /// Closes the readers, and keeps the number.
     fn closed(self) -> Self {
         Self {
             number: self.number,
@@ -324,8 +324,8 @@ impl Sources {
         }
     }
 
-    /// Becomes a reader where there is a writer: one that came before it would make the channel, and a chain that asks for another
-    /// delivery be refused.
+    /// Becomes a reader where there is a writer. A reader that came first would make the channel,
+    /// and a chain that asks for another delivery would be refused.
     fn open(&mut self, domain: &Domain, rig: &Rig, lossless: bool) -> Result<(), WireError> {
         if (self.frames.is_some() && self.centerlines.is_some()) || now_ns() < self.due_ns {
             return Ok(());
@@ -344,7 +344,8 @@ impl Sources {
         Ok(())
     }
 
-    /// The moment of the newest descriptors; `None` if it was shown, or its image is yet to come.
+    /// Returns the moment of the newest descriptors; `None` if it was shown, is not wanted, or its
+    /// image is yet to come.
     fn moment(
         &mut self,
         newest: Option<&Descriptors>,
@@ -399,12 +400,12 @@ impl Sources {
     }
 }
 
-/// Frames in the order in which they were captured: by time, and by number.
+/// Returns a key that orders frames by their capture: by time, then by number.
 fn key(trace: &Trace) -> (u64, u64) {
     (trace.captured_ns, trace.captured)
 }
 
-/// A message that tells of a frame.
+/// A message that belongs to a frame.
 trait Told: Payload {
     fn key_of(message: &Message<Self>) -> (u64, u64);
 }
@@ -421,7 +422,7 @@ impl Told for Centerlines {
     }
 }
 
-/// A reader of one frame's message after the other, which leaves those of later frames for later.
+/// A reader that gives one frame's message after the other, and keeps those of later frames.
 struct Ordered<P: Told + ?Sized> {
     receiver: Receiver<P>,
     ahead: Option<Message<P>>,
@@ -444,7 +445,7 @@ impl<P: Told + ?Sized> Ordered<P> {
         })
     }
 
-    /// The message of this frame. What is older is passed over.
+    /// Returns the message of this frame. Older ones are skipped.
     fn of(&mut self, key: (u64, u64)) -> Result<Option<Message<P>>, WireError> {
         loop {
             let next = match self.ahead.take() {

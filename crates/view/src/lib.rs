@@ -6,19 +6,22 @@
 //!     browser ◄── client's thread ◄── its worker: JPEG ◄───┘      (`live`), or sends what is subscribed to (`foxglove`)
 //! ```
 //!
-//! **It costs the chain little.** The hub's receivers are not woken: it looks by itself, once a frame, some milliseconds after the last
-//! stage is done (`pace`), and copies an image out of shared memory only when a client has acknowledged the one before. No
-//! client: no reader, no thread that wakes. Pictures are encoded at low priority (`worker`), once for all that want the same size; short
-//! messages are sent at normal priority.
+//! **It costs the chain little.** Messages do not wake the hub's receivers. The hub polls once per
+//! frame, some milliseconds after the last stage is done (`pace`). It copies an image out of shared
+//! memory only when a client has acknowledged the one before. Without a client, it has no reader,
+//! and its thread sleeps. Pictures are encoded at low priority (`worker`), once for all clients
+//! that want the same size. Short messages are sent at normal priority.
 //!
-//! **It is safe.** Without `--listen` it answers this machine's processes of its own user alone; with it whoever has the token that stands in the address. What a
-//! browser sends from another site's page is refused by `Host` and `Origin` (`guard`), so is all that is too large, too slow or
-//! too much (`server` has the bounds). A client has a thread, and holds up nobody but itself.
+//! **It is safe.** Without `--listen` it answers only processes of its own user on this machine.
+//! With `--listen` it answers whoever has the token in the address. The headers `Host` and `Origin`
+//! reveal requests that a browser sends from another site's page, which are refused (`guard`). The
+//! server also refuses what is too large, too slow or too much (`server` has the limits). Each
+//! client has its own thread, and delays only itself.
 //!
-//! **The page** lies in `page/`, as a browser loads it, and is part of the program (`page`). What it and the server say to each
-//! other stands at the head of `live`.
+//! **The page** is in `page/`, as a browser loads it, and part of the program (`page`). The module
+//! documentation of `live` describes the protocol between page and server.
 //!
-//! What `lariat top` shows is gathered here too ([`Gatherer`], [`View`]).
+//! This crate also gathers the figures for `lariat top` ([`Gatherer`], [`View`]).
 
 mod calibrating;
 mod dropped;

@@ -1,19 +1,25 @@
-//! What the page and the server say to each other (`lariat.view.v1`).
+//! The protocol between the page and the server (`lariat.view.v1`).
 //!
-//! The page says, as JSON:
+//! The page sends JSON:
 //!
-//! | `type` | with | what |
+//! | `type` | with | meaning |
 //! |---|---|---|
-//! | `next` | `width` | of a rig: it has drawn what came last; send the next, which it shows so many pixels wide |
-//! | `frame` | `place`, `width` | of a recording: send the frame of this place, from 0 |
-//! | `ask` | `id`, `wish` and what belongs to it ([`tuning`]) | is answered by an `answer` with this `id`, and what was `said`, or why it was `refused` |
+//! | `next` | `width` | for a rig: the page has drawn the last moment; send the next, which it shows this many pixels wide |
+//! | `frame` | `place`, `width` | for a recording: send the frame at this index, from 0 |
+//! | `ask` | `id`, `wish` and its fields ([`tuning`]) | the server sends an `answer` with this `id`, and what was `said` or why it was `refused` |
 //!
-//! And in binary a picture file, to be traced: it is shown as a moment of number 0, or is `undropped`, with the reason `why`.
+//! A binary message of the page is a picture file to be traced. It is shown as a moment of number
+//! 0, or answered by `undropped`, with the reason `why`.
 //!
-//! The server says, as JSON: `status`, of a rig four times a second ([`status`](crate::status)); `missing`, with `place`: there is no such frame, or it is
-//! damaged. And in binary a moment: the lengths of the JSON and of the JPEG that
-//! follow, 4 bytes each, little endian; what is drawn over the picture, as JSON ([`moment`](crate::moment)); the picture, as JPEG, none if the source has
-//! none; what of it is in the mask that was asked for, as PNG, none if none was.
+//! The server sends JSON: `status`, for a rig four times per second ([`status`](crate::status)),
+//! and `missing`, with `place`, if a frame does not exist or is damaged.
+//!
+//! A binary message of the server is a moment:
+//!
+//! - the lengths of the JSON and of the JPEG that follow, 4 bytes each, little endian
+//! - what is drawn over the picture, as JSON ([`moment`](crate::moment))
+//! - the picture, as JPEG, empty if there is none
+//! - the part of it in the requested mask, as PNG, empty if none was requested
 
 use std::collections::VecDeque;
 use std::io::{Read, Write};
@@ -41,18 +47,18 @@ use crate::session::{Event, Session};
 use crate::tuning::{self, Wish};
 use crate::worker::Worker;
 
-/// How the WebSocket of the page is called.
+/// Name of the page's WebSocket protocol.
 pub(crate) const PROTOCOL: &str = "lariat.view.v1";
-/// The longest sleep.
+/// Longest sleep.
 const LOOK: Duration = Duration::from_secs(5);
 
-/// Why one that is not our own page is refused.
+/// Reason why a client that is not our own page is refused.
 const FOREIGN: &str = "this connection may not change anything: open the page by its address";
 const NO_CHAIN: &str = "no chain is running";
-/// Moments that the page may still speak of: the one on its screen, and those that came after it.
+/// Number of moments that the page may still refer to: the one on its screen, and those after it.
 const HELD: usize = 3;
 
-/// What the page says.
+/// Messages of the page.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 enum Said {
@@ -68,7 +74,7 @@ enum Said {
         #[serde(flatten)]
         wish: Wish,
     },
-    /// What a newer page may say.
+    /// A message of a newer page.
     #[serde(other)]
     Other,
 }
@@ -103,7 +109,7 @@ enum Heard {
     Over,
 }
 
-/// `rig`: the rig that the page shows, if it does.
+/// Interprets an event. `rig` returns the rig that the page shows, if it shows one.
 fn heard(event: Event, rig: impl FnOnce() -> Option<Rig>) -> Heard {
     let text = match event {
         Event::Text(text) => text,
@@ -124,7 +130,7 @@ fn heard(event: Event, rig: impl FnOnce() -> Option<Rig>) -> Heard {
     }
 }
 
-/// Shows one page the rig, until either goes.
+/// Shows one page the rig, until the page or the server ends.
 pub(crate) fn show_rig<S: Read + Write + AsFd>(
     mut session: Session<S>,
     may_write: bool,
@@ -176,13 +182,13 @@ pub(crate) fn show_rig<S: Read + Write + AsFd>(
     }
 }
 
-/// Shows one page a recording, until it goes.
+/// Shows one page a recording, until the page ends.
 pub(crate) fn show_film<S: Read + Write + AsFd>(
     mut session: Session<S>,
     may_write: bool,
     film: &Film,
 ) {
-    // A chain may run on this machine.
+    // Let a chain on this machine go first.
     give_way();
     let mut desk = Desk::new(may_write);
     let Ok(mut playback) = film.playback() else {
@@ -194,7 +200,7 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
     let mut wanted = None;
     loop {
         match heard(session.next(None, LOOK), || None) {
-            // The page shows the last frame that it asks for.
+            // Only the last frame that the page asks for is shown.
             Heard::Frame { place, width } => wanted = Some((place, width)),
             Heard::Task(task) => {
                 if !say_all(&mut session, desk.work(task)) {
@@ -221,19 +227,19 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
     }
 }
 
-/// `false`: it is over.
+/// Sends all messages. Returns false if the connection is over.
 fn say_all<S: Read + Write + AsFd>(session: &mut Session<S>, messages: Vec<Message>) -> bool {
     messages.into_iter().all(|message| session.say(message))
 }
 
-/// Works off the tasks of one page.
+/// Does the tasks of one page.
 struct Desk {
     may_write: bool,
-    /// What it was shown last, the newest last.
+    /// The moments that were shown last, the newest at the back.
     held: VecDeque<Arc<Moment>>,
-    /// How wide it showed that.
+    /// Width at which the page shows them.
     width: u32,
-    /// What is drawn with each moment.
+    /// Mask that is drawn with each moment.
     mask: Option<Mask>,
 }
 
@@ -273,7 +279,7 @@ impl Desk {
 
     /// Traces a picture file.
     fn trace(&mut self, file: &[u8], rig: Option<&str>) -> Message {
-        // Without a chain, by no settings.
+        // Without a chain, the default settings apply.
         let settings = rig.and_then(|rig| {
             let members = members().ok()?;
             settings_of(stage_of(&members, rig, "fit")?).ok()
@@ -302,7 +308,7 @@ impl Desk {
         messages
     }
 
-    /// Whether points were clicked in pictures as they come now.
+    /// Fails unless the points were clicked in pictures of the current size.
     fn check_size(&self, size: [u32; 2]) -> Result<()> {
         let shown = self.held.back().map(|moment| &moment.descriptors);
         ensure!(
@@ -352,7 +358,7 @@ impl Desk {
     }
 }
 
-/// A moment as a message.
+/// Encodes a moment as a message.
 fn message(moment: &Moment, wanted: u32, mask: Option<&Mask>) -> Message {
     let said = moment.said();
     let times = times_smaller(moment.descriptors.width, wanted);

@@ -1,4 +1,4 @@
-//! One frame with all that was said of it: what the page shows at a time.
+//! One frame, with everything that is known of it: what the page shows at a time.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::picture::{Rgb, rgb};
 
-/// Points that a curve is drawn with.
+/// Number of points that a curve is drawn with.
 const DRAWN: usize = 160;
 
 /// A frame's image, copied out of shared memory.
@@ -24,24 +24,25 @@ pub(crate) struct Image {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// One frame, and what was said of it.
+/// One frame, and what is known of it.
 #[derive(Debug)]
 pub(crate) struct Moment {
-    /// Its number among those that were shown, from 1.
+    /// Number among the moments that were shown, from 1.
     pub(crate) number: u64,
-    /// `None`: the source has none to give, or it was overtaken by newer ones.
+    /// `None` if the source provides none, or newer images have overtaken it.
     pub(crate) image: Option<Image>,
     pub(crate) centerlines: Option<Box<Centerlines>>,
     pub(crate) descriptors: Box<Descriptors>,
-    /// What was lost until then, since the rig is looked at.
+    /// Frames lost until then, since watching of the rig began.
     pub(crate) losses: Losses,
-    /// What extraction is unsure of in it, if the page itself has asked.
+    /// Doubt of the extraction, if the page itself has asked for it.
     pub(crate) notice: Option<String>,
-    /// From the picture to where the curves are, if that is not the picture, and known.
+    /// Mapping from the picture to the coordinates of the curves, if these are others and it is
+    /// known.
     pub(crate) places: Option<Mapping>,
     said: OnceLock<String>,
     rgb: OnceLock<Option<Rgb>>,
-    /// By how many times smaller they are.
+    /// JPEGs by their factor of reduction.
     jpegs: Mutex<Vec<(u32, Option<tungstenite::Bytes>)>>,
 }
 
@@ -67,12 +68,13 @@ impl Moment {
         }
     }
 
-    /// Where in the picture a point of the descriptors is seen; `None` if it is not, or not known.
+    /// Returns where in the picture a point of the descriptors is seen; `None` if it is not seen,
+    /// or not known.
     pub(crate) fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         places::pixel(&self.descriptors, self.places.as_ref(), point)
     }
 
-    /// The pixels, red, green and blue.
+    /// Returns the pixels: red, green and blue.
     pub(crate) fn rgb(&self) -> Option<&Rgb> {
         let rgb = self.rgb.get_or_init(|| {
             let image = self.image.as_ref()?;
@@ -81,7 +83,7 @@ impl Moment {
         rgb.as_ref()
     }
 
-    /// The picture, so many times smaller: made by the first who asks for it.
+    /// Returns the picture, `times` times smaller. The first caller encodes it.
     pub(crate) fn jpeg(&self, times: u32) -> Option<tungstenite::Bytes> {
         let mut jpegs = self.jpegs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, jpeg)) = jpegs.iter().find(|(known, _)| *known == times) {
@@ -93,7 +95,7 @@ impl Moment {
         jpeg
     }
 
-    /// All that is drawn over it, as JSON.
+    /// Returns everything that is drawn over the picture, as JSON.
     pub(crate) fn said(&self) -> &str {
         self.said.get_or_init(|| {
             let said = Said::of(self);
@@ -102,7 +104,8 @@ impl Moment {
     }
 }
 
-/// What is drawn over a frame. Positions are pixels of the whole image, the centre of the top-left one is (0, 0).
+/// Overlay of a frame. Positions are pixels of the whole image, and the center of the top-left
+/// pixel is (0, 0).
 #[derive(Debug, Serialize)]
 struct Said<'a> {
     number: u64,
@@ -110,9 +113,9 @@ struct Said<'a> {
     width: u32,
     height: u32,
     unit: &'static str,
-    /// The stamps of its way, in µs from the exposure on; 0 where one is not known.
+    /// Timestamps of the frame's steps in µs since the exposure; 0 if unknown.
     way_us: [u64; 6],
-    /// When it was exposed, in ms of the machine's clock.
+    /// Time of the exposure, in ms of the machine's clock.
     exposed_ms: f64,
     ropes: Vec<RopeSaid>,
     crossings: Vec<CrossingSaid>,
@@ -135,11 +138,11 @@ struct RopeSaid {
     coarse: bool,
     confidence: f64,
     age_s: f64,
-    /// Where the rope was seen, in pixels; and which of these points are covered.
+    /// Points where the rope was seen, in pixels, and the indices of those that are covered.
     points: Vec<[f64; 2]>,
     hidden: Vec<usize>,
     width_px: f64,
-    /// Along the curve; none, if it is no curve, or it is not known where in the picture it is.
+    /// Points along the curve; empty without a curve, or if its position in the picture is unknown.
     curve: Vec<[f64; 2]>,
     control: Vec<[f64; 2]>,
     /// `[xx, xy, yy]`, px².
@@ -262,7 +265,7 @@ impl RopeSaid {
         self.width_px = short(curve.width_px.into());
     }
 
-    /// By the descriptors' own points, where extract's are not at hand.
+    /// Takes the descriptors' own points, if extract's are not available.
     fn see_points(&mut self, shapes: &Descriptors, track: u32) {
         let place = shapes
             .curves()
@@ -277,15 +280,15 @@ impl RopeSaid {
     }
 }
 
-/// Where a point is seen.
+/// A point in the picture.
 struct Projection {
     at: [f64; 2],
-    /// How it moves in the picture where the point moves; as it does, if there is none.
+    /// Jacobian of the position in the picture with respect to the point. `None` is the identity.
     way: Option<Jacobian>,
 }
 
 impl Projection {
-    /// At a pixel; `None`: it has no place.
+    /// Creates a point at a pixel; `None` if the mapping fails there.
     fn new(at: [f64; 2], places: Option<&Mapping>) -> Option<Self> {
         let Some(places) = places else {
             return Some(Self { at, way: None });
@@ -300,7 +303,7 @@ impl Projection {
         })
     }
 
-    /// A covariance `[xx, xy, yy]` of the point, as it is in the picture: `J C Jᵀ`.
+    /// Converts a covariance `[xx, xy, yy]` of the point to the picture: `J C Jᵀ`.
     fn covariance(&self, [xx, xy, yy]: [f64; 3]) -> [f64; 3] {
         let Some(way) = self.way else {
             return [xx, xy, yy];
@@ -313,12 +316,12 @@ impl Projection {
     }
 }
 
-/// To a hundredth; JSON has no other numbers than finite ones.
+/// Rounds to a hundredth, and replaces numbers that are not finite, which JSON does not have.
 fn short(x: f64) -> f64 {
     rounded(x, 1e2)
 }
 
-/// To a hundred thousandth: variances are small.
+/// Rounds to a hundred-thousandth, because variances are small.
 fn fine(x: f64) -> f64 {
     rounded(x, 1e5)
 }

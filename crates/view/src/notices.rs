@@ -1,5 +1,6 @@
-//! What extraction is unsure of in the picture that is shown, in words. The chain says it on its own terminal, which who looks at the
-//! page may not see; no message has it. So the page's own extractor looks at a frame now and then, with the rig's settings.
+//! Doubts of the extraction about the picture that is shown, in words. The chain reports them on
+//! its own terminal, which the user of the page may not see, and no message carries them. So the
+//! page's own extractor checks a frame now and then, with the rig's settings.
 
 use std::time::{Duration, Instant};
 
@@ -10,14 +11,14 @@ use lariat_wire::{Centerlines, Member};
 
 use crate::moment::Moment;
 
-/// From one look to the next.
+/// Interval between two checks.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// What is to be said.
+/// The notice to show.
 #[derive(Default)]
 pub(crate) struct Notices {
     due: Option<Instant>,
-    /// By which settings it looks, and how; `None`: it cannot, or masks come from elsewhere.
+    /// The settings, and the extractor for them; `None` if it cannot run, or masks are external.
     extractor: Option<(Member, Option<FrameExtractor>)>,
     last: Option<Notice>,
     told: Option<Notice>,
@@ -32,7 +33,7 @@ impl std::fmt::Debug for Notices {
 }
 
 impl Notices {
-    /// Looks at a moment, if it is time. `extract`: the rig's, if it runs.
+    /// Checks a moment, if a check is due. `extract` is the rig's stage, if it runs.
     pub(crate) fn look(&mut self, moment: &Moment, extract: Option<&Member>) {
         let now = Instant::now();
         if self.due.is_some_and(|due| now < due) {
@@ -54,14 +55,14 @@ impl Notices {
             .as_mut()
             .and_then(|(_, extractor)| extractor.as_mut());
         let notice = extractor.and_then(|extractor| notice(extractor, moment));
-        // A hand that passes is no reason.
+        // Only a notice seen twice in a row counts, so a passing hand causes none.
         if notice == self.last {
             self.told = notice;
         }
         self.last = notice;
     }
 
-    /// As a sentence that says what to do.
+    /// Returns the notice, as a sentence that says what to do.
     pub(crate) fn said(&self) -> Option<String> {
         let (_, extractor) = self.extractor.as_ref()?;
         Some(extractor.as_ref()?.sentence(self.told?))

@@ -1,31 +1,31 @@
-//! When the rig is looked at next: once a frame, when its way is over, without being woken.
+//! Decides when to look at the rig next: once per frame, after its last step, without being woken.
 
 use std::time::Duration;
 
 use lariat_wire::Trace;
 
-/// How long after the moment at which the last frame's fit says that the next one's should be done: later than it mostly is, so
-/// that the look is not in its way.
+/// Delay after the time when the next fit should be done, predicted from the last frame. It is
+/// longer than most frames need, so that the look does not interfere.
 const AFTER_NS: u64 = 2_000_000;
-/// No screen shows more than this.
+/// Shortest interval between two looks; no screen shows more.
 const SHORTEST_NS: u64 = 15_000_000;
-/// Between two looks of a rig that rests.
+/// Longest interval between two looks, for a rig that is idle.
 const LONGEST_NS: u64 = 50_000_000;
-/// A frame that is late is looked for again so soon.
+/// Base of the delay before another look for a late frame; it doubles with each miss.
 const AGAIN_NS: u64 = 4_000_000;
 
-/// The frames' pace, by what the traces say of it.
+/// The pace of frames, measured from their traces.
 #[derive(Debug, Default)]
 pub(crate) struct Pace {
-    /// The last frame's counter, and when it was fitted.
+    /// Counter of the last frame, and when it was fitted.
     last: Option<(u64, u64)>,
     period_ns: u64,
-    /// Looks since something came.
+    /// Number of looks since something came.
     misses: u32,
 }
 
 impl Pace {
-    /// A look found this to be the newest.
+    /// Records that a look found this trace to be the newest.
     pub(crate) fn saw(&mut self, trace: &Trace) {
         let now = (trace.fitted, trace.fitted_ns);
         if self.last == Some(now) {
@@ -42,14 +42,14 @@ impl Pace {
         self.misses = 0;
     }
 
-    /// How long until the next look.
+    /// Returns the time until the next look.
     pub(crate) fn wait(&self, now_ns: u64) -> Duration {
         let rest_ns = match self.last {
             None => LONGEST_NS,
             Some(_) if self.misses > 0 => (AGAIN_NS << self.misses.min(8)).min(LONGEST_NS),
             Some((_, at_ns)) => {
                 let due_ns = at_ns + self.period_ns.min(LONGEST_NS) + AFTER_NS;
-                // Of a chain faster than any screen every so many frames.
+                // A chain that is faster than any screen is looked at only every few frames.
                 let least_ns = match self.period_ns {
                     ..SHORTEST_NS => SHORTEST_NS,
                     _ => AGAIN_NS,

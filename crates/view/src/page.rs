@@ -1,6 +1,6 @@
-//! The page's files, as they lie in `page/`.
+//! The page's files, as they are in `page/`.
 
-/// A file of the page: its path, its kind, its bytes.
+/// A file of the page: its path, its content type, its bytes.
 type File = (&'static str, &'static str, &'static [u8]);
 
 const HTML: &str = "text/html; charset=utf-8";
@@ -33,7 +33,7 @@ const FILES: &[File] = files! {
     "words.js": SCRIPT,
 };
 
-/// Kind and bytes of what lies at a path.
+/// Returns the content type and bytes of the file at a path.
 pub(crate) fn at(path: &str) -> Option<(&'static str, &'static [u8])> {
     let path = if path.is_empty() { "index.html" } else { path };
     let found = FILES.iter().find(|(name, _, _)| *name == path);

@@ -1,5 +1,6 @@
-//! Whose the other end of a connection from this machine is. TCP does not say; the kernel's tables of its sockets do, which anyone may
-//! read (`proc_pid_net(5)`; the kernel's `Documentation/networking/proc_net_tcp.rst`).
+//! Finds the user at the other end of a connection from this machine. TCP does not tell, but the
+//! kernel's tables of its sockets do, and anyone may read them (`proc_pid_net(5)`; the kernel's
+//! `Documentation/networking/proc_net_tcp.rst`).
 
 use std::net::{IpAddr, SocketAddr, TcpStream};
 
@@ -7,9 +8,9 @@ use lariat_chain::bounded;
 use rustix::process::geteuid;
 
 const TABLES: [&str; 2] = ["/proc/self/net/tcp", "/proc/self/net/tcp6"];
-/// Half a million sockets.
+/// Maximum size of a table in bytes: half a million sockets.
 const LONGEST: u64 = 64 << 20;
-/// A table that changes while it is read may lack an entry.
+/// Number of attempts. A table that changes while it is read may lack an entry.
 const LOOKS: usize = 3;
 
 /// The two ends of a connection.
@@ -20,7 +21,7 @@ pub(crate) struct Peer {
 }
 
 impl Peer {
-    /// `None`: the connection is gone.
+    /// Returns the ends of a connection; `None` if it is gone.
     pub(crate) fn of(stream: &TcpStream) -> Option<Self> {
         Some(Self {
             theirs: stream.peer_addr().ok()?,
@@ -28,7 +29,8 @@ impl Peer {
         })
     }
 
-    /// Whether a process of this process's user holds the other end. What cannot be told is none.
+    /// Returns whether a process of this process's user holds the other end. False if that is
+    /// unknown.
     pub(crate) fn is_of_this_user(&self) -> bool {
         let owner = || {
             let texts = TABLES
@@ -41,7 +43,8 @@ impl Peer {
         (0..LOOKS).find_map(|_| owner()) == Some(geteuid().as_raw())
     }
 
-    /// The user's number, if the table has their end, and a process holds it: what is closed already is said to be root's.
+    /// Returns the user's number if the table has their end and a process holds it. The table lists
+    /// a closed connection as root's.
     fn owner_in(&self, table: &str) -> Option<u32> {
         table.lines().skip(1).find_map(|line| {
             let fields: Vec<&str> = line.split_whitespace().take(10).collect();
@@ -55,7 +58,7 @@ impl Peer {
     }
 }
 
-/// An address as the tables have it: the words of the IP as this machine has them in memory, and the port.
+/// Parses an address of the tables: the words of the IP in this machine's byte order, and the port.
 fn address(text: &str) -> Option<(IpAddr, u16)> {
     let (ip, port) = text.split_once(':')?;
     let port = u16::from_str_radix(port, 16).ok()?;
@@ -86,7 +89,7 @@ mod tests {
     #[test]
     fn our_own_connection_is_ours_by_either_protocol_and_a_closed_one_is_nobodys() {
         for here in ["127.0.0.1:0", "[::1]:0"] {
-            // A machine may be without IPv6.
+            // The machine may lack IPv6.
             let Ok(listener) = TcpListener::bind(here) else {
                 continue;
             };
@@ -94,7 +97,7 @@ mod tests {
             let (server, _) = listener.accept().unwrap();
             let peer = Peer::of(&server).unwrap();
             assert!(peer.is_of_this_user(), "{here}");
-            // One that has said all that it has to say still waits for its answer.
+            // A client that has finished sending still waits for its answer.
             client.shutdown(Shutdown::Write).unwrap();
             assert!(peer.is_of_this_user(), "{here}");
             drop(client);
@@ -125,7 +128,7 @@ mod tests {
         );
         let closed = head.to_owned() + &line(theirs, ours, 0, 0);
         assert_eq!(here.owner_in(&closed), None);
-        // A socket of IPv6 that speaks IPv4.
+        // An IPv6 socket that speaks IPv4.
         let mapped = line(
             "0000000000000000FFFF00000100007F:C350",
             "0000000000000000FFFF00000100007F:223D",

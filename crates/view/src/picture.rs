@@ -1,14 +1,14 @@
-//! A frame as a JPEG, no larger than it is shown.
+//! Encodes a frame as a JPEG, no larger than it is shown.
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use lariat_chain::pipeline::FrameView;
 use lariat_wire::FrameHeader;
 
-/// Lines over the picture are drawn apart from it, so that it need not be sharper than this.
+/// JPEG quality. Lines are drawn over the picture separately, so it need not be sharper than this.
 const QUALITY: u8 = 82;
-/// Nor have a color for each pixel: four have one together, as in most JPEGs.
+/// Chroma subsampling: four pixels share one color, as in most JPEGs.
 const SAMPLING: SamplingFactor = SamplingFactor::F_2_2;
-/// How many times smaller a picture is made at most.
+/// Maximum reduction of a picture.
 const MOST_SMALLER: u32 = 8;
 
 /// A frame's pixels: red, green, blue, row by row.
@@ -19,7 +19,8 @@ pub(crate) struct Rgb {
     pub(crate) pixels: Vec<u8>,
 }
 
-/// Its colors as the mask sees them; `None` if the header does not describe these bytes, or there is no image.
+/// Returns the colors of a frame as the mask sees them; `None` if the image is blank, or the header
+/// does not describe these bytes.
 pub(crate) fn rgb(header: &FrameHeader, bytes: &[u8]) -> Option<Rgb> {
     if header.is_blank() {
         return None;
@@ -32,13 +33,14 @@ pub(crate) fn rgb(header: &FrameHeader, bytes: &[u8]) -> Option<Rgb> {
     })
 }
 
-/// How many times smaller a picture of so many pixels in a row may be to be shown in so many: a whole number.
+/// Returns the integer reduction, from 1 to [`MOST_SMALLER`], for a picture `width` pixels wide
+/// that is shown `shown` pixels wide.
 pub(crate) fn times_smaller(width: u32, shown: u32) -> u32 {
     (width / shown.max(1)).clamp(1, MOST_SMALLER)
 }
 
 impl Rgb {
-    /// As a JPEG, so many times smaller. `None` if no JPEG can be so large.
+    /// Encodes the picture as a JPEG, reduced by a factor. `None` if it is too large for a JPEG.
     pub(crate) fn jpeg(&self, times: u32) -> Option<Vec<u8>> {
         let smaller;
         let picture = match times {
@@ -57,7 +59,8 @@ impl Rgb {
         Some(jpeg)
     }
 
-    /// The means of squares of so many pixels a side; what does not fill one at the right and below is left out.
+    /// Averages squares of `times` pixels a side. Incomplete squares at the right and bottom are
+    /// left out.
     fn smaller(&self, times: usize) -> Option<Self> {
         let row = 3 * self.width as usize;
         let [width, height] = [self.width, self.height].map(|side| side as usize / times);
@@ -109,7 +112,7 @@ mod tests {
         };
         let smaller = picture.smaller(2).unwrap();
         assert_eq!((smaller.width, smaller.height), (2, 1));
-        // 0, 1, 5 and 6; 2, 3, 7 and 8.
+        // The means of 0, 1, 5, 6 and of 2, 3, 7, 8.
         assert_eq!(smaller.pixels, [3, 6, 100, 5, 10, 100]);
         assert!(picture.smaller(4).is_none());
     }

@@ -1,4 +1,4 @@
-//! What the stages of a rig use of the machine, from `/proc`.
+//! The CPU time and memory that a rig's stages use, from `/proc`.
 
 use std::collections::HashMap;
 use std::fs;
@@ -7,20 +7,20 @@ use lariat_wire::Member;
 
 use super::view::StageRow;
 
-/// The stages in the order of the way; others stand behind them.
+/// The stages in the order of the pipeline; others come after them.
 const ORDER: [&str; 4] = lariat_chain::settings::STAGES;
 
-/// Looks at the processes of a rig about once a second.
+/// Looks at the processes of a rig about once per second.
 #[derive(Debug, Default)]
 pub(crate) struct Processes {
-    /// When it looked last.
+    /// Time of the last look.
     then_ns: u64,
-    /// How long each stage, by process and name, had been on a core by then.
+    /// CPU time of each stage until then, by process and name.
     before: HashMap<(u32, String), u64>,
 }
 
 impl Processes {
-    /// The rig's processes now. What they use of a core is since the last look.
+    /// Returns the rig's processes. Their CPU use is measured since the last look.
     pub(crate) fn look(&mut self, members: &[Member], rig: &str, now_ns: u64) -> Vec<StageRow> {
         let mut of_rig: Vec<&Member> = members.iter().filter(|one| one.rig == rig).collect();
         of_rig.sort_by_key(|one| {
@@ -37,7 +37,7 @@ impl Processes {
                 .filter(|other| other.pid == member.pid)
                 .count()
                 > 1;
-            // The stages of one process are threads by their names.
+            // Stages that share a process are threads with their names.
             let ns = on_core_ns(member.pid, is_fused.then_some(member.stage.as_str()));
             let key = (member.pid, member.stage.clone());
             let elapsed_ns = now_ns.saturating_sub(self.then_ns);
@@ -66,7 +66,7 @@ impl Processes {
     }
 }
 
-/// How long a process has been on a core, or those of its threads that have this name.
+/// Returns the CPU time of a process, or of its threads with this name, in ns.
 fn on_core_ns(pid: u32, thread: Option<&str>) -> Option<u64> {
     let tasks = fs::read_dir(format!("/proc/{pid}/task")).ok()?;
     let of_task = |task: &fs::DirEntry| {
@@ -81,8 +81,8 @@ fn on_core_ns(pid: u32, thread: Option<&str>) -> Option<u64> {
     Some(tasks.flatten().map(|task| of_task(&task)).sum())
 }
 
-/// Resident memory without what is shared, by `/proc/<pid>/status`. (The share of each in what all share would have to be
-/// counted page by page, which holds up the one that is looked at.)
+/// Returns the resident memory without shared memory, from `/proc/<pid>/status`. (Each process's
+/// share of shared memory would have to be counted page by page, which delays that process.)
 fn own_mb(status: &str) -> Option<f64> {
     let kib = |name: &str| -> Option<f64> {
         let line = status.lines().find_map(|line| line.strip_prefix(name))?;

@@ -1,4 +1,4 @@
-//! How long the steps took in the frames of the last seconds.
+//! Durations of the steps, in the frames of the last seconds.
 
 use std::collections::VecDeque;
 
@@ -7,7 +7,7 @@ use lariat_wire::Trace;
 
 use super::view::StepRow;
 
-/// The steps whose ends are stamped in the messages: not those that end in a reader's hands.
+/// Steps whose ends are stamped in the messages, without those that end at a reader.
 const STEPS: [Step; 6] = [
     Step::Fitted,
     Step::Capture,
@@ -17,7 +17,8 @@ const STEPS: [Step; 6] = [
     Step::Fit,
 ];
 
-/// Frames that are kept at most: a minute of ten looks a second, each with all that waits.
+/// Maximum number of frames kept: a minute of ten looks per second, each with everything that
+/// waits.
 const MOST: usize = 8192;
 
 /// The frames of the last seconds.
@@ -25,7 +26,7 @@ const MOST: usize = 8192;
 pub(crate) struct Recent(VecDeque<(u64, [Option<u64>; STEPS.len()])>);
 
 impl Recent {
-    /// One more.
+    /// Adds a frame.
     pub(crate) fn add(&mut self, trace: &Trace) {
         if self.0.len() == MOST {
             self.0.pop_front();
@@ -34,21 +35,21 @@ impl Recent {
         self.0.push_back((trace.fitted_ns, steps));
     }
 
-    /// Those before this moment are of no interest any more.
+    /// Drops frames before this time.
     pub(crate) fn forget_before(&mut self, ns: u64) {
         while self.0.front().is_some_and(|(at_ns, _)| *at_ns < ns) {
             self.0.pop_front();
         }
     }
 
-    /// How long those after this moment took from exposure to fit, µs.
+    /// Returns the times from exposure to fit of the frames since `since_ns`, in µs.
     pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
         let frames = self.0.iter().filter(|(at_ns, _)| *at_ns >= since_ns);
         let whole = frames.filter_map(|(_, steps)| steps[0]);
         whole.map(|ns| ns as f64 / 1e3).collect()
     }
 
-    /// The percentiles of those after this moment. None, without frames.
+    /// Returns the percentiles of the frames since `ns`; empty without frames.
     pub(crate) fn since(&self, ns: u64) -> Vec<StepRow> {
         let frames = self.0.iter().filter(|(at_ns, _)| *at_ns >= ns);
         let mut sorted = Vec::new();
@@ -58,7 +59,7 @@ impl Recent {
             sorted.sort_unstable();
             let most = *sorted.last()?;
             let us = |ns: u64| ns as f64 / 1e3;
-            // The least one that this share of all does not exceed.
+            // The smallest one that this share of all does not exceed.
             let at =
                 |share: f64| sorted[((sorted.len() as f64 * share).ceil() as usize).max(1) - 1];
             Some(StepRow {

@@ -1,4 +1,4 @@
-//! Who connects, and what becomes of it: a thread for each, and no more of them than [`MOST_CLIENTS`].
+//! Accepts clients, and serves each on its own thread, at most [`MOST_CLIENTS`] at a time.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -21,37 +21,38 @@ use crate::peer::Peer;
 use crate::session::Session;
 use crate::{foxglove, live, page};
 
-/// Connections at a time. A browser has some for the page's files and one that stays.
+/// Maximum number of connections. A browser has some for the page's files and one that stays.
 const MOST_CLIENTS: usize = 32;
-/// Connections at which other users of the machine are refused, so that they cannot keep the page's owner out.
+/// Number of connections at which other users of the machine are refused, to keep room for the
+/// page's owner.
 const MOST_FOREIGN: usize = MOST_CLIENTS / 2;
-/// How long a client may take to ask, and to take an answer.
+/// Time limit for a client to ask, and to take an answer.
 const ASKING: Duration = Duration::from_secs(5);
-/// Of a client's thread: it keeps pictures on the heap.
+/// Stack size of a client's thread, which keeps pictures on the heap.
 const STACK: usize = 512 << 10;
 
-/// What a page shows.
+/// Content of a page.
 #[derive(Debug, Clone)]
 pub enum Shown {
-    /// A rig; `None`: `default`, or the first there is.
+    /// A rig; with `None` it is `default`, or the first there is.
     Rig(Option<Rig>),
     /// A recording.
     Recording {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The topic whose images are its frames, where there are several cameras.
+        /// Topic whose images are the frames, if there are several cameras.
         topic: Option<String>,
     },
 }
 
-/// How a page is served.
+/// Options for serving a page.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// What it shows.
+    /// Content of the page.
     pub shown: Shown,
-    /// Where it listens. Anything but this machine's own address asks for a token.
+    /// Address to listen on. Any address but a loopback address requires a token.
     pub listen: IpAddr,
-    /// At which port; 0 for any that is free.
+    /// Port to listen on; 0 for any that is free.
     pub port: u16,
 }
 
@@ -72,21 +73,22 @@ pub struct Server {
     shared: Arc<Shared>,
 }
 
-/// What all clients share.
+/// State that all clients share.
 #[derive(Debug)]
 struct Shared {
     guard: Guard,
     hub: Arc<Hub>,
-    /// Shown in the place of the rig.
+    /// Recording that is shown in place of the rig.
     film: Option<Film>,
     clients: AtomicUsize,
 }
 
 impl Server {
-    /// Listens; nobody is answered before [`run`](Self::run).
+    /// Starts to listen. Nobody is answered before [`run`](Self::run).
     ///
     /// # Errors
-    /// The port is taken, the address is none of this machine's, or the recording cannot be shown.
+    /// Fails if the port is taken, the address is not this machine's, or the recording cannot be
+    /// shown.
     pub fn bind(options: &Options) -> Result<Self> {
         let (rig, film) = match &options.shown {
             Shown::Rig(rig) => (rig.clone(), None),
@@ -120,7 +122,7 @@ impl Server {
         })
     }
 
-    /// The address to open in a browser.
+    /// Returns the address to open in a browser.
     pub fn url(&self) -> String {
         let Guard { address, token } = &self.shared.guard;
         match address.ip() {
@@ -134,7 +136,7 @@ impl Server {
         }
     }
 
-    /// The same with the token, by which anyone may come: another site's page too.
+    /// Returns the address with the token. With it, anyone may connect, even another site's page.
     pub fn url_with_token(&self) -> String {
         let Guard { address, token } = &self.shared.guard;
         match address.ip() {
@@ -146,7 +148,7 @@ impl Server {
     /// Serves until `stop` is readable.
     ///
     /// # Errors
-    /// No thread can be started.
+    /// Fails if no thread can be started, or waiting for clients fails.
     pub fn run(&self, stop: BorrowedFd) -> Result<()> {
         let hub = self.shared.hub.clone();
         let reader = Builder::new().name("view-hub".into());
@@ -169,7 +171,7 @@ impl Server {
             }
         }
         self.shared.hub.end();
-        // One that panicked has said so.
+        // A thread that panicked has reported it.
         let _ = reader.join();
         Ok(())
     }
@@ -184,7 +186,7 @@ impl Server {
         if stream.set_nonblocking(true).is_err() {
             return;
         }
-        // A picture is not to wait for the next one.
+        // A picture must not wait for the next one.
         let _ = stream.set_nodelay(true);
         let place = Place(self.shared.clone());
         let clients = self.shared.clients.fetch_add(1, Ordering::Relaxed);
@@ -194,7 +196,7 @@ impl Server {
             return;
         }
         let client = Builder::new().name("view-client".into()).stack_size(STACK);
-        // Without a thread its connection is closed.
+        // Without a thread, the connection is closed.
         let _ = client.spawn(move || {
             let peer = Peer::of(&stream);
             let is_of_this_user = || peer.is_some_and(|peer| peer.is_of_this_user());
@@ -203,7 +205,7 @@ impl Server {
     }
 }
 
-/// A client's place among all, given back at its end.
+/// A client's place among all, given back when this is dropped.
 struct Place(Arc<Shared>);
 
 impl Drop for Place {
@@ -212,7 +214,8 @@ impl Drop for Place {
     }
 }
 
-/// Serves one connection that does not block, to its end, for tests: of this machine and user, with this token.
+/// Serves one nonblocking connection until it ends, for tests. It counts as one of this machine and
+/// user, and `token` is the server's.
 pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
     let shared = Shared {
         guard: Guard {
@@ -251,7 +254,8 @@ fn attend(
     }
 }
 
-/// Opens a WebSocket in the first of the ways that the client speaks, and keeps it to its end.
+/// Opens a WebSocket with the first protocol of the client's that is known, and serves it until it
+/// ends.
 fn open<S: Read + Write + AsFd>(
     mut stream: S,
     key: &str,
@@ -263,7 +267,7 @@ fn open<S: Read + Write + AsFd>(
     let is_foxglove = |name: &str| foxglove::PROTOCOLS.contains(&name);
     let is_known = |name: &&String| match name.as_str() {
         live::PROTOCOL => true,
-        // It opens recordings itself.
+        // Foxglove opens recordings itself.
         name => shared.film.is_none() && is_foxglove(name),
     };
     let Some(protocol) = request.protocols.iter().find(is_known) else {
@@ -286,7 +290,7 @@ fn open<S: Read + Write + AsFd>(
     }
 }
 
-/// What the client asks for, and what it has sent beyond.
+/// Reads a client's request. Returns it, and what the client has sent after it.
 fn ask(stream: &mut (impl Read + AsFd)) -> Result<(Request, Vec<u8>), Refusal> {
     let until = Instant::now() + ASKING;
     let mut head = Vec::new();
@@ -311,7 +315,7 @@ fn ask(stream: &mut (impl Read + AsFd)) -> Result<(Request, Vec<u8>), Refusal> {
     }
 }
 
-/// Writes it all, if the client takes it in time.
+/// Writes all bytes, if the client takes them in time.
 fn write_all(stream: &mut (impl Write + AsFd), mut bytes: &[u8]) {
     let until = Instant::now() + ASKING;
     while !bytes.is_empty() {
@@ -328,7 +332,7 @@ fn write_all(stream: &mut (impl Write + AsFd), mut bytes: &[u8]) {
     }
 }
 
-/// Waits until the stream can be read or written; `false` if the time is over.
+/// Waits until the stream can be read or written. Returns false if the time is over.
 fn wait(stream: &impl AsFd, for_what: PollFlags, until: Instant) -> bool {
     let left = until.saturating_duration_since(Instant::now());
     let Ok(longest) = Timespec::try_from(left) else {

@@ -1,7 +1,9 @@
-//! A WebSocket on one thread that sleeps for both ends: until the client says something, and until there is something to say.
+//! A WebSocket on one thread, which sleeps until the client says something or there is something to
+//! say.
 //!
-//! The socket does not block. What cannot be written at once waits in memory, and nothing is added to it meanwhile; a client
-//! that takes nothing for [`PATIENCE`] is given up, so is one that says too much.
+//! The socket does not block. Data that cannot be written at once waits in memory, and nothing is
+//! added to it meanwhile. A client that takes nothing for [`PATIENCE`] is disconnected, and so is
+//! one that says too much.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
@@ -11,42 +13,43 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Bytes, Error, Message, WebSocket};
 
-/// How long a client may take nothing, or say nothing when it is asked whether it is there.
+/// Time limit for a client that takes nothing, or leaves a ping unanswered.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// How long it may say nothing before it is asked.
+/// Time of silence before a client is pinged.
 const SILENCE: Duration = Duration::from_secs(20);
-/// The largest message of a client, in bytes: a dropped picture.
+/// Maximum length of a client's message in bytes: a dropped picture.
 pub(crate) const LARGEST: usize = 24 << 20;
-/// Messages of a client in a second, on the average of the last ones: ten times what a page at 60 frames/s says.
+/// Maximum rate of a client's messages per second, on average: ten times that of a page at
+/// 60 frames/s.
 const MOST_PER_S: f64 = 600.0;
 
-/// What happened while the session slept.
+/// Event that ended the session's sleep.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Event {
-    /// The client said this.
+    /// The client sent text.
     Text(String),
-    /// Or this.
+    /// The client sent bytes.
     Binary(Bytes),
-    /// The bell rang, or it is time.
+    /// The event descriptor is readable, or the time is over.
     RigState,
-    /// It is over: the client has gone, or was given up.
+    /// The connection is over: the client has gone, or was disconnected.
     End,
 }
 
 /// A client's WebSocket.
 pub(crate) struct Session<S: Read + Write + AsFd> {
     socket: WebSocket<S>,
-    /// Since when something waits to be written.
+    /// Time when data began to wait to be written, if any waits.
     stuck: Option<Instant>,
     heard: Instant,
     asked: Option<Instant>,
-    /// What it may still say at once.
+    /// Number of messages that the client may still send at once.
     allowance: f64,
     counted: Instant,
 }
 
 impl<S: Read + Write + AsFd> Session<S> {
-    /// `rest`: what came behind the opening.
+    /// Creates a session. `rest` is what came after the opening.
     pub(crate) fn new(stream: S, rest: Vec<u8>) -> Self {
         let config = WebSocketConfig::default()
             .read_buffer_size(16 << 10)
@@ -64,12 +67,13 @@ impl<S: Read + Write + AsFd> Session<S> {
         }
     }
 
-    /// Whether all that was said has gone out.
+    /// Returns whether everything has gone out.
     pub(crate) fn is_clear(&self) -> bool {
         self.stuck.is_none()
     }
 
-    /// Says something; it waits in memory if the client does not take it now. `false`: it is over.
+    /// Sends a message, which waits in memory if the client does not take it now. Returns false if
+    /// the connection is over.
     pub(crate) fn say(&mut self, message: Message) -> bool {
         let result = self.socket.write(message);
         goes_on(result) && self.flush()
@@ -87,7 +91,7 @@ impl<S: Read + Write + AsFd> Session<S> {
         goes_on(result)
     }
 
-    /// Sleeps until the client says something, the bell rings, or the time is over.
+    /// Sleeps until the client says something, `bell` is readable, or the time is over.
     pub(crate) fn next(&mut self, bell: Option<BorrowedFd>, longest: Duration) -> Event {
         let until = Instant::now() + longest;
         loop {
@@ -105,7 +109,7 @@ impl<S: Read + Write + AsFd> Session<S> {
                             self.flush();
                             return Event::End;
                         }
-                        // The answer waits to be written.
+                        // The reply to a ping waits to be written.
                         _ => {
                             if !self.flush() {
                                 return Event::End;
@@ -133,7 +137,7 @@ impl<S: Read + Write + AsFd> Session<S> {
         }
     }
 
-    /// Whether the bell rang; `None` if it is over.
+    /// Sleeps. Returns whether `bell` is readable; `None` if the connection is over.
     fn sleep(&mut self, bell: Option<BorrowedFd>, longest: Duration) -> Option<bool> {
         let is_stuck = self.stuck.is_some();
         let wanted = match is_stuck {
@@ -144,7 +148,7 @@ impl<S: Read + Write + AsFd> Session<S> {
             let stream = self.socket.get_ref().as_fd();
             let mut both = [
                 PollFd::from_borrowed_fd(stream, wanted),
-                // Without a bell, once more the stream.
+                // Without a bell, the stream is polled twice.
                 PollFd::from_borrowed_fd(bell.unwrap_or(stream), PollFlags::IN),
             ];
             let longest = Timespec::try_from(longest.min(PATIENCE)).ok()?;
@@ -164,7 +168,7 @@ impl<S: Read + Write + AsFd> Session<S> {
         Some(told)
     }
 
-    /// Whether it is within what may be said.
+    /// Returns whether the client is within its rate of messages.
     fn is_allowed(&mut self) -> bool {
         let now = Instant::now();
         let since = now.duration_since(self.counted).as_secs_f64();
@@ -173,7 +177,7 @@ impl<S: Read + Write + AsFd> Session<S> {
         self.allowance > 0.0
     }
 
-    /// Whether the client is there, and takes what it is told. Asks it now and then.
+    /// Returns whether the client is there, and takes what it is sent. Pings it now and then.
     fn is_patient(&mut self) -> bool {
         let now = Instant::now();
         if self.stuck.is_some_and(|since| now - since > PATIENCE) {
@@ -190,7 +194,7 @@ impl<S: Read + Write + AsFd> Session<S> {
     }
 }
 
-/// Whether the connection goes on after this.
+/// Returns whether the connection continues after this.
 fn goes_on(result: Result<(), Error>) -> bool {
     match result {
         Ok(()) => true,

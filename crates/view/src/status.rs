@@ -1,4 +1,4 @@
-//! How the rig is, four times a second, as JSON for the page.
+//! The state of the rig, four times per second, as JSON for the page.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,8 @@ use crate::gather::Gatherer;
 use crate::recent::Recent;
 use crate::view::{Losses, StageRow, StepRow, View};
 
-/// Bars of the histogram in an octave of latency, and the least latency in it, µs: from there to a second.
+/// Bars of the histogram per octave of latency, and the lowest latency in it: from 62.5 µs to a
+/// second.
 const BARS_PER_OCTAVE: f64 = 4.0;
 const LEAST_US: f64 = 62.5;
 const BARS: usize = 4 * 14;
@@ -18,7 +19,7 @@ const BARS: usize = 4 * 14;
 const STRIP: usize = 60;
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// What the page is told.
+/// The message to the page.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 struct Status<'a> {
@@ -26,9 +27,9 @@ struct Status<'a> {
     kind: &'static str,
     version: &'static str,
     rig: Option<&'a str>,
-    /// Set, this is no rig but a recording.
+    /// Set if a recording is shown, not a rig.
     film: Option<&'a Film>,
-    /// Why there is nothing to be seen, if so.
+    /// Why there is nothing to show, if so.
     obstacle: Option<&'a str>,
     lossless: bool,
     shared_mb: Option<f64>,
@@ -40,7 +41,8 @@ struct Status<'a> {
     limit: Option<String>,
     lost: Lost,
     histogram: Histogram,
-    /// p50 and p99 of each of the last seconds, µs, the newest last; null where no frame came.
+    /// Median and 99th percentile of each of the last seconds in µs, the newest last; null where no
+    /// frame came.
     strip: Vec<Option<[f64; 2]>>,
     notices: Vec<String>,
 }
@@ -92,17 +94,17 @@ pub(crate) struct Film {
 pub(crate) struct Reporter {
     strip: VecDeque<Option<[f64; 2]>>,
     strip_due_ns: u64,
-    /// What could not be read of the rig.
+    /// Error from reading the rig, if there was one.
     trouble: Option<String>,
 }
 
 impl Reporter {
-    /// Something of the rig cannot be read, though there are descriptors.
+    /// Notes that something of the rig cannot be read, though there are descriptors.
     pub(crate) fn note(&mut self, error: &WireError) {
         self.trouble = Some(error.to_string());
     }
 
-    /// What is to be told where there is no rig to be read at all.
+    /// Returns the status if the rig cannot be read at all.
     pub(crate) fn failed(error: &WireError) -> String {
         let view = View {
             obstacle: Some(error.to_string()),
@@ -111,12 +113,12 @@ impl Reporter {
         Self::default().said(&view, Histogram::of(&[]), None, None)
     }
 
-    /// How a recording went, by the traces of its frames.
+    /// Returns the status of a recording, from the traces of its frames.
     pub(crate) fn of_film(film: &Film, traces: &[Trace]) -> String {
         let mut recent = Recent::default();
         traces.iter().for_each(|trace| recent.add(trace));
         let mut reporter = Self::default();
-        // As many frames in each place of the strip.
+        // Each place of the strip covers the same number of frames.
         let whole: Vec<f64> = recent.fitted_us(0);
         let part = whole.len().div_ceil(STRIP).max(1);
         reporter
@@ -129,7 +131,7 @@ impl Reporter {
         reporter.said(&view, Histogram::of(&whole), None, Some(film))
     }
 
-    /// The status at this moment. `notice`: what extraction is unsure of.
+    /// Returns the status now. `notice` is the doubt of the extraction.
     pub(crate) fn report(
         &mut self,
         gatherer: &Gatherer,
@@ -231,14 +233,14 @@ impl Histogram {
     }
 }
 
-/// Median and 99th percentile; `None` of none.
+/// Returns the median and the 99th percentile; `None` without times.
 fn middle_and_end(mut times: Vec<f64>) -> Option<[f64; 2]> {
     times.sort_unstable_by(f64::total_cmp);
     let at = |share: f64| times.get(((times.len() as f64 * share).ceil() as usize).max(1) - 1);
     Some([*at(0.5)?, *at(0.99)?])
 }
 
-/// What takes the most of the way, in words.
+/// Names the part that takes most of the whole time, in words.
 fn limit(steps: &[StepRow]) -> Option<String> {
     let whole = steps.iter().find(|row| row.step == Step::Fitted)?;
     let parts = steps.iter().filter(|row| row.step != Step::Fitted);

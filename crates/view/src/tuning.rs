@@ -1,4 +1,5 @@
-//! What the page asks for beside pictures: the settings of the running chain, changes of them, and the colours of a rope.
+//! Requests of the page other than pictures: the settings of the running chain, changes of them,
+//! and the colors of a rope.
 
 use std::path::PathBuf;
 
@@ -17,58 +18,60 @@ use serde_json::{Value, json};
 use crate::calibrating::Point;
 use crate::moment::Moment;
 
-/// Changes in one wish, and points on ropes.
+/// Maximum number of changes in one request, and of points on ropes.
 const MOST_CHANGES: usize = 64;
 const MOST_POINTS: usize = 32;
-/// Below this agreement colour does not tell the rope from the rest.
+/// Agreement below which color alone does not tell the rope from the rest.
 const GOOD: f32 = 0.7;
 
-/// What the page asks for.
+/// A request of the page.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "wish", rename_all = "snake_case")]
 pub(crate) enum Wish {
-    /// The settings that hold.
+    /// Returns the current settings.
     Settings,
-    /// That settings hold from now on, each written as `section.name=value`.
+    /// Changes settings from now on, each written as `section.name=value`.
     Set {
-        /// As `lariat set` takes them.
+        /// Changes, as `lariat set` takes them.
         changes: Vec<String>,
     },
-    /// That they are written into the chain's settings file.
+    /// Writes settings into the chain's settings file.
     Keep {
-        /// Likewise.
+        /// Changes, as `lariat set` takes them.
         changes: Vec<String>,
     },
-    /// The colours of what lies at these points of a moment; without points, of the ropes that stand out by themselves.
+    /// Finds the colors at these points of a moment; without points, those of the ropes that stand
+    /// out.
     Pick {
-        /// The moment's number.
+        /// Number of the moment.
         number: u64,
-        /// In pixels.
+        /// Points, in pixels.
         at: Vec<[f32; 2]>,
     },
-    /// What the table's plane would be by these points, in pictures of this size ([`calibrating`](crate::calibrating)).
+    /// Judges the table's plane from these points, in pictures of this size
+    /// ([`calibrating`](crate::calibrating)).
     Plane {
-        /// Four or more.
+        /// Four points or more.
         points: Vec<Point>,
         /// Width and height.
         size: [u32; 2],
     },
-    /// That it is written, and used from now on.
+    /// Writes the table's plane, and uses it from now on.
     WritePlane {
-        /// Likewise.
+        /// Four points or more.
         points: Vec<Point>,
-        /// Likewise.
+        /// Width and height.
         size: [u32; 2],
     },
-    /// That a mask, as the settings have it, is drawn with each moment from now on; none: no mask.
+    /// Draws a mask with each moment from now on, or none.
     Mask {
-        /// Of colours.
+        /// A mask of colors, as the settings have it.
         mask: Option<String>,
     },
 }
 
 impl Wish {
-    /// Whether it changes something outside of the page.
+    /// Returns whether the request changes something outside of the page.
     pub(crate) fn writes(&self) -> bool {
         matches!(
             self,
@@ -80,7 +83,7 @@ impl Wish {
 /// Asks the chain of a rig, or writes into its settings file.
 ///
 /// # Errors
-/// What was wrong, as a sentence.
+/// Fails with a sentence that says what is wrong.
 pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
     match wish {
         Wish::Settings => {
@@ -94,7 +97,7 @@ pub(crate) fn of_chain(rig: &str, wish: &Wish) -> Result<Value> {
         }
         Wish::Keep { changes } => {
             check(changes)?;
-            // Only what the chain starts with.
+            // Write only what the chain accepts.
             ask(rig, &Asked::Set(changes.clone()))?;
             let file = PathBuf::from(ask(rig, &Asked::File)?.trim_end());
             let text = match bounded::read(&file, bounded::LONGEST_TEXT) {
@@ -119,7 +122,7 @@ fn check(changes: &[String]) -> Result<()> {
         changes.len() <= MOST_CHANGES,
         "at most {MOST_CHANGES} settings are changed at a time"
     );
-    // Each is a line of what the chain is asked.
+    // Each change is one line of the request to the chain.
     let is_line = changes
         .iter()
         .all(|change| !change.contains(char::is_control));
@@ -130,10 +133,10 @@ fn check(changes: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// The colours at these points of a picture: the answer, and the mask to be drawn.
+/// Finds the colors at these points of a picture. Returns the answer, and the mask to draw.
 ///
 /// # Errors
-/// There is no picture, or no rope at a point.
+/// Fails without a picture, or if a point is not on a rope.
 pub(crate) fn colours(moment: &Moment, at: &[[f32; 2]]) -> Result<(Value, Mask)> {
     ensure!(
         at.len() <= MOST_POINTS,
@@ -158,10 +161,10 @@ pub(crate) fn colours(moment: &Moment, at: &[[f32; 2]]) -> Result<(Value, Mask)>
     Ok((answer, mask))
 }
 
-/// A mask of colours, as the settings have it.
+/// Parses a mask of colors, as the settings have it.
 ///
 /// # Errors
-/// It is none.
+/// Fails if the text is not such a mask.
 pub(crate) fn mask(text: &str) -> Result<Mask> {
     ensure!(!text.contains(char::is_control), "a mask is one line");
     match Settings::of_text(&format!("[extract]\nmask = {text}\n"))?
@@ -173,7 +176,8 @@ pub(crate) fn mask(text: &str) -> Result<Mask> {
     }
 }
 
-/// What of a moment's picture is in a mask, as a PNG of the picture's size; `None` without a picture.
+/// Returns the part of a moment's picture that is in a mask, as a PNG of the picture's size; `None`
+/// without a picture.
 pub(crate) fn drawn(moment: &Moment, mask: &Mask) -> Option<Vec<u8>> {
     let frame = moment.image.as_ref()?;
     let image = FrameView::new(&frame.header, &frame.bytes).image().ok()?;

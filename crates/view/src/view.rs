@@ -1,136 +1,138 @@
-//! What is known of a rig, as plain figures: whoever draws it asks nobody.
+//! The state of a rig as plain figures, complete for whoever draws it.
 
 use lariat_sink::Step;
 use lariat_wire::{Place, Status};
 
-/// A screenful.
+/// Everything that a screen shows.
 #[derive(Debug, Clone, Default)]
 pub struct View {
-    /// The rig that is shown; `None` if there is none.
+    /// Rig that is shown; `None` if there is none.
     pub rig: Option<String>,
-    /// Its number among all, from 1, and how many there are.
+    /// Number of the rig among all, from 1, and the number of rigs.
     pub place: (usize, usize),
-    /// Whether it is held still.
+    /// True if the view is paused.
     pub is_paused: bool,
-    /// Why nothing can be shown of it, as a sentence.
+    /// Why nothing of the rig can be shown, as a sentence.
     pub obstacle: Option<String>,
-    /// Whether its writers wait for slow readers.
+    /// True if the rig's writers wait for slow readers.
     pub is_lossless: bool,
     /// Shared memory of the rig's channels, 10⁶ bytes.
     pub shared_mb: Option<f64>,
-    /// By how much its stamps may be off, µs, if a bridge brings it here from a machine with a clock of its own.
+    /// Maximum error of the rig's timestamps in µs, if a bridge brings it from a machine with its
+    /// own clock.
     pub clock_bound_us: Option<f64>,
-    /// Its processes, in the order of the way.
+    /// Processes of the rig, in the order of the pipeline.
     pub stages: Vec<StageRow>,
-    /// Of the frames of this many last seconds.
+    /// Number of last seconds that `steps` covers.
     pub window_s: u64,
-    /// How long each step took in them.
+    /// Duration of each step in the frames of these seconds.
     pub steps: Vec<StepRow>,
-    /// What was lost.
+    /// Frames that were lost.
     pub lost: Losses,
-    /// The newest ropes.
+    /// Newest ropes.
     pub shape: Option<Shape>,
 }
 
 /// A process of the rig.
 #[derive(Debug, Clone, Default)]
 pub struct StageRow {
-    /// What it is called.
+    /// Name of the stage.
     pub stage: String,
-    /// Its process.
+    /// Process ID.
     pub pid: u32,
-    /// Of one core.
+    /// CPU use, in percent of one core.
     pub cpu_percent: Option<f64>,
-    /// Its own memory, without what it shares: 10⁶ bytes.
+    /// Memory without what is shared, 10⁶ bytes.
     pub own_mb: Option<f64>,
-    /// What it sends a second.
+    /// Frames sent per second.
     pub frames_per_s: Option<f64>,
 }
 
-/// How long a step of the way takes, µs.
+/// Duration of a step, in µs.
 #[derive(Debug, Clone, Copy)]
 pub struct StepRow {
     /// The step.
     pub step: Step,
     /// Median.
     pub p50: f64,
-    /// What nine of ten do not exceed.
+    /// 90th percentile.
     pub p90: f64,
-    /// What 99 of 100 do not exceed.
+    /// 99th percentile.
     pub p99: f64,
-    /// The longest.
+    /// Maximum.
     pub max: f64,
 }
 
-/// Frames lost since the rig is looked at.
+/// Frames lost since watching of the rig began.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// Numbered by the source, never sent.
+    /// Frames that the source numbered but never sent.
     pub source: u64,
-    /// Between capture and extract.
+    /// Frames lost between capture and extract.
     pub capture: u64,
-    /// Between extract and fit.
+    /// Frames lost between extract and fit.
     pub extract: u64,
-    /// On another machine: between fit and what the bridge wrote there.
+    /// Frames lost between fit and what the bridge wrote, on another machine.
     pub bridge: u64,
 }
 
 /// The newest descriptors.
 #[derive(Debug, Clone, Default)]
 pub struct Shape {
-    /// The frame's number.
+    /// Number of the frame.
     pub frame: u64,
-    /// Of the image; 0 if the source has none to give.
+    /// Width of the image; 0 if the source provides none.
     pub width: u32,
-    /// Likewise.
+    /// Height of the image; 0 if the source provides none.
     pub height: u32,
-    /// What the ropes are measured in.
+    /// Unit in which the ropes are measured.
     pub unit: &'static str,
-    /// Whether the ropes are in pixels of the image.
+    /// True if the ropes are in pixels of the image.
     pub is_of_image: bool,
-    /// How long ago it was taken.
+    /// Time since the exposure, in seconds.
     pub age_s: f64,
-    /// The ropes.
+    /// Ropes of the frame.
     pub ropes: Vec<Rope>,
-    /// Least x, least y, greatest x, greatest y that ropes had, where there is no image to hold them.
+    /// Minimum x, minimum y, maximum x and maximum y of all ropes until now, for drawing without an
+    /// image.
     pub reach: [f64; 4],
 }
 
-/// A rope as it is drawn and told.
+/// A rope to be drawn and described.
 #[derive(Debug, Clone, Default)]
 pub struct Rope {
-    /// Its number, which it keeps.
+    /// Number of the rope, which it keeps.
     pub track: u32,
-    /// `None`: one that this release does not know.
+    /// Status of the rope; `None` if this release does not know it.
     pub status: Option<Status>,
-    /// Whether its ends meet.
+    /// True if its ends meet.
     pub is_closed: bool,
-    /// The kind of its curve.
+    /// Kind of the curve.
     pub basis: &'static str,
-    /// The number of the curve's control points, or of its coefficients.
+    /// Number of the curve's control points, or of its coefficients.
     pub control_point_count: u32,
-    /// Arc length.
+    /// Arc length, in the unit of the ropes.
     pub length: f64,
-    /// How far the curve lies from its points.
+    /// Root mean square distance of the curve from its points.
     pub rms: f64,
-    /// How sure it is that it is a rope, 0 to 1.
+    /// Confidence that it is a rope, 0 to 1.
     pub confidence: f32,
-    /// Its curve does not lie on its points.
+    /// True if the curve is not on its points.
     pub is_coarse: bool,
-    /// How long before the image it was last seen.
+    /// Seconds since the rope was last seen, at the time of the image.
     pub age_s: f64,
-    /// Where its control points are, if it has such.
+    /// Positions of the control points, if it has any.
     pub control_points: Vec<[f64; 2]>,
-    /// Along the curve; none, if the descriptor means no curve.
+    /// Points along the curve; empty if the descriptor means no curve.
     pub points: Vec<[f64; 2]>,
-    /// What is known of it in space; `None` where the chain has no depth camera, or what it says has not come.
+    /// The rope in 3-D; `None` if the chain has no depth camera, or nothing has come yet.
     pub in_space: Option<InSpace>,
 }
 
-/// A rope in space.
+/// A rope in 3-D.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InSpace {
-    /// Whether it is known where it is; `None`: a word that this release does not know.
+    /// State of its position; `None` if this release does not know the code.
     pub place: Option<Place>,
     /// Arc length, mm.
     pub length_mm: f64,

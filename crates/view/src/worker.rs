@@ -1,7 +1,7 @@
-//! A thread for a client's slow tasks: encoding and tracing pictures, picking colours.
+//! A thread for a client's slow tasks: encoding and tracing pictures, picking colors.
 //!
-//! It runs at low priority, so the chain's stages go first. The client's own thread stays at normal priority and sends short
-//! messages on time, however busy the machine is.
+//! It runs at low priority, so the chain's stages go first. The client's own thread stays at normal
+//! priority and sends short messages on time, however busy the machine is.
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use tungstenite::Message;
 
 use crate::hub::ring;
 
-/// Tasks that may wait. A client that asks for more waits for the first to be done.
+/// Maximum number of waiting tasks. A client that asks for more waits for the first to be done.
 const MOST_WAITING: usize = 4;
 
-/// Tasks of one client, worked off in order.
+/// Tasks of one client, done in order.
 pub(crate) struct Worker<T> {
     tasks: Sender<T>,
     done: Receiver<Vec<Message>>,
@@ -24,17 +24,18 @@ pub(crate) struct Worker<T> {
 }
 
 impl<T: Send + 'static> Worker<T> {
-    /// Starts the thread. It turns each task into the messages that answer it, and rings `bell` when they are ready.
+    /// Starts the thread. It turns each task into the messages that answer it, and signals `bell`
+    /// when they are ready.
     ///
     /// # Errors
-    /// No thread can be started.
+    /// Fails if no thread can be started.
     pub(crate) fn start(
         bell: Arc<OwnedFd>,
         mut work: impl FnMut(T) -> Vec<Message> + Send + 'static,
     ) -> std::io::Result<Self> {
         let (tasks, to_do) = channel();
         let (finished, done) = channel();
-        // With the usual stack: an extraction needs more than a client's own thread has.
+        // The usual stack: an extraction needs more than a client's own thread has.
         let thread = Builder::new().name("view-worker".into());
         thread.spawn(move || {
             give_way();
@@ -57,7 +58,8 @@ impl<T: Send + 'static> Worker<T> {
         self.waiting == 0
     }
 
-    /// Adds a task. Returns the messages of an earlier one if it had to wait for that; `None` if the thread has ended.
+    /// Adds a task. Returns the messages of an earlier one if it had to wait for that; `None` if
+    /// the thread has ended.
     pub(crate) fn add(&mut self, task: T) -> Option<Vec<Message>> {
         let mut messages = Vec::new();
         if self.waiting == MOST_WAITING {
@@ -69,7 +71,7 @@ impl<T: Send + 'static> Worker<T> {
         Some(messages)
     }
 
-    /// The messages of the next task that is done.
+    /// Returns the messages of the next task that is done.
     pub(crate) fn next(&mut self) -> Option<Vec<Message>> {
         let messages = self.done.try_recv().ok()?;
         self.waiting -= 1;

@@ -1,4 +1,5 @@
-//! A reader that joins a rig, looks for a message, and leaves: what `tests/kills/kills.py` kills in between.
+//! A reader that joins a rig, checks for a message, and leaves. `tests/kills/kills.py` kills it in
+//! between.
 
 use std::time::{Duration, Instant};
 

@@ -1,7 +1,8 @@
-//! A reader that says when each frame that it sees was made and by whom: what `tests/soak` measures by.
+//! A reader that prints the times and settings of each frame it receives. `tests/soak` uses it for
+//! its measurements.
 //!
-//! A line for each: its number, exposed, fitted and in hand (ns of the monotonic clock), which settings made it, how often
-//! capture, extract and fit had been restarted, and its ropes that are seen now.
+//! Prints one line per frame: number; times of exposure, fit and receipt (ns of the monotonic
+//! clock); settings version; restarts of capture, extract and fit; and the ropes visible now.
 
 use std::io::Write;
 use std::time::{Duration, Instant};

@@ -1,15 +1,15 @@
-//! A rope's centerline as a control law asks for it: the points that its curve was fitted to.
+//! A rope's centerline for control laws: the points that its curve was fitted to.
 
 use std::hint::black_box;
 
 use crate::fields::{Hidden, is_hidden};
 use crate::{CenterlinePoints, MAX_POINTS, Nearest};
 
-/// The points of a rope at equal steps of arc length, joined by straight lines, in the message's unit. They are where the rope
-/// was seen, unfiltered, whether the curve lies on them or not.
+/// The points of a rope at equal steps of arc length, joined by straight lines, in the message's
+/// unit. They are the unfiltered observed points, whether or not the curve follows them.
 ///
-/// It reads the message where it lies and allocates nothing. ρ is the arc length from the first point, 0, to the last, 1; around
-/// a closed rope 1 is the first again.
+/// It reads the message in place and does not allocate. ρ is the normalized arc length: 0 at the
+/// first point, 1 at the last. On a closed rope, ρ = 1 is the first point again.
 ///
 /// ```
 /// use lariat_wire::{Centerline, CenterlinePoints};
@@ -24,7 +24,7 @@ use crate::{CenterlinePoints, MAX_POINTS, Nearest};
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Centerline<'a> {
-    /// One at least.
+    /// Has at least one entry.
     points: &'a [[f32; 2]],
     widths: &'a [f32],
     hidden: &'a Hidden,
@@ -32,9 +32,9 @@ pub struct Centerline<'a> {
 }
 
 impl<'a> Centerline<'a> {
-    /// The line through these points; `None` if there are none.
+    /// The line through these points; `None` if the list is empty.
     pub fn of(points: &'a CenterlinePoints) -> Option<Self> {
-        // Read once: a message may lie in shared memory, where its writer may have lost its wits.
+        // Read once, because a faulty writer may change shared memory at any time.
         let count = (*black_box(&points.count) as usize).min(MAX_POINTS);
         (count > 0).then(|| Self {
             points: &points.points[..count],
@@ -44,33 +44,34 @@ impl<'a> Centerline<'a> {
         })
     }
 
-    /// The points, `[x, y]`: one at least.
+    /// The points, `[x, y]`; at least one.
     pub fn points(&self) -> &'a [[f32; 2]] {
         self.points
     }
 
-    /// The rope's width at each point.
+    /// Width of the rope at each point.
     pub fn widths(&self) -> &'a [f32] {
         self.widths
     }
 
-    /// Whether point `i` is covered by something or outside of the image, and so not seen but bridged.
+    /// Returns whether point `i` is covered or outside the image; its position is then
+    /// interpolated.
     pub fn is_hidden(&self, i: usize) -> bool {
         is_hidden(self.hidden, i)
     }
 
-    /// Whether the last point is followed by the first.
+    /// Returns whether the first point follows the last.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
 
-    /// Where along the rope point `i` is.
+    /// Normalized arc length of point `i`.
     pub fn rho(&self, i: usize) -> f64 {
         i as f64 / self.steps().max(1) as f64
     }
 
-    /// The point at `rho`, on the straight line between its two neighbours. Outside 0 to 1 an open rope has its ends, and a
-    /// closed one goes around again.
+    /// The point at `rho`, on the straight line between its two neighbors. Outside 0 to 1, an open
+    /// rope gives its ends, and a closed one wraps around.
     pub fn point_at(&self, rho: f64) -> [f64; 2] {
         let rho = if self.is_closed() {
             rho.rem_euclid(1.0)
@@ -84,7 +85,7 @@ impl<'a> Centerline<'a> {
         between(a, b, along - i as f64)
     }
 
-    /// The point of the line that is nearest to `point`; of several, the first.
+    /// The nearest point of the line to `point`; the first one if there are several.
     pub fn nearest(&self, point: [f64; 2]) -> Nearest {
         let mut nearest = Nearest::to(point, 0.0, self.at(0));
         for i in 0..self.steps() {
@@ -95,7 +96,7 @@ impl<'a> Centerline<'a> {
             );
             let square = ab[0] * ab[0] + ab[1] * ab[1];
             let share = ((ab[0] * ap[0] + ab[1] * ap[1]) / square).clamp(0.0, 1.0);
-            // Two points in one place are met as the one before.
+            // Two coincident points were already covered by the step before.
             if share.is_nan() {
                 continue;
             }
@@ -108,7 +109,7 @@ impl<'a> Centerline<'a> {
         nearest
     }
 
-    /// How many straight lines there are.
+    /// Number of straight lines.
     fn steps(&self) -> usize {
         let count = self.points.len();
         if self.is_closed() { count } else { count - 1 }
@@ -124,7 +125,7 @@ impl<'a> Centerline<'a> {
     }
 }
 
-/// The point at this share of the way; at 1 exactly `b`.
+/// Interpolates linearly from `a` to `b`; exactly `b` at a share of 1.
 fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
     [0, 1].map(|axis| (1.0 - share) * a[axis] + share * b[axis])
 }

@@ -1,4 +1,4 @@
-//! The channels of a rig: their names, what they carry, and how much of it they keep.
+//! The channels of a rig: their names, their message types and their buffer sizes.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -21,43 +21,48 @@ use crate::{
     Centerlines, Command, Descriptors, Descriptors3, Domain, FrameHeader, Rig, WireError, tidy,
 };
 
-/// One kind of channel. Every rig has one of each.
+/// A kind of channel. Every rig has one channel of each kind.
 #[derive(Debug)]
 pub struct Channel<P: ?Sized> {
     name: &'static str,
-    /// Messages that wait for a reader.
+    /// Maximum number of messages waiting for a reader.
     buffer: usize,
-    /// Past messages that a late reader is given.
+    /// Number of past messages given to a late reader.
     history: usize,
-    /// Most readers.
+    /// Maximum number of readers.
     pub(crate) readers: usize,
     payload: PhantomData<fn(&P)>,
 }
 
-/// Messages of one channel that a reader may hold at a time: the one in its hands, and the one that replaces it.
+/// Messages of one channel that a reader may hold at once: the current one and its replacement.
 const BORROWED: usize = 2;
-/// Processes that may have a channel open, whether they read or only look.
+/// Maximum number of processes that may have a channel open, including those that only inspect it.
 const NODES: usize = 40;
 
-/// Images. Three may wait: enough for a stage that is held up for three frame periods, few enough that an old image
-/// is never far behind.
+/// Images. Three may wait: enough for a stage that is delayed by three frame periods, few enough
+/// that the oldest waiting image stays recent.
 pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
-/// Masks that another process makes of frames, each a `Gray8` of its frame's size that carries the frame's trace.
+/// Masks that another process makes of frames. Each is a `Gray8` of its frame's size and carries
+/// the frame's trace.
 pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
-/// Depth images beside frames, each a `Gray16` of the depth camera's own size that carries the frame's trace.
-/// As many wait as centerlines may, nearly: fit reads each when its frame comes.
+/// Depth images that accompany frames. Each is a `Gray16` of the depth camera's own size and
+/// carries the frame's trace. Nearly as many may wait as centerlines, because fit reads each depth
+/// image when its frame arrives.
 pub const DEPTH: Channel<[u8]> = Channel::new("depth", 6, 0, 3);
-/// What extract saw. Held up for three frames, it sends those in one go behind what waits already.
+/// Output of extract. After a delay of three frames, extract sends those three at once in addition
+/// to the messages that already wait.
 pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 8, 0, 6);
-/// What control loops read. A late reader is given the newest at once.
+/// Input of control loops. A late reader receives the newest message at once.
 pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
-/// The same in space, where there is a depth camera: of each frame before its descriptors.
+/// Shapes in space, where there is a depth camera. Those of a frame are sent before its
+/// descriptors.
 pub const DESCRIPTORS3: Channel<Descriptors3> = Channel::new("descriptors3", 8, 1, 12);
-/// The true centerlines of rendered frames.
+/// True centerlines of rendered frames.
 pub const TRUTH: Channel<Centerlines> = Channel::new("truth", 8, 0, 4);
-/// Where lifted simulated ropes truly are: points without curves, in the robot's frame.
+/// True positions of lifted simulated ropes: points without curves, in the robot's frame.
 pub const TRUTH3: Channel<Descriptors3> = Channel::new("truth3", 8, 0, 4);
-/// What a controller tells the simulated robot. Always with the newest winning: a robot waits for nobody.
+/// Commands from a controller to the simulated robot. The newest always wins, because a robot does
+/// not wait for a reader.
 pub const COMMANDS: Channel<Command> = Channel::new("commands", 8, 0, 4);
 
 impl<P: ?Sized> Channel<P> {
@@ -71,28 +76,28 @@ impl<P: ?Sized> Channel<P> {
         }
     }
 
-    /// The channel's name, the same on every rig.
+    /// Name of the channel, the same on every rig.
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
-    /// The channel's full name on a rig.
+    /// Full name of the channel on a rig.
     pub fn on(&self, rig: &Rig) -> String {
         format!("lariat/{rig}/{}", self.name)
     }
 }
 
-/// A channel of any messages.
+/// A channel of any message type.
 pub(crate) struct Any {
-    /// The channel's name.
+    /// Name of the channel.
     pub(crate) name: &'static str,
-    /// The versioned name of its messages.
+    /// Versioned names of its message types.
     pub(crate) types: fn() -> String,
-    /// Who is at its ends, by its full name on a rig.
+    /// Finds the processes at its ends by its full name on a rig.
     pub(crate) ends: fn(&Domain, &ServiceName) -> Option<ChannelEnds>,
 }
 
-/// All channels of a rig, in the order of a frame's way.
+/// All channels of a rig, in the order in which a frame passes them.
 pub(crate) const ALL: &[Any] = &[
     Any::of(&FRAMES),
     Any::of(&MASKS),
@@ -115,14 +120,14 @@ impl Any {
     }
 }
 
-/// What becomes of a message when a reader is slow.
+/// Policy for messages when a reader is slow.
 #[derive(Debug, Clone)]
 pub enum Delivery {
-    /// The oldest waiting message makes room: a slow reader never slows the writer.
+    /// A new message replaces the oldest waiting one, so a slow reader never slows the writer.
     NewestWins,
-    /// The writer waits until there is room. For sources that can wait, as files can.
+    /// The writer waits for free space. For sources that can wait, such as files.
     Lossless {
-        /// Set: the writer is to come to its end, and waits for a slow reader only a few seconds more.
+        /// Set when the writer shuts down: it then waits only a few more seconds for a slow reader.
         stop: Arc<AtomicBool>,
     },
 }
@@ -133,16 +138,16 @@ impl Delivery {
     }
 }
 
-/// A type that can travel on a channel: the messages, and the bytes of a frame.
+/// A type that can travel on a channel: the messages and the bytes of a frame.
 pub trait Payload: IceoryxSend + ZeroCopySend + Debug + sealed::Sealed + 'static {
-    /// What stands beside it.
+    /// Header sent along with the payload.
     type Header: ZeroCopySend + Debug + 'static;
 
-    /// The names under which the transport knows this program's types.
+    /// Names of this program's types in the transport.
     #[doc(hidden)]
     fn types() -> String;
 
-    /// Who is at the ends of a channel that carries it.
+    /// Finds the processes at the ends of a channel that carries this type.
     #[doc(hidden)]
     fn ends(domain: &Domain, name: &ServiceName) -> Option<ChannelEnds>;
 
@@ -204,7 +209,7 @@ payload!(Descriptors3, (), Descriptors3);
 payload!([u8], FrameHeader, u8);
 
 impl<P: Payload + ?Sized> Channel<P> {
-    /// Opens the channel of a rig, or makes it. `delivery`: `None` takes it as it is.
+    /// Opens the channel of a rig, or creates it. A `delivery` of `None` accepts either kind.
     pub(crate) fn open(
         &self,
         domain: &Domain,
@@ -237,8 +242,8 @@ impl<P: Payload + ?Sized> Channel<P> {
             .map_err(|cause| self.explain(domain, &service_name, cause, overflow()))
     }
 
-    /// The delivery that a rig's channel is open with, or this one if nobody has it open. `None` takes either as it is, and
-    /// else the newest winning; `stop`: of a lossless one.
+    /// Returns the delivery for a rig's channel. `lossless` sets it; `None` takes that of the open
+    /// channel, or the newest winning if it is not open. `stop` belongs to a lossless delivery.
     pub(crate) fn delivery(
         &self,
         domain: &Domain,
@@ -301,7 +306,7 @@ impl<P: Payload + ?Sized> Channel<P> {
     }
 }
 
-/// Whether it may be otherwise a moment later.
+/// Returns whether the failure is transient.
 fn passes(cause: &OpenOrCreateError) -> bool {
     matches!(
         cause,
@@ -310,7 +315,8 @@ fn passes(cause: &OpenOrCreateError) -> bool {
                 OpenError::HangsInCreation
                     | OpenError::IsMarkedForDestruction
                     | OpenError::DoesNotExist
-                    // A signal came, which is not to end this: whoever asked for it is told when it is done.
+                    // A signal arrived. It must not end this call; the code that handles the signal
+                    // learns of it afterwards.
                     | OpenError::Interrupt,
             )
             | OpenOrCreateError::PublishSubscribeCreateError(
@@ -321,20 +327,20 @@ fn passes(cause: &OpenOrCreateError) -> bool {
     )
 }
 
-/// What an existing channel carries.
+/// Properties of an existing channel.
 struct InUse {
     types: String,
     overflow: bool,
 }
 
-/// As long as no other process makes or removes it.
+/// Inspects a channel while no other process creates or removes it.
 fn looked_up(domain: &Domain, name: &ServiceName) -> Result<Option<InUse>, WireError> {
     let passing = domain.door.pass()?;
     tidy::remove_half_made(domain.config(), &passing);
     Ok(in_use(domain, name))
 }
 
-/// To be called while passing.
+/// Inspects a channel; the caller must hold the door's pass.
 fn in_use(domain: &Domain, name: &ServiceName) -> Option<InUse> {
     let details =
         ipc::Service::details(name, domain.config(), MessagingPattern::PublishSubscribe).ok()??;
@@ -346,7 +352,7 @@ fn in_use(domain: &Domain, name: &ServiceName) -> Option<InUse> {
     })
 }
 
-/// Both types of a channel's messages, by the names that carry their versions.
+/// Names both types of a channel's messages, with their versions.
 pub(crate) fn describe(payload: &TypeDetail, header: &TypeDetail) -> String {
     let (payload, header) = (
         payload.type_name().to_string(),

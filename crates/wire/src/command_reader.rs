@@ -1,19 +1,20 @@
-#![allow(unsafe_code)] // A reader may go to another thread, which the transport's own counters do not know.
+#![allow(unsafe_code)] // Readers move between threads despite their non-atomic counters.
 //! The simulated robot's end of its rig's commands.
 
 use std::fmt;
 
 use crate::{COMMANDS, Command, Delivery, Domain, Receiver, Rig, WireError};
 
-/// Reads the commands of a rig, one after the other. It may be there before the controller, and outlives it.
+/// Reads the commands of a rig in order. It may be opened before the controller, and outlives it.
 pub struct CommandReader {
-    // Before the domain that it lives in.
+    // Drops before the domain that contains it.
     receiver: Receiver<Command>,
     _domain: Domain,
 }
 
-// SAFETY: as of `Reader`. What keeps it from being `Send` are counted references without atomics inside the transport's
-// subscriber, which its samples share: no sample leaves `next`, and the subscriber is a field of this one reader.
+// SAFETY: as for `Reader`, only reference counts without atomics are not `Send`: those in the
+// transport's subscriber, which its samples share. No sample leaves `next`, and the subscriber is a
+// field of this reader.
 unsafe impl Send for CommandReader {}
 
 impl fmt::Debug for CommandReader {
@@ -25,10 +26,12 @@ impl fmt::Debug for CommandReader {
 }
 
 impl CommandReader {
-    /// Becomes a reader of a rig's commands. It is never woken: it looks when it needs them.
+    /// Opens a reader of a rig's commands. It is never woken and checks for commands when it needs
+    /// them.
     ///
     /// # Errors
-    /// No shared memory, a controller of another release or of another user, or too many readers.
+    /// Shared memory is missing, the controller is of another release or another user, or the rig
+    /// has too many readers.
     pub fn open(domain: Domain, rig: &Rig) -> Result<Self, WireError> {
         let delivery = Some(&Delivery::NewestWins);
         Ok(Self {
@@ -37,10 +40,10 @@ impl CommandReader {
         })
     }
 
-    /// The oldest command that waits, without blocking; `None` if there is none.
+    /// Returns the oldest waiting command without blocking; `None` if nothing waits.
     ///
     /// # Errors
-    /// The transport's.
+    /// The transport failed.
     pub fn next(&self) -> Result<Option<Command>, WireError> {
         Ok(self.receiver.next()?.map(|message| *message))
     }

@@ -1,11 +1,17 @@
-//! Where the channels of a machine live, and the names of the camera chains in it.
+//! The place of a machine's channels, and the names of its camera chains.
 //!
-//! Processes see each other if they are in the same domain: the one that the environment variable `LARIAT_DOMAIN`
-//! names (1 to 16 of a–z, 0–9, `-`, `_`), or their user's, whose name is the user's number. It has the prefix `lariat_<name>_` in
-//! `/dev/shm` and the folder `/tmp/lariat-<name>`. `XDG_RUNTIME_DIR` is not asked: two shells of a user, one with it and one without, would not
-//! meet, and it is emptied under a running chain when its user logs out. The transport makes its files for their owner alone, so a
-//! domain is one user's: who joins another's is refused before anything is made there (`owner`), root too. How users deal with
-//! that: `docs/domains.md`. Every test runs in a domain of its own.
+//! Processes see each other if they are in the same domain. It is the one that the environment
+//! variable `LARIAT_DOMAIN` names (1 to 16 of a–z, 0–9, `-`, `_`), or their user's own, named by
+//! the user ID. A domain has the prefix `lariat_<name>_` in `/dev/shm` and the folder
+//! `/tmp/lariat-<name>`.
+//!
+//! `XDG_RUNTIME_DIR` is not used: two shells of a user, one with and one without it, would not
+//! meet. It is also emptied under a running chain when its user logs out.
+//!
+//! The transport makes its files accessible to their owner only, so a domain belongs to one user.
+//! Anyone else who joins it, root included, is refused before anything is created there (`owner`).
+//! `docs/domains.md` explains how several users work together. Every test runs in a domain of its
+//! own.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -17,12 +23,12 @@ use iceoryx2::prelude::*;
 use crate::door::{Door, Held};
 use crate::{WireError, memory, owner, tidy};
 
-/// The name of one camera chain, so that several run side by side.
+/// Name of one camera chain, so that several can run side by side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rig(String);
 
 impl Rig {
-    /// The rig's name.
+    /// Name of the rig.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -57,11 +63,13 @@ fn is_plain(name: &str, longest: usize) -> bool {
     (1..=longest).contains(&name.len()) && name.bytes().all(plain)
 }
 
-/// This process's place among those that share channels: one for each process, opened first and dropped last.
+/// Membership of this process in a domain. A process opens one before anything else and drops it
+/// last.
 ///
-/// Processes see each other's channels if they are in the same domain: their user's own, or the one that the environment
-/// variable `LARIAT_DOMAIN` names. A domain is one user's: the transport makes its files for their owner alone. Opening a
-/// domain also removes what killed processes left behind in it.
+/// Processes see each other's channels if they are in the same domain: their user's own, or the one
+/// that the environment variable `LARIAT_DOMAIN` names. A domain belongs to one user, because the
+/// transport makes its files accessible to their owner only. Opening a domain also removes what
+/// killed processes left behind in it.
 #[derive(Debug)]
 pub struct Domain {
     pub(crate) node: Held<Node<ipc::Service>>,
@@ -72,15 +80,18 @@ impl Domain {
     /// Joins the domain that `LARIAT_DOMAIN` names, or the user's own.
     ///
     /// # Errors
-    /// It is another user's, there is no shared memory, or a process that is just joining or leaving stands still.
+    /// The domain belongs to another user, shared memory is missing, or a process that is joining
+    /// or leaving is stuck.
     pub fn open() -> Result<Self, WireError> {
         Self::named(&name_here()?)
     }
 
-    /// Joins a domain by name, whatever the environment says. A user's own is named by the user's number.
+    /// Joins a domain by name, regardless of the environment. A user's own domain is named by the
+    /// user ID.
     ///
     /// # Errors
-    /// It is another user's, there is no shared memory, or a process that is just joining or leaving stands still.
+    /// The domain belongs to another user, shared memory is missing, or a process that is joining
+    /// or leaving is stuck.
     pub fn named(name: &str) -> Result<Self, WireError> {
         set_log_level_from_env_or(LogLevel::Fatal);
         let config = config_of(name)?;
@@ -108,14 +119,14 @@ impl Domain {
 
     /// Removes the shared memory and files that killed processes left behind in this domain.
     pub fn sweep(&self) {
-        // Else it is for the next that joins or leaves.
+        // Otherwise the next process that joins or leaves does this.
         if let Some(passing) = self.door.leave() {
             tidy::finish(self.config(), &passing);
         }
     }
 
-    /// Makes something with the transport's own node while no other process makes or removes anything, for measurements that go
-    /// below the channels.
+    /// Calls a function with the transport's own node while no other process creates or removes
+    /// anything. For measurements below the level of channels.
     #[doc(hidden)]
     pub fn making<T>(&self, make: impl FnOnce(&Node<ipc::Service>) -> T) -> Result<T, WireError> {
         let _passing = self.door.pass()?;
@@ -127,40 +138,40 @@ impl Domain {
     }
 }
 
-/// A process leaves nothing of those that were killed beside it.
+/// A leaving process also removes what killed processes left.
 impl Drop for Domain {
     fn drop(&mut self) {
         self.sweep();
     }
 }
 
-/// The transport's settings for a domain of its own: its own prefix in `/dev/shm`, its own folder.
+/// The transport's settings for a domain: its own prefix in `/dev/shm` and its own folder.
 pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     let unusable = || WireError::DomainName(name.into());
     if !is_plain(name, 16) {
         return Err(unusable());
     }
-    // Not the global one, which a `config/iceoryx2.toml` of the current folder would change.
+    // Not the global one, which a `config/iceoryx2.toml` in the current folder would change.
     let mut config = Config::default();
     let prefix = FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
     let root = Path::new(format!("/tmp/lariat-{name}").as_bytes()).map_err(|_| unusable())?;
     config.global.prefix = prefix;
     config.global.set_root_path(&root);
-    // Under the lock, by `tidy`.
+    // `tidy` cleans up under the lock instead.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;
     Ok(config)
 }
 
-/// The settings of the domain that `LARIAT_DOMAIN` names, or of the user's own.
+/// The transport's settings for the domain that `LARIAT_DOMAIN` names, or for the user's own.
 pub(crate) fn config_here() -> Result<Config, WireError> {
     config_of(&name_here()?)
 }
 
-/// The domain that `LARIAT_DOMAIN` names, or the user's own: the user's number, and nothing else of the environment, so that
-/// a login shell, a service and a cron job of one user meet. (`XDG_RUNTIME_DIR` is not set in all of them, and is emptied
-/// under a running chain when its user logs out.)
+/// Name of the domain in `LARIAT_DOMAIN`, or the user ID. Nothing else of the environment is used,
+/// so that a login shell, a service and a cron job of one user meet. `XDG_RUNTIME_DIR` is not set
+/// in all of them, and is emptied under a running chain when its user logs out.
 fn name_here() -> Result<String, WireError> {
     match std::env::var_os("LARIAT_DOMAIN") {
         None => Ok(owner::this_user().to_string()),

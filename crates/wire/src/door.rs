@@ -1,13 +1,17 @@
-#![allow(unsafe_code)] // What leaves under the lock is dropped by hand.
-//! Who is in a domain, and who joins or leaves it just now: two locks, which the kernel takes back however a process ends.
+#![allow(unsafe_code)] // Objects removed under the lock are dropped by hand.
+//! Locks for joining and leaving a domain. There are two, and the kernel releases both however a
+//! process ends.
 //!
-//! Every process of a domain shares the lock on its folder `living`. Who can have that lock alone knows that nobody lives
-//! there, and removes everything of the domain, whatever state it was left in. The lock on the domain's own folder is held by the
-//! one process that makes or removes anything: node, services, ports. What it finds half made or half removed was
-//! therefore left by a dead one, and is finished by it (`tidy`). Sending and receiving take no lock: a port is entered in its
-//! service's list when all that it needs has been made.
+//! Every process of a domain shares the lock on its folder `living`. A process that obtains this
+//! lock alone knows that all processes of the domain have ended. It removes everything of the
+//! domain, whatever its state. The lock on the domain's own folder is held by the one process that
+//! creates or removes anything: node, services, ports. Anything half created or half removed that
+//! this process finds was left by a dead one, and it finishes the work (`tidy`). Sending and
+//! receiving need no lock: a port is entered in its service's list only once everything that it
+//! needs exists.
 //!
-//! A process that is stopped while it holds the lock keeps the others waiting: for [`PATIENCE`], then they say who it is.
+//! A process that is stopped while it holds the lock makes the others wait for [`PATIENCE`]. They
+//! then report which process it is.
 
 use std::fmt;
 use std::fs::{self, File, TryLockError};
@@ -28,22 +32,22 @@ use crate::WireError;
 use crate::domain::root_of;
 use crate::tidy;
 
-/// How long a process that joins or leaves is waited for. It takes milliseconds.
+/// Maximum wait for a process that joins or leaves, which takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(2);
 pub(crate) const LIVING: &str = "living";
 
-/// A process's place in a domain; with the last one to leave goes all that is left.
+/// A process's membership in a domain. The last one to leave removes everything that is left.
 #[derive(Debug)]
 pub(crate) struct Door {
     config: Config,
-    /// Its lock is shared by all that live here.
+    /// All processes of the domain share its lock.
     living: File,
-    /// The lock could not be had when something was to be removed.
+    /// True if the lock could not be obtained for a removal.
     given_up: AtomicBool,
 }
 
 impl Door {
-    /// Enters a domain, whose folder is made if there is none, and brings it into order.
+    /// Enters a domain, creates its folder if needed, and cleans up.
     pub(crate) fn enter(config: &Config) -> Result<(Arc<Self>, Passing), WireError> {
         let root = root_of(config);
         let passing = Passing::into(&root)?;
@@ -64,12 +68,12 @@ impl Door {
         Ok((Arc::new(door), passing))
     }
 
-    /// Waits until no other process joins or leaves, and keeps them from it.
+    /// Waits until no other process joins or leaves, and keeps others from doing so.
     pub(crate) fn pass(&self) -> Result<Passing, WireError> {
         Passing::into(&root_of(&self.config))
     }
 
-    /// Makes what is to be removed under the lock, too.
+    /// Creates an object under the lock that must also be removed under the lock.
     pub(crate) fn hold<T, E>(
         self: &Arc<Self>,
         make: impl FnOnce() -> Result<T, E>,
@@ -78,7 +82,7 @@ impl Door {
         Ok(make().map(|made| self.keep(made)))
     }
 
-    /// Keeps what was made while passing.
+    /// Wraps an object that was created under the lock.
     pub(crate) fn keep<T>(self: &Arc<Self>, made: T) -> Held<T> {
         Held {
             made: ManuallyDrop::new(made),
@@ -86,7 +90,8 @@ impl Door {
         }
     }
 
-    /// To leave; `None`: nothing can be removed, which is left to others, as if this process had been killed.
+    /// Obtains the lock for removals. `None` means that nothing can be removed: it is left to
+    /// others, as if this process had been killed.
     pub(crate) fn leave(&self) -> Option<Passing> {
         if self.given_up.load(Ordering::Relaxed) {
             return None;
@@ -108,7 +113,7 @@ impl Drop for Door {
     }
 }
 
-/// Something of the transport's that is removed under the lock.
+/// An object of the transport that is removed under the lock.
 pub(crate) struct Held<T> {
     made: ManuallyDrop<T>,
     door: Arc<Door>,
@@ -130,20 +135,21 @@ impl<T: fmt::Debug> fmt::Debug for Held<T> {
 impl<T> Drop for Held<T> {
     fn drop(&mut self) {
         if let Some(_passing) = self.door.leave() {
-            // SAFETY: it is dropped here alone, and not used again.
+            // SAFETY: it is dropped only here, and not used again.
             unsafe { ManuallyDrop::drop(&mut self.made) };
         }
     }
 }
 
-/// The right to make and to remove, which one process at a time has. A thread that has it must not ask for it again.
+/// The right to create and remove, held by one process at a time. A thread that has it must not
+/// request it again.
 #[derive(Debug)]
 pub(crate) struct Passing {
     _lock: File,
 }
 
 impl Passing {
-    /// Of the domain with this folder, which is made if there is none.
+    /// Waits for the right in the domain with this folder, which is created if needed.
     pub(crate) fn into(root: &Path) -> Result<Self, WireError> {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -156,21 +162,21 @@ impl Passing {
                     holder: holder(inode.unwrap_or(0)),
                 });
             };
-            // It may have been removed, and made again by another, while it was waited for.
+            // During the wait, another process may have removed the folder and created it again.
             if fs::symlink_metadata(root).map(|data| data.ino()).ok() == inode {
                 return Ok(Self { _lock: folder });
             }
         }
     }
 
-    /// If it can be had at once.
+    /// Obtains the right only if it is free now.
     pub(crate) fn at_once(root: &Path) -> Option<Self> {
         let folder = File::open(root).ok()?;
         folder.try_lock().ok()?;
         Some(Self { _lock: folder })
     }
 
-    /// Whether nobody is in the domain, of all that know its locks.
+    /// Returns whether no process that uses lariat's locks is in the domain.
     pub(crate) fn is_alone(&self, root: &Path) -> bool {
         match File::open(root.join(LIVING)) {
             Ok(living) => living.try_lock().is_ok(),
@@ -183,7 +189,7 @@ fn open_folder(path: &Path) -> io::Result<File> {
     let made = fs::DirBuilder::new().mode(0o700).create(path);
     match made {
         Err(cause) if cause.kind() != io::ErrorKind::AlreadyExists => Err(cause),
-        // Not through a link that was put there since it was looked at.
+        // Do not follow a link that was put there in the meantime.
         _ => fs::OpenOptions::new()
             .read(true)
             .custom_flags((OFlags::NOFOLLOW | OFlags::DIRECTORY).bits() as i32)
@@ -195,7 +201,8 @@ fn living(root: &Path) -> io::Result<File> {
     open_folder(&root.join(LIVING))
 }
 
-/// Takes a lock; `None`: not until then. A thread waits for it, since the kernel knows no end of such a wait.
+/// Obtains a lock; `None` if it is not free by then. A thread waits for it, because the kernel
+/// offers no timeout.
 fn lock(file: File, until: Instant) -> io::Result<Option<File>> {
     match file.try_lock() {
         Ok(()) => return Ok(Some(file)),
@@ -205,7 +212,7 @@ fn lock(file: File, until: Instant) -> io::Result<Option<File>> {
     let (send, receive) = mpsc::channel();
     thread::Builder::new().spawn(move || {
         let locked = file.lock().map(|()| file);
-        // Nobody waits any more: the lock goes back with the file.
+        // After the timeout nobody receives this, and the lock is released with the file.
         let _ = send.send(locked);
     })?;
     match receive.recv_timeout(until.saturating_duration_since(Instant::now())) {
@@ -214,10 +221,11 @@ fn lock(file: File, until: Instant) -> io::Result<Option<File>> {
     }
 }
 
-/// How often the kernel's list is read: it comes in pieces, and what changes between two of them may hide a line.
+/// Number of attempts to read the kernel's list. It is read in pieces, and a change in between may
+/// hide a line.
 const LOOKS: usize = 3;
 
-/// The process that holds the lock on a file, as the kernel lists it.
+/// The process that holds the lock on a file, from the kernel's list.
 fn holder(inode: u64) -> String {
     let read = || fs::read_to_string("/proc/locks").unwrap_or_default();
     let Some(pid) = (0..LOOKS).find_map(|_| holder_in(&read(), inode)) else {
@@ -227,7 +235,8 @@ fn holder(inode: u64) -> String {
     format!("process {pid} ({})", name.trim())
 }
 
-/// Lines are `1: FLOCK  ADVISORY  WRITE 4711 08:02:131077 0 EOF`; who waits has an arrow after the number.
+/// Parses lines such as `1: FLOCK ADVISORY WRITE 4711 08:02:131077 0 EOF`. A waiting process has an
+/// arrow after the number.
 fn holder_in(locks: &str, inode: u64) -> Option<u32> {
     let mut lines = locks
         .lines()

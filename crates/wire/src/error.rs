@@ -1,22 +1,22 @@
-//! What can go wrong on the wire, each as a sentence that says what to do.
+//! Errors of this crate. Each message says what to do.
 
 use thiserror::Error;
 
-/// Why a domain, a writer or a reader could not be had, or stopped working.
+/// Reason why a domain, a writer or a reader could not be opened, or stopped working.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WireError {
-    /// A rig's name has other characters than it may.
+    /// A rig's name contains characters that are not allowed, or has the wrong length.
     #[error(
         "'{0}' is not a valid rig name: use 1 to 32 of the characters a-z, 0-9, '-' and '_', for example --rig left-arm"
     )]
     RigName(String),
-    /// The variable that names the domain holds something unusable.
+    /// The value of `LARIAT_DOMAIN` is not a valid name.
     #[error(
         "LARIAT_DOMAIN is '{0}': use 1 to 16 of the characters a-z, 0-9, '-' and '_', or unset it"
     )]
     DomainName(String),
-    /// The variable names the domain of another user.
+    /// `LARIAT_DOMAIN` names the domain of another user.
     #[error(
         "LARIAT_DOMAIN={name} is the domain of {owner}, which no other user can enter: run lariat as {owner}, unset \
          LARIAT_DOMAIN, or choose a name with a letter in it"
@@ -27,7 +27,7 @@ pub enum WireError {
         /// Its user.
         owner: String,
     },
-    /// The domain's folder is another user's.
+    /// The domain's folder belongs to another user.
     #[error(
         "{folder} belongs to {owner}, and only {owner} can use this domain: run lariat as {owner}, choose another one \
          with LARIAT_DOMAIN=NAME, or, if nothing of {owner}'s runs in it, remove it with 'sudo lariat doctor --clean'"
@@ -35,7 +35,7 @@ pub enum WireError {
     Owner {
         /// The folder.
         folder: String,
-        /// Whose it is.
+        /// Its owner.
         owner: String,
     },
     /// Another user put a file where the domain's shared memory is.
@@ -46,7 +46,7 @@ pub enum WireError {
     Intruder {
         /// The file.
         file: String,
-        /// Whose it is.
+        /// Its owner.
         owner: String,
     },
     /// The domain's folder cannot be used.
@@ -54,10 +54,10 @@ pub enum WireError {
     Folder {
         /// The folder.
         folder: String,
-        /// Why.
+        /// The cause.
         cause: String,
     },
-    /// Another process joins or leaves the domain, and does not come to an end.
+    /// Another process is stuck while it joins or leaves the domain.
     #[error(
         "{holder} has been joining or leaving the domain of {folder} for 2 s and keeps all others from it: let it go on if it \
          was stopped (kill -CONT), or end it (kill -9)"
@@ -68,7 +68,7 @@ pub enum WireError {
         /// The process.
         holder: String,
     },
-    /// The system has no POSIX shared memory.
+    /// POSIX shared memory is missing.
     #[error(
         "there is no shared memory at /dev/shm ({0}): mount it with 'mount -t tmpfs tmpfs /dev/shm', or start the container with --ipc=host"
     )]
@@ -80,9 +80,9 @@ pub enum WireError {
     TooLittleSpace {
         /// The channel whose slots do not fit.
         channel: String,
-        /// What its slots take, in MB.
+        /// Size of its slots in MB.
         needed_mb: u64,
-        /// What is free, in MB.
+        /// Free space in MB.
         available_mb: u64,
     },
     /// The other side was built for another version of a message.
@@ -92,12 +92,12 @@ pub enum WireError {
     Version {
         /// The channel.
         channel: String,
-        /// The message type in this program.
+        /// Message type of this program.
         ours: String,
-        /// The message type in use.
+        /// Message type in use.
         theirs: String,
     },
-    /// A channel has one writer, and it is there already.
+    /// The channel already has its one writer.
     #[error(
         "{channel} already has a writer: stop the other one, or give this one a rig of its own with --rig NAME"
     )]
@@ -105,12 +105,12 @@ pub enum WireError {
         /// The channel.
         channel: String,
     },
-    /// As many readers as a channel can have are there already.
+    /// The channel already has its maximum number of readers.
     #[error("{channel} already has its {most} readers: stop one of them")]
     TooManyReaders {
         /// The channel.
         channel: String,
-        /// How many it can have.
+        /// Maximum number of readers.
         most: usize,
     },
     /// One side wants every message delivered, the other the newest.
@@ -120,12 +120,12 @@ pub enum WireError {
     Delivery {
         /// The channel.
         channel: String,
-        /// How this process wants it.
+        /// Delivery of this process.
         ours: &'static str,
-        /// How it is open.
+        /// Delivery of the open channel.
         theirs: &'static str,
     },
-    /// Files of another user are in the way.
+    /// Files of another user prevent access.
     #[error(
         "no permission for {channel}: it was opened by another user; run every stage of a rig as the same user"
     )]
@@ -133,12 +133,13 @@ pub enum WireError {
         /// The channel, or the domain.
         channel: String,
     },
-    /// A reader's channel went away in a way that reading again will not mend, or the transport failed otherwise.
+    /// The transport failed, for example because a reader's channel disappeared. Reading again does
+    /// not help.
     #[error("{doing} failed ({cause}): stop every lariat process of this rig and start again")]
     Transport {
-        /// What was being done.
+        /// The operation that failed.
         doing: String,
-        /// The transport's own word for it.
+        /// Cause reported by the transport.
         cause: String,
     },
 }
@@ -152,17 +153,17 @@ impl WireError {
     }
 }
 
-/// Most pixels along a side: what extraction takes.
+/// Maximum number of pixels along a side; the limit of extraction.
 pub(crate) const MAX_SIDE: u32 = 8192;
 
-/// Why an image was not sent.
+/// Reason why an image was not sent.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The channel or the transport.
+    /// Error of the channel or the transport.
     #[error(transparent)]
     Wire(#[from] WireError),
-    /// Somebody else writes the rig's frames, most likely its own capture.
+    /// Another process writes the rig's frames, most likely its own capture.
     #[error(
         "{channel} already has a writer: start the chain with `lariat run --source external`, so that it leaves its frames to this program, stop the other writer, or give this one a rig of its own"
     )]
@@ -170,46 +171,46 @@ pub enum WriteError {
         /// The channel.
         channel: String,
     },
-    /// A size that no image has here.
+    /// Invalid image size.
     #[error("Invalid size {width}×{height}: use 1 to {MAX_SIDE} pixels along each side")]
     Size {
-        /// Pixels in a row.
+        /// Width in pixels.
         width: u32,
-        /// Rows.
+        /// Height in pixels.
         height: u32,
     },
-    /// A moment that is still to come.
+    /// The exposure time is in the future.
     #[error(
         "exposed_ns is {} s in the future: give nanoseconds of CLOCK_MONOTONIC (time.monotonic_ns() in Python, lariat_now_ns() in C), or leave it out for now",
         *ahead_ns / 1_000_000_000
     )]
     Future {
-        /// How far ahead.
+        /// Time from now until then.
         ahead_ns: u64,
     },
-    /// A moment that is not after the last image's.
+    /// The exposure time is not after that of the last image.
     #[error(
         "exposed_ns is {} ms before the last image's: send images in the order in which they were taken",
         *behind_ns as f64 / 1e6
     )]
     Backwards {
-        /// How far behind; 0: the same moment.
+        /// Time from the last image back to this one; 0 if they are equal.
         behind_ns: u64,
     },
-    /// A number that does not rise.
+    /// The sequence number does not increase.
     #[error(
         "sequence is {given} after {last}: give numbers that rise, from 1 (each one left out counts as a frame lost at the source), or leave it out"
     )]
     Sequence {
-        /// The number given.
+        /// The given number.
         given: u64,
-        /// The last image's.
+        /// The number of the last image.
         last: u64,
     },
     /// There is nothing to send.
     #[error("no slot is on loan: borrow one and fill it before it is sent")]
     NothingOnLoan,
-    /// A blank frame has no pixels to be masked.
+    /// The frame is blank, without pixels to be masked.
     #[error("the frame has no image, and so needs no mask: wait for the next one")]
     NoImage,
 }

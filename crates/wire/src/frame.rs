@@ -1,4 +1,4 @@
-//! What a reader knows at one moment: the newest message, and how old it is now.
+//! State of a reader at one moment: the newest message and its current age.
 
 use std::sync::Mutex;
 use std::time::Duration;
@@ -6,8 +6,8 @@ use std::time::Duration;
 use crate::rope::{InSpace, Moment};
 use crate::{Absent, CenterlinePoints, Descriptor, Descriptors, Descriptors3, Seen, Track};
 
-/// The newest that came, looked at at one moment. It lives in shared memory and is borrowed from the
-/// [`Reader`](crate::Reader) until that one looks again.
+/// The newest message at the time of a request. It stays in shared memory and is borrowed from the
+/// [`Reader`](crate::Reader) until the next request.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     message: Option<&'a Descriptors>,
@@ -31,33 +31,35 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Whether it came since the last look. If not, it is the same image, some time older.
+    /// Returns whether it arrived after the previous request. Otherwise it is the same image, now
+    /// older.
     pub fn is_new(&self) -> bool {
         self.is_new
     }
 
-    /// How long ago the image was taken; `None` before the first.
+    /// Time since the image was taken; `None` before the first.
     pub fn age(&self) -> Option<Duration> {
         let age_ns = self.moment.now_ns.saturating_sub(self.moment.exposed_ns);
         self.message.map(|_| Duration::from_nanos(age_ns))
     }
 
-    /// Which run of the chain it is of, counted by this reader from 1; 0 before the first message. When it changes, tracks
-    /// have begun again, and the new chain may have another basis, order or unit.
+    /// Run of the chain, counted by this reader from 1; 0 before the first message. When it
+    /// changes, tracks start again, and the new chain may have another basis, order or unit.
     pub fn run(&self) -> u64 {
         self.moment.run
     }
 
-    /// The message itself; `None` before the first. It says nothing of how old it is: for what is to be done with all of
-    /// it, as writing it down.
+    /// The message itself; `None` before the first. It does not contain its age, and is meant for
+    /// uses of all its data, such as recording.
     pub fn message(&self) -> Option<&'a Descriptors> {
         self.message
     }
 
-    /// The rope of an image that has one. With several, seen or lost, it is none of them
-    /// ([`Absent::Several`]): then choose one among [`ropes`](Self::ropes), and ask for its track.
+    /// The rope of an image that has exactly one. If there are several, visible or lost, the result
+    /// is [`Absent::Several`]. Then choose one of [`ropes`](Self::ropes) and request its track.
     ///
-    /// `max_age`: how old the image may be. Older, the rope is [`Stale`](Seen::Stale).
+    /// `max_age` is the maximum age of the image. In an older one, the rope is
+    /// [`Stale`](Seen::Stale).
     pub fn only_rope(&self, max_age: Duration) -> Seen<'a> {
         let mut ropes = self.described();
         match (ropes.next(), ropes.next()) {
@@ -79,14 +81,14 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Every rope of the image, and those that are lost.
+    /// Every rope of the image, including lost ones.
     pub fn ropes(&self, max_age: Duration) -> impl Iterator<Item = Seen<'a>> + use<'a> {
         let (space, moment) = (self.space, self.moment);
         let ropes = self.described();
         ropes.map(move |rope| Seen::of(rope, space, moment, max_age))
     }
 
-    /// Every rope's descriptor, and the points of it.
+    /// Descriptor and points of every rope.
     fn described(&self) -> impl Iterator<Item = (&'a Descriptor, &'a CenterlinePoints)> + use<'a> {
         let message = self.message.into_iter();
         message.flat_map(|message| message.curves().iter().zip(message.centerlines()))
@@ -96,7 +98,7 @@ impl<'a> Frame<'a> {
         self.age().is_some_and(|age| age > max_age)
     }
 
-    /// Why a rope is not there.
+    /// The reason why a rope is missing.
     fn without(&self, max_age: Duration) -> Seen<'a> {
         Seen::Absent(match self.message {
             None => Absent::NothingYet,
@@ -107,24 +109,24 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A frame that is kept: what its message says, copied out of shared memory, so that it stays when the reader looks again,
-/// and can go to another thread.
+/// A copy of a frame outside shared memory. It survives further requests to the reader and can move
+/// to another thread.
 #[derive(Debug)]
 pub struct KeptFrame {
     message: Option<Box<Descriptors>>,
-    /// `None` where the reader does not follow in space.
+    /// `None` if the reader does not follow in space.
     space: Option<Option<Box<Descriptors3>>>,
     moment: Moment,
     is_new: bool,
 }
 
-/// Messages that are kept no more. A new one has to be cleared whole, which takes longer than to copy what one rope means.
+/// Unused messages. A new one must be cleared completely, which takes longer than copying one rope.
 static SPARE: Mutex<Vec<Box<Descriptors>>> = Mutex::new(Vec::new());
-/// So many: a loop keeps the last frame while it looks at the next.
+/// Limit of spare messages: a loop keeps the last frame while it reads the next.
 const MOST_SPARE: usize = 4;
 
 impl Frame<'_> {
-    /// Copies what the message means, 4 KB a rope, to keep the frame.
+    /// Copies the valid part of the message, 4 KB per rope, to keep the frame.
     pub fn keep(&self) -> KeptFrame {
         KeptFrame {
             message: self.message.map(copied),
@@ -143,10 +145,10 @@ impl Frame<'_> {
     }
 }
 
-/// What is meant of a message; the rest is empty. To copy all of it would take many times as long, the most of it to fetch what is
-/// stale.
+/// Copies the valid part of a message and leaves the rest empty. A full copy would take many times
+/// as long, mostly to load stale data.
 fn copied(message: &Descriptors) -> Box<Descriptors> {
-    // Nobody waits for another thread here.
+    // Never wait for another thread here.
     let spare = SPARE.try_lock().ok().and_then(|mut spare| spare.pop());
     let mut copy = spare.unwrap_or_else(|| Box::new(Descriptors::EMPTY));
     let used = copy.curves().len();
@@ -173,7 +175,7 @@ impl Drop for KeptFrame {
 }
 
 impl KeptFrame {
-    /// The frame as it was when it was kept, ages included.
+    /// The frame as it was when it was copied, including its age.
     pub fn frame(&self) -> Frame<'_> {
         let space = match &self.space {
             None => InSpace::NotFollowed,

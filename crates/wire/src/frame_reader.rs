@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // A reader may go to another thread, which the transport's own counters do not know.
-//! A rig's frames for a program of the user's: a mask network, a display, a recorder of its own.
+#![allow(unsafe_code)] // Readers move between threads despite their non-atomic counters.
+//! Reads a rig's frames for a user's program: a mask network, a display or a recorder.
 
 use std::fmt;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -8,20 +8,21 @@ use std::time::{Duration, Instant};
 
 use crate::{Domain, FRAMES, Message, Receiver, Rig, WireError};
 
-/// Reads the frames of a rig, as the chain's own extract does: the newest, where frames may be left out, and each one of a
-/// `--lossless` chain, which waits for it.
+/// Reads the frames of a rig, as the chain's own extract does. It reads the newest frame and may
+/// skip some. In a `--lossless` chain it reads every one, and the chain waits for it.
 ///
-/// It may be opened before the chain runs, and outlives it. Four readers, extract among them, share a rig's frames. It belongs
-/// to one thread at a time.
+/// It may be opened before the chain runs, and outlives it. Four readers, including extract, share
+/// a rig's frames. A reader belongs to one thread at a time.
 pub struct FrameReader {
-    // The message first, then its channel, then the domain: each lives in the next.
+    // Fields drop in order: the message before its channel, the channel before the domain.
     held: Option<Message<[u8]>>,
     receiver: Receiver<[u8]>,
     _domain: Domain,
     has_each: bool,
 }
 
-// SAFETY: as for `Reader`: what share a count without atomics are fields of this one struct, lent out by a borrow of it only.
+// SAFETY: as for `Reader`, everything that shares a non-atomic count is a field of this struct and
+// only borrowed from it.
 unsafe impl Send for FrameReader {}
 
 impl fmt::Debug for FrameReader {
@@ -33,19 +34,21 @@ impl fmt::Debug for FrameReader {
 }
 
 impl FrameReader {
-    /// Opens a reader of a rig's frames: `"default"`, or what the chain was started with (`--rig NAME`).
+    /// Opens a reader of a rig's frames. The rig is `"default"`, or the one that the chain was
+    /// started with (`--rig NAME`).
     ///
     /// # Errors
-    /// No such name, no shared memory, a chain of another release or of another user, or four readers already.
+    /// The name is invalid, shared memory is missing, the chain is of another release or another
+    /// user, or the rig has four readers already.
     pub fn open(rig: &str) -> Result<Self, WireError> {
         Self::open_in(Domain::open()?, &rig.parse()?, None)
     }
 
-    /// The same, in a domain of one's own choice. `lossless`: whether the chain is started with `--lossless`; `None`: as the
-    /// chain is that runs, without where none does.
+    /// Opens a reader in a given domain. `lossless` says whether the chain is started with
+    /// `--lossless`. `None` follows the running chain; without one, it means not lossless.
     ///
     /// # Errors
-    /// As [`open`](Self::open); and the chain is the other of the two.
+    /// As for [`open`](Self::open). Also if the chain is open with the other setting of `lossless`.
     pub fn open_in(domain: Domain, rig: &Rig, lossless: Option<bool>) -> Result<Self, WireError> {
         let delivery = FRAMES.delivery(&domain, rig, lossless, &Arc::default())?;
         let receiver = Receiver::create(&domain, rig, &FRAMES, Some(&delivery))?;
@@ -57,7 +60,8 @@ impl FrameReader {
         })
     }
 
-    /// The next frame, without waiting; `None` if none came since the last. It stays in shared memory until the next look.
+    /// Returns the next frame without waiting; `None` if nothing new has arrived. The frame stays
+    /// in shared memory until the next call.
     ///
     /// # Errors
     /// The transport failed.
@@ -71,7 +75,7 @@ impl FrameReader {
         Ok(self.held.as_ref())
     }
 
-    /// The next frame, waited for until the deadline, or for as long as it takes; `None` if none came.
+    /// Waits for the next frame until the deadline, or without limit; `None` if nothing arrived.
     ///
     /// # Errors
     /// The transport failed.
@@ -84,7 +88,7 @@ impl FrameReader {
         Ok(self.held.as_ref())
     }
 
-    /// Makes ready for a `poll` on [this reader's descriptor](AsFd::as_fd), as
+    /// Prepares for a `poll` on [this reader's descriptor](AsFd::as_fd), as
     /// [`Reader::before_poll`](crate::Reader::before_poll) does.
     ///
     /// # Errors
@@ -93,13 +97,13 @@ impl FrameReader {
         self.receiver.before_poll()
     }
 
-    /// Whether it has every frame, because their writer waits for it.
+    /// Returns whether it receives every frame, because the writer waits for it.
     pub fn is_lossless(&self) -> bool {
         self.has_each
     }
 }
 
-/// Becomes readable when a frame came.
+/// The descriptor is readable when a frame has arrived.
 impl AsFd for FrameReader {
     fn as_fd(&self) -> BorrowedFd<'_> {
         let bell = self.receiver.descriptor();

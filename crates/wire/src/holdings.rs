@@ -1,4 +1,4 @@
-//! The files and folders of this process's domain: whose they are decides who can take part.
+//! The files and folders of this process's domain. Their owners decide who can take part.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,11 +7,11 @@ use crate::WireError;
 use crate::domain::{config_here, root_of};
 use crate::memory::SHM;
 
-/// The folders and files that belong to the domain that `LARIAT_DOMAIN` names, or to the user's own: its own folder with
-/// all that is in it, and its shared memory. The domain is not joined.
+/// The folders and files of the domain that `LARIAT_DOMAIN` names, or of the user's own domain: its
+/// folder with all contents, and its shared memory. This call does not join the domain.
 ///
 /// # Errors
-/// `LARIAT_DOMAIN` is no name.
+/// `LARIAT_DOMAIN` is not a valid name.
 pub fn holdings() -> Result<Vec<PathBuf>, WireError> {
     let config = config_here()?;
     let root = root_of(&config);

@@ -1,10 +1,11 @@
-#![allow(unsafe_code)] // A writer may go to another thread, which the transport's own counters do not know.
-//! A camera or a mask network of the user's own: images into a rig's shared memory, with a header and stamps that the chain
-//! counts and times by.
+#![allow(unsafe_code)] // Writers move between threads despite their non-atomic counters.
+//! Writers for the images of a user's own camera or mask network. They put images into a rig's
+//! shared memory, with a header and stamps, so that the chain can count and time them.
 //!
-//! A writer of images takes the channel as it is, lossless or not; its slots are made for the largest image so far, and again for a larger one. Python's
-//! arrays of a slot are views of it: they are counted, and while one lives the writer's memory stays mapped (closing waits for the last one, larger slots
-//! are refused, as `mmap` has it). Frames in Python are copies, as messages are.
+//! A writer of images accepts the channel as it is, lossless or not. Its slots fit the largest
+//! image yet, and are replaced for a larger one. Arrays in Python are views of a slot and are
+//! counted. While one exists, the writer's memory stays mapped: closing waits for the last view,
+//! and larger slots are refused, as with `mmap`. Frames in Python are copies, as messages are.
 
 mod beside;
 
@@ -23,15 +24,15 @@ use crate::{
     Writer, now_ns,
 };
 
-/// How a writer of images deals with slow readers.
+/// Behavior of an image writer towards slow readers.
 #[derive(Clone, Default)]
 pub struct Waiting {
-    /// Whether each image is to reach every reader, for which its writer waits. `None`: as the chain is that runs; the newest
-    /// wins where none does.
+    /// True if each image must reach every reader, so that the writer waits. `None` follows the
+    /// running chain; without one, the newest image wins.
     pub lossless: Option<bool>,
-    /// Set, it ends a lossless writer's wait within a few seconds.
+    /// Ends a lossless writer's wait within a few seconds when set.
     pub stop: Arc<AtomicBool>,
-    /// What is called about every 50 ms during such a wait. It may set `stop`.
+    /// Called about every 50 ms during such a wait. It may set `stop`.
     pub meanwhile: Option<Arc<dyn Fn() + Send + Sync>>,
 }
 
@@ -44,21 +45,23 @@ impl fmt::Debug for Waiting {
     }
 }
 
-/// When an image was taken, and its number; what is left out is filled in.
+/// Exposure time and number of an image; missing values are filled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
-    /// When it was taken, on the clock of [`now_ns`]. `None`: when its slot was borrowed, which is never too young for an image
-    /// that was there before.
+    /// Exposure time on the clock of [`now_ns`]. `None` means when the slot was borrowed, which is
+    /// correct for an image taken after that, and too recent for an older one.
     pub exposed_ns: Option<u64>,
-    /// The camera's own number for it, from 1. A gap counts as frames lost at the source. `None`: one after the last.
+    /// The camera's own number for the image, from 1. A gap counts as frames lost at the source.
+    /// `None` means one more than the last.
     pub sequence: Option<u64>,
 }
 
-/// The images' end of a channel, whose slots grow with the largest image.
+/// Writing end of an image channel, whose slots grow with the largest image.
 struct Images {
-    // The slot before its writer, the writer before its domain: each lives in the next.
+    // Fields drop in order: the slot before its writer, the writer before its domain.
     on_loan: Option<KeptSlot>,
-    /// With the most bytes of an image. `None` after a failure to make larger slots.
+    /// The writer and the size of its largest image in bytes. `None` after a failure to make larger
+    /// slots.
     writer: Option<(usize, Writer<[u8]>)>,
     domain: Domain,
     rig: Rig,
@@ -67,9 +70,10 @@ struct Images {
     meanwhile: Option<Meanwhile>,
 }
 
-// SAFETY: as for `Reader`: what is not `Send` are counted references without atomics inside the transport's publisher (which a
-// slot on loan shares), notifier and listener. Each is a field of this one struct and is lent out by a borrow of it only: all that
-// share a count go to another thread together or not at all.
+// SAFETY: as for `Reader`, only reference counts without atomics are not `Send`: those in the
+// transport's publisher, which a slot on loan shares, its notifier and its listener. All are fields
+// of this one struct and only borrowed from it, so everything that shares a count moves to another
+// thread together.
 unsafe impl Send for Images {}
 
 impl Images {
@@ -89,14 +93,15 @@ impl Images {
             delivery,
             meanwhile: waiting.meanwhile,
         };
-        // Room for no pixel yet: the channel has its writer from now on, and a second one is refused.
+        // Open the channel with a tiny slot: it has its writer from now on, and refuses a second
+        // one.
         images.make_room(1)?;
         Ok(images)
     }
 
     fn make_room(&mut self, bytes: usize) -> Result<&Writer<[u8]>, WireError> {
         self.on_loan = None;
-        // One that is too small goes first: two writers at a time are one too many.
+        // Drop a writer that is too small first, because the channel allows only one.
         let large_enough = self.writer.take().filter(|(largest, _)| *largest >= bytes);
         let writer = match large_enough {
             Some(writer) => writer,
@@ -116,7 +121,7 @@ impl Images {
         Ok(&self.writer.insert(writer).1)
     }
 
-    /// The slot that is on loan instead, if one is, is given back unsent.
+    /// Borrows a slot. A slot already on loan is returned unsent.
     fn loan(&mut self, bytes: usize) -> Result<&mut [u8], WireError> {
         let slot = self.make_room(bytes)?.frame_slot(bytes)?.keep();
         Ok(self.on_loan.insert(slot).bytes_mut())
@@ -142,8 +147,8 @@ impl Images {
     }
 }
 
-/// Writes the frames of a rig whose chain was started with `lariat run --source external`: any camera's, a simulator's, a
-/// player's.
+/// Writes the frames of a rig whose chain was started with `lariat run --source external`, from any
+/// camera, simulator or player.
 ///
 /// ```no_run
 /// use lariat_wire::{FrameWriter, PixelFormat, Stamp};
@@ -159,12 +164,13 @@ impl Images {
 /// # Ok::<(), lariat_wire::WriteError>(())
 /// ```
 ///
-/// It may be opened before the chain runs, and outlives it. Frames are counted as a camera's: the chain knows from the stamps
-/// what was lost, and where. A process that ends, or is killed, leaves the channel to the next one; meanwhile what readers know
-/// of the ropes gets older ([`Seen::Stale`](crate::Seen::Stale)). It belongs to one thread at a time.
+/// It may be opened before the chain runs, and outlives it. Frames are counted as a camera's: the
+/// stamps tell the chain what was lost, and where. If its process ends or is killed, the channel is
+/// free for another writer. Until then readers report older and older ropes
+/// ([`Seen::Stale`](crate::Seen::Stale)). A writer belongs to one thread at a time.
 pub struct FrameWriter {
     images: Images,
-    /// Of the frame on loan; its trace has the moment of the loan.
+    /// Header of the frame on loan; its trace holds the time of the loan.
     header: FrameHeader,
     last: Trace,
 }
@@ -178,18 +184,20 @@ impl fmt::Debug for FrameWriter {
 }
 
 impl FrameWriter {
-    /// Becomes the writer of a rig's frames: `"default"`, or what the chain was started with (`--rig NAME`).
+    /// Opens the writer of a rig's frames. The rig is `"default"`, or the one that the chain was
+    /// started with (`--rig NAME`).
     ///
     /// # Errors
-    /// The rig has a writer; no such name, no shared memory, a chain of another release or of another user.
+    /// The rig already has a writer, its name is invalid, shared memory is missing, or the chain is
+    /// of another release or another user.
     pub fn open(rig: &str) -> Result<Self, WriteError> {
         Self::open_in(Domain::open()?, &rig.parse()?, Waiting::default())
     }
 
-    /// The same, in a domain of one's own choice, and with a word on slow readers.
+    /// Opens the writer in a given domain, with a given behavior towards slow readers.
     ///
     /// # Errors
-    /// As [`open`](Self::open); and the chain's readers are waited for, where they are not to be, or the other way around.
+    /// As for [`open`](Self::open). Also if the chain is open with the other setting of `lossless`.
     pub fn open_in(domain: Domain, rig: &Rig, waiting: Waiting) -> Result<Self, WriteError> {
         let images = Images::open(domain, rig, &FRAMES, waiting).map_err(|cause| match cause {
             WireError::SecondWriter { channel } => WriteError::FramesTaken { channel },
@@ -202,14 +210,14 @@ impl FrameWriter {
         })
     }
 
-    /// Borrows the slot of the next frame, rows one after the other without gaps. It holds an earlier one's pixels. A slot that
-    /// was borrowed and not sent is given back.
+    /// Borrows the slot of the next frame, with rows without gaps. It still holds the pixels of an
+    /// earlier frame. A slot that was borrowed and not sent is returned.
     ///
-    /// Slots are made for the largest frame so far, at once for all that can be under way: the first frame of a larger size
-    /// takes some milliseconds longer.
+    /// Slots are as large as the largest frame yet, and there is one for each frame that can be in
+    /// flight. The first frame of a larger size therefore takes some milliseconds longer.
     ///
     /// # Errors
-    /// An invalid size, no room for it in `/dev/shm`.
+    /// The size is invalid, or `/dev/shm` lacks the space.
     pub fn loan(
         &mut self,
         width: u32,
@@ -231,10 +239,11 @@ impl FrameWriter {
         Ok(self.images.loan(format.image_bytes(stride, height))?)
     }
 
-    /// Sends the frame on loan. `false`: it was lost, because waiting for a reader was given up.
+    /// Sends the frame on loan. Returns `false` if it was lost because the writer gave up waiting
+    /// for a reader.
     ///
     /// # Errors
-    /// A stamp that cannot be, or nothing to send. The frame is then not sent, and not counted.
+    /// The stamp is invalid, or no frame is on loan. The frame is then neither sent nor counted.
     pub fn send(&mut self, stamp: Stamp) -> Result<bool, WriteError> {
         let borrowed_ns = self.header.trace.exposed_ns;
         let trace = self.stamped(stamp, borrowed_ns).inspect_err(|_| {
@@ -249,37 +258,38 @@ impl FrameWriter {
         Ok(sent)
     }
 
-    /// The header of the frame that was sent last, as its readers have it: for a [`MaskWriter`] in the same process. Asked before
-    /// the next loan, as it is the one of the frame on loan then.
+    /// Header of the frame sent last, as its readers see it, for a [`MaskWriter`] in the same
+    /// process. Call it before the next loan; after that it is the header of the frame on loan.
     pub fn last_sent(&self) -> &FrameHeader {
         &self.header
     }
 
-    /// Sends a frame without an image: the camera has none to give just now. Sent some ten times a second for as long as that
-    /// is so, it has readers told that their ropes are lost from sight, and for how long.
+    /// Sends a frame without an image, for times when the camera gives none. If it is sent about
+    /// ten times a second during that time, readers learn that their ropes are lost, and for how
+    /// long.
     ///
     /// # Errors
-    /// As [`send`](Self::send).
+    /// As for [`send`](Self::send).
     pub fn send_blank(&mut self, stamp: Stamp) -> Result<bool, WriteError> {
         self.images.loan(0)?;
         self.header = blank(now_ns());
         self.send(stamp)
     }
 
-    /// True if its slots have room for an image of this many bytes. Otherwise the next loan makes new slots, and borrowed memory
-    /// becomes invalid.
+    /// Returns whether the slots have room for an image of this many bytes. Otherwise the next loan
+    /// makes new slots, and borrowed memory becomes invalid.
     pub fn has_room(&self, bytes: usize) -> bool {
         self.images.has_room(bytes)
     }
 
-    /// Whether it waits for slow readers, so that each of them has every frame.
+    /// Returns whether it waits for slow readers, so that each of them receives every frame.
     pub fn is_lossless(&self) -> bool {
         self.images.is_lossless()
     }
 
     fn stamped(&self, stamp: Stamp, borrowed_ns: u64) -> Result<Trace, WriteError> {
         let now_ns = now_ns();
-        // Two loans within one tick of the clock were still one after the other.
+        // Two loans within one tick of the clock still get different times.
         let exposed_ns = stamp.exposed_ns;
         let exposed_ns = exposed_ns.unwrap_or(borrowed_ns.max(self.last.exposed_ns + 1));
         if exposed_ns > now_ns && stamp.exposed_ns.is_some() {

@@ -1,11 +1,17 @@
-//! What killed processes left in shared memory, in every domain of the machine, without joining any; and its removal.
+//! Finds and removes what killed processes left in shared memory, in every domain of the machine,
+//! without joining any.
 //!
-//! Domains of other users can be looked into by root alone. One is nobody's: before each user had a domain of their own, all
-//! shared the transport's own place, `/tmp/iceoryx2`, where whoever came first locked out the others.
+//! Only root can inspect domains of other users. One domain belongs to nobody: in older releases
+//! all users shared the transport's own place, `/tmp/iceoryx2`, where the first user locked out the
+//! others.
 //!
-//! A domain's files are left over if nobody is at home: its folder with the transport's locks is here (in a container that
-//! shares the host's `/dev/shm` alone it is not, and nothing can be known), none of the locks is held, no process has its
-//! shared memory mapped, as far as this user may know, and nothing was made just now by one that is about to take a lock.
+//! A domain's files are left over if all of these hold:
+//!
+//! - Its folder with the transport's locks exists here. In a container that shares only the host's
+//!   `/dev/shm` it does not, and nothing can be known.
+//! - None of the locks is held.
+//! - No process has its shared memory mapped, as far as this user can see.
+//! - No file is so new that its process may be about to take a lock.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, DirEntry, Metadata};
@@ -22,25 +28,25 @@ use crate::door::Passing;
 use crate::memory::SHM;
 use crate::{door, owner, roster, tidy};
 
-/// A process takes its locks within milliseconds of its first file.
+/// A process takes its locks within milliseconds of creating its first file.
 const SETTLED_AFTER: Duration = Duration::from_secs(2);
 
-/// The files that a domain's processes left when they were killed, all of them.
+/// All files that a domain's killed processes left behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leftover {
-    /// The domain's name; `None` is the place that older releases shared with other programs on iceoryx2. There also the
-    /// folder alone is left over.
+    /// Name of the domain. `None` is the place that older releases shared with other programs on
+    /// iceoryx2; there the folder alone also counts as left over.
     pub domain: Option<String>,
-    /// What the names of its files in shared memory begin with.
+    /// Common prefix of its files in shared memory.
     pub prefix: String,
-    /// How many there are.
+    /// Number of files.
     pub files: usize,
     /// Their size in bytes.
     pub bytes: u64,
 }
 
-/// The domains that have files in `/dev/shm` and no living process. (What is left beside living ones the next process to
-/// join or leave removes, and [`remove_leftovers`].)
+/// The domains that have files in `/dev/shm` and no living process. Files left next to living
+/// processes are removed by the next process that joins or leaves, and by [`remove_leftovers`].
 pub fn leftovers() -> Vec<Leftover> {
     let mut found = BTreeMap::<Option<String>, Leftover>::new();
     let mut is_new = Vec::new();
@@ -82,8 +88,8 @@ pub fn leftovers() -> Vec<Leftover> {
     found.into_values().filter(is_left).collect()
 }
 
-/// What other users' processes have in `/dev/shm`: each user's number, with how many files and bytes. Whether they live only
-/// they can tell, and root.
+/// Files of other users' processes in `/dev/shm`: for each user ID, the number of files and bytes.
+/// Only those users and root can tell whether the processes are alive.
 pub fn shared_by_others() -> BTreeMap<u32, (usize, u64)> {
     let mut others = BTreeMap::new();
     let me = owner::this_user();
@@ -96,14 +102,17 @@ pub fn shared_by_others() -> BTreeMap<u32, (usize, u64)> {
     others
 }
 
-/// Whether the place that all users once shared has lariat's own folder in it, as far as this user may see.
+/// Returns whether the place that all users once shared contains lariat's own folder, as far as
+/// this user can see.
 fn is_shared_place_left() -> bool {
     let roster = root_of(&Config::default()).join(roster::FOLDER);
     fs::symlink_metadata(roster).is_ok_and(|data| data.is_dir() && is_settled(&data))
 }
 
-/// Removes what belongs to no living process: all of each domain that is [left over](leftovers), the folders of those in
-/// which nobody is, and what the dead left beside the living. Returns what was left over, and the files that could not be removed, each with its cause.
+/// Removes everything that belongs to no living process: all of each domain that is [left
+/// over](leftovers), the folders of empty domains, and files of dead processes next to living ones.
+/// Returns the leftovers that were found, and the files that could not be removed, each with its
+/// cause.
 pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     let left = leftovers();
     let mut kept = Vec::new();
@@ -111,7 +120,7 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
     for of in &left {
         let before = kept.len();
         let root = config(of.domain.as_deref()).map(|config| root_of(&config));
-        // Nobody joins meanwhile.
+        // This keeps others from joining in the meantime.
         let passing = root.filter(|_| of.domain.is_some());
         let _passing = match passing.map(|root| Passing::into(&root)) {
             Some(Err(cause)) => {
@@ -125,7 +134,8 @@ pub fn remove_leftovers() -> (Vec<Leftover>, Vec<(PathBuf, io::Error)>) {
                 remove(&entry.path(), &mut kept);
             }
         }
-        // With what could not be removed the folder stays, so that the next look knows it for left over.
+        // If files could not be removed, the folder stays, so that the next call recognizes them as
+        // left over.
         if let Some(config) = config(of.domain.as_deref())
             && kept.len() == before
         {
@@ -159,7 +169,7 @@ fn remove_intruders(kept: &mut Vec<(PathBuf, io::Error)>) {
     }
 }
 
-/// Owner of a domain: the user whose number is its name, or the owner of its folder.
+/// Owner of a domain: the user whose ID is its name, or the owner of its folder.
 fn owner_of(domain: &str) -> Option<u32> {
     let folder = || {
         let root = root_of(&config_of(domain).ok()?);
@@ -181,7 +191,8 @@ fn domain_folders() -> Vec<String> {
         .collect()
 }
 
-/// Removes a domain's folder in which nobody is: whose it was, another user could not use a domain of this name.
+/// Removes the folder of an empty domain. Otherwise no user other than its owner could use a domain
+/// of this name.
 fn remove_if_empty_of_life(domain: &str) {
     let Ok(config) = config_of(domain) else {
         return;
@@ -211,8 +222,8 @@ fn remove_if_empty_of_life(domain: &str) {
     }
 }
 
-/// Whether this lies in a domain's folder because lariat or the transport put it there. Another folder that happens to be called as
-/// a domain's would be keeps its own, empty ones, too.
+/// Returns whether lariat or the transport put this entry into a domain's folder. An unrelated
+/// folder whose name looks like a domain's keeps its contents, even empty folders.
 fn is_a_domains(entry: &DirEntry, prefix: &str) -> bool {
     let name = entry.file_name();
     let name = name.to_string_lossy();
@@ -220,14 +231,14 @@ fn is_a_domains(entry: &DirEntry, prefix: &str) -> bool {
         || name.starts_with(prefix)
 }
 
-/// Removes what the dead left beside the living.
+/// Removes files of dead processes next to living ones.
 fn sweep_dead(domain: Option<&str>) {
     let Some(config) = config(domain) else {
         return;
     };
     if domain.is_some() {
         let root = root_of(&config);
-        // Who joins or leaves just now does it, too.
+        // A process that is joining or leaving does this, too.
         if let Some(passing) = Passing::at_once(&root)
             && (!passing.is_alone(&root) || tidy::has_living_nodes(&config))
         {
@@ -235,10 +246,11 @@ fn sweep_dead(domain: Option<&str>) {
         }
         return;
     }
-    // Other programs on the transport know none of lariat's locks: by its own books, then.
+    // Other programs on the transport do not use lariat's locks, so rely on the transport's own
+    // records.
     let _ = Node::<ipc::Service>::list(&config, |node| {
         if let NodeState::Dead(node) = node {
-            // Another process may be at it, or have the right to it that this one has not.
+            // Another process may be removing it, or this one may lack the permission.
             let _ = node.try_remove_stale_resources();
         }
         CallbackProgression::Continue
@@ -254,7 +266,8 @@ fn remove(path: &Path, kept: &mut Vec<(PathBuf, io::Error)>) {
     }
 }
 
-/// Removes the files under a folder whose names begin so, and the folders that are empty then.
+/// Removes the files under a folder whose names begin with `prefix`, and the folders that are then
+/// empty.
 fn remove_tree(folder: &Path, prefix: &str, kept: &mut Vec<(PathBuf, io::Error)>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_ours = entry.file_name().to_string_lossy().starts_with(prefix);
@@ -265,11 +278,11 @@ fn remove_tree(folder: &Path, prefix: &str, kept: &mut Vec<(PathBuf, io::Error)>
             _ => {}
         }
     }
-    // Not if something else is in it.
+    // Fails if something else is in it.
     let _ = fs::remove_dir(folder);
 }
 
-/// The files of shared memory that are some domain's.
+/// The files in shared memory that belong to a domain.
 fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
     let entries = fs::read_dir(SHM).into_iter().flatten().flatten();
     entries.filter_map(|entry| {
@@ -279,8 +292,8 @@ fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
     })
 }
 
-/// The domain of a file in `/dev/shm`, `Some(None)` being the one that all users shared: after the prefix come the transport's own words,
-/// the first of them 40 hexadecimal digits.
+/// The domain of a file in `/dev/shm`; `Some(None)` is the one that all users shared. The
+/// transport's own name parts follow the prefix, the first one with 40 hexadecimal digits.
 fn domain_of(name: &str) -> Option<Option<&str>> {
     let is_hash = |word: &str| word.len() == 40 && word.bytes().all(|c| c.is_ascii_hexdigit());
     let begins_so = |rest: &str| rest.split(['_', '.']).next().is_some_and(is_hash);
@@ -295,7 +308,7 @@ fn domain_of(name: &str) -> Option<Option<&str>> {
         .map(Some)
 }
 
-/// What the names of a domain's files begin with.
+/// Prefix of the names of a domain's files.
 fn prefix_of(domain: Option<&str>) -> String {
     match domain {
         Some(name) => format!("lariat_{name}_"),
@@ -315,7 +328,7 @@ fn is_settled(data: &Metadata) -> bool {
     age.is_some_and(|age| age >= SETTLED_AFTER)
 }
 
-/// The files of shared memory that some process has mapped, as far as this user may know.
+/// The files in shared memory that any process has mapped, as far as this user can see.
 pub(crate) fn mapped_files() -> Vec<String> {
     let mut files = Vec::new();
     for entry in fs::read_dir("/proc").into_iter().flatten().flatten() {
@@ -332,13 +345,13 @@ pub(crate) fn mapped_files() -> Vec<String> {
     files
 }
 
-/// Whether a process of this domain lives, or may live.
+/// Returns whether a process of this domain lives, or may live.
 fn lives(domain: Option<&str>) -> bool {
     config(domain).is_none_or(|config| {
         let root = root_of(&config);
         let is_entered = || match Passing::at_once(&root) {
             Some(passing) => !passing.is_alone(&root),
-            // Somebody is just joining or leaving.
+            // A process is joining or leaving.
             None => root.exists(),
         };
         domain.is_some() && is_entered() || tidy::has_living_nodes(&config)

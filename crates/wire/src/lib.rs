@@ -1,4 +1,6 @@
-//! The shape of ropes in a control loop: all that one links of lariat.
+//! The shapes of ropes for a control loop, and the channels between lariat's processes.
+//!
+//! A control loop needs only this crate:
 //!
 //! ```no_run
 //! use std::time::{Duration, Instant};
@@ -18,86 +20,63 @@
 //! # fn hold(_: &Seen) {}
 //! ```
 //!
-//! [`Reader::open`] names the rig: one camera and its chain of processes (`lariat run`). The chain may start later, and be
-//! restarted. [`Reader::wait`] sleeps until a frame comes; [`Reader::latest`] never sleeps, for a loop with a beat of its
-//! own; [`Reader::before_poll`] is for a `poll` that waits for other things too. All three give a [`Frame`]: the newest
-//! message, where it lies in shared memory, and how old its image is *now*.
+//! [`Reader::open`] names the rig: one camera and its chain of processes (`lariat run`). The chain
+//! may start later and may be restarted. [`Reader::wait`] sleeps until a frame arrives.
+//! [`Reader::latest`] never sleeps, for a loop with its own period. [`Reader::before_poll`] is for
+//! a `poll` on other descriptors too. All three give a [`Frame`]: the newest message, in place in
+//! shared memory, and the age of its image *now*.
 //!
-//! Of a frame a loop asks [the only rope](Frame::only_rope), or [the rope of a track](Frame::rope), and says how old the
-//! image may be. The answer is a [`Seen`], and only its first case is the rope as it is. A covered, a doubtful, a lost or an old
-//! shape has to be taken by its name, and a rope of a chain that was restarted is never taken for one of before.
+//! A loop asks a frame for [the only rope](Frame::only_rope) or [the rope of a track](Frame::rope),
+//! and states how old the image may be. It gets a [`Seen`], whose first case alone is the rope as
+//! it is. Covered, doubtful, lost and old shapes have to be matched by name. A track of an earlier
+//! run of the chain never matches.
 //!
-//! A [`Rope`] has its [centerline](Rope::centerline), the points where it was seen, with widths; its [control
-//! points](Rope::control_points), its [age](Rope::age), a [prediction](Rope::predict) of where
-//! it will be when the robot moves, and its [`Shape`]: the curve `f(ρ)` with points, directions, bends,
-//! [`Jacobian`](Shape::jacobian_at) and [`Covariance`]. Coordinates are pixels of the image, x to the right and y down, or
-//! the [`Unit`] that the chain was asked for.
+//! Coordinates are pixels of the image, x right and y down, or in the chain's [`Unit`].
 //!
-//! | a control loop has | |
-//! |---|---|
-//! | [`Reader`], [`Frame`], [`Seen`], [`Doubt`], [`LastKnown`], [`Absent`] | what is known now, and how sure it is that this is the rope |
-//! | [`Rope`], [`Track`], [`Centerline`], [`Shape`], [`Covariance`], [`Prediction`], [`Motion`] | what a control law asks of it |
-//! | [`Descriptors`], [`Descriptor`], [`Trace`] | the message itself, as it lies in shared memory |
-//! | [`WireError`], [`NoShape`], [`NoPrediction`] | what can go wrong, in sentences that say what to do |
+//! - [`Reader`], [`Frame`], [`Seen`], [`Doubt`], [`LastKnown`], [`Absent`]: what is known now, and
+//!   how reliable it is
+//! - [`Rope`], [`Track`]: one rope, with its [age](Rope::age), [control
+//!   points](Rope::control_points) and [confidence](Rope::confidence)
+//! - [`Centerline`]: the observed points, with widths
+//! - [`Shape`]: the curve `f(ρ)`: points, tangents, curvature, [`Jacobian`](Shape::jacobian_at),
+//!   [`Covariance`]
+//! - [`Prediction`], [`Motion`]: the rope [at a later time](Rope::predict)
+//! - [`Descriptors`], [`Descriptor`], [`Trace`]: the message itself
+//! - [`WireError`], [`NoShape`], [`NoPrediction`]: errors that say what to do
 //!
-//! Reading disturbs nobody: a reader that is slow, stopped or killed holds up neither the chain nor other readers. An open
-//! reader allocates nothing, and [`latest`](Reader::latest) makes no system call, but for the one look that takes up the
-//! channel of a chain that has just started.
+//! A slow, stopped or killed reader disturbs neither the chain (unless it is `--lossless`) nor
+//! other readers. An open reader does not allocate, and [`latest`](Reader::latest) makes no system
+//! call. The exception is the connection to a chain that has just started.
 //!
-//! # Frames and masks of one's own
+//! # Your own frames and masks
 //!
-//! [`FrameWriter`] is for a camera that lariat does not know (`lariat run --source external`), [`FrameReader`] and [`MaskWriter`]
-//! for a network that finds the ropes (`mask = "external"`).
+//! [`FrameWriter`] is for a camera that lariat does not support (`lariat run --source external`).
+//! [`FrameReader`] and [`MaskWriter`] are for a network that finds ropes (`mask = "external"`).
 //!
-//! # Below that
+//! # Channels
 //!
-//! The rest is the contract between lariat's own processes, for who writes a stage, or looks in at other channels: a process
-//! opens a [`Domain`] once, then [`Receiver`]s and [`Writer`]s of the [`Channel`]s of a [`Rig`]. The messages themselves are
-//! `lariat-message`'s; this crate is the only one that knows the transport (iceoryx2).
+//! Programs that replace a stage or read other channels open a [`Domain`] once, then [`Receiver`]s
+//! and [`Writer`]s of the [`Channel`]s of a [`Rig`]. The messages are `lariat-message`'s. Only this
+//! crate uses the transport, iceoryx2.
 //!
-//! # Readers
+//! # Notes
 //!
-//! `crates/wire/src/reader.rs` and what it lends: a frame, of it what is known of a rope (`frame`, `seen`), the rope and its
-//! prediction (`rope`), its curve (`shape/`). `crates/c` puts C's names before it, with structs of the messages' own layout, held to
-//! it field by field when it is compiled.
+//! - An exposure later than fit's own stamp counts as that stamp, so no message stays young
+//!   forever.
+//! - A doubtful rope is [`Unsure`](Seen::Unsure) even if part of it is covered. A writer that does
+//!   not judge its fit (`fit` 0) is trusted.
+//! - Messages are only bytes: every count and number is checked before use. Invalid ones are
+//!   [`Unreadable`](Absent::Unreadable).
+//! - A message has one covariance block per control point. Correlations are those of the fit,
+//!   computed by this crate. They are approximate for some fits ([`Covariance::is_exact`]).
+//! - The velocity variance, which messages lack, is taken from the steady state of the chain's
+//!   filter.
 //!
-//! - **The newest stays in the reader's hands**, in shared memory, until the next comes: a look with nothing new is some
-//!   atomics and the clock. One message waits for such a reader, not eight: with overflow there is then none to be skipped. On
-//!   a lossless channel eight wait for it as for others.
-//! - **Age** is from the exposure to the moment of the question, each time again. An exposure later than the fit's own stamp counts
-//!   as that stamp: no message stays young for ever.
-//! - **Runs.** A new writer is a new run of the chain, and so is an `extracted` that goes back, or goes on by less than `fitted`
-//!   (an extract that was restarted by hand). Tracks belong to a run.
-//! - **Unsure** comes before covered and after lost: a curve that misses its points (`fit`), or a status `doubtful`, is not to be
-//!   steered by, whatever is hidden. A writer that does not judge (`fit` 0) is trusted, so that writers of one's own are not shut out.
-//!   A coarse curve passes where the loop says so when it opens the reader; a doubtful rope is taken by its name only.
-//! - **The centerline** is read in place like all else, joined by straight lines: of 120 points on a bend of radius r with steps h they are
-//!   off by h²/8r at most, far less than a width. `Shape::nearest` looks along the curve in even steps and finds the foot of the
-//!   perpendicular by Newton's method in each valley (`shape/nearest`).
-//! - **A message is only bytes**: numbers of control points, knots, weights, points and coordinates are checked before anything is
-//!   evaluated (`shape/form`). What does not fit is `Unreadable`, not a rope.
-//! - **Curves** are rows of the fit's `B` and its derivatives (`shape/rows`): one recurrence serves Bezier curves, B-splines and
-//!   rational ones. `lariat-fit` evaluates by other recurrences; the tests hold the two together.
-//! - **Covariance.** The message has a block for each control point; how two of them err together is `(BᵀB)⁻¹`, worked out from
-//!   basis, knots and N by Givens's rotations and kept for the last two kinds of curve in each thread (`shape/inverse`,
-//!   `shape/covariance`).
-//! - **Prediction** adds to each variance what the chain's filter would: the velocity's variance and its covariance with the
-//!   position, which the message lacks, follow from the position's in the filter's steady state (`shape/growth`). A test holds it
-//!   to the filter itself at 30 to 1000 Hz.
-//! - **Waiting** is that of all receivers, above. A descriptor for one's own `poll` comes with the rule that makes it safe:
-//!   `before_poll` empties the bell, looks for messages after it, and says how long the sleep may be.
-//! - A reader may go to another thread, whole; two threads use two. No panic crosses into C: each function catches it, and says
-//!   `LARIAT_ERROR_FAULT`.
-//! - **Python** (`python/`) is PyO3 over `wire`'s reader. The other way, ctypes over iceoryx2's own wheel, was measured beside it, in turns on
-//!   one chain, and reads views of the slot itself (`python python/bench/readers.py`; p50 and p99 in µs): a new message 5.0 and 8.0 against 25 and 67,
-//!   its control points as an array 3.1 and 5.2 against 8.2 and 14, a point of the curve 2.8 and 4.1 against 26 and 52, from sent to in
-//!   hand 43 against 77 (p50); only a look at nothing new is slower, 1.8 against 0.6.
-//!   Beyond that, ages, runs, the checks and the way of waiting would have to be written twice. The two do not go together: a reader is cut
-//!   off from its channel when the wheel joins its domain in the same process.
-//! - **A frame in Python is a copy** of what the message means, made once when it is looked at (4 KB a rope, 0.4 µs; all 44 KB would take 1.5), and its arrays are views
-//!   of that. Views of the slot would need rules that Python cannot keep for its users: a reader is lent two messages, so that a
-//!   list of arrays would end the reading; and the transport counts its samples without atomics, while Python drops an object in whichever thread
-//!   is the last to hold it. So there is no limit to what is kept, and no thread that it belongs to.
+//! # Known limitations
+//!
+//! - The centerline joins points by straight lines: up to h²/8r off, for steps h on a bend of
+//!   radius r.
+//! - At most 24 readers per rig read descriptors.
 
 mod centerline;
 mod channel;

@@ -1,28 +1,30 @@
-//! Services are made and opened by one process of lariat at a time, while it passes the [`door`](crate::door).
+//! Creates and opens services, by one process of lariat at a time, which holds the pass of the
+//! [`door`](crate::door).
 
 use std::time::{Duration, Instant};
 
 use crate::door::Held;
 use crate::{Domain, WireError, tidy};
 
-/// How long a service is tried for that other programs on the transport, which know no lock, are just making or removing.
+/// Time for which a service is tried while another program on the transport, which ignores the
+/// lock, creates or removes it.
 const IN_FLUX: Duration = Duration::from_secs(1);
 
-/// Makes or opens a service, again and again while what hinders it passes.
+/// Creates or opens a service, and retries as long as the failure is transient.
 pub(crate) fn make<T, E>(
     domain: &Domain,
     mut attempt: impl FnMut() -> Result<T, E>,
     passes: impl Fn(&E) -> bool,
 ) -> Result<Result<Held<T>, E>, WireError> {
     let passing = domain.door.pass()?;
-    // Who opens what was left half made may wait for it without end.
+    // Opening a service that was left half created may block forever.
     tidy::remove_half_made(domain.config(), &passing);
     let deadline = Instant::now() + IN_FLUX;
     loop {
         match attempt() {
             Ok(service) => return Ok(Ok(domain.door.keep(service))),
             Err(cause) if !passes(&cause) || Instant::now() >= deadline => return Ok(Err(cause)),
-            // There is nothing to be woken by.
+            // No event reports the change, so this loop cannot wait for one.
             Err(_) => tidy::finish(domain.config(), &passing),
         }
     }
@@ -57,7 +59,7 @@ mod tests {
         let made = files(&folder);
         drop(reader);
         assert!(files(&folder).is_empty());
-        // As a kill leaves them: the channel's own file, and that of its bell.
+        // The state after a kill: the channel's own file and that of its event service.
         assert_eq!(made.len(), 2);
         for path in &made {
             let file = File::create(path).expect("a file");

@@ -1,5 +1,5 @@
-//! Shared memory is asked for before it is used: a full `/dev/shm` otherwise shows as SIGBUS at the first touch of a
-//! page, in the middle of a frame.
+//! Reserves shared memory before use. Otherwise a full `/dev/shm` shows as SIGBUS at the first
+//! access to a page, in the middle of a frame.
 
 use std::fs::{self, DirEntry};
 use std::io;
@@ -9,27 +9,29 @@ use rustix::fs::{FallocateFlags, fallocate, statvfs};
 use crate::WireError;
 
 pub(crate) const SHM: &str = "/dev/shm";
-/// What the transport itself keeps beside a channel's slots: tables of connections, of a few hundred kB.
+/// Memory of the transport itself in addition to a channel's slots: connection tables of a few
+/// hundred kB.
 const BESIDE_SLOTS: u64 = 1 << 20;
 
-/// There is shared memory at all, and room for the transport's own tables.
+/// Checks that shared memory exists and has space for the transport's own tables.
 pub(crate) fn require_shared_memory() -> Result<(), WireError> {
     require_space("lariat", 0)
 }
 
-/// There is room for `bytes` more.
+/// Checks that `bytes` more fit.
 pub(crate) fn require_space(channel: &str, bytes: u64) -> Result<(), WireError> {
     let shm = statvfs(SHM).map_err(|cause| WireError::NoSharedMemory(cause.to_string()))?;
     let available = shm.f_bavail * shm.f_frsize;
     let needed = bytes + BESIDE_SLOTS;
-    // A file system without blocks (f_blocks 0) is a tmpfs without a limit.
+    // A file system without blocks (`f_blocks` is 0) is a tmpfs without a limit.
     if shm.f_blocks > 0 && available < needed {
         return Err(too_little(channel, needed, available));
     }
     Ok(())
 }
 
-/// Takes the pages of a segment now. Other processes may take what `require_space` saw, so only this is certain.
+/// Allocates the pages of a segment now. Other processes may take the space that `require_space`
+/// found, so only this is reliable.
 pub(crate) fn reserve_segment(channel: &str, id: &str) -> Result<(), WireError> {
     let Some(segment) = segment_of(id) else {
         return Ok(());
@@ -49,12 +51,12 @@ pub(crate) fn reserve_segment(channel: &str, id: &str) -> Result<(), WireError> 
             let available = statvfs(SHM).map_or(0, |shm| shm.f_bavail * shm.f_frsize);
             Err(too_little(channel, needed, available))
         }
-        // Without fallocate (an old kernel) the pages come at their first touch, as they would have anyway.
+        // Without fallocate (on an old kernel), pages are allocated at first access as usual.
         _ => Ok(()),
     }
 }
 
-/// The shared memory that holds a writer's slots, by the transport's number for it.
+/// The shared memory with a writer's slots, found by the transport's ID of the writer.
 fn segment_of(id: &str) -> Option<DirEntry> {
     let entries = fs::read_dir(SHM).ok()?;
     entries.flatten().find(|entry| {
@@ -64,7 +66,7 @@ fn segment_of(id: &str) -> Option<DirEntry> {
     })
 }
 
-/// Its size; 0 if it is gone.
+/// Size of that shared memory in bytes; 0 if it is gone.
 pub(crate) fn segment_bytes(id: &str) -> u64 {
     let data = segment_of(id).and_then(|segment| segment.metadata().ok());
     data.map_or(0, |data| data.len())

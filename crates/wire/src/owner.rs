@@ -1,5 +1,5 @@
-//! Whose a domain is: its folder and its shared memory are made for their owner alone, so that a process of another user can
-//! neither take part nor tell what lives there.
+//! Ownership of a domain. Its folder and its shared memory are accessible to their owner only. A
+//! process of another user can neither take part nor see which processes are in it.
 
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use crate::WireError;
 
-/// The number of the user that this process runs as.
+/// ID of the user that this process runs as.
 pub(crate) fn this_user() -> u32 {
     rustix::process::geteuid().as_raw()
 }
 
-/// A user's name, or the number where `/etc/passwd` has none.
+/// Name of a user, or the user ID if `/etc/passwd` lacks it.
 pub fn user_name(uid: u32) -> String {
     name_in(&fs::read_to_string("/etc/passwd").unwrap_or_default(), uid)
 }
@@ -26,10 +26,11 @@ fn name_in(passwd: &str, uid: u32) -> String {
     user.map_or_else(|| format!("user {number}"), |fields| fields[0].to_owned())
 }
 
-/// The domain is this user's, or nobody's yet.
+/// Checks that the domain belongs to this user, or does not exist yet.
 pub(crate) fn require_own(name: &str, folder: &Path) -> Result<(), WireError> {
     let me = this_user();
-    // A name of digits is the domain of the user of this number, also before that user has ever run anything.
+    // A numeric name is the domain of the user with this ID, even if that user has never run
+    // anything.
     let by_name = name.parse().ok().filter(|_| is_number(name));
     let by_folder = fs::symlink_metadata(folder).ok().map(|data| data.uid());
     match (by_name, by_folder) {
@@ -61,14 +62,14 @@ pub(crate) fn require_own_memory(files: &[PathBuf]) -> Result<(), WireError> {
     Ok(())
 }
 
-/// It is a folder, and no other user can put anything into it.
+/// Checks that it is a folder, and that no other user can write to it.
 fn require_closed(folder: &Path) -> Result<(), WireError> {
     let unusable = |cause: &str| WireError::Folder {
         folder: folder.display().to_string(),
         cause: cause.into(),
     };
     let Ok(data) = fs::symlink_metadata(folder) else {
-        // It is made by whoever enters.
+        // It is created by the process that enters.
         return Ok(());
     };
     if !data.is_dir() {
@@ -78,7 +79,7 @@ fn require_closed(folder: &Path) -> Result<(), WireError> {
         return Err(unusable("others may write into it"));
     }
     if data.mode() & 0o077 != 0 {
-        // Of an older release: nobody else is to take its locks.
+        // A folder of an older release: prevent others from taking its locks.
         let closed = fs::set_permissions(folder, fs::Permissions::from_mode(0o700));
         closed.map_err(|cause| unusable(&cause.to_string()))?;
     }
@@ -108,7 +109,8 @@ mod tests {
         assert!(require_own("mine", nowhere).is_ok());
         let other = require_own(&(me + 1).to_string(), nowhere);
         assert!(matches!(other, Err(WireError::DomainOfUser { .. })));
-        // Of the kernel, so that it is another's whoever runs this; in a user namespace it is nobody's.
+        // The kernel owns it, so it belongs to another user whoever runs this test, or to nobody in
+        // a user namespace.
         let owner = fs::metadata("/proc/sys").expect("there").uid();
         let other = require_own("mine", Path::new("/proc/sys"));
         assert_eq!(matches!(other, Err(WireError::Owner { .. })), owner != me);

@@ -1,5 +1,6 @@
-//! How long a lossless writer waits for a reader whose buffer is full: as long as the reader lives, and when the writer
-//! is told to stop, a little longer, so that what was sent before is still delivered.
+//! Waiting of a lossless writer for a reader whose buffer is full. It waits as long as the reader
+//! lives. When told to stop, it waits a little longer, so that earlier messages are still
+//! delivered.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,18 +14,18 @@ use crate::domain::root_of;
 use crate::door::Passing;
 use crate::{Domain, now_ns, quiet, tidy};
 
-/// A writer that waits looks this often whether the reader was killed.
+/// Interval at which a waiting writer checks whether the reader was killed.
 const DEAD_READER_CHECK: Duration = Duration::from_millis(500);
-/// And this often it does what it was given to do meanwhile.
+/// Interval at which a waiting writer calls its `meanwhile` function.
 pub(crate) const LOOK: Duration = Duration::from_millis(50);
-/// A writer that was told to stop gives up this long after it noticed: a reader that is alive but stands still must not
-/// keep it for ever.
+/// Time from the stop flag until a writer gives up, so that a living but stuck reader cannot hold
+/// it forever.
 const AFTER_STOP: Duration = Duration::from_secs(3);
 
-/// What is done now and then while a lossless writer waits: it may find that the writer is to stop.
+/// Function called repeatedly while a lossless writer waits. It may find that the writer must stop.
 pub(crate) type Meanwhile = Arc<dyn Fn() + Send + Sync>;
 
-/// What a lossless writer does each time it finds a buffer full; `None` for a writer that does not wait.
+/// Handler of full buffers for a lossless writer; `None` for a writer that does not wait.
 pub(crate) fn with_slow_readers(
     domain: &Domain,
     delivery: &Delivery,
@@ -62,7 +63,7 @@ pub(crate) fn with_slow_readers(
             next_check_ns.store(now_ns + check, Ordering::Relaxed);
         } else if now_ns >= next_check_ns.load(Ordering::Relaxed) {
             next_check_ns.store(now_ns + check, Ordering::Relaxed);
-            // A reader that is removed is not waited for any more.
+            // The writer no longer waits for a reader that is removed.
             remove_the_dead(&config);
         }
         BackpressureAction::Retry
@@ -71,7 +72,7 @@ pub(crate) fn with_slow_readers(
 
 /// Removes what killed processes left.
 fn remove_the_dead(config: &Config) {
-    // While another process joins or leaves, it is for that one, or for the next check.
+    // If another process is joining or leaving, it does this, or the next check does.
     if let Some(passing) = Passing::at_once(&root_of(config)) {
         tidy::finish(config, &passing);
     }

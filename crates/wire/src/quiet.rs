@@ -1,10 +1,11 @@
-#![allow(unsafe_code)] // A thread's signal mask is libc's alone.
-//! Signals, kept from a wait of the transport's.
+#![allow(unsafe_code)] // Only libc offers a thread's signal mask.
+//! Holds back signals while the transport waits.
 //!
-//! A lossless writer waits for room inside the transport's `send`, which sleeps there between two looks. In iceoryx2 0.10 a signal
-//! that comes in such a sleep fails the whole sending: the message has gone to some readers and is lost to the others, and what
-//! a chain that is told to end has yet to deliver is lost with it. So signals are held back while it sleeps, and come
-//! through at each of its looks.
+//! A lossless writer waits for free space inside the transport's `send`, which sleeps between two
+//! checks. In iceoryx2 0.10, a signal during such a sleep makes the whole `send` fail. The message
+//! then has reached some readers and is lost to the others. A chain that is stopping would also
+//! lose everything that it still has to deliver. Signals are therefore blocked during the sleep and
+//! delivered at each of its checks.
 
 use std::cell::Cell;
 use std::mem::MaybeUninit;
@@ -13,13 +14,13 @@ use std::ptr;
 use libc::sigset_t;
 
 thread_local! {
-    /// The mask that was there before.
+    /// The signal mask before it was changed.
     static BEFORE: Cell<Option<sigset_t>> = const { Cell::new(None) };
 }
 
-/// Does something meanwhile of which no signal reaches this thread, but at [`let_through`].
+/// Runs `work` while signals reach this thread only in [`let_through`].
 pub(crate) fn quietly<T>(work: impl FnOnce() -> T) -> T {
-    /// Also if the work panics.
+    /// Restores the mask even if `work` panics.
     struct Restored(sigset_t);
     impl Drop for Restored {
         fn drop(&mut self) {
@@ -32,7 +33,7 @@ pub(crate) fn quietly<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// Lets the signals come that were held back, if they are.
+/// Delivers the signals that were held back, if they are blocked.
 pub(crate) fn let_through() {
     if let Some(before) = BEFORE.get() {
         set_mask(&before);
@@ -42,7 +43,7 @@ pub(crate) fn let_through() {
 
 fn every() -> sigset_t {
     let mut set = MaybeUninit::uninit();
-    // SAFETY: it is initialized there.
+    // SAFETY: `sigfillset` initializes the set.
     unsafe {
         libc::sigfillset(set.as_mut_ptr());
         set.assume_init()
@@ -51,7 +52,7 @@ fn every() -> sigset_t {
 
 fn set_mask(set: &sigset_t) -> sigset_t {
     let mut before = MaybeUninit::zeroed();
-    // SAFETY: both are sets of signals; of zeros alone is one, too.
+    // SAFETY: both are signal sets; all zeros is a valid one.
     unsafe {
         libc::pthread_sigmask(libc::SIG_SETMASK, ptr::from_ref(set), before.as_mut_ptr());
         before.assume_init()

@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // A reader may go to another thread, which the transport's own counters do not know.
-//! A control loop's end of a rig: the newest shapes, in place, with their age.
+#![allow(unsafe_code)] // Readers move between threads despite their non-atomic counters.
+//! The control loop's end of a rig: the newest shapes, in place, with their age.
 
 mod run;
 
@@ -18,14 +18,15 @@ pub(crate) use run::WriterId;
 
 /// Reads the shapes of a rig's ropes, for a control loop.
 ///
-/// It may be opened before the chain runs, and survives restarts of the chain: until a message comes, what it has
-/// gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24 readers share a rig; one that is slow, stopped or killed
-/// disturbs neither the chain nor the others. It belongs to one thread at a time; each thread of several opens its own.
+/// It may be opened before the chain runs, and survives restarts of the chain. Until a message
+/// arrives, its latest result gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24 readers
+/// share a rig; a slow, stopped or killed reader disturbs neither the chain nor the others. A
+/// reader belongs to one thread at a time; several threads open one each.
 ///
-/// It takes a channel as it is. A reader of a `--lossless` chain is opened after the chain has started, and must look as often
-/// as frames come: that chain waits for it.
+/// It accepts a channel as it is. Open a reader of a `--lossless` chain after the chain has
+/// started, and read it as often as frames arrive, because that chain waits for it.
 pub struct Reader {
-    // The message first, then its channel, then the domain: each lives in the next.
+    // Fields drop in order: the message before its channel, the channel before the domain.
     newest: Option<Message<Descriptors>>,
     receiver: Receiver<Descriptors>,
     space: Option<Space>,
@@ -35,14 +36,15 @@ pub struct Reader {
     motion: Motion,
     coarse: bool,
     min_confidence: f32,
-    /// Time at which the newest message was taken up, by this process's clock.
+    /// Time at which the newest message arrived, by this process's clock.
     came_ns: u64,
 }
 
-// SAFETY: what keeps it from being `Send` are counted references without atomics inside the transport's subscriber (which
-// its samples share), its listener and its notifier. Each of these is a field of this one reader, and what the reader lends out
-// borrows it: all that share a count go to another thread together or not at all. Node and services, which others may share,
-// are counted with atomics, and may be sent by the transport's own word; it keeps nothing by thread.
+// SAFETY: only reference counts without atomics are not `Send`: those in the transport's
+// subscriber, which its samples share, its listener and its notifier. All are fields of this
+// reader, and whatever the reader lends borrows it, so everything that shares a count moves to
+// another thread together. Node and services, which others may share, are counted atomically and
+// are `Send` in the transport; it keeps nothing per thread.
 unsafe impl Send for Reader {}
 
 impl fmt::Debug for Reader {
@@ -55,26 +57,28 @@ impl fmt::Debug for Reader {
 }
 
 impl Reader {
-    /// Confidence below which a rope is [`Unsure`](crate::Seen::Unsure), unless [`min_confidence`](Self::min_confidence) sets
-    /// another: the curve is then more likely wrong than right.
+    /// Confidence below which a rope is [`Unsure`](crate::Seen::Unsure), unless
+    /// [`min_confidence`](Self::min_confidence) sets another: the curve is then more likely wrong
+    /// than right.
     pub const MIN_CONFIDENCE: f32 = lariat_message::MIN_CONFIDENCE;
 
-    /// Opens the reader of a rig: `"default"`, or what the chain was started with (`--rig NAME`). Whether it runs does not
-    /// matter.
+    /// Opens the reader of a rig: `"default"`, or the one that the chain was started with (`--rig
+    /// NAME`). The chain need not be running.
     ///
-    /// Once it is open, it allocates when it takes up the channel of a chain that has just started, and
-    /// [`Shape::covariance`](crate::Shape::covariance) does when first asked in its thread; nothing else.
+    /// An open reader allocates only when it connects to a chain that has just started. The first
+    /// [`Shape::covariance`](crate::Shape::covariance) of a thread allocates too.
     ///
     /// # Errors
-    /// No such name, no shared memory, a chain of another release or of another user, or 24 readers already.
+    /// The name is invalid, shared memory is missing, the chain is of another release or another
+    /// user, or the rig has 24 readers already.
     pub fn open(rig: &str) -> Result<Self, WireError> {
         Self::open_in(Domain::open()?, &rig.parse()?)
     }
 
-    /// The same, in a domain of one's own choice.
+    /// Opens the reader in a given domain.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// As for [`open`](Self::open).
     pub fn open_in(domain: Domain, rig: &Rig) -> Result<Self, WireError> {
         Ok(Self {
             newest: None,
@@ -90,11 +94,12 @@ impl Reader {
         })
     }
 
-    /// Reads where ropes are in space, too, for [`Rope::in_space`](crate::Rope::in_space): of a chain with a depth camera. One that has
-    /// none says so, rope by rope. Up to 12 readers of a rig do.
+    /// Also reads the shapes in space, for [`Rope::in_space`](crate::Rope::in_space), from a chain
+    /// with a depth camera. For a chain without one, each rope reports that. Up to 12 readers of a
+    /// rig can do this.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// As for [`open`](Self::open).
     pub fn follow_in_space(&mut self) -> Result<(), WireError> {
         let receiver = Receiver::create_unwoken(&self.domain, &self.rig, &DESCRIPTORS3, None)?;
         self.space = Some(Space {
@@ -104,27 +109,28 @@ impl Reader {
         Ok(())
     }
 
-    /// What is known now, without waiting: of the newest message, whether it came just now or earlier.
+    /// Returns the current state without waiting, from the newest message, be it new or not.
     ///
-    /// It makes no system call, but in the one look that takes up the channel of a chain that has just started.
+    /// It makes no system call, except when it connects to a chain that has just started.
     ///
     /// # Errors
-    /// The transport failed. What it says should be done is to be done.
+    /// The transport failed; the message of the error says how to continue.
     pub fn latest(&mut self) -> Result<Frame<'_>, WireError> {
         let is_new = self.take()?;
         Ok(self.look(is_new))
     }
 
-    /// What [`latest`](Self::latest) or [`wait`](Self::wait) found last, as old as it is now; never new.
+    /// Returns the frame that [`latest`](Self::latest) or [`wait`](Self::wait) found last, at its
+    /// current age. It is never new.
     pub fn frame(&self) -> Frame<'_> {
         self.look(false)
     }
 
-    /// What is known as soon as a message comes that this reader has not looked at, or at the deadline: then the frame
-    /// [is not new](Frame::is_new).
+    /// Waits for a message that this reader has not returned yet, or for the deadline. At the
+    /// deadline the frame [is not new](Frame::is_new).
     ///
     /// # Errors
-    /// As [`latest`](Self::latest).
+    /// As for [`latest`](Self::latest).
     pub fn wait(&mut self, deadline: Instant) -> Result<Frame<'_>, WireError> {
         let is_new = loop {
             if self.take()? {
@@ -138,16 +144,18 @@ impl Reader {
         Ok(self.look(is_new))
     }
 
-    /// How long ago the image of the newest message that was looked at was taken; `None` before the first.
+    /// Age of the image of the newest message read; `None` before the first.
     pub fn age(&self) -> Option<Duration> {
         self.frame().age()
     }
 
-    /// Makes ready for a `poll`, `epoll` or `select` of one's own on [this reader's descriptor](AsFd::as_fd): call it
-    /// before each one, and sleep no longer than it says; `None` is as long as you like. It is zero if a message waits.
+    /// Prepares for your own `poll`, `epoll` or `select` on [this reader's
+    /// descriptor](AsFd::as_fd). Call it before each one and sleep no longer than the returned
+    /// time; `None` is unlimited, and zero means that a message waits.
     ///
-    /// It empties the bell, which would ring for ever otherwise. For 0.1 s after a ring the sleep is limited, because the
-    /// transport may lose one then. After the sleep, however it ended, [`latest`](Self::latest) says what came.
+    /// It drains the notifications, because the descriptor would stay readable otherwise. For 0.1 s
+    /// after a notification the sleep is limited, because the transport may lose one in that time.
+    /// After the sleep, however it ended, [`latest`](Self::latest) returns the new state.
     ///
     /// ```no_run
     /// use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -165,42 +173,45 @@ impl Reader {
     /// ```
     ///
     /// # Errors
-    /// As [`latest`](Self::latest).
+    /// As for [`latest`](Self::latest).
     pub fn before_poll(&mut self) -> Result<Option<Duration>, WireError> {
         self.receiver.before_poll()
     }
 
-    /// Lets [`wait`](Self::wait) look for messages for so long, with the core all to itself, before it sleeps. For a
-    /// thread with a core of its own: what comes meanwhile is in hand some microseconds earlier. From the start, zero.
+    /// Lets [`wait`](Self::wait) spin for this time before it sleeps. For a thread with its own
+    /// core: a message that arrives in that time is received some microseconds earlier. The default
+    /// is zero.
     pub fn look_for(&mut self, time: Duration) {
         self.receiver.look_for(time);
     }
 
-    /// How ropes are taken to move, for [`Rope::predict`](crate::Rope::predict). Give it what the chain was given where
-    /// that is not the default, and in the chain's unit: with millimetres, mm/s².
+    /// Sets the motion model of ropes for [`Rope::predict`](crate::Rope::predict). Use the chain's
+    /// own settings if they are not the defaults, in the chain's unit: with millimeters, mm/s².
     pub fn expect_motion(&mut self, motion: Motion) {
         self.motion = motion;
     }
 
-    /// Whether a coarse curve is [`Fresh`](crate::Seen::Fresh), or `Partial`, like another: for a loop that compares descriptors
-    /// of one kind, as with few control points on purpose, and needs none of them to lie on the rope. From the start not: it is
-    /// [`Unsure`](crate::Seen::Unsure) then.
+    /// Sets whether a coarse curve can be [`Fresh`](crate::Seen::Fresh) or `Partial` like any
+    /// other. For loops that compare descriptors of one kind, for example with few control points
+    /// on purpose, and do not need curves to follow the rope. By default a coarse curve is
+    /// [`Unsure`](crate::Seen::Unsure).
     pub fn accept_coarse(&mut self, accept: bool) {
         self.coarse = accept;
     }
 
-    /// Sets the least [confidence](crate::Rope::confidence), 0 to 1, of a rope that is [`Fresh`](crate::Seen::Fresh) or `Partial`;
-    /// a rope with less is [`Unsure`](crate::Seen::Unsure). The default is [`MIN_CONFIDENCE`](Self::MIN_CONFIDENCE); 0 accepts
-    /// any.
+    /// Sets the least [confidence](crate::Rope::confidence), 0 to 1, of a rope that is
+    /// [`Fresh`](crate::Seen::Fresh) or `Partial`. A rope with less is
+    /// [`Unsure`](crate::Seen::Unsure). The default is [`MIN_CONFIDENCE`](Self::MIN_CONFIDENCE); 0
+    /// accepts any.
     pub fn min_confidence(&mut self, least: f32) {
         self.min_confidence = least;
     }
 
-    /// Takes up the newest message; `false` if nothing came.
+    /// Receives the newest message; `false` if nothing new arrived.
     fn take(&mut self) -> Result<bool, WireError> {
         let mut is_new = false;
         while let Some(message) = self.receiver.next()? {
-            // The old one goes back as the new one takes its place: no more than two are ever in hand.
+            // This drops the previous message, so at most two are ever held.
             self.newest = Some(message);
             is_new = true;
         }
@@ -219,8 +230,9 @@ impl Reader {
         let trace = message.map(|message| &message.trace);
         let moment = Moment {
             now_ns: now_ns(),
-            // A timestamp may be in the future, and a chain in another time namespace may have another clock. An image is at least
-            // as old as its fit, and as its arrival here: nothing stays fresh for ever.
+            // A timestamp may be in the future, and a chain in another time namespace may have
+            // another clock. An image is at least as old as its fit and as its arrival here, so
+            // nothing stays fresh forever.
             exposed_ns: trace.map_or(0, |trace| {
                 trace.exposed_ns.min(trace.fitted_ns).min(self.came_ns)
             }),
@@ -240,15 +252,15 @@ impl Reader {
     }
 }
 
-/// The descriptors in space, each of which is sent before those of the same frame.
+/// The descriptors in space. Those of a frame are sent before its descriptors in the image.
 struct Space {
-    // The message before its channel.
+    // Fields drop in order: the message before its channel.
     held: Option<Message<Descriptors3>>,
     receiver: Receiver<Descriptors3>,
 }
 
 impl Space {
-    /// Goes on to those of this frame, or to the first later ones.
+    /// Advances to the message of this frame, or to the first later one.
     fn follow(&mut self, trace: &Trace) -> Result<(), WireError> {
         while self
             .held
@@ -263,7 +275,7 @@ impl Space {
         Ok(())
     }
 
-    /// Those of this frame.
+    /// The message of this frame.
     fn of(&self, trace: &Trace) -> InSpace<'_> {
         let held = self.held.as_deref();
         let is_its = |held: &&Descriptors3| {
@@ -273,7 +285,7 @@ impl Space {
     }
 }
 
-/// Becomes readable when a message came: see [`before_poll`](Reader::before_poll).
+/// The descriptor is readable when a message has arrived: see [`before_poll`](Reader::before_poll).
 impl AsFd for Reader {
     fn as_fd(&self) -> BorrowedFd<'_> {
         let bell = self.receiver.descriptor();

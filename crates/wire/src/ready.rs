@@ -1,27 +1,33 @@
-#![allow(unsafe_code)] // One descriptor is borrowed by number from the transport, which offers it no other way.
-//! The event service beside every channel: wakes a waiting reader, so that nothing polls or sleeps.
+#![allow(unsafe_code)] // The transport gives its file descriptor only as a number.
+//! The event service of each channel. It wakes a waiting reader, so that nothing polls or sleeps.
 //!
-//! Beside every channel stands the event service `…-ready`; a reader sleeps in one `poll` on it, on its
-//! signals' pipe and on a deadline. Before it sleeps it empties the bell until nothing more is heard, and then looks for
-//! messages once more, in this order. In iceoryx2 0.10 a ring that arrives while the bell is being emptied can be lost and
-//! take all later ones with it, until the bell is emptied again; so the first sleep after a ring is no longer than 100 ms. If
-//! nothing is heard after it either, no ring is on its way that could be lost, and the sleeps that follow have no bound: a rig
-//! without frames is never woken (no tick of CPU and no context switch of any of its five processes in 10 s). After sending, capture yields the core: the kernel
-//! puts a woken reader on its waker's core, and there the next frame's making would hold it up (0.58 ms against 0.04 ms for
-//! the rendered rope). The service carries three events:
+//! Every channel has an event service named `…-ready`. A reader sleeps in one `poll` on this
+//! service, on its signal pipe and on a deadline. Before it sleeps, it drains the notifications
+//! until none is left, and then checks for messages once more, in this order.
+//!
+//! In iceoryx2 0.10, a notification that arrives during draining can be lost and block all later
+//! ones until the next draining. The first sleep after a notification is therefore limited to 100
+//! ms. If that sleep ends without a notification, none is on its way that could be lost, and later
+//! sleeps are unlimited. A rig without frames never wakes.
+//!
+//! After sending, capture yields its core. The kernel puts a woken reader on the core of the
+//! process that woke it, where the making of the next frame would delay it.
+//!
+//! The service carries three events:
 //!
 //! | event | from → to | meaning |
 //! |---:|---|---|
 //! | 0 | writer → readers | a message was sent |
-//! | 1 | writer → readers | call: take up your end of the channel |
-//! | 2 | reader → writer | answer: done |
+//! | 1 | writer → readers | call: connect your end of the channel |
+//! | 2 | reader → writer | answer: connected |
 //!
-//! Call and answer are for lossless writers. In iceoryx2 a new reader's end becomes a connection when each side next
-//! looks, and a message to a reader that has not looked yet is dropped once that one's buffer is full, whatever the
-//! overflow setting. So a lossless writer that sees more readers than it has gathered calls before it borrows the next
-//! slot, waits until all have answered, and no longer than 2 s, as a reader that never sleeps never answers. Sink listens
-//! to all its channels in a lossless chain for this reason; otherwise it is woken by `descriptors` alone, one wake a
-//! frame, and looks into the other two meanwhile.
+//! Calls and answers serve lossless writers. In iceoryx2, a new reader becomes connected only when
+//! each side next checks. Until then, messages beyond that reader's buffer are dropped, whatever
+//! the overflow setting. A lossless writer that sees more readers than it has connected therefore
+//! calls before it borrows the next slot. It waits until all have answered, but at most 2 s,
+//! because only a reader that sleeps can answer. For this reason, sink listens to all its channels
+//! in a lossless chain. Otherwise only `descriptors` wakes it, once per frame, and it checks the
+//! other two then.
 
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
@@ -39,21 +45,22 @@ use rustix::io::Errno;
 use crate::door::Held;
 use crate::{Domain, WireError, making, umask};
 
-/// How long a bell must have been silent before it is trusted.
+/// Silence after which later sleeps need no limit.
 ///
-/// In iceoryx2 0.10 a ring that comes while its listener empties the bell can be emptied too, and yet leave the bell
-/// marked as rung: then every later ring is taken for one that was already sent, and none arrives. Readers look for
-/// messages after emptying, so that this takes a ring that comes late, after its message was read; and emptying the bell
-/// again mends it. So a reader empties until nothing is heard, and the first sleep after a ring is no longer than this.
-/// If nothing is heard after that either, no ring is on its way any more and none can be lost: the sleeps that follow
-/// are as long as nothing comes. A rig without frames does nothing at all.
+/// In iceoryx2 0.10, a notification that arrives while its listener drains can be drained too and
+/// yet leave the listener marked as notified. Every later notification then counts as already sent,
+/// and none arrives. Readers check for messages after draining, so this needs a late notification
+/// whose message was already read. Draining again repairs it. A reader therefore drains until
+/// nothing is left, and limits the first sleep after a notification to this duration. If that sleep
+/// ends in silence, none is on its way that could be lost, and later sleeps are unlimited. A rig
+/// without frames does nothing at all.
 const TRUSTED_AFTER: Duration = Duration::from_millis(100);
 
 /// A message was sent.
 const MESSAGE: usize = 0;
-/// The writer asks its readers to take up their ends of the channel.
+/// The writer asks its readers to connect their ends of the channel.
 const CALL: usize = 1;
-/// A reader answers that it has.
+/// A reader answers that it has connected.
 const ANSWER: usize = 2;
 
 pub(crate) fn open(
@@ -79,7 +86,7 @@ pub(crate) fn open(
         .map_err(|cause| WireError::transport(format!("opening {name}"), cause))
 }
 
-/// Whether it may be otherwise a moment later.
+/// Returns whether the failure is transient.
 fn passes(cause: &EventOpenOrCreateError) -> bool {
     matches!(
         cause,
@@ -98,7 +105,8 @@ fn passes(cause: &EventOpenOrCreateError) -> bool {
     )
 }
 
-/// Each reader has an ear, and a bell to answer with: without a place for them it has none on the channel either.
+/// The error for a reader that finds no free listener or notifier. The channel is then full as
+/// well.
 fn too_many(channel: &str, readers: usize) -> WireError {
     WireError::TooManyReaders {
         channel: channel.to_owned(),
@@ -120,12 +128,13 @@ impl Bell {
         })
     }
 
-    /// Wakes every waiting reader. A reader that died is no reason to stop: its message was delivered all the same.
+    /// Wakes every waiting reader. A failed notification is ignored: the message was delivered in
+    /// any case.
     pub(crate) fn ring(&self) {
         self.notify(MESSAGE);
     }
 
-    /// Asks every reader to take up its end of the channel.
+    /// Asks every reader to connect its end of the channel.
     pub(crate) fn call(&self) {
         self.notify(CALL);
     }
@@ -139,20 +148,20 @@ impl Bell {
 #[derive(Debug)]
 pub struct Ear {
     listener: Held<Listener<ipc::Service>>,
-    /// To answer with.
+    /// Sends the answers.
     bell: Bell,
-    /// When it last heard something, or was made.
+    /// Time of the last notification, or of creation.
     heard: Cell<Instant>,
-    /// Whether it has heard nothing for [`TRUSTED_AFTER`].
+    /// True after [`TRUSTED_AFTER`] without a notification.
     trusted: Cell<bool>,
 }
 
-/// What an ear has heard.
+/// Notifications that a reader has drained.
 #[derive(Debug, Default)]
 pub(crate) struct Heard {
-    /// The writer asks.
+    /// True if the writer has called.
     pub(crate) called: bool,
-    /// So many readers answered.
+    /// Number of readers that answered.
     pub(crate) answers: usize,
 }
 
@@ -173,10 +182,11 @@ impl Ear {
         })
     }
 
-    /// Becomes readable when the bell was rung.
+    /// Descriptor that becomes readable on a notification.
     pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
         let descriptor = self.listener.file_descriptor();
-        // SAFETY: the listener owns the descriptor and keeps it open while it lives, which is as long as this borrow.
+        // SAFETY: the listener owns the descriptor and keeps it open for its lifetime, which covers
+        // this borrow.
         unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) }
     }
 
@@ -185,11 +195,12 @@ impl Ear {
         self.bell.notify(ANSWER);
     }
 
-    /// What was heard since the last time, without waiting.
+    /// Drains the notifications since the last time, without waiting.
     pub(crate) fn empty(&self) -> Result<Heard, WireError> {
         let mut heard = Heard::default();
         let mut anything = false;
-        // A second time at most but for a bell that rings on and on: what comes then is heard at the next emptying.
+        // Two rounds usually suffice. The limit matters only if notifications keep arriving; the
+        // next draining gets those.
         for _ in 0..4 {
             let rings = self
                 .listener
@@ -214,14 +225,14 @@ impl Ear {
         Ok(heard)
     }
 
-    /// The longest sleep on it; `None`: as long as it is silent.
+    /// Maximum duration of the next sleep; `None` is unlimited.
     pub(crate) fn longest_sleep(&self) -> Option<Duration> {
         (!self.trusted.get()).then_some(TRUSTED_AFTER)
     }
 }
 
-/// Waits for a bell, for `also` to become readable, for a signal, or for the deadline, whichever is first; and no longer
-/// than a bell allows.
+/// Waits for a notification, for `also` to become readable, for a signal or for the deadline. The
+/// wait is no longer than each listener allows.
 pub(crate) fn wait<const N: usize>(
     ears: [Option<&Ear>; N],
     deadline: Option<Instant>,

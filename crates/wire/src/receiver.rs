@@ -17,14 +17,15 @@ use crate::reader::WriterId;
 use crate::ready::{self, Ear};
 use crate::{Centerlines, Command, Descriptors, Descriptors3, Domain, FrameHeader, Rig, WireError};
 
-/// A reader of a channel. It can be there before the writer, and outlives it: messages come again when a writer does.
+/// A reader of a channel. It may be opened before the writer, and outlives it: messages arrive
+/// again when there is a new writer.
 pub struct Receiver<P: Payload + ?Sized> {
-    // Before the service, so that it is dropped first.
+    // Declared before the service, so that it is dropped first.
     subscriber: Held<Subscriber<ipc::Service, P, P::Header>>,
     service: Held<PortFactory<ipc::Service, P, P::Header>>,
-    /// `None`: a reader that is never woken.
+    /// `None` for a reader that is never woken.
     ear: Option<Ear>,
-    /// How long it looks for a message before it sleeps.
+    /// Time for which it spins before it sleeps.
     looks_for: Duration,
     name: String,
 }
@@ -55,37 +56,40 @@ impl Receiver<Descriptors> {
         Self::create(domain, rig, &DESCRIPTORS, None)
     }
 
-    /// The same for a reader who wants the newest only: then one message waits for it, and there is none to be skipped. On
-    /// a lossless channel, whose writer would wait for it with each, as many wait as ever.
+    /// Creates a reader of descriptors that wants only the newest one, so that a single message
+    /// waits for it. On a lossless channel, whose writer would then wait after every message, as
+    /// many wait as usual.
     pub(crate) fn newest_descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
         let ear = Ear::new(domain, &DESCRIPTORS.on(rig), DESCRIPTORS.readers)?;
         Self::new(domain, rig, &DESCRIPTORS, None, Some(ear), Waiting::Newest)
     }
 }
 
-/// How many messages wait for a reader.
+/// Number of messages that wait for a reader.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Waiting {
-    /// As many as the channel has room for.
+    /// Up to the limit of the channel.
     All,
-    /// The newest, where it may take the place of the one before.
+    /// Only the newest, if it may replace the previous one.
     Newest,
 }
 
 impl<P: Payload + ?Sized> Receiver<P> {
-    /// Becomes a reader of a rig's channel. `delivery`: how the channel must be; `None` takes it as it is.
+    /// Creates a reader of a rig's channel. `delivery` is the required delivery; `None` accepts
+    /// either.
     pub fn create(
         domain: &Domain,
         rig: &Rig,
         channel: &Channel<P>,
         delivery: Option<&Delivery>,
     ) -> Result<Self, WireError> {
-        // The ear first: a message that comes between the two is then heard of.
+        // The listener comes first, so that a message in between is noticed.
         let ear = Ear::new(domain, &channel.on(rig), channel.readers)?;
         Self::new(domain, rig, channel, delivery, Some(ear), Waiting::All)
     }
 
-    /// The same, but never woken: it looks when something else wakes its process, and costs the writer no notification.
+    /// Creates a reader that is never woken. It checks for messages when something else wakes its
+    /// process, and saves the writer a notification.
     pub fn create_unwoken(
         domain: &Domain,
         rig: &Rig,
@@ -130,35 +134,35 @@ impl<P: Payload + ?Sized> Receiver<P> {
         })
     }
 
-    /// Whether each message reaches it, because the writer waits for it.
+    /// Returns whether it receives every message, because the writer waits for it.
     pub(crate) fn is_lossless(&self) -> bool {
         !self.service.static_config().has_safe_overflow()
     }
 
-    /// Lets [`sleep`](Self::sleep) and [`wait`](Self::wait) look for messages for so long, with the core all to
-    /// themselves, before they sleep: what comes meanwhile is in hand some microseconds earlier, and its writer need
-    /// not wake anyone. For a reader with a core of its own. From the start on, this is zero.
+    /// Lets [`sleep`](Self::sleep) and [`wait`](Self::wait) spin for this time before they sleep. A
+    /// message in that time is received some microseconds earlier, and its writer need not wake
+    /// anyone. For a reader with its own core. The default is zero.
     pub fn look_for(&mut self, time: Duration) {
         self.looks_for = time;
     }
 
-    /// The oldest message that waits, without blocking; `None` if there is none.
+    /// Returns the oldest waiting message without blocking; `None` if nothing waits.
     ///
-    /// A reader may hold two messages at a time: called with both in hand, this is an error.
+    /// A reader may hold two messages at a time; calling this while it holds both is an error.
     pub fn next(&self) -> Result<Option<Message<P>>, WireError> {
         let sample = P::receive(&self.subscriber)
             .map_err(|cause| WireError::transport(format!("reading from {}", self.name), cause))?;
         Ok(sample.map(|sample| Message { sample }))
     }
 
-    /// The newest message that waits, without blocking; `None` if nothing came since the last.
+    /// Returns the newest waiting message without blocking; `None` if nothing new has arrived.
     pub fn latest(&self) -> Result<Option<Message<P>>, WireError> {
         self.next()?
             .map(|first| self.newest_after(first))
             .transpose()
     }
 
-    /// The newest message that waits, without blocking; this one if nothing came after it.
+    /// Returns the newest waiting message without blocking, or `message` if nothing waits.
     pub fn newest_after(&self, mut message: Message<P>) -> Result<Message<P>, WireError> {
         while let Some(newer) = self.next()? {
             message = newer;
@@ -166,7 +170,7 @@ impl<P: Payload + ?Sized> Receiver<P> {
         Ok(message)
     }
 
-    /// The newest message, waited for until the deadline; `None` if nothing came.
+    /// Waits for the newest message until the deadline; `None` if nothing arrived.
     pub fn wait(&self, deadline: Instant) -> Result<Option<Message<P>>, WireError> {
         loop {
             if let Some(message) = self.latest()? {
@@ -179,8 +183,8 @@ impl<P: Payload + ?Sized> Receiver<P> {
         }
     }
 
-    /// Sleeps until a message waits or may wait, until `also` is readable, a signal came, or the deadline is over.
-    /// Call [`next`](Self::next) or [`latest`](Self::latest) after it.
+    /// Sleeps until a message waits or may wait, `also` is readable, a signal arrives, or the
+    /// deadline passes. Call [`next`](Self::next) or [`latest`](Self::latest) afterwards.
     pub fn sleep(
         &self,
         deadline: Option<Instant>,
@@ -189,8 +193,8 @@ impl<P: Payload + ?Sized> Receiver<P> {
         sleep_for_any([self], deadline, also)
     }
 
-    /// Makes ready for a `poll` on the [`descriptor`](Self::descriptor): how long it may sleep at most; `None` without
-    /// limit, zero if a message waits.
+    /// Prepares for a `poll` on the [`descriptor`](Self::descriptor). Returns its maximum timeout:
+    /// `None` is unlimited, and zero means that a message waits.
     pub fn before_poll(&self) -> Result<Option<Duration>, WireError> {
         if self.attend()? {
             return Ok(Some(Duration::ZERO));
@@ -198,14 +202,15 @@ impl<P: Payload + ?Sized> Receiver<P> {
         Ok(self.ear.as_ref().and_then(Ear::longest_sleep))
     }
 
-    /// Becomes readable when a message came: for a `poll` of one's own, with a timeout of 100 ms at most, after a
-    /// [`sleep`](Self::sleep) whose deadline is over has emptied it. `None` for a reader that is never woken.
+    /// Descriptor that becomes readable when a message arrives. It is for your own `poll`, with a
+    /// timeout of at most 100 ms, after a [`sleep`](Self::sleep) with an expired deadline has
+    /// drained it. `None` for a reader that is never woken.
     pub fn descriptor(&self) -> Option<BorrowedFd<'_>> {
         self.ear.as_ref().map(Ear::descriptor)
     }
 }
 
-/// A reader of any channel, to [`sleep_for_any`].
+/// A reader of any channel, for [`sleep_for_any`].
 pub trait Woken {
     #[doc(hidden)]
     fn ear(&self) -> Option<&Ear>;
@@ -225,16 +230,17 @@ impl<P: Payload + ?Sized> Woken for Receiver<P> {
         self.ear.as_ref()
     }
 
-    /// Makes ready to sleep; `true` if there is no reason to, because a message waits.
+    /// Prepares to sleep. Returns `true` if there is no need to, because a message waits.
     ///
-    /// Empties the bell, which would ring for ever otherwise; looks for messages after it, because one whose ring was
-    /// emptied would be slept over; and answers a lossless writer's call.
+    /// Drains the notifications, because the descriptor would stay readable otherwise. Then checks
+    /// for messages, because one with a drained notification would be missed. Also answers a
+    /// lossless writer's call.
     fn attend(&self) -> Result<bool, WireError> {
         let Some(ear) = &self.ear else {
             return Ok(false);
         };
         let called = ear.empty()?.called;
-        // Looking also takes up this reader's end of a new writer's channel, which is what a call asks for.
+        // This check also connects this reader to a new writer, as a call requests.
         let waits = self.waits()?;
         if called {
             ear.answer();
@@ -253,14 +259,14 @@ impl<P: Payload + ?Sized> Woken for Receiver<P> {
     }
 }
 
-/// Sleeps until a message waits or may wait for one of the readers, until `also` is readable, a signal came, or the
-/// deadline is over.
+/// Sleeps until a message waits or may wait for one of the readers, `also` is readable, a signal
+/// arrives, or the deadline passes.
 pub fn sleep_for_any<const N: usize>(
     readers: [&dyn Woken; N],
     deadline: Option<Instant>,
     also: Option<BorrowedFd>,
 ) -> Result<(), WireError> {
-    // Before the bells are emptied: while they are rung, writers need not ring them again.
+    // Spin before draining: while a notification is pending, writers need not send another.
     let looks_for = readers.iter().map(|reader| reader.looks_for()).max();
     if let Some(time) = looks_for.filter(|time| !time.is_zero())
         && look(&readers, time, deadline)?
@@ -275,7 +281,7 @@ pub fn sleep_for_any<const N: usize>(
     ready::wait(readers.map(Woken::ear), deadline, also)
 }
 
-/// Looks for a message for so long; `false` if none came.
+/// Checks for a message for this time; `false` if none arrived.
 fn look(
     readers: &[&dyn Woken],
     time: Duration,
@@ -296,20 +302,20 @@ fn look(
     }
 }
 
-/// A message in shared memory. Held, it keeps its slot from being used again.
+/// A message in shared memory. While it exists, its slot is not used again.
 pub struct Message<P: Payload + ?Sized> {
     sample: Sample<ipc::Service, P, P::Header>,
 }
 
 impl<P: Payload + ?Sized> Message<P> {
-    /// Who sent it.
+    /// The writer that sent it.
     pub(crate) fn writer(&self) -> WriterId {
         self.sample.origin()
     }
 }
 
 impl Message<[u8]> {
-    /// What stands beside the pixels.
+    /// Header of the image.
     pub fn header(&self) -> &FrameHeader {
         self.sample.user_header()
     }

@@ -1,4 +1,4 @@
-//! One rope of a frame, and where it will be.
+//! One rope of a frame, and the prediction of its shape.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,10 +11,11 @@ use crate::{
     MAX_CONTROL_POINTS, NoShape, Shape, Unit,
 };
 
-/// Which rope: its number, which it keeps from frame to frame, and the run of the chain that gave it.
+/// Identity of a rope: its number, which is constant from frame to frame, and the run of the chain
+/// that assigned it.
 ///
-/// A chain that is restarted numbers its ropes again: a track of another run is never found again, so that no other
-/// rope is taken for it.
+/// A restarted chain numbers its ropes again. A track of an earlier run is never found, so that no
+/// other rope is mistaken for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Track {
     pub(crate) number: u32,
@@ -22,17 +23,18 @@ pub struct Track {
 }
 
 impl Track {
-    /// The rope of this number, in the run that this reader counts so ([`Frame::run`](crate::Frame::run)).
+    /// The rope of this number in a run, as counted by this reader
+    /// ([`Frame::run`](crate::Frame::run)).
     pub fn new(run: u64, number: u32) -> Self {
         Self { number, run }
     }
 
-    /// The rope's number, as messages, files and pictures have it.
+    /// Number of the rope in messages, files and images.
     pub fn number(&self) -> u32 {
         self.number
     }
 
-    /// Which run of the chain it is of, counted by this reader from 1.
+    /// Run of the chain, counted by this reader from 1.
     pub fn run(&self) -> u64 {
         self.run
     }
@@ -44,13 +46,15 @@ impl fmt::Display for Track {
     }
 }
 
-/// How a rope is taken to move between its images, for [`Rope::predict`]: the same that the chain's filter is told.
+/// Motion model of a rope between images, for [`Rope::predict`]. It should equal that of the
+/// chain's filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// The standard deviation of the acceleration of a point on the rope, along each axis, in units/s²
-    /// (`acceleration_px_s2` in the chain's settings). Default: 1000, the chain's in pixels.
+    /// Standard deviation of the acceleration of a point on the rope, along each axis, in units/s²
+    /// (`acceleration_px_s2` in the chain's settings). The default is 1000, the chain's own in
+    /// pixels.
     pub acceleration: f64,
-    /// How long an acceleration lasts before it is another, s. Default: 0.1, the chain's.
+    /// Correlation time of the acceleration, s. The default is 0.1, the chain's own.
     pub lasts_s: f64,
 }
 
@@ -63,26 +67,26 @@ impl Default for Motion {
     }
 }
 
-/// When a rope was seen, and by whom.
+/// Time and source of a rope's observation, with the reader's settings.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moment {
-    /// When the frame was asked for.
+    /// Time of the request for the frame.
     pub(crate) now_ns: u64,
-    /// When the image was taken.
+    /// Exposure time of the image.
     pub(crate) exposed_ns: u64,
     pub(crate) run: u64,
     pub(crate) unit: Option<Unit>,
-    /// From image to image, s; `None` before the second.
+    /// Time from image to image, s; `None` before the second image.
     pub(crate) period_s: Option<f64>,
     pub(crate) motion: Motion,
-    /// Whether a coarse curve is as good as another.
+    /// True if a coarse curve is acceptable.
     pub(crate) coarse: bool,
-    /// The least confidence that is enough.
+    /// Minimum sufficient confidence.
     pub(crate) min_confidence: f32,
 }
 
-/// A rope, as it was when its image was taken. It borrows the message in shared memory from the reader: copy what is to
-/// be kept.
+/// A rope at the time of its image. It borrows the message in shared memory from the reader, so
+/// copy what you keep.
 #[derive(Debug, Clone, Copy)]
 pub struct Rope<'a> {
     descriptor: &'a Descriptor,
@@ -91,30 +95,30 @@ pub struct Rope<'a> {
     moment: Moment,
 }
 
-/// What the reader has of a frame in space.
+/// The part of a frame that describes ropes in space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum InSpace<'a> {
-    /// It does not ask.
+    /// The reader does not follow in space.
     NotFollowed,
-    /// Nothing came for this frame.
+    /// No message exists for this frame.
     None,
-    /// What came.
+    /// The message of this frame.
     Message(&'a Descriptors3),
 }
 
-/// Why it is not known where in space a rope is.
+/// Reason why a rope's position in space is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NoSpace {
-    /// The reader does not ask for it.
+    /// The reader does not follow in space.
     #[error("this reader reads ropes in the image only: have it follow_in_space()")]
     NotFollowed,
-    /// The chain says nothing of space.
+    /// The chain sends no shapes in space.
     #[error(
         "the chain says nothing of space for this frame: it needs a depth camera (lariat run --calibration FILE --depth FILE)"
     )]
     NoDepth,
-    /// It says why not, or its numbers make no curve.
+    /// The message gives a reason, or its numbers do not describe a curve.
     #[error(transparent)]
     NoShape(#[from] NoShape),
 }
@@ -134,7 +138,7 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Which rope it is: give it to [`Frame::rope`](crate::Frame::rope) to have the same one again.
+    /// Identity of the rope. [`Frame::rope`](crate::Frame::rope) finds the same rope by it.
     pub fn track(&self) -> Track {
         Track {
             number: self.descriptor.track,
@@ -142,37 +146,39 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// How long ago the rope had this shape, when the frame was asked for: since its image was taken, and, of a lost one,
-    /// since the last image that it was seen in.
+    /// Age of the shape when the frame was requested: the time since its image was taken, and for a
+    /// lost rope since the last image that showed it.
     pub fn age(&self) -> Duration {
         let before_ns = self.descriptor.age_ns;
         let since_ns = self.moment.now_ns.saturating_sub(self.moment.exposed_ns);
         Duration::from_nanos(since_ns.saturating_add(before_ns))
     }
 
-    /// When its image was taken, in nanoseconds of `CLOCK_MONOTONIC`.
+    /// Exposure time of its image in nanoseconds of `CLOCK_MONOTONIC`.
     pub fn exposed_ns(&self) -> u64 {
         self.moment.exposed_ns
     }
 
-    /// What it is measured in; `None` for a unit that this version does not know.
+    /// Unit of its coordinates; `None` for a unit that this version does not know.
     pub fn unit(&self) -> Option<Unit> {
         self.moment.unit
     }
 
-    /// The points that its curve was fitted to: where it was seen, whether the curve lies on them or not, and of points and
-    /// center too. `None` if who describes it sends none; lariat's own chain always does.
+    /// The points that its curve was fitted to: the observed points, whether or not the curve
+    /// follows them. They exist for feature points and centers too. `None` if the writer sends
+    /// none; lariat's own chain always does.
     pub fn centerline(&self) -> Option<Centerline<'a>> {
         Centerline::of(self.points)
     }
 
-    /// Whether the curve lies on those points; `None` for a number that this version does not know.
+    /// Fit quality of its curve; `None` for a number that this version does not know.
     pub fn fit(&self) -> Option<FitQuality> {
         self.descriptor.fit()
     }
 
-    /// How sure it is that this is a rope, and its centerline whole and in order, 0 to 1: of those at 0.9, nine of ten are.
-    /// Of a lost one, when it was last seen. [`Reader::min_confidence`](crate::Reader::min_confidence) asks for one.
+    /// Calibrated probability, 0 to 1, that this is a rope and its centerline is whole and in
+    /// order. For a lost rope it is that of the last observation.
+    /// [`Reader::min_confidence`](crate::Reader::min_confidence) sets the required minimum.
     pub fn confidence(&self) -> f32 {
         self.descriptor.confidence
     }
@@ -180,25 +186,26 @@ impl<'a> Rope<'a> {
     /// Its curve.
     ///
     /// # Errors
-    /// The chain describes ropes by points or by their center: there is no curve.
+    /// The chain describes ropes by points or by their center instead of a curve.
     pub fn shape(&self) -> Result<Shape<'a>, NoShape> {
         Shape::of(self.descriptor)
     }
 
-    /// Its curve in space, in mm, by what the depth camera shows. What has no place there has no curve, and says why: nothing is
-    /// guessed. A rope that is lost is where it was.
+    /// Its curve in space, in mm, from the depth camera. Without a measured position there is only
+    /// an error that says why; nothing is guessed. A lost rope keeps its last position.
     ///
     /// # Errors
-    /// The reader does not [follow in space](crate::Reader::follow_in_space), the chain has no depth camera, or it is not known
-    /// where the rope is.
+    /// The reader does not [follow in space](crate::Reader::follow_in_space), the chain lacks a
+    /// depth camera, or the rope's position is unknown.
     pub fn in_space(&self) -> Result<Shape<'a, 3>, NoSpace> {
         Ok(Shape::in_space(self.descriptor3()?)?)
     }
 
-    /// All that the message in space says of it.
+    /// Its whole descriptor in space.
     ///
     /// # Errors
-    /// As [`in_space`](Self::in_space), but where the message says why not.
+    /// As for [`in_space`](Self::in_space), except for the reasons that the descriptor itself
+    /// contains.
     pub fn descriptor3(&self) -> Result<&'a Descriptor3, NoSpace> {
         match self.space {
             InSpace::NotFollowed => Err(NoSpace::NotFollowed),
@@ -211,12 +218,14 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Its control points, `[x, y]`: feature points and center too, where the chain describes ropes by those.
+    /// Its control points, `[x, y]`. Feature points or the center, if the chain describes ropes by
+    /// those.
     pub fn control_points(&self) -> &'a [[f64; 2]] {
         self.descriptor.control_points()
     }
 
-    /// The velocities of its control points, units a second; `None` unless the chain filters them (`--filter`).
+    /// Velocities of its control points, units per second; `None` unless the chain filters them
+    /// (`--filter`).
     pub fn velocities(&self) -> Option<&'a [[f64; 2]]> {
         let count = self.descriptor.control_points().len();
         (self.descriptor.filtered == 1).then(|| &self.descriptor.velocities[..count])
@@ -227,28 +236,29 @@ impl<'a> Rope<'a> {
         self.descriptor.length
     }
 
-    /// Which share of it was covered by something, and so bridged: 0 to 1.
+    /// Share of its points that are covered or outside the image, and so interpolated: 0 to 1.
     pub fn hidden(&self) -> f64 {
         let samples = self.descriptor.samples.max(1);
         f64::from(self.descriptor.hidden.min(samples)) / f64::from(samples)
     }
 
-    /// Which of its ends leave the image, first and last: what lies outside is not part of the shape.
+    /// True for each end, first and last, that leaves the image. The shape ends there.
     pub fn leaves_image(&self) -> [bool; 2] {
         [1, 2].map(|bit| self.descriptor.border & bit != 0)
     }
 
-    /// All that the message says of it.
+    /// Its whole descriptor.
     pub fn descriptor(&self) -> &'a Descriptor {
         self.descriptor
     }
 
-    /// Where it will be at the moment `t_ns` (of `CLOCK_MONOTONIC`, as [`now_ns`](crate::now_ns) has it), by its velocities,
-    /// and how uncertain: the covariance grows by what the rope may accelerate until then
+    /// Predicts the rope at the time `t_ns` (of `CLOCK_MONOTONIC`, as [`now_ns`](crate::now_ns))
+    /// from its velocities. The covariance grows by the possible acceleration until then
     /// ([`Reader::expect_motion`](crate::Reader::expect_motion)).
     ///
     /// # Errors
-    /// No curve, no velocities (yet), or a moment before the image or more than [`FARTHEST`] after it.
+    /// The rope has no curve, or its velocities are not known (yet). Also if the time is before the
+    /// image or more than [`FARTHEST`] after it.
     pub fn predict(&self, t_ns: u64) -> Result<Prediction<'a>, NoPrediction> {
         let shape = self.shape()?;
         let velocities = self.velocities().ok_or(NoPrediction::NotFiltered)?;
@@ -286,10 +296,10 @@ impl<'a> Rope<'a> {
     }
 }
 
-/// No prediction goes farther: the chain's own filter begins again after as long without an image.
+/// Maximum prediction horizon. The chain's own filter restarts after as long without an image.
 pub const FARTHEST: Duration = Duration::from_millis(500);
 
-/// A rope where it is thought to be at another moment.
+/// A rope predicted for another time.
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<'a> {
     of: &'a Descriptor,
@@ -299,14 +309,15 @@ pub struct Prediction<'a> {
 }
 
 impl Prediction<'_> {
-    /// Its curve there, with the covariance that it has then.
+    /// Its predicted curve, with the predicted covariance.
     pub fn shape(&self) -> Shape<'_> {
         let count = self.shape.control_points().len();
         self.shape
             .moved(&self.control_points[..count], &self.covariances[..count])
     }
 
-    /// The rope's descriptor with the control points and covariances that it has then. All else is as it was seen.
+    /// The rope's descriptor with predicted control points and covariances. All other fields are as
+    /// observed.
     pub fn to_descriptor(&self) -> Descriptor {
         Descriptor {
             control_points: self.control_points,
@@ -316,22 +327,22 @@ impl Prediction<'_> {
     }
 }
 
-/// Why it is not known where a rope will be.
+/// Reason why a rope cannot be predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NoPrediction {
-    /// It has no curve.
+    /// The rope has no curve.
     #[error(transparent)]
     NoShape(#[from] NoShape),
-    /// Its control points have no velocities.
+    /// Its control points lack velocities.
     #[error("the chain does not filter, so ropes have no velocities: start it with --filter")]
     NotFiltered,
-    /// Of its velocity nothing is known yet.
+    /// Its velocity is not known yet.
     #[error(
         "the rope has been seen once only since it was found or jumped: wait for the next image"
     )]
     JustBegun,
-    /// A moment before the image, or too far from it.
+    /// The time is before the image, or too long after it.
     #[error(
         "a prediction goes from the rope's image to {} ms after it, and this moment is outside: ask for a nearer one, and \
          hold still when the image is older",

@@ -1,9 +1,10 @@
-//! Who runs on the rigs of a domain: what each stage says of itself while it lives.
+//! The roster: which processes run on the rigs of a domain, and with which settings.
 //!
-//! A file for each, in a folder beside the domain's own, which its process holds a lock on: the kernel gives that back
-//! however the process ends, so that what stands in an unlocked file is of the dead, and is removed by whoever finds it.
+//! Each process has a file in a folder next to the domain's own, and holds a lock on it. The kernel
+//! releases the lock however the process ends. An unlocked file thus belongs to a dead process, and
+//! whoever finds it removes it.
 //!
-//! Recorders, `top` and `doctor` read it; no stage depends on it.
+//! Recorders, `top` and `doctor` read the roster; no stage depends on it.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
@@ -14,32 +15,32 @@ use crate::WireError;
 use crate::domain::{Domain, Rig, config_here, root_of};
 use iceoryx2::config::Config;
 
-/// What a file begins with, so that other files are left alone.
+/// Start of every entry, so that other files are left alone.
 const HEAD: &str = "lariat ";
 pub(crate) const FOLDER: &str = "lariat-roster";
-/// No entry is longer: settings are some kilobytes.
+/// Maximum size of an entry. Settings take a few kilobytes.
 const LONGEST_ENTRY: u64 = 1 << 20;
-/// Written to under this ending, and put in place whole.
+/// Suffix of an entry that is being written. It is renamed when it is complete.
 const UNFINISHED: &str = "new";
 
 /// A process that runs on a rig.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Member {
-    /// The rig's name.
+    /// Name of the rig.
     pub rig: String,
-    /// What it is: `capture`, `extract`, `fit`, `sink`, `record`.
+    /// Role of the process: `capture`, `extract`, `fit`, `sink`, `record`.
     pub stage: String,
-    /// Its process.
+    /// Process ID.
     pub pid: u32,
-    /// The release of lariat that it is of.
+    /// Release of lariat.
     pub version: String,
-    /// The folder that it was started in, which relative paths in its settings begin at.
+    /// Folder in which it was started; relative paths in its settings start there.
     pub folder: PathBuf,
-    /// Its settings, as the text of a `lariat.toml`.
+    /// Settings, as the text of a `lariat.toml`.
     pub settings: String,
 }
 
-/// A process's entry: it stands until this is dropped or the process ends.
+/// A process's entry. It exists until this is dropped or the process ends.
 #[derive(Debug)]
 pub struct Announcement {
     path: PathBuf,
@@ -47,10 +48,10 @@ pub struct Announcement {
 }
 
 impl Announcement {
-    /// Says that this process goes by other settings from now on.
+    /// Announces that this process now uses other settings.
     ///
     /// # Errors
-    /// The entry cannot be written; the one before stands.
+    /// The entry cannot be written; the previous one remains.
     pub fn renew(&mut self, settings: &str) -> io::Result<()> {
         self._lock = write_entry(&self.path, settings)?;
         Ok(())
@@ -59,13 +60,13 @@ impl Announcement {
 
 impl Drop for Announcement {
     fn drop(&mut self) {
-        // Gone already, or of no use to anyone: the lock says so.
+        // A failure does no harm: without the lock, the entry counts as dead.
         let _ = fs::remove_file(&self.path);
     }
 }
 
 impl Domain {
-    /// Says that this process is `stage` on `rig`, with these settings.
+    /// Announces that this process is `stage` on `rig`, with these settings.
     ///
     /// # Errors
     /// The entry cannot be written. Nothing else depends on it.
@@ -74,25 +75,25 @@ impl Domain {
     }
 }
 
-/// Who runs on the rigs of the domain that `LARIAT_DOMAIN` names, or of the user's own, by rig and stage. The domain is not
-/// joined.
+/// The processes on the rigs of the domain, by rig and stage. The domain is that of
+/// `LARIAT_DOMAIN`, or the user's own. This call does not join it.
 ///
 /// # Errors
-/// `LARIAT_DOMAIN` is no name.
+/// `LARIAT_DOMAIN` is not a valid name.
 pub fn members() -> Result<Vec<Member>, WireError> {
     Ok(read_folder(&folder_of(&config_here()?)))
 }
 
-/// The path of the socket on which a rig's chain is told what to do, in the domain that `LARIAT_DOMAIN` names, or the user's own:
-/// whoever may join it may tell it.
+/// Path of the socket that controls a rig's chain, in the domain that `LARIAT_DOMAIN` names or in
+/// the user's own. Every process that may join the domain may control the chain.
 ///
 /// # Errors
-/// `LARIAT_DOMAIN` is no name.
+/// `LARIAT_DOMAIN` is not a valid name.
 pub fn control_socket(rig: &Rig) -> Result<PathBuf, WireError> {
     Ok(folder_of(&config_here()?).join(format!("{rig}.control")))
 }
 
-/// Removes what the dead left.
+/// Removes the entries of dead processes.
 pub(crate) fn sweep(config: &Config) {
     read_folder(&folder_of(config));
 }
@@ -108,7 +109,7 @@ fn announce(folder: &Path, rig: &Rig, stage: &str, settings: &str) -> io::Result
     Ok(Announcement { path, _lock: lock })
 }
 
-/// Puts an entry in its place whole, and returns it locked.
+/// Writes an entry atomically and returns it locked.
 fn write_entry(path: &Path, settings: &str) -> io::Result<File> {
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(format!(".{UNFINISHED}"));
@@ -132,7 +133,7 @@ fn read_folder(folder: &Path) -> Vec<Member> {
     members
 }
 
-/// The entry in a file, if its process lives.
+/// Returns the entry in a file if its process is alive.
 fn read(path: &Path) -> Option<Member> {
     let name = path.file_name()?.to_str()?;
     let mut words = name.split('.');
@@ -162,7 +163,7 @@ fn read(path: &Path) -> Option<Member> {
     })
 }
 
-/// Whether a file may be one whose process is about to take its lock.
+/// Returns whether a file is so recent that its process may still be about to lock it.
 fn is_young(file: fs::Metadata) -> bool {
     let age = file.modified().ok().and_then(|at| at.elapsed().ok());
     age.is_none_or(|age| age.as_secs() < 10)
@@ -209,7 +210,7 @@ mod tests {
         entry.lock().unwrap();
         for length in 0..=whole.len() {
             fs::write(&path, &whole[..length]).unwrap();
-            // From the second line's end on it says all but its settings.
+            // Complete from the end of the second line on, except for the settings.
             let says_enough = length >= "lariat 0.1.0\n/home\n".len();
             assert_eq!(read_folder(&folder).len(), usize::from(says_enough));
         }
@@ -217,7 +218,7 @@ mod tests {
             fs::write(&path, bytes).unwrap();
             assert_eq!(read_folder(&folder), []);
         }
-        // As large as it says, and all of it holes.
+        // A sparse file as large as it claims to be.
         entry.set_len(1 << 40).unwrap();
         assert_eq!(read_folder(&folder), []);
         drop(entry);

@@ -1,4 +1,4 @@
-//! What is known of a rope now, as a type that has to be looked at before there is a shape.
+//! State of a rope now, as a type that must be matched before there is a shape.
 
 use std::fmt;
 use std::time::Duration;
@@ -9,10 +9,11 @@ use crate::Rope;
 use crate::rope::{InSpace, Moment};
 use crate::{CenterlinePoints, Descriptor, FitQuality, NoShape, Shape, Status};
 
-/// What is known of a rope.
+/// State of a rope.
 ///
-/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, in an image no older than was asked for, and under its curve. Each other case
-/// has to be taken by its name before there is a shape, so that no wrong one is taken for right:
+/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, on its curve, and in an image no older
+/// than requested. Every other case must be named before it gives a shape, so that no invalid shape
+/// is mistaken for a valid one:
 ///
 /// ```
 /// # use lariat_wire::Seen;
@@ -31,28 +32,30 @@ use crate::{CenterlinePoints, Descriptor, FitQuality, NoShape, Shape, Status};
 pub enum Seen<'a> {
     /// The whole rope.
     Fresh(Rope<'a>),
-    /// The rope, but a part of it is covered by something: that part is bridged by what was seen on its two sides, and
-    /// where it was before.
+    /// The rope, partly covered. The covered part is interpolated from the parts on both sides and
+    /// from its earlier position.
     Partial(Rope<'a>),
-    /// A rope, or what looks like one, and why it is not to be steered by as it is.
+    /// A rope or something similar, with the reason why it must not be used for steering as it is.
     Unsure(Rope<'a>, Doubt),
-    /// The image is fresh, and the rope is not in it; or the camera gives no image. This is where it was.
+    /// The image is fresh but does not show the rope, or the camera gives no image. Contains the
+    /// last known shape.
     Lost(LastKnown<'a>),
-    /// The image is older than was asked for: the chain stands still, or is too slow, or has ended. This is where it was.
+    /// The image is older than requested: the chain hangs, is too slow, or has ended. Contains the
+    /// last known shape.
     Stale(LastKnown<'a>),
     /// There is no shape at all, not even an old one.
     Absent(Absent),
 }
 
 impl<'a> Seen<'a> {
-    /// What a message says of a rope.
+    /// State of a rope in a message.
     pub(crate) fn of(
         (descriptor, points): (&'a Descriptor, &'a CenterlinePoints),
         space: InSpace<'a>,
         moment: Moment,
         max_age: Duration,
     ) -> Self {
-        // Every number in shared memory is somebody else's.
+        // Numbers in shared memory come from another process, so check them all.
         if Shape::of(descriptor).is_err_and(|cause| cause == NoShape::Unreadable) {
             return Self::Absent(Absent::Unreadable);
         }
@@ -62,7 +65,7 @@ impl<'a> Seen<'a> {
         let rope = Rope::new(descriptor, points, space, moment);
         let image_age = moment.now_ns.saturating_sub(moment.exposed_ns);
         let is_stale = u128::from(image_age) > max_age.as_nanos();
-        // What is no number is no confidence.
+        // A NaN counts as no confidence.
         let is_sure = descriptor.confidence >= moment.min_confidence;
         let is_coarse = fit == FitQuality::Coarse && !moment.coarse;
         match status {
@@ -70,7 +73,8 @@ impl<'a> Seen<'a> {
             Status::Lost => Self::Lost(LastKnown(rope)),
             Status::Doubtful => Self::Unsure(rope, Doubt::NoRope),
             Status::Ok | Status::Partial if !is_sure => Self::Unsure(rope, Doubt::LowConfidence),
-            // What is bridged is not seen, what a coarse curve misses is: so that comes first.
+            // The interpolated part is unobserved, but a coarse curve is wrong even where the rope
+            // is visible, so this comes first.
             Status::Ok | Status::Partial if is_coarse => Self::Unsure(rope, Doubt::Coarse),
             Status::Ok => Self::Fresh(rope),
             Status::Partial => Self::Partial(rope),
@@ -78,7 +82,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// As a sentence, for the log.
+/// A sentence for the log.
 impl fmt::Display for Seen<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -120,16 +124,16 @@ impl fmt::Display for Seen<'_> {
     }
 }
 
-/// Why a rope that is seen is not to be steered by.
+/// Reason why an observed rope must not be used for steering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// The curve does not lie on the rope, as one with too few control points for its bends. The
-    /// [centerline](Rope::centerline) does. A loop that wants such a curve all the same says so:
+    /// The curve does not follow the rope, for example with too few control points for its bends.
+    /// The [centerline](Rope::centerline) does. A loop can accept such curves with
     /// [`Reader::accept_coarse`](crate::Reader::accept_coarse).
     #[error("the curve does not lie on the rope, but its centerline does")]
     Coarse,
-    /// It is seen whole, but what is seen may be no rope.
+    /// It is fully visible, but may not be a rope.
     #[error("it may not be a rope, but a shadow, a pen or an edge")]
     NoRope,
     /// Its [confidence](Rope::confidence) is less than required
@@ -138,47 +142,48 @@ pub enum Doubt {
     LowConfidence,
 }
 
-/// A shape that a rope had, and may have no more.
+/// A shape that a rope had, and may no longer have.
 #[derive(Debug, Clone, Copy)]
 pub struct LastKnown<'a>(Rope<'a>);
 
 impl<'a> LastKnown<'a> {
-    /// How long ago the rope was seen with this shape, when the frame was asked for.
+    /// Time since the rope was observed with this shape, when the frame was requested.
     pub fn age(&self) -> Duration {
         self.0.age()
     }
 
-    /// The rope as it was. To look for it, to draw it, or to [predict](Rope::predict) where it went: not to steer by.
+    /// The rope as it was. Use it to search, to draw, or to [predict](Rope::predict) its position,
+    /// but not to steer.
     pub fn as_it_was(&self) -> Rope<'a> {
         self.0
     }
 }
 
-/// Why there is no shape, not even an old one.
+/// Reason why there is no shape, not even an old one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Absent {
-    /// No message has come since the reader was opened.
+    /// No message has arrived since the reader was opened.
     #[error(
         "nothing came yet: the chain does not run, waits for its source or its masks, or has just been joined"
     )]
     NothingYet,
-    /// The last message is older than was asked for, and this rope is not in it.
+    /// The last message is older than requested, and does not contain this rope.
     #[error("nothing came lately: the chain stands still, or has ended")]
     NothingLately,
     /// The camera gives no image.
     #[error("the camera gives no image")]
     NoImage,
-    /// It is not in the image, nor remembered.
+    /// The rope is neither in the image nor remembered.
     #[error("there is no such rope in the image")]
     NoRope,
-    /// The only rope was asked for, and there are several: choose one by its track.
+    /// The only rope was requested, but there are several; choose one by its track.
     #[error("there are several ropes: choose one by its track")]
     Several,
-    /// The track is of a run of the chain that is over: choose a rope again.
+    /// The track belongs to an earlier run of the chain; choose a rope again.
     #[error("the chain was restarted, and numbers ropes again: choose the rope again")]
     OtherRun,
-    /// Its numbers make no rope. A chain of this release sends none such.
+    /// Its numbers do not describe a rope. A chain of this release never sends such a message.
     #[error("the message makes no sense: use the same release of lariat for every process")]
     Unreadable,
 }

@@ -1,5 +1,5 @@
-//! A rope's curve as a control law asks for it: any point of it, where it goes, how it bends, how all that moves with the
-//! control points, and how sure it is.
+//! A rope's curve for control laws: its points, tangents and curvature, their Jacobians with
+//! respect to the control points, and their covariance.
 
 mod covariance;
 mod form;
@@ -20,10 +20,11 @@ use crate::{Descriptor, Descriptor3, MAX_CONTROL_POINTS, Place};
 use form::{Form, Functions};
 use inverse::Inverse;
 
-/// The curve of a descriptor: `f(ρ)`, ρ from 0 at the rope's first end to 1 at its last, in the message's unit.
+/// The curve of a descriptor: `f(ρ)` in the message's unit, with ρ from 0 at the rope's first end
+/// to 1 at its last.
 ///
-/// It reads the descriptor where it lies and allocates nothing. Outside 0 to 1 a polynomial goes on as such, B-splines by
-/// their first and last piece, and a Fourier series around again.
+/// It reads the descriptor in place and does not allocate. Outside 0 to 1, polynomials are
+/// extrapolated, B-splines by their first and last pieces, and a Fourier series repeats.
 ///
 /// ```
 /// use lariat_wire::{Descriptor, Shape};
@@ -37,14 +38,14 @@ use inverse::Inverse;
 /// # Ok::<(), lariat_wire::NoShape>(())
 /// ```
 ///
-/// Of a rope in space it is a `Shape<3>`: [`Shape::in_space`].
+/// The curve of a rope in space is a `Shape<3>`, made by [`Shape::in_space`].
 #[derive(Debug, Clone, Copy)]
 pub struct Shape<'a, const D: usize = 2> {
     form: Form<'a>,
     control_points: &'a [[f64; D]],
-    /// Of each control point the upper half of a symmetric matrix, row by row.
+    /// Upper triangle of each control point's symmetric covariance, row by row.
     covariances: &'a [f64],
-    /// N, the points that were fitted.
+    /// N, the number of fitted points.
     samples: usize,
     closed: bool,
 }
@@ -53,9 +54,9 @@ impl<'a> Shape<'a, 2> {
     /// The curve of this descriptor.
     ///
     /// # Errors
-    /// The descriptor is of points or of the center, or its numbers do not agree with each other.
+    /// The descriptor has points or a center instead of a curve, or its numbers are inconsistent.
     pub fn of(descriptor: &'a Descriptor) -> Result<Self, NoShape> {
-        // Each is read once: a message may lie in shared memory, where its writer may have lost its wits.
+        // Read once, because a faulty writer may change shared memory at any time.
         let [count, samples] =
             [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
         let functions = Functions {
@@ -73,7 +74,7 @@ impl<'a> Shape<'a, 2> {
         )
     }
 
-    /// The same functions with other control points, as many, and their covariances.
+    /// The same curve functions with as many other control points and their covariances.
     pub(crate) fn moved(self, control_points: &'a [[f64; 2]], covariances: &'a [[f64; 3]]) -> Self {
         Self {
             control_points,
@@ -82,14 +83,15 @@ impl<'a> Shape<'a, 2> {
         }
     }
 
-    /// The direction across the curve at `rho`, of length 1: its tangent turned from the x axis towards the y axis, which in
-    /// an image, whose y points down, is to the right of its way. `None` where it has no tangent.
+    /// Unit normal of the curve at `rho`: the tangent turned from the x axis towards the y axis. In
+    /// an image, where y points down, it points to the right of the direction of travel. `None` if
+    /// the tangent is undefined.
     pub fn normal_at(&self, rho: f64) -> Option<[f64; 2]> {
         self.tangent_at(rho).map(|[x, y]| [-y, x])
     }
 
-    /// One by the radius of the circle that the curve follows at `rho`, positive where it turns towards its
-    /// [normal](Self::normal_at). `None` where it stands still.
+    /// Signed curvature at `rho`: one over the radius, positive if the curve turns towards its
+    /// [normal](Self::normal_at). `None` where the derivative vanishes.
     pub fn curvature_at(&self, rho: f64) -> Option<f64> {
         let [_, velocity, acceleration] = self.jet(rho);
         let speed = norm(velocity);
@@ -97,13 +99,13 @@ impl<'a> Shape<'a, 2> {
         (speed > self.rounding()).then(|| turning / speed.powi(3))
     }
 
-    /// How uncertain all control points are together.
+    /// Joint covariance of all control points.
     pub fn covariance(&self) -> Covariance<'a> {
         Covariance::of(*self)
     }
 
-    /// How uncertain the point at `rho` is: `[xx, xy, yy]`, in the unit's square. Is as right as
-    /// [`Covariance::is_exact`] says.
+    /// Covariance of the point at `rho`: `[xx, xy, yy]`, in the unit squared.
+    /// [`Covariance::is_exact`] tells whether it is exact.
     pub fn covariance_at(&self, rho: f64) -> [f64; 3] {
         self.covariance().of_point(rho)
     }
@@ -113,9 +115,9 @@ impl<'a> Shape<'a, 3> {
     /// The curve of a rope in space.
     ///
     /// # Errors
-    /// It is not known where the rope is; or as [`Shape::of`].
+    /// The rope's position in space is unknown, or the descriptor is invalid as for [`Shape::of`].
     pub fn in_space(descriptor: &'a Descriptor3) -> Result<Self, NoShape> {
-        // Each is read once, as above.
+        // Read once, as in [`Shape::of`].
         let [count, samples] =
             [&descriptor.count, &descriptor.samples].map(|number| *black_box(number) as usize);
         let place = descriptor.place().ok_or(NoShape::Unreadable)?;
@@ -137,7 +139,7 @@ impl<'a> Shape<'a, 3> {
         )
     }
 
-    /// One by the radius of the circle that the curve follows at `rho`, 1/mm. `None` where it stands still.
+    /// Curvature at `rho`, 1/mm. `None` where the derivative vanishes.
     pub fn curvature_at(&self, rho: f64) -> Option<f64> {
         let [_, v, a] = self.jet(rho);
         let speed = norm(v);
@@ -150,7 +152,8 @@ impl<'a> Shape<'a, 3> {
 }
 
 impl<'a, const D: usize> Shape<'a, D> {
-    /// Of so many control points, fitted to so many samples: whole arrays of a descriptor, of which that many are meant.
+    /// Creates a shape of `count` control points, fitted to `samples` points, from the whole arrays
+    /// of a descriptor.
     fn made_of(
         functions: Functions<'a>,
         control_points: &'a [[f64; D]; MAX_CONTROL_POINTS],
@@ -168,12 +171,12 @@ impl<'a, const D: usize> Shape<'a, D> {
         })
     }
 
-    /// What it is made of; of a closed rope the coefficients of its Fourier series.
+    /// The control points; for a closed rope, the coefficients of its Fourier series.
     pub fn control_points(&self) -> &'a [[f64; D]] {
         self.control_points
     }
 
-    /// Whether it ends where it begins.
+    /// Returns whether the curve is closed.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
@@ -184,17 +187,18 @@ impl<'a, const D: usize> Shape<'a, D> {
         point
     }
 
-    /// The point of the curve that is nearest to `point`: of ρ from 0 to 1.
+    /// The nearest point of the curve to `point`, for ρ from 0 to 1.
     pub fn nearest(&self, point: [f64; D]) -> Nearest<D> {
         nearest::nearest(self, point)
     }
 
-    /// `N` points of the curve at even steps of ρ: from its first end to its last, or once around a closed one.
+    /// `N` points of the curve at equal steps of ρ: from end to end, or once around a closed curve.
     pub fn points<const N: usize>(&self) -> [[f64; D]; N] {
         std::array::from_fn(|i| self.point_at(self.even_rho(i, N)))
     }
 
-    /// The `i`-th of `count` values of ρ in even steps: from 0 to 1, or, once around, to one step before 1.
+    /// The `i`-th of `count` equally spaced values of ρ: from 0 to 1, or from 0 to one step before
+    /// 1 on a closed curve.
     pub fn even_rho(&self, i: usize, count: usize) -> f64 {
         match count {
             _ if self.closed => i as f64 / count as f64,
@@ -203,14 +207,15 @@ impl<'a, const D: usize> Shape<'a, D> {
         }
     }
 
-    /// The velocity by ρ at `rho`: `f′(ρ)`.
+    /// The derivative with respect to ρ at `rho`: `f′(ρ)`.
     pub fn derivative_at(&self, rho: f64) -> [f64; D] {
         let [_, velocity] = self.jet(rho);
         velocity
     }
 
-    /// The direction in which the curve goes at `rho`, of length 1. Where the curve stands still there (a cusp, control
-    /// points one upon the other), the one in which it goes on, or, at its end, comes; `None` if it is a point.
+    /// Unit tangent at `rho`. If the derivative vanishes, as in a cusp or with coincident
+    /// control points, it is the direction in which the curve continues, or at its end arrives.
+    /// `None` if the curve is a point.
     pub fn tangent_at(&self, rho: f64) -> Option<[f64; D]> {
         let [_, velocity, acceleration] = self.jet(rho);
         let still = self.rounding();
@@ -227,8 +232,9 @@ impl<'a, const D: usize> Shape<'a, D> {
         (turn > 2.0 * self.rate() * still).then(|| acceleration.map(|c| sign * c / turn))
     }
 
-    /// How much the point at `rho` moves with each control point: `∂f(ρ)/∂sⱼ`, one number for each, the same for every
-    /// axis. With `s` moved by `ds`, the point moves by `Σⱼ Jⱼ dsⱼ`.
+    /// Jacobian of the point at `rho` with respect to the control points: `∂f(ρ)/∂sⱼ`, one number
+    /// per control point, the same for every axis. If the control points move by `ds`, the point
+    /// moves by `Σⱼ Jⱼ dsⱼ`.
     pub fn jacobian_at(&self, rho: f64) -> Jacobian {
         let [values] = self.rows(rho);
         Jacobian {
@@ -241,7 +247,7 @@ impl<'a, const D: usize> Shape<'a, D> {
         rows::rows(&self.form, self.control_points.len(), rho)
     }
 
-    /// The point and its derivatives by ρ.
+    /// The point and its derivatives with respect to ρ.
     fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {
         self.rows::<K>(rho).map(|row| {
             let mut sum = [0.0; D];
@@ -254,7 +260,7 @@ impl<'a, const D: usize> Shape<'a, D> {
         })
     }
 
-    /// How much of a derivative can be rounding.
+    /// Bound on the rounding error of a derivative.
     fn rounding(&self) -> f64 {
         let largest = self.control_points.iter().flatten();
         let largest = largest.fold(0.0f64, |size, c| size.max(c.abs()));
@@ -262,7 +268,7 @@ impl<'a, const D: usize> Shape<'a, D> {
         16.0 * f64::EPSILON * count * self.rate() * largest
     }
 
-    /// How much larger a derivative by ρ can be than the curve.
+    /// Bound on the ratio of a derivative with respect to ρ to the size of the curve.
     fn rate(&self) -> f64 {
         let count = self.control_points.len() as f64;
         match self.form {
@@ -277,7 +283,7 @@ impl<'a, const D: usize> Shape<'a, D> {
     }
 }
 
-/// How much a point of a curve moves with each of its control points: as many numbers as there are of those.
+/// Jacobian of a point of a curve with respect to its control points: one number for each of them.
 #[derive(Debug, Clone, Copy)]
 pub struct Jacobian {
     values: [f64; MAX_CONTROL_POINTS],

@@ -1,29 +1,35 @@
-#![allow(unsafe_code)] // Two system calls that rustix does not have.
-//! Short slices: a thread that asks for less of a core at a time has it sooner when it wakes, without any privilege.
+#![allow(unsafe_code)] // Two system calls that rustix lacks.
+//! Short time slices: a thread that requests shorter slices is scheduled sooner when it wakes,
+//! without any privilege.
 //!
-//! A kernel of 6.12 or later (EEVDF) lets a thread that wakes run before one whose slice is longer, and keeps nobody on a core beyond its own slice. The
-//! usual slice is 1.4 ms on two cores and 2.8 on eight, which is what a thread otherwise waits for whatever program has its core. Older kernels go on as they do.
+//! Linux 6.12 and later (EEVDF) lets a waking thread preempt one with a longer slice, and takes the
+//! core from each thread after its slice. The usual slice is 1.4 ms on two cores and 2.8 ms on
+//! eight. Without short slices, a thread waits that long for another program on its core. Older
+//! kernels are unaffected.
 
-/// The shortest there is.
+/// The shortest slice that the kernel grants.
 const SLICE_NS: u64 = 100_000;
 
-/// Asks for short slices of a core for the calling thread, for a control loop that may not have realtime priority: when a message wakes it, it need
-/// not wait for the end of another program's slice. Any user may; it needs Linux 6.12, and changes nothing on older ones.
+/// Requests short time slices for the calling thread, for a control loop without realtime priority.
+/// When a message wakes the thread, it need not wait until another program's slice ends. This needs
+/// no privilege. It requires Linux 6.12 and does nothing on older kernels.
 ///
-/// Its share of a busy core stays, in shorter pieces, and so do its niceness and the slices of other threads; threads that it starts later have short
-/// ones too. A thread of realtime priority is left alone. No reader does this by itself: a thread belongs to its program, which may do more in it
-/// than read.
+/// The thread keeps its share of a busy core, in shorter pieces, and its niceness. Other threads
+/// are unaffected, but threads that it starts later inherit the short slices. A thread of realtime
+/// priority is left alone. Readers never call this themselves, because a thread belongs to its
+/// program, which may use it for more than reading.
 pub fn take_short_slices() {
     if let Some(mut attributes) = attributes()
         && attributes.sched_policy == libc::SCHED_OTHER as u32
     {
         attributes.sched_runtime = SLICE_NS;
-        // SAFETY: the kernel only reads it, as far as its `size`, which the kernel itself has written. Not to be had is no fault.
+        // SAFETY: the kernel only reads the struct, up to the `size` that it wrote itself. Failure
+        // is harmless.
         unsafe { libc::syscall(libc::SYS_sched_setattr, 0, &raw const attributes, 0) };
     }
 }
 
-/// How the calling thread is scheduled.
+/// Scheduling attributes of the calling thread.
 fn attributes() -> Option<libc::sched_attr> {
     let mut attributes = libc::sched_attr {
         size: 0,
@@ -36,7 +42,8 @@ fn attributes() -> Option<libc::sched_attr> {
         sched_period: 0,
     };
     let size = size_of_val(&attributes) as u32;
-    // SAFETY: of this thread (0), the kernel writes at most `size` bytes to what is as large and lives here.
+    // SAFETY: for this thread (0), the kernel writes at most `size` bytes into a struct of that
+    // size.
     let read = unsafe { libc::syscall(libc::SYS_sched_getattr, 0, &raw mut attributes, size, 0) };
     (read == 0).then_some(attributes)
 }
@@ -60,7 +67,7 @@ mod tests {
             assert_eq!(nice, (before_nice + 3).min(19));
             take_short_slices();
             assert_eq!(niceness(), nice);
-            // Kernels that have no slices to be asked for say 0.
+            // Kernels without adjustable slices report 0.
             if before > 0 {
                 assert_eq!(of_thread(), SLICE_NS);
             }

@@ -1,4 +1,4 @@
-//! Which channels there are in a domain, and who is at their ends, without becoming a reader of any.
+//! Lists the channels of a domain and the processes at their ends, without becoming a reader.
 
 use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::prelude::*;
@@ -9,51 +9,52 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use crate::channel::{self, Payload, describe};
 use crate::{Domain, Rig, WireError, memory, tidy};
 
-/// A channel of a rig, as it is.
+/// State of a channel of a rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelState {
     /// The rig.
     pub rig: Rig,
-    /// The channel's name on it: `frames`, `masks`, `centerlines`, `descriptors`, `truth` or `commands`.
+    /// Name of the channel: `frames`, `masks`, `centerlines`, `descriptors`, `truth` or `commands`.
     pub channel: &'static str,
-    /// The versioned name of the messages that it carries.
+    /// Versioned name of the messages that it carries.
     pub message: String,
-    /// The one that this program was made for.
+    /// Versioned name of the messages that this program expects.
     pub ours: String,
-    /// Whether its writer waits for slow readers.
+    /// True if its writer waits for slow readers.
     pub lossless: bool,
-    /// How many messages may wait for a reader.
+    /// Maximum number of messages that wait for a reader.
     pub buffer: usize,
-    /// How many readers there can be.
+    /// Maximum number of readers.
     pub most_readers: usize,
-    /// Who is there; `None` if that cannot be told, as it carries messages of another version.
+    /// Processes at its ends; `None` if unknown, because it carries messages of another version.
     pub ends: Option<ChannelEnds>,
 }
 
-/// Who is at the ends of a channel.
+/// Processes at the ends of a channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelEnds {
-    /// The writer, if it is there.
+    /// The writer, if there is one.
     pub writer: Option<ChannelWriter>,
-    /// The process of each reader, in ascending order: one that reads twice is there twice.
+    /// Process ID of each reader, in ascending order. A process with two readers appears twice.
     pub readers: Vec<u32>,
 }
 
-/// The writer of a channel, and the shared memory of its messages.
+/// Writer of a channel, and the shared memory of its messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelWriter {
-    /// Its process.
+    /// Process ID.
     pub pid: u32,
-    /// How many messages there is room for.
+    /// Number of messages that fit.
     pub slots: usize,
-    /// Bytes of the largest message, without what stands beside it.
+    /// Size of the largest message in bytes, without its header.
     pub message_bytes: usize,
-    /// Bytes of shared memory that all slots take.
+    /// Shared memory of all slots in bytes.
     pub shared_bytes: u64,
 }
 
 impl Domain {
-    /// The channels that some process has open, by rig and in the order of a frame's way. None is made or held.
+    /// The channels that any process has open, by rig and in the order in which a frame passes
+    /// them. This call neither creates a channel nor keeps it open.
     ///
     /// # Errors
     /// The transport's folder cannot be read.
@@ -67,7 +68,7 @@ impl Domain {
         });
         listed.map_err(|cause| WireError::transport("listing the channels", cause))?;
         found.sort_by(|a: &(Rig, usize), b| (a.0.as_str(), a.1).cmp(&(b.0.as_str(), b.1)));
-        // A channel and its bell are two services.
+        // A channel and its event service are two services.
         found.dedup();
         let states = found
             .iter()
@@ -75,14 +76,14 @@ impl Domain {
         Ok(states.collect())
     }
 
-    /// One channel of a rig as it is; `None` if no process has it open, or there is none of that name.
+    /// State of one channel of a rig; `None` if no process has it open, or the name is unknown.
     pub fn channel(&self, rig: &Rig, name: &str) -> Option<ChannelState> {
         let passing = self.door.pass().ok()?;
         tidy::remove_half_made(self.config(), &passing);
         self.state(rig, name)
     }
 
-    /// To be called while passing: it opens the channel for a moment.
+    /// Opens the channel for a moment; the caller must hold the door's pass.
     fn state(&self, rig: &Rig, name: &str) -> Option<ChannelState> {
         let channel = channel::ALL.iter().find(|known| known.name == name)?;
         let name = ServiceName::new(&format!("lariat/{rig}/{name}")).ok()?;
@@ -93,7 +94,7 @@ impl Domain {
         let types = kept.message_type_details();
         let message = describe(&types.payload, &types.user_header);
         let ours = (channel.types)();
-        // Opened as another type, it would be refused.
+        // Opening it as another type would fail.
         let ends = (message == ours)
             .then(|| (channel.ends)(self, &name))
             .flatten();
@@ -110,7 +111,8 @@ impl Domain {
     }
 }
 
-/// The rig and the place among [all channels](channel::ALL) that a service's name stands for, if it is one of lariat's.
+/// The rig and the index into [all channels](channel::ALL) of a service's name, if it belongs to
+/// lariat.
 fn place_of(service: &str) -> Option<(Rig, usize)> {
     let (rig, channel) = service.strip_prefix("lariat/")?.split_once('/')?;
     let channel = channel.strip_suffix("-ready").unwrap_or(channel);
@@ -120,7 +122,7 @@ fn place_of(service: &str) -> Option<(Rig, usize)> {
     Some((rig.parse().ok()?, place))
 }
 
-/// Who is at the ends of a channel whose messages are of elements of so many bytes.
+/// Processes at the ends of a channel whose messages consist of elements of this many bytes.
 pub(crate) fn ends_of<P: Payload + ?Sized>(
     service: &PortFactory<ipc::Service, P, P::Header>,
     element: usize,
@@ -137,7 +139,7 @@ pub(crate) fn ends_of<P: Payload + ?Sized>(
         writer = Some(ChannelWriter {
             pid: process(&publisher.node_id),
             slots: publisher.number_of_samples,
-            // Of a message of one size the transport says: one element.
+            // For a message of fixed size, the transport reports one element.
             message_bytes: publisher.max_slice_len * element,
             shared_bytes: memory::segment_bytes(&publisher.publisher_id.value().to_string()),
         });
@@ -146,7 +148,7 @@ pub(crate) fn ends_of<P: Payload + ?Sized>(
     ChannelEnds { writer, readers }
 }
 
-/// The process that a node is of; 0 if its number does not say.
+/// Process ID of a node; 0 if it is not known.
 fn process(node: &UniqueNodeId) -> u32 {
     let pid = node.pid::<ipc::Service>().map_or(0, |pid| pid.value());
     u32::try_from(pid).unwrap_or(0)

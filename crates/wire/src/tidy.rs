@@ -1,17 +1,19 @@
-//! What dead processes left in a domain, half made, whole or half removed, is removed while others live in it; and all of it when
-//! nobody does.
+//! Removes what dead processes left in a domain, in whatever state, while others live in it. If
+//! none does, it removes everything.
 //!
-//! Whoever calls this is passing the [`door`](crate::door): no other process makes or removes anything meanwhile. The transport's own
-//! clean-up takes what a process left that was killed in the middle of its life. It is not safe against kills at
-//! other moments: each state that a death between two system calls leaves is told here by what the transport reads it from.
+//! Callers hold the pass of the [`door`](crate::door), so no other process creates or removes
+//! anything meanwhile. The transport's own cleanup handles a process that was killed in normal
+//! operation, but is not safe against kills at other moments. Every state that a death between two
+//! system calls leaves is recognized here from the data that the transport itself reads.
 //!
-//! | left | known by | otherwise |
+//! | left behind | recognized by | consequence if not removed |
 //! |---|---|---|
-//! | shared memory half made | no size, or not yet readable | whoever opens it waits without end |
-//! | a service's file half written | its permissions | `HangsInCreation` |
-//! | a node half made or half removed | no lock is held on its file, or its files are not all there | it is no node to the transport, and its ports stay |
-//! | a service without nodes | no living node has its tag | `IsMarkedForDestruction` |
-//! | a port's memory and socket | no living node has its tag | they stay |
+//! | half-created shared memory | no size, or not yet readable | opening it blocks forever |
+//! | half-written file of a service | its permissions | `HangsInCreation` |
+//! | half-created or half-removed node | no lock on its file, or files are missing | the transport
+//! does not see a node, and its ports stay |
+//! | service without nodes | no living node has its tag | `IsMarkedForDestruction` |
+//! | memory and socket of a port | no living node has its tag | they stay |
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
@@ -28,15 +30,15 @@ use crate::leftovers::mapped_files;
 use crate::memory::SHM;
 use crate::roster;
 
-/// What a file's owner may do with shared memory that is whole.
+/// Permission of the owner on complete shared memory.
 const READABLE: u32 = 0o400;
-/// The file of a service, a node or a tag can be written until it is whole.
+/// Permissions of a service, node or tag file until it is complete.
 const HALF_WRITTEN: u32 = 0o600;
-/// What a node's monitor has beside its own file.
+/// Suffixes of the files that a node's monitor has in addition to its own.
 const OWNER_LOCK: &str = "_owner_lock";
 const CONTEXT: &str = "_context";
 
-/// Finishes what the dead began.
+/// Completes what dead processes began.
 pub(crate) fn finish(config: &Config, passing: &Passing) {
     remove_half_made(config, passing);
     let domain = Paths::new(config);
@@ -48,7 +50,8 @@ pub(crate) fn finish(config: &Config, passing: &Passing) {
     roster::sweep(config);
 }
 
-/// Removes what a process was about to make when it was killed: nobody can open it, and who tries may wait without end.
+/// Removes what a process was creating when it was killed. It cannot be opened, and trying may
+/// block forever.
 pub(crate) fn remove_half_made(config: &Config, _passing: &Passing) {
     let domain = Paths::new(config);
     for path in domain.shared() {
@@ -61,7 +64,7 @@ pub(crate) fn remove_half_made(config: &Config, _passing: &Passing) {
     remove_half_written(&domain.services);
 }
 
-/// Removes the files that are still to be written. What they were to tell of has not been made yet.
+/// Removes files that are not complete yet. The objects that they describe have not been created.
 fn remove_half_written(folder: &Path) {
     for path in files(folder) {
         let is_half_written = fs::symlink_metadata(&path)
@@ -72,12 +75,12 @@ fn remove_half_written(folder: &Path) {
     }
 }
 
-/// Removes every file of a domain in which nobody lives.
+/// Removes every file of a domain without living processes.
 pub(crate) fn remove_all(config: &Config, _passing: &Passing) {
     let domain = Paths::new(config);
     let shared = domain.shared();
     if !shared.is_empty() {
-        // Its folder may have been removed under a chain that runs.
+        // The domain's folder may have been removed under a running chain.
         let mapped = mapped_files();
         let is_mapped = |path: &Path| mapped.iter().any(|file| Path::new(file) == path);
         for path in shared.into_iter().filter(|path| !is_mapped(path)) {
@@ -87,7 +90,7 @@ pub(crate) fn remove_all(config: &Config, _passing: &Passing) {
     remove_below(&domain.root);
 }
 
-/// Whether a node lives here, of whatever program on the transport.
+/// Returns whether a node of any program on the transport lives here.
 pub(crate) fn has_living_nodes(config: &Config) -> bool {
     !living_nodes(config).is_empty()
 }
@@ -96,7 +99,7 @@ fn remove_below(folder: &Path) {
     for path in files(folder) {
         if path.symlink_metadata().is_ok_and(|data| data.is_dir()) {
             remove_below(&path);
-            // One that is locked stays, and is empty.
+            // A locked folder stays, and is empty.
         } else {
             let _ = fs::remove_file(path);
         }
@@ -109,7 +112,7 @@ fn remove_below(folder: &Path) {
     }
 }
 
-/// The numbers of the nodes whose processes live.
+/// IDs of the nodes whose processes live.
 fn living_nodes(config: &Config) -> BTreeSet<u128> {
     let mut living = BTreeSet::new();
     let _ = Node::<ipc::Service>::list(config, |node| {
@@ -121,7 +124,8 @@ fn living_nodes(config: &Config) -> BTreeSet<u128> {
     living
 }
 
-/// Has the transport remove what dead nodes left, after each was made to look as if it had died in the middle of its life.
+/// Makes the transport remove what dead nodes left, after each has been made to look as if it had
+/// died in normal operation.
 fn remove_dead_nodes(config: &Config, domain: &Paths) {
     let living = living_nodes(config);
     let found = domain.nodes();
@@ -130,7 +134,7 @@ fn remove_dead_nodes(config: &Config, domain: &Paths) {
     }
     for dead in found.difference(&living) {
         remove_half_written(&domain.nodes.join(dead.to_string()));
-        // What cannot be written now is tried again by the next.
+        // If it cannot be written now, the next process tries again.
         let _ = domain.complete_monitor(*dead);
     }
     let mut dead = Vec::new();
@@ -141,13 +145,14 @@ fn remove_dead_nodes(config: &Config, domain: &Paths) {
         CallbackProgression::Continue
     });
     for id in dead {
-        // The transport reads a node's settings from a file that may be gone already, and would look in another domain.
+        // The transport reads a node's settings from a file that may already be gone, and would
+        // then use another domain.
         let details = NodeDetails::__internal_new(&None, config);
         let _ = DeadNodeView::<ipc::Service>::__internal_try_remove_stale_resources(id, details);
     }
 }
 
-/// Removes the services that no living node has open, and returns the numbers of those that stay.
+/// Removes the services that no living node has open. Returns the IDs of the others.
 fn remove_left_services(domain: &Paths, tags: &BTreeSet<String>) -> BTreeSet<u128> {
     let mut stay = BTreeSet::new();
     for path in files(&domain.services) {
@@ -166,7 +171,7 @@ fn remove_left_services(domain: &Paths, tags: &BTreeSet<String>) -> BTreeSet<u12
     stay
 }
 
-/// Removes shared memory and sockets whose ports and services are no living node's.
+/// Removes shared memory and sockets whose ports and services belong to no living node.
 fn remove_left_ports(domain: &Paths, tags: &BTreeSet<String>, services: &BTreeSet<u128>) {
     let is_left = |stem: &str| {
         let ids: Option<Vec<u128>> = stem.split('_').map(|word| word.parse().ok()).collect();
@@ -176,7 +181,7 @@ fn remove_left_ports(domain: &Paths, tags: &BTreeSet<String>, services: &BTreeSe
         })
     };
     for path in domain.shared() {
-        // Before the numbers stands the kind's own word.
+        // A word for the kind precedes the numbers.
         let stem = domain.stem(&path).and_then(|stem| stem.split_once('_'));
         if stem.is_some_and(|(_, stem)| is_left(stem)) {
             let _ = fs::remove_file(path);
@@ -195,9 +200,10 @@ pub(crate) fn shared_memory(config: &Config) -> Vec<PathBuf> {
     Paths::new(config).shared()
 }
 
-/// Removes the file in which the transport counts nodes while it creates one. The transport creates it with mode 0666, and any user who
-/// changes it keeps all processes from joining the domain. It is not needed: a node's number contains the process's id and the time,
-/// and the lock lets one process at a time create a node.
+/// Removes the file in which the transport counts nodes while it creates one. It has mode 0666, and
+/// any user who changes it keeps all processes from joining the domain. It is not needed: a node's
+/// ID contains the process ID and the time, and the lock allows only one process at a time to
+/// create a node.
 pub(crate) fn remove_counter(config: &Config, _passing: &Passing) {
     let ending = config.global.node.global_mgmt_suffix.to_string();
     for path in shared_memory(config) {
@@ -207,7 +213,7 @@ pub(crate) fn remove_counter(config: &Config, _passing: &Passing) {
     }
 }
 
-/// A service's number, as the text of its file has it in two halves.
+/// A service's ID, which its file contains in two halves.
 fn service_id(text: &str) -> Option<u128> {
     let half = |name: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(name))?;
@@ -217,7 +223,7 @@ fn service_id(text: &str) -> Option<u128> {
     Some(u128::from(high) << 64 | u128::from(low))
 }
 
-/// Where a domain's files are.
+/// Paths of a domain's files.
 struct Paths {
     root: PathBuf,
     nodes: PathBuf,
@@ -248,13 +254,13 @@ impl Paths {
         all
     }
 
-    /// A file's name between the domain's prefix and its ending.
+    /// A file's name between the domain's prefix and its extension.
     fn stem<'a>(&self, path: &'a Path) -> Option<&'a str> {
         let name = path.file_name()?.to_str()?.strip_prefix(&self.prefix)?;
         name.split('.').next()
     }
 
-    /// The nodes that anything is left of: a folder, or files of their monitors.
+    /// The nodes that have anything left: a folder, or files of their monitors.
     fn nodes(&self) -> BTreeSet<u128> {
         let number = |path: PathBuf| {
             let name = path.file_name()?.to_str()?;
@@ -263,7 +269,7 @@ impl Paths {
         files(&self.nodes).into_iter().filter_map(number).collect()
     }
 
-    /// The names of the services and ports that these nodes have, or are about to make.
+    /// Names of the services and ports that these nodes have, or are about to create.
     fn tags(&self, nodes: &BTreeSet<u128>) -> BTreeSet<String> {
         let folders = nodes.iter().map(|node| self.nodes.join(node.to_string()));
         let all = folders.flat_map(|folder| files(&folder));
@@ -271,7 +277,7 @@ impl Paths {
             .collect()
     }
 
-    /// Makes the files that tell the transport that a node is dead.
+    /// Creates the files that tell the transport that a node is dead.
     fn complete_monitor(&self, node: u128) -> io::Result<()> {
         let file = |ending: &str| {
             let name = format!("{}{node}{}{ending}", self.prefix, self.monitor);
@@ -283,7 +289,7 @@ impl Paths {
             }
             fs::set_permissions(&path, Permissions::from_mode(0o600))?;
         }
-        // The number of a process: that of none.
+        // A process ID that no process has.
         let context = file(CONTEXT);
         let _ = fs::remove_file(&context);
         File::create(&context)?.write_all(&0u128.to_ne_bytes())?;

@@ -1,12 +1,16 @@
-#![allow(unsafe_code)] // A listener may go to another thread, which the transport's own counters do not know.
-//! The process's umask, kept from the transport.
+#![allow(unsafe_code)] // Listeners move between threads despite their non-atomic counters.
+//! Protects the process's umask from the transport.
 //!
-//! iceoryx2 0.10 gives the socket of a new listener its rights by the process's umask: it sets 0177, binds, and sets again what was there.
-//! (Nothing else of it touches the umask.) What another thread makes in that moment has wrong rights, a program that it starts keeps
-//! 0177, and of two threads that make listeners at once, each in a domain, one may leave it to the process for good. So a listener is made
-//! in a thread that shares no umask with the others, which the kernel grants to whoever asks. Where a sandbox forbids that, as containers
-//! do, one thread at a time makes one: the umask comes back, but until then, for microseconds, it is everybody's. So it is if a program
-//! uses iceoryx2 itself beside lariat, which knows none of this.
+//! iceoryx2 0.10 sets the permissions of a new listener's socket through the process's umask: it
+//! sets 0177, binds, and restores the previous value. It uses the umask for nothing else. Files
+//! that another thread creates in between get wrong permissions, and a child process started in
+//! between keeps 0177. If two threads create listeners at once, each in its own domain, the process
+//! may even keep 0177 for good.
+//!
+//! A listener is therefore created in a thread that does not share its umask, which Linux permits
+//! to any process. Sandboxes such as containers may forbid it. Then only one thread at a time
+//! creates a listener: the umask is restored, but for microseconds the whole process has 0177. The
+//! same happens if a program uses iceoryx2 directly alongside lariat.
 
 use std::panic;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,23 +25,25 @@ use crate::door::Held;
 
 type Made = Result<Listener<ipc::Service>, ListenerCreateError>;
 
-/// Makes a listener.
+/// Creates a listener.
 pub(crate) fn listener(service: &Arc<Held<PortFactory<ipc::Service>>>) -> Made {
     let apart = {
         let service = service.clone();
         move || {
-            // SAFETY: the thread goes on sharing its descriptors. What it no longer shares are umask and folders.
+            // SAFETY: the thread still shares its file descriptors; only the umask and the working
+            // directory are separate.
             let _ = unsafe { unshare_unsafe(UnshareFlags::FS) };
             Sent(one_at_a_time(&service))
         }
     };
-    // No `thread::scope`: it would leave this thread's handle behind, which valgrind finds in programs in C.
+    // `thread::scope` would leave this thread's handle behind, which valgrind reports in C
+    // programs.
     match thread::Builder::new().spawn(apart) {
         Ok(thread) => match thread.join() {
             Ok(made) => made.0,
             Err(cause) => panic::resume_unwind(cause),
         },
-        // No more threads may be had.
+        // The thread limit is reached.
         Err(_) => one_at_a_time(service),
     }
 }
@@ -48,11 +54,11 @@ fn one_at_a_time(service: &PortFactory<ipc::Service>) -> Made {
     service.listener_builder().create()
 }
 
-/// Given by the thread that made it to the one that asked.
+/// A listener on its way from the thread that created it to the caller.
 struct Sent(Made);
 
-// SAFETY: what keeps a listener from being `Send` is a counted reference without atomics, of which it has the only one. Its service is
-// counted with atomics; the transport keeps nothing by thread.
+// SAFETY: a listener is not `Send` because of one non-atomic reference count, and this is the only
+// reference. Its service is counted atomically, and the transport keeps nothing per thread.
 unsafe impl Send for Sent {}
 
 #[cfg(test)]
@@ -65,7 +71,7 @@ mod tests {
 
     #[test]
     fn in_a_sandbox_threads_that_make_listeners_leave_the_umask_as_it_was() {
-        // In a process of its own: other tests are to keep their umask.
+        // In a separate process, so that other tests keep their umask.
         let maker = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "umask::tests::maker", "--include-ignored"])
             .output()
@@ -94,7 +100,7 @@ mod tests {
         assert_eq!(umask(own), own);
     }
 
-    /// From now on this thread, and those that it starts, may not leave what they share.
+    /// Forbids `unshare` for this thread and the threads that it starts.
     fn forbid_unshare() {
         use libc::{BPF_ABS, BPF_JEQ, BPF_JMP, BPF_K, BPF_LD, BPF_RET, BPF_W};
         let step = |code: u32, jf, k| libc::sock_filter {
@@ -105,7 +111,7 @@ mod tests {
         };
         let refused = libc::SECCOMP_RET_ERRNO | libc::EPERM as u32;
         let mut steps = [
-            // What a filter is given begins with the call's number.
+            // The filter's input begins with the number of the system call.
             step(BPF_LD | BPF_W | BPF_ABS, 0, 0),
             step(BPF_JMP | BPF_JEQ | BPF_K, 1, libc::SYS_unshare as u32),
             step(BPF_RET | BPF_K, 0, refused),
@@ -115,7 +121,7 @@ mod tests {
             len: steps.len() as u16,
             filter: steps.as_mut_ptr(),
         };
-        // SAFETY: the kernel copies the filter, which forbids one call.
+        // SAFETY: the kernel copies the filter, which forbids one system call.
         unsafe {
             assert_eq!(libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), 0);
             let mode = libc::SECCOMP_MODE_FILTER;

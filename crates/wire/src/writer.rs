@@ -25,12 +25,13 @@ use crate::{
     patience, quiet,
 };
 
-/// How long a lossless writer waits for its readers to answer. One that never sleeps never answers.
+/// Maximum wait of a lossless writer for its readers' answers. Only a reader that sleeps can
+/// answer.
 const GATHER_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The one writer of a channel.
+/// The only writer of a channel.
 pub struct Writer<P: Payload + ?Sized> {
-    // Before the service, so that it is dropped first.
+    // Declared before the service, so that it is dropped first.
     publisher: Held<Publisher<ipc::Service, P, P::Header>>,
     service: Held<PortFactory<ipc::Service, P, P::Header>>,
     bell: Bell,
@@ -39,13 +40,14 @@ pub struct Writer<P: Payload + ?Sized> {
     gathering: Option<Gathering>,
 }
 
-/// What a lossless writer needs to know of its readers: a message to one that has not taken up its end yet is dropped
-/// once that one's buffer is full, so all of them are called before the first message.
+/// State of a lossless writer that connects its readers. Messages to a reader that has not
+/// connected yet are dropped once its buffer is full. The writer therefore calls all readers before
+/// the first message.
 struct Gathering {
     ear: Ear,
     stop: Arc<AtomicBool>,
     meanwhile: Option<Meanwhile>,
-    /// How many readers have answered.
+    /// Number of connected readers.
     gathered: Cell<usize>,
 }
 
@@ -60,7 +62,8 @@ impl<P: Payload + ?Sized> fmt::Debug for Writer<P> {
 macro_rules! message_writer {
     ($message:ty) => {
         impl Writer<$message> {
-            /// Becomes the writer of a rig's channel. Fails if there is one, and if `/dev/shm` has no room for its slots.
+            /// Creates the writer of a rig's channel. Fails if the channel has a writer, or if
+            /// `/dev/shm` lacks the space for its slots.
             pub fn create(
                 domain: &Domain,
                 rig: &Rig,
@@ -77,14 +80,16 @@ macro_rules! message_writer {
                 Self::finish(domain, rig, channel, delivery, service, publisher, None)
             }
 
-            /// Borrows a slot. It still holds an earlier message: fields not written keep that one's values.
+            /// Borrows a slot. It still holds an earlier message: fields that are not written keep
+            /// their old values.
             pub fn slot(&self) -> Result<Slot<'_, $message>, WireError> {
                 self.gather()?;
                 let sample = self
                     .publisher
                     .loan_uninit()
                     .map_err(|cause| self.broken(cause))?;
-                // SAFETY: shared memory is zeroed when made and has held only such messages since; every bit pattern is one.
+                // SAFETY: shared memory is zeroed at first and then holds only such messages; every
+                // bit pattern is valid.
                 let sample = unsafe { sample.assume_init() };
                 Ok(Slot {
                     sample,
@@ -100,7 +105,7 @@ message_writer!(Descriptors);
 message_writer!(Descriptors3);
 
 impl Writer<[u8]> {
-    /// Becomes the writer of a rig's frames, of up to `largest` bytes each.
+    /// Creates the writer of a rig's frames, of up to `largest` bytes each.
     pub fn frames(
         domain: &Domain,
         rig: &Rig,
@@ -110,8 +115,8 @@ impl Writer<[u8]> {
         Self::images(domain, rig, &FRAMES, delivery, largest, 1, None)
     }
 
-    /// Becomes the writer of a rig's frames, who borrows up to `borrowed` slots at a time, each of up to `largest` bytes:
-    /// for pixels that are written ahead of need.
+    /// Creates the writer of a rig's frames, which borrows up to `borrowed` slots at a time, each
+    /// of up to `largest` bytes. For pixels that are written ahead of time.
     pub fn frames_ahead(
         domain: &Domain,
         rig: &Rig,
@@ -122,7 +127,7 @@ impl Writer<[u8]> {
         Self::images(domain, rig, &FRAMES, delivery, largest, borrowed, None)
     }
 
-    /// Becomes the writer of a rig's masks, of up to `largest` bytes each.
+    /// Creates the writer of a rig's masks, of up to `largest` bytes each.
     pub fn masks(
         domain: &Domain,
         rig: &Rig,
@@ -132,7 +137,8 @@ impl Writer<[u8]> {
         Self::images(domain, rig, &MASKS, delivery, largest, 1, None)
     }
 
-    /// Becomes the writer of a rig's depth images, who borrows up to `borrowed` slots at a time, each of up to `largest` bytes.
+    /// Creates the writer of a rig's depth images, which borrows up to `borrowed` slots at a time,
+    /// each of up to `largest` bytes.
     pub fn depths(
         domain: &Domain,
         rig: &Rig,
@@ -143,7 +149,8 @@ impl Writer<[u8]> {
         Self::images(domain, rig, &DEPTH, delivery, largest, borrowed, None)
     }
 
-    /// `meanwhile`: what is done now and then while it waits for a slow reader.
+    /// Creates the writer of an image channel. `meanwhile` is called repeatedly while it waits for
+    /// a slow reader.
     pub(crate) fn images(
         domain: &Domain,
         rig: &Rig,
@@ -168,14 +175,15 @@ impl Writer<[u8]> {
         )
     }
 
-    /// Borrows a slot of `bytes` bytes, for a frame or a mask. It still holds an earlier one's pixels.
+    /// Borrows a slot of `bytes` bytes for a frame or a mask. It still holds the pixels of an
+    /// earlier one.
     pub fn frame_slot(&self, bytes: usize) -> Result<Slot<'_, [u8]>, WireError> {
         self.gather()?;
         let sample = self
             .publisher
             .loan_slice_uninit(bytes)
             .map_err(|cause| self.broken(cause))?;
-        // SAFETY: shared memory is zeroed when made; any byte is a byte.
+        // SAFETY: shared memory is zeroed at first, and every byte is valid.
         let sample = unsafe { sample.assume_init() };
         Ok(Slot {
             sample,
@@ -204,7 +212,7 @@ impl<P: Payload + ?Sized> Writer<P> {
             * (kept.subscriber_max_buffer_size() + kept.subscriber_max_borrowed_samples())
             + kept.history_size()
             + borrowed;
-        // The transport's header, the user header and the alignment stand before each.
+        // The transport's header, the user header and the alignment precede each slot.
         let slot = slot_bytes + size_of::<P::Header>() + 256;
         memory::require_space(&channel.on(rig), (slots * slot) as u64)?;
         Ok(service)
@@ -241,7 +249,7 @@ impl<P: Payload + ?Sized> Writer<P> {
                 gathered: Cell::new(0),
             }),
         };
-        // Readers that sleep take up their ends now, not with the first message.
+        // Readers that sleep connect now, not with the first message.
         bell.call();
         Ok(Self {
             publisher,
@@ -252,24 +260,26 @@ impl<P: Payload + ?Sized> Writer<P> {
         })
     }
 
-    /// The transport's number for this writer, as it stands in the names of its files in `/dev/shm`.
+    /// The transport's ID of this writer, as in the names of its files in `/dev/shm`.
     pub fn id(&self) -> String {
         self.publisher.id().value().to_string()
     }
 
-    /// How many readers the channel has now.
+    /// Current number of readers of the channel.
     pub fn readers(&self) -> usize {
         self.service.dynamic_config().number_of_subscribers()
     }
 
-    /// Lets readers that came after the last message have the newest one now. Else they have it with the next.
+    /// Delivers the newest message to readers that joined after it was sent. Otherwise they receive
+    /// it with the next one.
     pub fn welcome(&self) -> Result<(), WireError> {
         self.publisher
             .update_connections()
             .map_err(|cause| self.broken(cause))
     }
 
-    /// Waits until every reader that came since the last call has taken up its end. Nothing to do unless lossless.
+    /// Waits until every reader that joined since the last call has connected. Does nothing unless
+    /// lossless.
     fn gather(&self) -> Result<(), WireError> {
         let Some(Gathering {
             ear,
@@ -280,7 +290,7 @@ impl<P: Payload + ?Sized> Writer<P> {
         else {
             return Ok(());
         };
-        // Its own ear hears the messages too: emptied, it never fills.
+        // This writer's own listener receives the message events too and must be drained.
         ear.empty()?;
         let readers = self.readers();
         if readers <= gathered.get() {
@@ -305,14 +315,15 @@ impl<P: Payload + ?Sized> Writer<P> {
     }
 }
 
-/// A slot of shared memory that is being written. Dropped, it is given back unsent.
+/// A slot of shared memory that is being written. If dropped, it is returned unsent.
 pub struct Slot<'a, P: Payload + ?Sized> {
     sample: SampleMut<ipc::Service, P, P::Header>,
     writer: &'a Writer<P>,
 }
 
 impl<P: Payload + ?Sized> Slot<'_, P> {
-    /// Sends the message and wakes the readers. `false`: it was lost, because waiting for a reader was given up.
+    /// Sends the message and wakes the readers. Returns `false` if the message was lost because the
+    /// writer gave up waiting for a reader.
     pub fn send(self) -> Result<bool, WireError> {
         let send = || self.sample.send();
         let sent = match self.writer.gathering {
@@ -329,7 +340,7 @@ impl<P: Payload + ?Sized> Slot<'_, P> {
     }
 }
 
-/// A slot that is held apart from its writer, and goes back to it to be sent.
+/// A slot that is stored apart from its writer and returned to it for sending.
 pub(crate) struct KeptSlot(SampleMut<ipc::Service, [u8], FrameHeader>);
 
 impl KeptSlot {
@@ -337,7 +348,7 @@ impl KeptSlot {
         self.0.payload_mut()
     }
 
-    /// `writer`: the one that it was borrowed from.
+    /// Returns the slot to `writer`, which must be the one that it was borrowed from.
     pub(crate) fn back_to(self, writer: &Writer<[u8]>) -> Slot<'_, [u8]> {
         Slot {
             sample: self.0,
@@ -351,7 +362,7 @@ impl Slot<'_, [u8]> {
         KeptSlot(self.sample)
     }
 
-    /// What stands beside the pixels.
+    /// Header of the image.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         self.sample.user_header_mut()
     }

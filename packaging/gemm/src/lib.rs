@@ -1,4 +1,5 @@
-//! The functions of gemm that faer calls, as plain loops: see `Cargo.toml`. `unsafe`, as theirs: faer gives pointers and strides.
+//! The functions of gemm that faer calls, as plain loops: see `Cargo.toml`. They are `unsafe` like
+//! the originals, because faer passes pointers and strides.
 #![no_std]
 #![allow(clippy::too_many_arguments, reason = "gemm has as many")]
 
@@ -8,28 +9,28 @@ use core::mem::transmute_copy;
 use nano_gemm::{Number, Strided, product};
 use num_complex::Complex;
 
-/// How many threads multiply. Here one does.
+/// Number of threads that multiply. This crate uses one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parallelism {
-    /// The caller's.
+    /// The caller's thread.
     None,
-    /// Several, of rayon.
+    /// Several threads of rayon.
     #[cfg(feature = "rayon")]
     Rayon(usize),
 }
 
-/// Multiply-adds from which gemm takes more than one thread.
+/// Number of multiply-adds from which gemm uses more than one thread.
 pub fn get_threading_threshold() -> usize {
     48 * 48 * 256
 }
 
-/// `dst = alpha · dst + beta · lhs · rhs`; `dst` is not read unless `read_dst`.
+/// Computes `dst = alpha · dst + beta · lhs · rhs`; `dst` is not read unless `read_dst`.
 ///
 /// # Safety
-/// As of [`product`].
+/// The same as for [`product`].
 ///
 /// # Panics
-/// `T` is no `f32`, `f64`, nor a complex number of them.
+/// Panics if `T` is not `f32`, `f64`, or a complex number of these.
 pub unsafe fn gemm<T: 'static>(
     m: usize,
     n: usize,
@@ -57,7 +58,7 @@ pub unsafe fn gemm<T: 'static>(
                 let into = Strided { start: dst.cast::<$number>(), row: dst_rs, column: dst_cs };
                 let lhs = Strided { start: lhs.cast(), row: lhs_rs, column: lhs_cs };
                 let rhs = Strided { start: rhs.cast(), row: rhs_rs, column: rhs_cs };
-                // SAFETY: T is this type; the rest is the caller's.
+                // SAFETY: `T` is this type; the caller guarantees the rest.
                 unsafe {
                     let (alpha, beta) = (transmute_copy(&alpha), transmute_copy(&beta));
                     let alpha = if read_dst { alpha } else { <$number>::ZERO };

@@ -1,5 +1,5 @@
-//! The functions of nano-gemm that faer calls, as plain loops: see `Cargo.toml`. `unsafe` throughout, as theirs: faer gives pointers and
-//! strides.
+//! The functions of nano-gemm that faer calls, as plain loops: see `Cargo.toml`. They are `unsafe`
+//! like the originals, because faer passes pointers and strides.
 #![no_std]
 #![allow(clippy::too_many_arguments, reason = "nano-gemm has as many")]
 
@@ -7,11 +7,11 @@ use core::ops::{Add, Mul};
 
 use num_complex::Complex;
 
-/// A number that a matrix holds.
+/// An element of a matrix.
 pub trait Number: Copy + Add<Output = Self> + Mul<Output = Self> + PartialEq {
     /// Zero.
     const ZERO: Self;
-    /// The complex conjugate.
+    /// Returns the complex conjugate.
     fn conjugate(self) -> Self;
 }
 
@@ -37,11 +37,11 @@ numbers!(f32 f64);
 /// A matrix of `T` in memory.
 #[derive(Clone, Copy)]
 pub struct Strided<T> {
-    /// Its first number.
+    /// First element.
     pub start: T,
-    /// Numbers from row to row.
+    /// Distance from row to row, in elements.
     pub row: isize,
-    /// Numbers from column to column.
+    /// Distance from column to column, in elements.
     pub column: isize,
 }
 
@@ -51,11 +51,11 @@ impl<T> Strided<T> {
     }
 }
 
-/// `into = alpha · into + beta · lhs · rhs`; `into` is not read where `alpha` is 0.
+/// Computes `into = alpha · into + beta · lhs · rhs`; `into` is not read if `alpha` is 0.
 ///
 /// # Safety
-/// `into` is m × n, `lhs` m × k and `rhs` k × n; all numbers lie in memory that may be read, and those of `into` may be written and overlap
-/// neither of the others.
+/// `into` is m × n, `lhs` m × k and `rhs` k × n. All elements must be readable. Those of `into`
+/// must be writable and must not overlap the other two matrices.
 pub unsafe fn product<T: Number>(
     [m, n, k]: [usize; 3],
     into: Strided<*mut T>,
@@ -63,7 +63,7 @@ pub unsafe fn product<T: Number>(
     (lhs, conj_lhs): (Strided<*const T>, bool),
     (rhs, conj_rhs): (Strided<*const T>, bool),
 ) {
-    // SAFETY: the caller's, for each number within the matrix.
+    // SAFETY: the caller guarantees it for each element of the matrix.
     let read = |from: &Strided<*const T>, row, column, conj| unsafe {
         let number = *from.start.offset(from.offset(row, column));
         if conj { number.conjugate() } else { number }
@@ -73,7 +73,7 @@ pub unsafe fn product<T: Number>(
             let terms =
                 (0..k).map(|l| read(&lhs, row, l, conj_lhs) * read(&rhs, l, column, conj_rhs));
             let sum = beta * terms.fold(T::ZERO, |sum, term| sum + term);
-            // SAFETY: likewise.
+            // SAFETY: as above, for an element of `into`.
             unsafe {
                 let number = into.start.offset(into.offset(row, column));
                 *number = if alpha == T::ZERO {
@@ -86,16 +86,16 @@ pub unsafe fn product<T: Number>(
     }
 }
 
-/// As nano-gemm has it.
+/// Functions with the signatures of nano-gemm.
 pub mod planless {
     use super::{Complex, Strided, product};
 
     macro_rules! execute {
         ($($name:ident: $number:ty;)*) => {$(
-            /// `dst = alpha · dst + beta · lhs · rhs`.
+            /// Computes `dst = alpha · dst + beta · lhs · rhs`.
             ///
             /// # Safety
-            /// As of [`product`].
+            /// The same as for [`product`].
             pub unsafe fn $name(
                 m: usize,
                 n: usize,
@@ -117,7 +117,7 @@ pub mod planless {
                 let into = Strided { start: dst, row: dst_rs, column: dst_cs };
                 let lhs = Strided { start: lhs, row: lhs_rs, column: lhs_cs };
                 let rhs = Strided { start: rhs, row: rhs_rs, column: rhs_cs };
-                // SAFETY: the caller's.
+                // SAFETY: the caller guarantees the same as for `product`.
                 unsafe { product([m, n, k], into, [alpha, beta], (lhs, conj_lhs), (rhs, conj_rhs)) }
             }
         )*};

@@ -1,4 +1,5 @@
-//! Findings about the chains of this machine: what dead ones left, whose files they are, and what releases run.
+//! Findings about the chains on this machine: what dead ones left, who owns the files, and which
+//! releases run.
 
 use std::collections::BTreeMap;
 
@@ -6,9 +7,9 @@ use lariat_wire::{ChannelState, Leftover, Member};
 
 use super::{Finding, better, ok};
 
-/// What dead processes left, and what became of it: `kept` are the files that were to be removed and could not be, each
-/// with its cause; `None`, if nothing was to be removed. `others`: name, files and bytes of other users, whose domains this one
-/// cannot look into.
+/// Judges what dead processes left. `kept`: files that could not be removed, each with the cause;
+/// `None` if nothing was to be removed. `others`: name, number of files and bytes of other users,
+/// whose domains this user cannot inspect.
 pub(in crate::doctor) fn leftover(
     left: &[Leftover],
     kept: Option<&[String]>,
@@ -40,7 +41,7 @@ pub(in crate::doctor) fn leftover(
     }
 }
 
-/// What was left, and where.
+/// Describes what was left, and where.
 fn described(left: &[Leftover]) -> String {
     let files: usize = left.iter().map(|of| of.files).sum();
     let bytes: u64 = left.iter().map(|of| of.bytes).sum();
@@ -76,7 +77,8 @@ fn of_others(others: &[(String, usize, u64)]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// Whose files the domain's are. `others`: the owners' names, other than this user, and how many files each has.
+/// Judges the ownership of the domain's files. `others`: names of the owners other than this user,
+/// and the number of files of each.
 pub(in crate::doctor) fn rights(
     user: &str,
     own: usize,
@@ -101,7 +103,7 @@ pub(in crate::doctor) fn rights(
     )
 }
 
-/// What releases run on each rig. `own`: of this program.
+/// Judges which releases run on each rig. `own`: this program's release.
 pub(in crate::doctor) fn versions(
     members: &[Member],
     channels: &[ChannelState],

@@ -23,7 +23,7 @@ fn only_what_keeps_lariat_from_working_is_bad() {
         domain(Some("permission denied".to_owned())),
     ];
     assert!(bad.iter().all(|found| found.verdict == Verdict::Bad));
-    // The worst of all else.
+    // The worst result of every other check.
     let worst = [
         shared_memory(Some((64 << 20, 60 << 20))),
         cores(1),
@@ -213,7 +213,7 @@ fn mixed_releases_on_a_rig_are_a_finding() {
         another.found,
         "rig leg: fit 0.1.0, and this lariat is 0.2.0"
     );
-    // The number may be the same and the messages not, between two releases.
+    // Messages of two releases may differ although the release numbers are the same.
     let channel = ChannelState {
         rig: "arm".parse().expect("a name"),
         channel: "descriptors",

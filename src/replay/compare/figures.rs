@@ -1,4 +1,4 @@
-//! The figures of one run.
+//! Figures of one run.
 
 use lariat_sink::{Distances, Lost, Options, Sink};
 use lariat_wire::{Centerlines, Descriptors, Status};
@@ -6,31 +6,31 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-/// One run's column, while it is filled in and when it is full.
+/// Column of one run, both while it is computed and when it is complete.
 #[derive(Debug, Serialize)]
 pub(in crate::replay) struct Figures {
     #[serde(skip)]
     sink: Sink,
     /// Frames with descriptors.
     pub(in crate::replay) frames: u64,
-    /// Of these, the ones in which no rope was seen.
+    /// Number of these frames in which no rope was found.
     pub(in crate::replay) frames_without_rope: u64,
-    /// Distances from what is true, or was recorded, in pixels.
+    /// Distances from the truth, or from the recorded result, in pixels.
     pub(in crate::replay) centerline_px: Distances,
     pub(in crate::replay) curve_px: Distances,
-    /// Mean over all curves that were seen, in the descriptors' unit.
+    /// Mean over all curves, in the descriptors' unit.
     pub(in crate::replay) rms: Option<f64>,
-    /// Frames that were lost on the way.
+    /// Frames that were lost.
     pub(in crate::replay) lost: Lost,
-    /// How many ropes were told apart, by their numbers.
+    /// Track numbers of all ropes.
     #[serde(serialize_with = "count")]
     pub(in crate::replay) ropes: BTreeSet<u32>,
-    /// Ropes in frames, by what was seen of them.
+    /// Number of ropes over all frames, by status.
     pub(in crate::replay) ropes_ok: u64,
     pub(in crate::replay) ropes_partial: u64,
     pub(in crate::replay) ropes_doubtful: u64,
     pub(in crate::replay) ropes_lost: u64,
-    /// Times of this machine, now.
+    /// Times on this machine, measured now.
     pub(in crate::replay) extract_us: Spread,
     pub(in crate::replay) fit_us: Spread,
     #[serde(skip)]
@@ -48,7 +48,7 @@ pub(in crate::replay) struct Spread {
     pub(in crate::replay) p99: Option<f64>,
 }
 
-/// What the frames of a run took.
+/// Times of the frames of a run.
 #[derive(Debug, Default)]
 pub(super) struct Times {
     extract: Vec<Duration>,

@@ -1,4 +1,4 @@
-//! What a check finds, and what it cannot say.
+//! Differences that a check finds, and recordings that cannot be checked.
 
 use super::{Made, Making};
 use crate::replay::check::{Check, Outcome};
@@ -26,7 +26,7 @@ fn same(outcome: &Outcome) -> (String, u64, u64) {
     (rule.clone(), *centerlines, *descriptors)
 }
 
-/// The sentence of a check that cannot be made.
+/// Error message of a check that cannot be made.
 fn impossible(made: &Made) -> String {
     let error = check(made, None).expect_err("it cannot be made");
     format!("{error:#}")
@@ -86,7 +86,7 @@ fn stages_that_were_restarted_are_so_again() {
 
 #[test]
 fn masks_that_were_made_elsewhere_are_used_again() {
-    // The rope is blue: where red is low.
+    // The rope is blue, so its red is low.
     let mask = |bytes: &[u8]| {
         let red = bytes.iter().step_by(3);
         red.map(|&red| if red < 128 { 255 } else { 0 }).collect()
@@ -174,7 +174,8 @@ fn another_machine_may_round_otherwise_and_no_more() {
 #[test]
 fn what_begins_in_the_middle_of_a_run_is_compared_by_distance_only() {
     let made = Making {
-        // How many are enough is asked of the first frame, which is another.
+        // A fixed number, because an automatic one depends on the first frame, which is another one
+        // here.
         settings: "[fit]\ncontrol_points = 8\n",
         change: &|shot| {
             if shot.number < 4 {

@@ -1,4 +1,4 @@
-//! What other settings change.
+//! Effects of other settings.
 
 use super::Making;
 use crate::replay::compare::{Comparison, Race};
@@ -52,7 +52,7 @@ fn a_lower_order_fits_worse_and_what_was_lost_is_not() {
     let Comparison { recorded, now, .. } = &comparison;
     assert!(now.rms > recorded.rms);
     assert!(now.curve_px.mean > recorded.curve_px.mean);
-    // The last one is lost for nobody, as nothing came after it.
+    // The last frame is not counted as lost, because nothing came after it.
     assert_eq!((recorded.lost.capture, now.lost.capture), (3, 0));
     assert_eq!((recorded.frames, now.frames), (8, 12));
     let text = table::text(&comparison);

@@ -1,11 +1,12 @@
-//! The recording that stands in `tests/recordings`, which `tests/replay` checks.
+//! The recording in `tests/recordings`, which `tests/replay` checks.
 
 use super::Making;
 use lariat_capture::RenderOptions;
 use lariat_record::Compression;
 use std::path::Path;
 
-/// A rope that crosses itself, filtered, and without noise: so the table is the same in all frames, which zstd makes use of.
+/// A rope that crosses itself, filtered and without noise. The table is the same in all frames, so
+/// zstd compresses it well.
 #[test]
 #[ignore = "it renews tests/recordings/rope.mcap, for when results are meant to change"]
 fn renew_the_golden_recording() {

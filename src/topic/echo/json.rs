@@ -1,5 +1,5 @@
-//! A message as a JSON object on one line: its channel, and all that it says. The points of a curve stand within it, and the
-//! pixels of a frame are left out.
+//! A message as a JSON object on one line: its channel and all its fields. A curve contains its
+//! points; the pixels of a frame are left out.
 
 use anyhow::Result;
 use lariat_wire::{CenterlinePoints, Descriptor};
@@ -10,7 +10,7 @@ use crate::message_json::{Object, write_fields};
 use crate::topic::probe::Any;
 use crate::versioned::Versioned;
 
-/// The message on a line.
+/// Formats the message as one line.
 pub(super) fn line(channel: &str, message: Any) -> Result<String> {
     Ok(serde_json::to_string(&Versioned::first(Line { channel, message }))? + "\n")
 }
@@ -50,7 +50,7 @@ impl Serialize for Rope<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(None)?;
         write_fields(self.0, &[], &mut map)?;
-        // The curve says whether they are closed.
+        // The curve itself says whether it is closed.
         map.serialize_entry("centerline", &Object(self.1, &["closed"]))?;
         map.end()
     }

@@ -69,7 +69,7 @@ fn a_descriptor_is_told_with_all_its_fields_to_the_last_bit() {
     let centerline =
         json!({"hidden": [0], "points": [[1.0, 2.25], [5.0, 6.0]], "widths": [7.5, 8.0]});
     assert_eq!(rope["centerline"], centerline);
-    // Every field of the message, but for those that other keys stand for.
+    // All fields of the message, except those that other keys replace.
     let keys = rope.as_object().expect("an object").len();
     assert_eq!(keys, 24);
 }

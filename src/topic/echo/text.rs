@@ -1,4 +1,4 @@
-//! A message as a few lines to read.
+//! A message as a few lines of text.
 
 use lariat_sink::{Figure, Micros, Step};
 use lariat_wire::{
@@ -10,7 +10,8 @@ use crate::topic::probe::Any;
 use lariat_chain::confidence;
 use lariat_chain::layout::{self, flowed, hanging};
 
-/// The message as a paragraph, with an empty line behind it. `has_colours`: low confidence is yellow.
+/// Formats the message as a paragraph, followed by an empty line. `has_colours`: low confidence is
+/// printed in yellow.
 pub(super) fn paragraph(channel: &str, message: Any, has_colours: bool) -> String {
     let mut text = heading(channel, message.trace());
     match message {
@@ -31,7 +32,7 @@ pub(super) fn paragraph(channel: &str, message: Any, has_colours: bool) -> Strin
         Any::Descriptors(message) => descriptors(message, has_colours, &mut text),
         Any::Descriptors3(message) => descriptors3(message, has_colours, &mut text),
     }
-    // What is known of ropes goes on without an image.
+    // Descriptors continue without an image.
     if let (true, Any::Descriptors(message)) = (message.is_blank(), message) {
         descriptors(message, has_colours, &mut text);
     }
@@ -67,20 +68,20 @@ fn heading(channel: &str, trace: &Trace) -> String {
     )
 }
 
-/// A sentence, indented.
+/// Appends an indented sentence.
 fn add(sentence: &str, indent: usize, text: &mut String) {
     let lines = hanging(sentence, indent + 2, layout::width());
     *text += &format!("{:indent$}{lines}\n", "");
 }
 
-/// A sentence about a rope, which begins with its number and its confidence.
+/// Appends a sentence about a rope, which begins with its number and its confidence.
 fn add_rope(track: u32, confidence: f32, sentence: &str, has_colours: bool, text: &mut String) {
     let confidence_text = format!("confidence {confidence:.2}");
     let head = format!("rope {track}, {confidence_text}: ");
     let mut lines = String::new();
     add(&(head + sentence), 2, &mut lines);
     if has_colours && confidence::is_low(confidence.into()) {
-        // A line holds the head of a sentence: nothing has been folded before it.
+        // The head of a sentence fits on one line, so nothing was folded before this.
         lines = lines.replacen(&confidence_text, &layout::yellow(&confidence_text), 1);
     }
     *text += &lines;
@@ -205,7 +206,7 @@ fn descriptors3(message: &Descriptors3, has_colours: bool, text: &mut String) {
     }
 }
 
-/// What is not so of most ropes.
+/// Describes unusual properties of a rope.
 fn more(closed: u32, border: u32, age_ns: u64) -> String {
     let mut text = String::new();
     if age_ns > 0 {
@@ -223,7 +224,7 @@ fn more(closed: u32, border: u32, age_ns: u64) -> String {
     text
 }
 
-/// Points, as many a line as fit.
+/// Appends points, as many per line as fit.
 fn in_lines<const D: usize>(points: impl Iterator<Item = [f64; D]>, text: &mut String) {
     let points = points.map(|point| {
         let numbers = point.map(|c| format!("{c:.1}"));

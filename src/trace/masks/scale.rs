@@ -1,16 +1,17 @@
-//! Masks of another size than their picture's, as networks make them.
+//! Masks of a different size than their picture, as networks produce them.
 
 use anyhow::{Result, bail};
 use image::GrayImage;
 use image::imageops::{FilterType, resize};
 
-/// Scales levels `from` one size `to` another; also what to say of it.
+/// Scales `levels` from one size to another. Also returns a sentence about it.
 ///
-/// A mask of the picture's proportions is taken for its field of view, and so is a square one, to which networks
-/// stretch pictures.
+/// A mask with the picture's proportions is assumed to show the same field of view. A square mask
+/// is, too, because networks stretch pictures to a square.
 ///
 /// # Errors
-/// The mask has other proportions: the part of the picture that it shows is unknown.
+/// Returns an error if the mask has other proportions, because the part of the picture that it
+/// shows is unknown.
 pub(super) fn to(to: [u32; 2], from: [u32; 2], levels: Vec<u8>) -> Result<(Vec<u8>, String)> {
     let shown = |[width, height]: [u32; 2]| format!("{width}×{height}");
     let is_square = from[0] == from[1];

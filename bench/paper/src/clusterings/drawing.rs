@@ -1,4 +1,4 @@
-//! The clusterings as a figure: panels over one picture, a table over all.
+//! The clusterings as a figure: panels over one picture and a table over all.
 
 use lariat_plot::words::{digits, list, px, time};
 use lariat_plot::{Spread, spread::mean};
@@ -59,7 +59,7 @@ impl Clusterings {
         }))
     }
 
-    /// The picture with what is true, and with what each method makes of it.
+    /// Returns panels of the picture with the true ropes and with each method's result.
     fn panels(&self, shown: usize, truths: impl Iterator<Item = Vec<[f64; 2]>>) -> Vec<Panel> {
         let line = |points: Vec<[f64; 2]>, color, width| Stroke {
             points,
@@ -104,7 +104,8 @@ impl Clusterings {
         panels
     }
 
-    /// The picture that is shown: the first on which methods differ in their order, else the first.
+    /// Returns the picture to show: the first on which methods differ in their order, otherwise the
+    /// first.
     fn shown(&self, shapes: &Shapes) -> Option<usize> {
         if shapes.pictures.is_empty() || self.rows.is_empty() {
             return None;

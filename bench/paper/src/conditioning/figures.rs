@@ -9,7 +9,7 @@ use crate::figure::{Figure, Table};
 use crate::shapes::POINTS;
 
 impl Conditioning {
-    /// The best orders for control points, by kind of ropes and noise.
+    /// Returns the best orders for control points, by kind of rope and noise.
     fn table(&self) -> Table {
         let mut head = vec!["the best order n for control points".to_owned()];
         head.extend(SIGMAS_PX.map(|sigma_px| format!("noise {sigma_px} px")));
@@ -154,7 +154,7 @@ impl Conditioning {
         })
     }
 
-    /// The model's error and its sums with that of noise, by order.
+    /// Returns the model's error and its sums with the noise, by order.
     fn total_chart(&self, title: &str, noise: NoiseOf) -> Chart {
         let models = || self.rows.iter().map(|row| row.model_px);
         let top = 30.0 * models().fold(0.0, f64::max);

@@ -51,7 +51,7 @@ pub(super) fn write(
             escaped(value)
         );
     }
-    html.push_str("</tbody>\n</table>\n<p>What each figure depends on besides, and the file beside this page with its numbers:</p>\n<table>\n<tbody>\n");
+    html.push_str("</tbody>\n</table>\n<p>Further settings of each figure, and the file next to this page with its numbers:</p>\n<table>\n<tbody>\n");
     for figure in sections.iter().flat_map(|section| &section.figures) {
         let _ = writeln!(
             html,
@@ -66,7 +66,7 @@ pub(super) fn write(
     page(TITLE, &html)
 }
 
-/// "Figure 3." and the rest.
+/// Splits a finding into "Figure 3." and the rest.
 fn split_name(finding: &str) -> (String, String) {
     match finding.split_once(". ") {
         Some((name, rest)) => (format!("{name}."), rest.to_owned()),

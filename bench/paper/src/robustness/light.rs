@@ -24,25 +24,28 @@ const KINDS: [(Class, &str); 9] = [
     (Class::Texture, "texture"),
     (Class::Shadow, "shadow"),
 ];
-/// A curve that is this many widths off went another way than the rope.
+/// Minimum distance at which a curve counts as following another path than the rope, in rope
+/// widths.
 const ASTRAY_WIDTHS: f64 = 1.0;
 
-/// What one kind of picture does.
+/// Effect of one kind of picture.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     name: &'static str,
-    /// Of the points seen, from the true centerline: one number a picture.
+    /// Distance of the extracted points from the true centerline, one value per picture.
     points_px: Vec<f64>,
-    /// Of the curve fitted to them, from the curve fitted to the true points, at the same ρ.
+    /// Distance at the same ρ between the curve fitted to the extracted points and the one fitted
+    /// to the true points.
     curve_px: Vec<f64>,
     pictures: usize,
 }
 
-/// What each kind of picture does.
+/// Effect of each kind of picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lights {
     rows: Vec<Row>,
-    /// How far halving the light moves the curve of the same rope: one number a pair of pictures.
+    /// Displacement of the same rope's curve when the light is halved, one value per pair of
+    /// pictures.
     halved_px: Vec<f64>,
 }
 
@@ -60,7 +63,8 @@ impl Lights {
                 pictures: effort.lights,
             };
             for i in 0..effort.lights as u64 {
-                // Even seeds of the class are in full light, odd ones the same in half.
+                // Even seeds of the class have full light. The odd seed after each shows the same
+                // rope in half the light.
                 let picture_seed = seed.wrapping_mul(100_000).wrapping_add(2 * i + 1);
                 let mut look = |picture_seed| -> Result<_, PaperError> {
                     let (still, _) = still(class, picture_seed, effort.size_px)?;

@@ -1,4 +1,4 @@
-//! Points that are missing, in one gap or here and there, and three ways to fit the rest.
+//! Missing points, in one gap or scattered, and three ways to fit the rest.
 
 use lariat_fit::{Basis, Fitter, Options, Rho, Weights};
 use lariat_plot::Spread;
@@ -17,18 +17,19 @@ use lariat_portable::SplitMix64;
 use super::medians;
 
 const SHARES: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5];
-/// Where a sentence is about: a fifth is missing.
+/// Index of the share that the findings are about: a fifth is missing.
 const A_FIFTH: usize = 3;
 const BASIS: Basis = Basis::Bezier { order: 8 };
 
-/// What is done about it.
+/// Ways to fit the remaining points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
-    /// What is left is taken for a whole centerline in even steps: the paper's words, to the letter.
+    /// The remaining points are treated as a whole centerline at even steps: the paper's words,
+    /// taken literally.
     EvenRho,
-    /// Each point's ρ is measured along what is left.
+    /// Each point's ρ is measured along the remaining points.
     MeasuredRho,
-    /// The missing points are known to be missing, and weigh nothing.
+    /// The gaps are known, and missing points get a weight of 0.
     NoWeight,
 }
 
@@ -53,7 +54,7 @@ impl Way {
     }
 }
 
-/// How points go missing.
+/// Ways to lose points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Loss {
     Gap,
@@ -70,12 +71,12 @@ impl Loss {
         }
     }
 
-    /// Which points are left.
+    /// Returns which points remain.
     fn left(self, missing: usize, random: &mut SplitMix64) -> Vec<bool> {
         let mut left = vec![true; POINTS];
         match self {
             Self::Gap => {
-                // Not at an end: what is beyond an end nobody knows to be missing.
+                // Never at an end: points missing beyond an end cannot be noticed.
                 let from = 1 + below(random, POINTS - missing - 1);
                 left[from..from + missing].fill(false);
             }
@@ -89,7 +90,7 @@ impl Loss {
     }
 }
 
-/// Errors by what is missing and what is done about it.
+/// Errors by the kind of loss and the way to fit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Missing {
     rows: Vec<(Loss, Way, Vec<Spread>)>,
@@ -144,7 +145,7 @@ impl Missing {
         let verdict = if gap[0] > 1.1 * gap[1] {
             "Arc length has to be measured once a part of the rope is not seen"
         } else {
-            "Whether arc length is measured makes no difference here"
+            "Measuring the arc length makes no difference here"
         };
         format!(
             "{verdict}: a gap of a fifth moves the curve by {} when what is left is taken for the whole rope, {} with \
@@ -219,7 +220,8 @@ impl Missing {
     }
 }
 
-/// How far the curve through what is left is from the one through all points, `whole`.
+/// Returns the distance between the curve through the remaining points and `whole`, the one through
+/// all points.
 fn moved_px(
     fitter: &mut Fitter,
     way: Way,
@@ -237,7 +239,7 @@ fn moved_px(
     };
     match fit {
         Ok(fit) => Ok(rms_from_line_px(whole, &sampled(fit, 2 * POINTS)?)),
-        // A gap can leave too little to tell the curve by: it is passed over.
+        // A gap can leave too few points to determine the curve. Such a case is skipped.
         Err(_) => Ok(f64::NAN),
     }
 }

@@ -1,4 +1,4 @@
-//! Noise on the points, against families of equal size.
+//! Noise on the points, for families of equal size.
 
 use lariat_plot::Spread;
 use lariat_plot::words::px;
@@ -24,20 +24,20 @@ const FAMILIES: [Family; 5] = [
     Family::FeaturePoints,
 ];
 
-/// One family; spreads over the shapes, noise by noise.
+/// One family: spreads over the shapes, by noise.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     family: Family,
-    /// Between the rope and the curve.
+    /// Distance between the rope and the curve.
     off_px: Vec<Spread>,
-    /// Between the curve and the one without noise, at the same ρ.
+    /// Distance at the same ρ between the curve and the one without noise.
     moved_px: Vec<Spread>,
 }
 
-/// One of a row's two.
+/// Selects one of a row's two lists.
 type SpreadsOf = fn(&Row) -> &[Spread];
 
-/// Errors of each family at each noise.
+/// Errors of each family at each noise level.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
     rows: Vec<Row>,
@@ -60,7 +60,7 @@ impl Noise {
             for (k, sigma_px) in SIGMAS_PX.into_iter().enumerate() {
                 let (mut off, mut moved) = (Vec::new(), Vec::new());
                 for (i, shape) in shapes.all.iter().enumerate() {
-                    // The same noise for every family.
+                    // The noise is the same for every family.
                     let mut random = of_stream(seed, (1000 * k + i) as u64);
                     let noisy: Vec<[f64; 2]> = (shape.reference.iter())
                         .map(|p| p.map(|c| c + sigma_px * random.normal()))

@@ -1,4 +1,4 @@
-//! Points that lie far off, with and without Huber's weights.
+//! Outliers, with and without Huber weights.
 
 use lariat_fit::{Basis, Fitter, Options, Weights};
 use lariat_plot::Spread;
@@ -17,14 +17,14 @@ use lariat_portable::SplitMix64;
 use super::medians;
 
 const SHARES: [f64; 8] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3];
-/// Where a sentence is about: a tenth are outliers.
+/// Index of the share that the findings are about: a tenth are outliers.
 const A_TENTH: usize = 4;
-/// How far off they lie, as shares of the rope's length.
+/// Distance range of outliers, as shares of the rope's length.
 const FAR: [f64; 2] = [0.02, 0.06];
-/// All other points have this noise, px.
+/// Standard deviation of the noise of all points, px.
 const SIGMA_PX: f64 = 0.3;
 
-/// A family, whether its points are weighed by Huber's rule, and what it is called.
+/// Ways to fit: true for a B-spline, true for Huber weights, and a name.
 const WAYS: [(bool, bool, &str); 4] = [
     (false, false, "Bezier, least squares"),
     (false, true, "Bezier, Huber"),
@@ -32,10 +32,10 @@ const WAYS: [(bool, bool, &str); 4] = [
     (true, true, "B-spline, Huber"),
 ];
 
-/// Errors by the share of outliers.
+/// Errors by share of outliers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Outliers {
-    /// In the order of `WAYS`.
+    /// Spreads in the order of `WAYS`.
     rows: Vec<Vec<Spread>>,
     shapes: usize,
 }
@@ -149,7 +149,7 @@ impl Outliers {
     }
 }
 
-/// The points with a share of them moved far off.
+/// Returns the noisy points with a share of them turned into outliers.
 fn spoiled(points: &[[f64; 2]], share: f64, random: &mut SplitMix64) -> Vec<[f64; 2]> {
     let steps = points.windows(2);
     let length_px: f64 = steps.map(|s| apart_px(s[0], s[1])).sum();

@@ -1,4 +1,4 @@
-//! One axis: its scale, its range and its ticks.
+//! An axis: its scale, its range and its ticks.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
@@ -16,7 +16,7 @@ enum Scale {
     Names(Vec<String>),
 }
 
-/// An axis of numbers, even or by their logarithm, or of names.
+/// An axis of numbers, on a linear or logarithmic scale, or of names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     label: String,
@@ -26,7 +26,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// From `first` to `last`, with a tick each `step`.
+    /// Creates a linear axis from `first` to `last` with a tick every `step`.
     pub fn linear(label: &str, [first, last]: [f64; 2], step: f64) -> Self {
         Self {
             label: label.to_owned(),
@@ -36,7 +36,7 @@ impl Axis {
         }
     }
 
-    /// By the logarithm, from `first` to `last`, both positive.
+    /// Creates a logarithmic axis from `first` to `last`, both positive.
     pub fn log(label: &str, [first, last]: [f64; 2]) -> Self {
         Self {
             label: label.to_owned(),
@@ -46,7 +46,8 @@ impl Axis {
         }
     }
 
-    /// Of quantiles q as 1/(1 − q), by the logarithm: the middle is at 2, each of so many steps is another nine.
+    /// Creates an axis of quantiles q, placed at 1/(1 − q) on a logarithmic scale. The median is at
+    /// 2, and each of the `nines` decades adds another nine.
     pub fn nines(label: &str, nines: u32) -> Self {
         Self {
             scale: Scale::Nines,
@@ -54,7 +55,7 @@ impl Axis {
         }
     }
 
-    /// By the logarithm, with room for all of `numbers` that are positive.
+    /// Creates a logarithmic axis that includes every positive number in `numbers`.
     pub fn log_around(label: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, 0.0f64);
         for number in numbers {
@@ -66,7 +67,7 @@ impl Axis {
         if high <= 0.0 {
             return Self::log(label, [0.1, 10.0]);
         }
-        // To the next of 1, 2, 5 in each decade, and at least a decade.
+        // Extended to the next of 1, 2 or 5 in each decade, and to at least one decade.
         let down = |x: f64| nice(x, &[1.0, 2.0, 5.0], false);
         let up = |x: f64| nice(x, &[1.0, 2.0, 5.0, 10.0], true);
         let (low, high) = (down(low / 1.05), up(high * 1.05));
@@ -74,18 +75,18 @@ impl Axis {
         Self::log(label, [low / spare, high * spare])
     }
 
-    /// Names, the first at the top of an upright axis.
+    /// Creates an axis of names. On a vertical axis the first is at the top.
     pub fn names(label: &str, names: Vec<String>) -> Self {
         Self {
             label: label.to_owned(),
-            // Upwards the last is the highest.
+            // The axis grows upwards, so the last name has the highest value.
             first: names.len() as f64 - 0.5,
             last: -0.5,
             scale: Scale::Names(names),
         }
     }
 
-    /// What it says of its numbers.
+    /// Returns the label of the axis.
     pub fn label(&self) -> &str {
         &self.label
     }
@@ -98,7 +99,7 @@ impl Axis {
         self.last
     }
 
-    /// A number's place on the axis, within it.
+    /// Returns a number's position on the axis, clamped to its range.
     pub(super) fn place(&self, number: f64) -> f64 {
         let (low, high) = (self.low(), self.high());
         let place = match self.scale {
@@ -125,14 +126,14 @@ impl Axis {
         self.free_place(self.last)
     }
 
-    /// Whether the axis reaches as far as a number.
+    /// Returns whether a number is within the range of the axis.
     pub(super) fn holds(&self, number: f64) -> bool {
         let place = self.free_place(number);
         let slack = 1e-9 * (self.high() - self.low());
         place.is_finite() && place >= self.low() - slack && place <= self.high() + slack
     }
 
-    /// As the library takes it.
+    /// Converts the axis for the plotting library.
     pub(super) fn ruler(&self) -> Ruler {
         Ruler {
             low: self.low(),
@@ -141,7 +142,7 @@ impl Axis {
         }
     }
 
-    /// Where the ticks are.
+    /// Returns the positions of the ticks.
     pub(super) fn places(&self) -> Vec<f64> {
         let slack = 1e-9 * (self.high() - self.low());
         match &self.scale {
@@ -172,7 +173,8 @@ impl Axis {
         }
     }
 
-    /// Numbers between the ticks of a logarithmic axis of few decades that get a faint line.
+    /// Returns the numbers between ticks that get a faint line: only for logarithmic axes of few
+    /// decades.
     pub(super) fn minor(&self) -> Vec<f64> {
         if self.scale != Scale::Log || self.high() - self.low() > 5.5 {
             return Vec::new();
@@ -184,7 +186,7 @@ impl Axis {
             .collect()
     }
 
-    /// What a tick says.
+    /// Returns the text of a tick.
     pub(super) fn text(&self, place: f64) -> String {
         match &self.scale {
             Scale::Linear { step } => {
@@ -215,7 +217,7 @@ impl Axis {
     }
 }
 
-/// Places along an axis, with the ticks where they were asked for.
+/// Range of positions along an axis, and its ticks.
 #[derive(Clone)]
 pub(super) struct Ruler {
     low: f64,
@@ -245,13 +247,13 @@ impl Ranged for Ruler {
     }
 }
 
-/// A tick of 1, 2 or 5 times a power of ten, without digits it does not need.
+/// Formats a tick of 1, 2 or 5 times a power of ten without superfluous digits.
 fn plain(number: f64) -> String {
     let decimals = (-number.log10().floor()).max(0.0) as usize;
     format!("{number:.decimals$}")
 }
 
-/// The next number up or down whose first digit is one of `mantissas`.
+/// Returns the next number up or down whose first digit is one of `mantissas`.
 fn nice(number: f64, mantissas: &[f64], is_up: bool) -> f64 {
     let power = 10f64.powf(number.log10().floor());
     let mantissa = number / power;
@@ -289,7 +291,7 @@ mod tests {
         assert_eq!(texts(&Axis::log("", [0.01, 1e5])).last().unwrap(), "10⁵");
         let named = Axis::names("", vec!["a".into(), "b".into()]);
         assert_eq!(texts(&named), ["a", "b"]);
-        // The first is the topmost.
+        // The first name is at the top.
         assert!(named.place(0.0) > named.place(1.0));
     }
 

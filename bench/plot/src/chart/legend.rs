@@ -1,4 +1,4 @@
-//! The legend: above the chart, in as many rows as it takes, so that it hides nothing.
+//! The legend: above the chart, in as many rows as needed, so that it hides nothing.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -7,16 +7,16 @@ use super::marks::{LineStyle, Mark, Marker, Stroke, marker, stroke};
 use super::{Area, Chart, Drawn, FINE, INK, LETTER_PX, letters};
 
 const ROW_PX: i32 = 19;
-/// The sample of a line, and the gap to its name.
+/// Width of a line's sample, and the gap between it and the name, px of the page.
 const SAMPLE_PX: i32 = 30;
 const GAP_PX: i32 = 6;
-/// Between two entries.
+/// Gap between two entries, px of the page.
 const APART_PX: i32 = 18;
 
 struct Entry<'a> {
     name: &'a str,
     look: LineStyle,
-    /// Of a band.
+    /// Opacity of a band; `None` for other marks.
     opacity: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ fn entries(chart: &Chart) -> Vec<Entry<'_>> {
     named.filter(|entry| !entry.name.is_empty()).collect()
 }
 
-/// Where each entry goes: its left side and its row.
+/// Returns the left side and the row of each entry.
 fn places(entries: &[Entry], room_px: i32) -> Vec<[i32; 2]> {
     let (mut x, mut row) = (0, 0);
     entries
@@ -64,7 +64,7 @@ fn places(entries: &[Entry], room_px: i32) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// About as wide as letters without serifs are.
+/// Estimates the width of a text in a sans-serif font.
 fn text_px(text: &str) -> i32 {
     (0.53 * f64::from(LETTER_PX) * text.chars().count() as f64).ceil() as i32
 }
@@ -74,7 +74,8 @@ pub(super) fn height_px(chart: &Chart, width_px: i32) -> i32 {
     places.last().map_or(0, |[_, row]| (row + 1) * ROW_PX + 2)
 }
 
-/// Draws it from a corner on, in pixels of the drawing; `room_px` wide.
+/// Draws the legend with its top left corner at the given pixels of the drawing. `room_px` is the
+/// available width.
 pub(super) fn draw(root: &Area, chart: &Chart, [left, top]: [i32; 2], room_px: i32) -> Drawn {
     let entries = entries(chart);
     for (entry, [x, row]) in entries.iter().zip(places(&entries, room_px)) {

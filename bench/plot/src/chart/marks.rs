@@ -1,4 +1,4 @@
-//! What is drawn between the axes: lines, bands, spreads, notes.
+//! The marks between the axes: lines, bands, spreads, notes.
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::{Area, Chart, Drawn, FINE, Place, SOFT, letters};
 use crate::spread::Spread;
 
-/// Okabe and Ito's colors; the yellow is left out, as it is too pale for lines on white.
+/// Okabe and Ito's colors without yellow, which is too pale for lines on white.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -18,26 +18,26 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Of a line that is one among many: where they lie on each other it is darker.
+/// Opacity of a line that is one among many. Overlapping lines are darker.
 const THIN_OPACITY: f64 = 0.35;
 
-/// How a line goes on.
+/// Dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// Without gaps.
+    /// Solid.
     Solid,
     /// Dashes of 7 px of the page.
     Dashed,
-    /// Dots of 2 px.
+    /// Dots of 2 px of the page.
     Dotted,
-    /// Dashes of 14 px.
+    /// Dashes of 14 px of the page.
     LongDashed,
 }
 
-/// What marks a line's points.
+/// Marker at a line's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
-    /// Nothing.
+    /// No marker.
     None,
     /// A ring.
     Circle,
@@ -47,23 +47,24 @@ pub enum Marker {
     Triangle,
     /// A square on its corner.
     Diamond,
-    /// Two strokes.
+    /// Two crossed strokes.
     Cross,
 }
 
-/// How a line looks.
+/// Appearance of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LineStyle {
-    /// Which of the palette's colors.
+    /// Index of a color in the palette.
     pub color: usize,
-    /// Its dashes.
+    /// Dash pattern.
     pub stroke: Stroke,
-    /// What is at its points.
+    /// Marker at the line's points.
     pub marker: Marker,
 }
 
 impl LineStyle {
-    /// The look of a chart's `n`-th line: every one another color, dash and marker.
+    /// Returns the look of a chart's `n`-th line: neighboring lines differ in color, dash and
+    /// marker.
     pub fn nth(n: usize) -> Self {
         const STROKES: [Stroke; 4] = [
             Stroke::Solid,
@@ -85,12 +86,12 @@ impl LineStyle {
         }
     }
 
-    /// The same with other dashes.
+    /// Returns the same look with another dash pattern.
     pub fn stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
     }
 
-    /// The same with another marker.
+    /// Returns the same look with another marker.
     pub fn marker(self, marker: Marker) -> Self {
         Self { marker, ..self }
     }
@@ -100,66 +101,68 @@ impl LineStyle {
     }
 }
 
-/// One thing in a chart.
+/// A mark in a chart.
 #[derive(Debug, Clone)]
 pub enum Mark {
-    /// A line through points, broken where one is no number or lies beyond the axes.
+    /// A line through points. It is broken at points that are not finite or are beyond the axes.
     Line {
-        /// In the legend; empty: not there.
+        /// Name in the legend. Empty: not in the legend.
         name: String,
-        /// How it looks.
+        /// Appearance of the line.
         look: LineStyle,
-        /// x and y, in the numbers of the axes.
+        /// x and y, in units of the axes.
         points: Vec<[f64; 2]>,
     },
-    /// A line of one among many: thin and pale, without markers and not in the legend; broken likewise.
+    /// A thin, pale line, one among many, without markers or a legend entry. It is broken at points
+    /// that are not finite or are beyond the axes.
     Thin {
-        /// Which of the palette's colors.
+        /// Index of a color in the palette.
         color: usize,
-        /// x and y, in the numbers of the axes.
+        /// x and y, in units of the axes.
         points: Vec<[f64; 2]>,
     },
-    /// What lies between two lines.
+    /// The area between two lines.
     Band {
-        /// In the legend; empty: not there.
+        /// Name in the legend. Empty: not in the legend.
         name: String,
-        /// Which of the palette's colors.
+        /// Index of a color in the palette.
         color: usize,
-        /// 0 to 1.
+        /// Opacity, 0 to 1.
         opacity: f64,
-        /// x, lower and upper end.
+        /// x, lower end and upper end, in units of the axes.
         edges: Vec<[f64; 3]>,
     },
-    /// The spread of numbers along x, at the height of the `row`-th name, moved by a share of a row.
+    /// A spread of numbers along x, at the height of the `row`-th name, shifted by a share of a
+    /// row.
     Spread {
-        /// Which of the upright axis's names.
+        /// Index of a name on the vertical axis.
         row: usize,
-        /// Downwards, in rows.
+        /// Downward shift, in rows.
         shift: f64,
-        /// Its color and its marker.
+        /// Color and marker.
         look: LineStyle,
-        /// Median, quartiles, and where nine tenths lie.
+        /// Median, quartiles, and the range of nine tenths of the numbers.
         spread: Spread,
     },
-    /// An upright line at an x, with words at its top.
+    /// A vertical line at an x, with a text at its top.
     Rule {
-        /// Where.
+        /// Position on the x axis.
         x: f64,
-        /// May be empty.
+        /// Text at the line. May be empty.
         text: String,
     },
-    /// A level line at a y, with words above its right end.
+    /// A horizontal line at a y, with a text above its right end.
     Level {
-        /// Where.
+        /// Position on the y axis.
         y: f64,
-        /// May be empty.
+        /// Text at the line. May be empty.
         text: String,
     },
-    /// A name in the legend for marks that have none.
+    /// A legend entry for unnamed marks.
     Key {
-        /// In the legend.
+        /// Name in the legend.
         name: String,
-        /// How they look.
+        /// Appearance of the marks.
         look: LineStyle,
     },
 }
@@ -225,13 +228,13 @@ pub(super) fn draw(root: &Area, mark: &Mark, at: Place, chart: &Chart) -> Drawn 
     }
 }
 
-/// An upright dashed line with words at its top.
+/// Draws a vertical dashed line with a text at its top.
 fn rule(root: &Area, x: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
     let (top, bottom) = (at([x, chart.y.last()]), at([x, chart.y.first()]));
     let style = SOFT.stroke_width(FINE as u32);
     let (dash, gap) = (4 * FINE, 3 * FINE);
     root.draw(&DashedPathElement::new([top, bottom], dash, gap, style))?;
-    // On the side where there is room.
+    // Put the text on the side that has room for it.
     let is_right = top.0 > at([chart.x.last(), chart.y.last()]).0 - 60 * FINE;
     let (side, dx) = if is_right {
         (HPos::Right, -4 * FINE)
@@ -243,7 +246,7 @@ fn rule(root: &Area, x: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
     root.draw(&Text::new(text.to_owned(), place, style))
 }
 
-/// A level dashed line with words above its right end.
+/// Draws a horizontal dashed line with a text above its right end.
 fn level(root: &Area, y: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
     let (left, right) = (at([chart.x.first(), y]), at([chart.x.last(), y]));
     let style = SOFT.stroke_width(FINE as u32);
@@ -254,7 +257,7 @@ fn level(root: &Area, y: f64, text: &str, at: Place, chart: &Chart) -> Drawn {
     root.draw(&Text::new(text.to_owned(), place, style))
 }
 
-/// A line through pixels.
+/// Draws a line through pixels.
 pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: LineStyle) -> Drawn {
     if pixels.len() < 2 {
         return Ok(());
@@ -274,7 +277,7 @@ pub(super) fn stroke(root: &Area, pixels: &[(i32, i32)], look: LineStyle) -> Dra
     ))
 }
 
-/// A marker around a pixel, light inside so that it is told from a joint of the line.
+/// Draws a marker around a pixel. Its light inside distinguishes it from a bend of the line.
 pub(super) fn marker(root: &Area, (x, y): (i32, i32), look: LineStyle, radius_px: i32) -> Drawn {
     let r = radius_px * FINE;
     let line = look.rgb().stroke_width(FINE as u32 * 2);

@@ -1,7 +1,9 @@
-//! A rough check, for tests, that tags of HTML and SVG are closed in the order they were opened.
+//! A rough check, for tests, that tags of HTML and SVG are closed in the reverse order of opening.
 
+/// Checks that every tag is closed, and that every closing tag has an opening one.
+///
 /// # Errors
-/// The first tag that is not closed, or closed without being open.
+/// Returns a description of the first tag that violates this.
 pub fn check_tags(text: &str) -> Result<(), String> {
     const EMPTY: [&str; 2] = ["meta", "br"];
     let mut open: Vec<&str> = Vec::new();

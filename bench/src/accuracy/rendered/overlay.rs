@@ -1,5 +1,5 @@
-//! A drawn picture, enlarged, with the truth as a thin white line, the curves coloured along ρ, their ends, and the
-//! reported crossings.
+//! A drawn picture, enlarged, with the truth as a thin white line, the curves colored along ρ,
+//! their ends, and the reported crossings.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use lariat_extract::Scene;
 
 use crate::enlarged::Enlarged;
 
-/// How many times larger it is drawn.
+/// Magnification of the picture.
 const ZOOM: u32 = 3;
 
 /// Writes a PNG.
@@ -46,7 +46,8 @@ pub(super) fn write(path: &Path, still: &Still, scene: &Scene) -> Result<()> {
     canvas.canvas.picture.save(path).with_context(unwritten)
 }
 
-/// From blue over green to yellow on the first curve, from magenta over red to orange on the next.
+/// Returns a color that runs from blue over green to yellow on the first curve, and from magenta
+/// over red to orange on the next.
 fn ramp(curve: usize, rho: f32) -> [u8; 3] {
     let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
         [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]

@@ -1,4 +1,4 @@
-//! The figures of each class as a table, the worst pictures, and one line a picture as CSV.
+//! The figures of each class as a table, the worst pictures, and CSV with one line per picture.
 
 use std::fmt::Write;
 
@@ -7,14 +7,14 @@ use lariat_drawn::scenes::{Class, Score};
 
 use super::Measured;
 
-/// What is to be reached in every class.
+/// Target for the mean distance in every class.
 const MEAN_PX: f64 = 0.3;
 const CORRESPONDENCE_PX: f64 = 2.0;
 const ENDS_PX: f64 = 1.0;
 const CONNECTED: f64 = 0.99;
-/// Of crossings above this angle.
+/// Minimum angle of the crossings that count.
 const FLATTEST_DEG: f64 = 25.0;
-/// Worst pictures shown.
+/// Number of worst pictures shown.
 const WORST: usize = 5;
 
 pub(super) fn head() -> String {
@@ -44,7 +44,7 @@ pub(super) fn head() -> String {
     )
 }
 
-/// The value that 95 % of the values are not above; 0 of none.
+/// Returns the 95th percentile. 0 if there are no values.
 fn p95(values: impl Iterator<Item = f64>) -> f64 {
     Samples::from_iter(values).percentile(0.95)
 }
@@ -56,12 +56,12 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count.max(1) as f64
 }
 
-/// A figure, marked when it is not what is to be reached.
+/// Marks a figure that misses its target.
 fn marked(text: String, is_met: bool) -> String {
     if is_met { text + " " } else { text + "!" }
 }
 
-/// `n/of`, of the crossings that `counts` takes.
+/// Returns the number of right crossings and the number of all, among those above [`FLATTEST_DEG`].
 fn share(
     scores: &[&Score],
     is_right: impl Fn(&lariat_drawn::scenes::CrossingScore) -> bool,
@@ -123,7 +123,8 @@ pub(super) fn row(class: Class, measured: &[Measured]) -> String {
     )
 }
 
-/// How bad a picture is: miscounted or wrongly connected ones first, then by their farthest point.
+/// Returns a sort key for bad pictures: first the number of wrong counts and connections, then the
+/// farthest point.
 fn badness(score: &Score) -> (usize, f64) {
     let broken = score.crossings.iter().filter(|c| !c.connected).count()
         + score
@@ -169,14 +170,14 @@ pub(super) fn foot(measured: &[Measured]) -> String {
     if !doubted.is_empty() {
         let _ = writeln!(
             text,
-            "Curves that may be no ropes, and are not counted: {}.",
+            "Curves that may not be ropes, and are not counted: {}.",
             doubted.join(", ")
         );
     }
     text
 }
 
-/// One line a picture.
+/// Returns the CSV text with one line per picture.
 pub(super) fn csv(measured: &[Measured]) -> String {
     let mut text = String::from(
         "class,seed,width_px,ropes,curves,misclosed,mean_px,correspondence_p95_px,correspondence_max_px,end_max_px,\

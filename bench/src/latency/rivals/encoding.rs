@@ -1,4 +1,4 @@
-//! Messages as bytes, for sockets: what is meant of them, number by number. (Shared memory needs none of this.)
+//! Messages as bytes for sockets, encoded number by number. Shared memory needs no encoding.
 
 use std::io::{self, Read, Write};
 
@@ -28,7 +28,7 @@ fn put_trace(bytes: &mut Vec<u8>, trace: &Trace) {
     }
 }
 
-/// Numbers read one after the other; zeros past the end.
+/// A reader of successive numbers. It returns zeros past the end.
 struct Numbers<'a>(&'a [u8]);
 
 impl Numbers<'_> {
@@ -75,7 +75,7 @@ impl Numbers<'_> {
     }
 }
 
-/// Writes a frame: header and pixels, without another copy of them.
+/// Writes a frame: header and pixels, without another copy of the pixels.
 pub(super) fn write_frame(
     to: &mut impl Write,
     header: &FrameHeader,
@@ -95,7 +95,7 @@ pub(super) fn write_frame(
     to.write_all(pixels)
 }
 
-/// Reads a frame of as many pixels; `None` at the end.
+/// Reads a frame whose size matches `pixels`. Returns `None` at the end.
 pub(super) fn read_frame(
     from: &mut impl Read,
     pixels: &mut [u8],
@@ -116,7 +116,7 @@ pub(super) fn read_frame(
     }))
 }
 
-/// Writes a message: its length, then its bytes, which `encode` fills in.
+/// Writes a message: its length, then its bytes, which `encode` appends.
 pub(super) fn write(
     to: &mut impl Write,
     bytes: &mut Vec<u8>,
@@ -130,7 +130,7 @@ pub(super) fn write(
     to.write_all(bytes)
 }
 
-/// Reads a message's bytes; `false` at the end.
+/// Reads a message's bytes. Returns `false` at the end.
 pub(super) fn read(from: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<bool> {
     let mut length = [0; 4];
     if !read_or_end(from, &mut length)? {
@@ -141,7 +141,7 @@ pub(super) fn read(from: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<bool
     Ok(true)
 }
 
-/// `false` if there is nothing more to read.
+/// Returns `false` at the end of the input.
 fn read_or_end(from: &mut impl Read, bytes: &mut [u8]) -> io::Result<bool> {
     match from.read_exact(bytes) {
         Ok(()) => Ok(true),

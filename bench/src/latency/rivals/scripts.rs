@@ -1,4 +1,4 @@
-//! Rivals in Python: each a script that is handed frames in a file, and prints how long each was under way.
+//! Rivals in Python. Each script receives frames in a file and prints the latency of each.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -16,7 +16,7 @@ use crate::latency::figures::Outcome;
 use crate::latency::guard::{Guarded, Placement};
 use crate::latency::workplace::Workplace;
 
-/// The scripts, as they are in `bench/rivals`: with them in the program, it needs no source tree.
+/// The scripts of `bench/rivals`. They are embedded, so the program needs no source tree.
 const FILES: [(&str, &str); 9] = [
     ("timing.py", include_str!("../../../rivals/timing.py")),
     ("pacing.py", include_str!("../../../rivals/pacing.py")),
@@ -41,7 +41,7 @@ const FILES: [(&str, &str); 9] = [
     ),
 ];
 
-/// Frames that go round: enough that none is where the last one of its kind left it in a cache.
+/// Number of frames that are sent in turn: enough that none is still in a cache from its last use.
 const FRAMES: u64 = 24;
 
 /// A script.
@@ -80,7 +80,7 @@ struct Request {
     count: u64,
     fps: f64,
     seconds: f64,
-    /// The rope's colours, as OpenCV counts them.
+    /// The rope's color ranges, in OpenCV's units.
     ranges: Vec<[[u8; 3]; 2]>,
 }
 
@@ -95,7 +95,7 @@ struct Answer {
     versions: std::collections::BTreeMap<String, String>,
 }
 
-/// Runs a script; the error is a sentence on what it lacks.
+/// Runs a script. The error is a sentence that says what is missing.
 pub(in crate::latency) fn measure(
     workplace: &Workplace,
     script: Script,
@@ -152,7 +152,7 @@ pub(in crate::latency) fn measure(
     Ok(outcome)
 }
 
-/// Puts scripts, frames and the request into the workplace's folder.
+/// Writes scripts, frames and the request to the workplace's folder.
 fn prepare(
     workplace: &Workplace,
     size: [u32; 2],
@@ -179,7 +179,7 @@ fn prepare(
     Ok(path)
 }
 
-/// Writes the rendered rope's first frames, one after the other; returns the rope's colours.
+/// Writes the first frames of the rendered rope in sequence. Returns the rope's color ranges.
 fn write_frames(path: &std::path::Path, [width, height]: [u32; 2]) -> Result<Vec<[[u8; 3]; 2]>> {
     let options = RenderOptions {
         width,

@@ -1,4 +1,5 @@
-//! The four stages as processes that are joined by Unix sockets: pixels are copied into the kernel and out of it.
+//! The four stages as processes connected by Unix sockets: pixels are copied into the kernel and
+//! out of it.
 
 use std::io::{Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
@@ -18,7 +19,8 @@ use crate::latency::guard::{Guarded, Placement, end_all};
 use crate::latency::workplace::Workplace;
 use lariat_chain::stop::Stop;
 
-/// Runs the four processes, each with the socket before it as its standard input and the one after it as its output.
+/// Runs the four processes. Standard input is the socket to the previous process, and standard
+/// output the socket to the next.
 pub(in crate::latency) fn measure(
     workplace: &Workplace,
     size: [u32; 2],
@@ -55,17 +57,17 @@ pub(in crate::latency) fn measure(
     Ok(outcome)
 }
 
-/// What `latency-part socket-stage` is told.
+/// Arguments of `latency-part socket-stage`.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct StageArgs {
-    /// Which of the four, from 0
+    /// Position of the stage among the four, from 0
     #[arg(long)]
     place: usize,
     #[command(flatten)]
     task: Task,
 }
 
-/// Is one of the four, until the one before it has ended.
+/// Runs one of the four stages until the previous one has ended.
 pub(in crate::latency) fn run(args: &StageArgs) -> Result<()> {
     let socket = |end: &dyn Fn() -> std::io::Result<OwnedFd>| {
         end().map(UnixStream::from).context("a socket is missing")
@@ -84,7 +86,7 @@ fn capture(args: &StageArgs, mut to: UnixStream) -> Result<()> {
     let stop = Stop::on_signals()?;
     let mut capture = CaptureStep::new(&args.task.settings())?;
     let mut pixels = vec![0; capture.frame_bytes()];
-    // Its time begins when the others are there.
+    // Its time starts when the other stages are ready.
     await_next(&mut to)?;
     while let Some(header) = capture.next(&mut pixels, &stop)? {
         encoding::write_frame(&mut to, &header, &pixels)?;
@@ -140,7 +142,7 @@ fn count(args: &StageArgs, mut from: UnixStream) -> Result<()> {
     sink.report(&settings, FinalCounts::default())
 }
 
-/// Waits until the stage after it, and all after that, are ready.
+/// Waits until the next stage and all later ones are ready.
 fn await_next(next: &mut UnixStream) -> Result<()> {
     next.read_exact(&mut [0]).context("the next stage ended")
 }

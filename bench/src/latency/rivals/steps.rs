@@ -1,4 +1,4 @@
-//! The four stages' work, without anything that joins them: what the rivals have in common with the chain.
+//! The work of the four stages without their connections, shared by the rivals and the chain.
 
 use std::path::Path;
 
@@ -14,28 +14,28 @@ use lariat_chain::settings::{Fps, Settings};
 use lariat_chain::stages::arrangement::precise_timer;
 use lariat_chain::stop::Stop;
 
-/// What a rival is told.
+/// Arguments of a rival.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Task {
-    /// Width of the picture
+    /// Width of the picture in pixels
     #[arg(long)]
     width: u32,
-    /// Its height
+    /// Height of the picture in pixels
     #[arg(long)]
     height: u32,
-    /// Frames a second
+    /// Frames per second
     #[arg(long)]
     fps: f64,
-    /// How long to run, s
+    /// Duration of the run in seconds
     #[arg(long)]
     seconds: f64,
-    /// The report's folder
+    /// Folder of the report
     #[arg(long)]
     out: std::path::PathBuf,
 }
 
 impl Task {
-    /// The task as words of a command.
+    /// Returns the task as command-line arguments.
     pub(super) fn words(size: [u32; 2], fps: f64, seconds: f64, out: &Path) -> Vec<String> {
         let mut words: Vec<String> = [
             ("--width", f64::from(size[0])),
@@ -50,7 +50,7 @@ impl Task {
         words
     }
 
-    /// The chain's own settings, but for these.
+    /// Returns the chain's default settings with the task's values.
     pub(super) fn settings(&self) -> Settings {
         let mut settings = Settings::default();
         settings.capture.size = Some([self.width, self.height]);
@@ -61,7 +61,7 @@ impl Task {
     }
 }
 
-/// The first stage: the rendered rope, each frame drawn before it is due.
+/// The first stage: the rendered rope. Each frame is drawn before it is due.
 pub(super) struct CaptureStep {
     source: Box<dyn FrameSource>,
     schedule: Schedule,
@@ -82,12 +82,13 @@ impl CaptureStep {
         })
     }
 
-    /// The most bytes of a frame.
+    /// Returns the maximum number of bytes of a frame.
     pub(super) fn frame_bytes(&self) -> usize {
         self.source.largest_frame_bytes()
     }
 
-    /// Writes the next frame's pixels, and returns when it is due; `None` when the time is over or a signal came.
+    /// Writes the next frame's pixels and returns when the frame is due. Returns `None` when the
+    /// time is over or a signal arrived.
     pub(super) fn next(&mut self, pixels: &mut [u8], stop: &Stop) -> Result<Option<FrameHeader>> {
         let Some(frame) = self.source.next()? else {
             return Ok(None);
@@ -125,7 +126,7 @@ impl ExtractStep {
         })
     }
 
-    /// Fills in what is seen in a frame that is just in hand.
+    /// Extracts a frame that has just arrived into `message`.
     pub(super) fn look(&mut self, header: &FrameHeader, pixels: &[u8], message: &mut Centerlines) {
         message.trace = header.trace;
         message.trace.extract_started_ns = now_ns();
@@ -151,7 +152,7 @@ impl FitStep {
         })
     }
 
-    /// Fills in the descriptors of centerlines that are just in hand.
+    /// Fits centerlines that have just arrived, and writes their descriptors to `message`.
     pub(super) fn fit(&mut self, seen: &Centerlines, message: &mut Descriptors) {
         message.trace = seen.trace;
         message.trace.fit_started_ns = now_ns();
@@ -178,7 +179,7 @@ impl SinkStep {
         self.sink.descriptors(message, now_ns());
     }
 
-    /// Writes the report; `counts` if the stages' last words are known.
+    /// Writes the report. `counts` are the final counts of the stages.
     pub(super) fn report(mut self, settings: &Settings, counts: FinalCounts) -> Result<()> {
         self.sink.finish(counts);
         let out = settings.run.out.as_ref().context("a rival has a folder")?;

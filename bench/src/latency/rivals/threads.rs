@@ -1,4 +1,5 @@
-//! The four stages as threads of one process, joined by bounded channels: buffers change hands, no pixel is copied.
+//! The four stages as threads of one process, connected by bounded channels. Buffers are handed
+//! over; no pixel is copied.
 
 use std::time::Duration;
 
@@ -15,9 +16,9 @@ use crate::latency::workplace::Workplace;
 use lariat_chain::settings::Settings;
 use lariat_chain::stop::Stop;
 
-/// Messages that may wait for a stage, as on the chain's channel of frames.
+/// Maximum number of messages that wait for a stage, as on the chain's channel of frames.
 const WAITING: usize = 3;
-/// Buffers that go round on a link: those that wait, and one in either pair of hands.
+/// Buffers in circulation on a link: those that wait, and one at each end.
 const BUFFERS: usize = WAITING + 2;
 
 /// Runs the four threads in a process of their own.
@@ -33,7 +34,7 @@ pub(in crate::latency) fn measure(
     chain::watch(workplace, &mut command, time, &out, "the four threads")
 }
 
-/// What `latency-part threads` is told.
+/// Arguments of `latency-part threads`.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ThreadsArgs {
     #[command(flatten)]
@@ -45,8 +46,8 @@ struct Frame {
     pixels: Vec<u8>,
 }
 
-/// Buffers that go round: sent on full, given back empty. The newest wins: what finds no room is dropped, and counted by
-/// its number that is missing.
+/// A link with buffers in circulation: sent full, returned empty. A message that finds no space is
+/// dropped, and its missing number is counted.
 struct Link<T> {
     full: (Sender<T>, Receiver<T>),
     empty: (Sender<T>, Receiver<T>),
@@ -59,7 +60,7 @@ impl<T> Link<T> {
             empty: bounded(BUFFERS),
         };
         for _ in 0..BUFFERS {
-            // There is room for each.
+            // The channel has space for all buffers.
             let _ = link.empty.0.send(make());
         }
         link
@@ -83,7 +84,7 @@ impl<T> Link<T> {
 struct Outgoing<T> {
     full: Sender<T>,
     empty: Receiver<T>,
-    /// A buffer whose content found no room.
+    /// A buffer whose message found no space.
     unsent: Option<T>,
 }
 
@@ -106,12 +107,12 @@ struct Incoming<T> {
 
 impl<T> Incoming<T> {
     fn give_back(&self, buffer: T) {
-        // The other end may be gone, at the end.
+        // The other end may already be gone during shutdown.
         let _ = self.empty.send(buffer);
     }
 }
 
-/// Is the four threads, until the time is over; then writes the report.
+/// Runs the four threads until the time is over, and writes the report.
 pub(in crate::latency) fn run(args: &ThreadsArgs) -> Result<()> {
     let (settings, stop) = (&args.task.settings(), &Stop::on_signals()?);
     let bytes = CaptureStep::new(settings)?.frame_bytes();
@@ -125,7 +126,7 @@ pub(in crate::latency) fn run(args: &ThreadsArgs) -> Result<()> {
     let (to_fit, from_extract) = centerlines.ends();
     let (to_sink, from_fit) = descriptors.ends();
     std::thread::scope(|scope| {
-        // Each owns its ends, so that a thread that broke off ends the others.
+        // Each thread owns its ends, so that a thread that fails ends the others.
         let sink = scope.spawn(move || count(settings, &from_fit));
         let fit = scope.spawn(move || fit(settings, &from_extract, to_sink));
         let extract = scope.spawn(move || look(settings, &from_capture, to_fit));
@@ -145,7 +146,7 @@ fn capture(settings: &Settings, stop: &Stop, mut frames: Outgoing<Frame>) -> Res
         };
         frame.header = header;
         frames.send(frame);
-        // As the chain's capture does, and for the same reason.
+        // Yields for the same reason as the chain's capture.
         std::thread::yield_now();
     }
     Ok(())

@@ -1,4 +1,5 @@
-//! A lifted rope in two views: as the camera sees it, and below that from the side, so that it shows how high it is.
+//! A lifted rope in two views: as seen by the camera, and below it from the side, which shows its
+//! height.
 
 use lariat_drawn::SpaceCameras;
 use lariat_drawn::space::Eye;
@@ -8,26 +9,26 @@ use lariat_wire::{Rope, Shape};
 use super::{DRAWN_POINTS, ends};
 use crate::servo::film::Sketch;
 
-/// The side view: how high it is, a pixel for a millimetre, and how much of that is the table.
+/// Heights of the side view and of the table in it, px. One pixel is 1 mm.
 const SIDE_PX: usize = 200;
 const TABLE_PX: usize = 16;
 const AIR: u8 = 246;
 const TABLE: u8 = 190;
-/// Of two degrees of freedom, the square of how far 95 of 100 lie.
+/// Squared radius that contains 95 % of a standard normal distribution with two degrees of freedom.
 const CHI_SQUARED_95: f64 = 5.991;
-/// Lines that an ellipse is drawn by.
+/// Number of line segments of an ellipse.
 const SIDES: u32 = 24;
-/// Half of the step by which it is seen how a point of a view moves with the rope, mm.
+/// Half the step of the finite differences of a view, mm.
 const STEP_MM: f64 = 0.5;
 
-/// The two views, in the pixels of one image: the camera's, and the side view below it.
+/// The two views as pixels of one image: the camera's view, and the side view below it.
 pub(super) struct Views {
     eye: Eye,
     size: [usize; 2],
 }
 
 impl Views {
-    /// Of a camera with images of this size.
+    /// Creates the views of a camera with images of this size.
     pub(super) fn new(size: [usize; 2]) -> Self {
         Self {
             eye: SpaceCameras::color_eye(size.map(|side| side as u32)),
@@ -35,25 +36,25 @@ impl Views {
         }
     }
 
-    /// Width and height of both together.
+    /// Returns width and height of both views together.
     pub(super) fn size(&self) -> [usize; 2] {
         let [width, height] = self.size;
         [width, height + SIDE_PX]
     }
 
-    /// Adds what the side view has of its own below the camera's image.
+    /// Appends the background of the side view below the camera's image.
     pub(super) fn add_side(&self, rgb: &mut Vec<u8>) {
         let row = 3 * self.size[0];
         rgb.resize(rgb.len() + row * (SIDE_PX - TABLE_PX), AIR);
         rgb.resize(rgb.len() + row * TABLE_PX, TABLE);
     }
 
-    /// Points of the robot's frame in each view.
+    /// Projects points of the robot's frame into each view.
     pub(super) fn lines(&self, points: &[[f64; 3]]) -> [Vec<[f64; 2]>; 2] {
         [0, 1].map(|view| points.iter().map(|&p| self.place(view, p)).collect())
     }
 
-    /// What is drawn of a rope.
+    /// Returns the sketch of a rope.
     pub(super) fn sketch(
         &self,
         rope: Option<&Rope>,
@@ -87,7 +88,8 @@ impl Views {
         sketch
     }
 
-    /// A point of the robot's frame in the camera's image, or from the side: x to the right, and z up from the table.
+    /// Projects a point of the robot's frame into the camera's image or into the side view. The
+    /// side view has x to the right and z up from the table.
     fn place(&self, view: usize, point: [f64; 3]) -> [f64; 2] {
         let [width, height] = self.size.map(|side| side as f64);
         match view {
@@ -99,7 +101,7 @@ impl Views {
         }
     }
 
-    /// How a place in a view moves as a point does.
+    /// Returns the derivative of a projected position with respect to the point.
     fn derivative(&self, view: usize, point: [f64; 3]) -> [[f64; 3]; 2] {
         let by_axis = [0, 1, 2].map(|k| {
             let [to, from] = [STEP_MM, -STEP_MM].map(|step| {
@@ -112,7 +114,8 @@ impl Views {
         [0, 1].map(|axis| by_axis.map(|by| by[axis]))
     }
 
-    /// Around a point with a covariance `[xx, xy, xz, yy, yz, zz]`: where it is in a view, with 95 %.
+    /// Returns the ellipse that contains a point in a view with 95 % probability, given its
+    /// covariance `[xx, xy, xz, yy, yz, zz]`.
     fn ellipse(&self, view: usize, point: [f64; 3], covariance: &[f64; 6]) -> Vec<[f64; 2]> {
         let [xx, xy, xz, yy, yz, zz] = *covariance;
         let whole = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -136,13 +139,14 @@ impl Views {
             .collect()
     }
 
-    /// A gripper in a view, and how it moves there: px/s, and rad/s clockwise.
+    /// Projects a gripper into a view. Returns its position and its motion there: px/s, and rad/s
+    /// clockwise.
     fn moved(&self, view: usize, at: [f64; 3], velocity: [f64; 6]) -> ([f64; 2], [f64; 3]) {
         let [vx, vy, vz, _, about_y, about_z] = velocity;
         let [x, y] = self
             .derivative(view, at)
             .map(|row| dot(&row, &[vx, vy, vz]));
-        // From above z points at the one who looks, from the side y away from it.
+        // From above, z points towards the viewer. From the side, y points away.
         let turn = if view == 0 { -about_z } else { about_y };
         (self.place(view, at), [x, y, turn])
     }
@@ -170,7 +174,7 @@ mod tests {
         let views = Views::new(SIZE);
         let [camera, side] = views.lines(&[[0.0; 3], [100.0, 40.0, 60.0], [100.0, 40.0, 0.0]]);
         assert!((camera[0][0] - 319.5).abs() < 1e-9 && (camera[0][1] - 239.5).abs() < 1e-9);
-        // What is nearer to the camera is farther from the picture's middle.
+        // Points nearer to the camera are farther from the picture's center.
         assert!(camera[1][0] > camera[2][0] + 2.0 && camera[2][1] < camera[0][1]);
         let mut rgb = vec![0; 3 * SIZE[0] * SIZE[1]];
         views.add_side(&mut rgb);
@@ -186,12 +190,12 @@ mod tests {
     #[test]
     fn an_ellipse_is_as_wide_as_its_covariance_from_that_side() {
         let views = Views::new(SIZE);
-        // Ten times as unsure in its height as across.
+        // The standard deviation is ten times greater in height than across.
         let covariance = [1.0, 0.0, 0.0, 1.0, 0.0, 100.0];
         let wide = 2.0 * CHI_SQUARED_95.sqrt();
         let [across, up] = spans(&views.ellipse(1, [20.0, 0.0, 50.0], &covariance));
         assert!((across - wide).abs() < 0.02 * wide && (up - 10.0 * wide).abs() < 0.2 * wide);
-        // The camera looks along the height, but for its lean.
+        // The camera looks along the height, apart from its tilt.
         let [across, up] = spans(&views.ellipse(0, [0.0; 3], &covariance));
         assert!(across < 1.1 * wide && up < 3.0 * wide, "{across} {up}");
     }
@@ -201,7 +205,7 @@ mod tests {
         let views = Views::new(SIZE);
         let ellipse = views.ellipse(1, [0.0, 0.0, 50.0], &[4.0, 0.0, 3.9, 1.0, 0.0, 4.0]);
         let [x, y] = views.place(1, [0.0, 0.0, 50.0]);
-        // What is farther to the right is higher up.
+        // Points farther to the right are higher up.
         let lean: f64 = ellipse.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
         assert!(lean < 0.0, "{lean}");
     }

@@ -1,5 +1,5 @@
-//! What a controller goes by, from image to image: the descriptor by the public reader, or points of the centerline; as late as it
-//! is told to be.
+//! The controller's observations: the descriptor from the public reader, or points of the
+//! centerline, with an optional delay.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use crate::servo::job::{Features, Job, RAW_POINTS};
 use lariat_chain::pipeline::CurveFitter;
 use lariat_chain::settings::Settings;
 
-/// What is known of the rope.
+/// State of the rope as observed.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Sight {
     Shape(Shape),
@@ -24,7 +24,7 @@ pub(super) enum Sight {
     Lost,
     /// The newest image is too old.
     Stale,
-    /// There is none, or more than one.
+    /// Zero ropes, or more than one.
     Absent,
 }
 
@@ -32,7 +32,7 @@ pub(super) enum Sight {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shape {
     pub(super) features: Vec<[f64; 2]>,
-    /// Of each point, `[xx, xy, yy]`, px²; none if they are not known.
+    /// Covariance of each point, `[xx, xy, yy]`, px². Empty if unknown.
     pub(super) covariances: Vec<[f64; 3]>,
     pub(super) exposed_ns: u64,
     pub(super) partial: bool,
@@ -47,35 +47,35 @@ impl Sight {
     }
 }
 
-/// What a controller sees by.
+/// Source of the controller's observations.
 pub(super) struct Observer {
     source: Source,
     target: Vec<[f64; 2]>,
-    /// The rows of the basis that the target is made of; none of points.
+    /// Rows of the basis that the target is expressed in. Empty if the features are points.
     rows: Vec<Vec<f64>>,
     delay: Duration,
     max_age: Duration,
-    /// What was seen and is not yet to be known, oldest first, with the moment from which on it is.
+    /// Delayed observations, oldest first, each with the time at which it becomes known.
     waiting: VecDeque<(Instant, Sight)>,
-    /// What is known.
+    /// The newest observation that is no longer delayed.
     known: Sight,
     whole: Whole,
 }
 
-/// A rope does not stretch: one that is seen shorter or longer than by this share has more covered than what the jaws hold, or is
-/// taken for another.
+/// Maximum relative change of length of a completely visible rope. A rope does not stretch, so more
+/// than its ends is covered, or it is confused with another.
 const STRETCHED: f64 = 0.03;
-/// It is as long as it was in the middle of its first sights.
+/// Number of first observations whose median is the rope's length.
 const FIRST_SIGHTS: usize = 15;
 
-/// How long the rope is when all of it is seen.
+/// Length of the rope when all of it is visible.
 #[derive(Default)]
 pub(super) struct Whole {
     first_px: Vec<f64>,
 }
 
 impl Whole {
-    /// Whether a rope of this length is seen whole.
+    /// Returns whether a rope of this length is completely visible.
     pub(super) fn is_it(&mut self, length_px: f64) -> bool {
         if self.first_px.len() < FIRST_SIGHTS {
             self.first_px.push(length_px);
@@ -108,7 +108,7 @@ impl Observer {
             }
         };
         let delay = Duration::from_secs_f64(job.delay_ms / 1e3);
-        // Three frames, as long as a chain may be held up that loses none.
+        // Three frames: the longest delay of a chain that loses none.
         let late_s = (3.0 * job.period_s).max(0.1);
         Ok(Self {
             source,
@@ -122,12 +122,12 @@ impl Observer {
         })
     }
 
-    /// What is wanted, in what the shapes are in.
+    /// Returns the target in the features' units.
     pub(super) fn target(&self) -> &[f64] {
         self.target.as_flattened()
     }
 
-    /// What counts as the distance of two shapes.
+    /// Returns the metric for the distance of two shapes.
     pub(super) fn metric(&self) -> Result<Metric> {
         if self.rows.is_empty() {
             return Ok(Metric::default());
@@ -136,7 +136,8 @@ impl Observer {
         Metric::of_rows(rows).context("the curve cannot be measured by")
     }
 
-    /// What is known at the deadline, or as soon as that is something new.
+    /// Waits until the deadline or until an observation becomes known. Returns the newest known
+    /// observation.
     pub(super) fn look(&mut self, deadline: Instant) -> Result<Sight> {
         let due = self.waiting.front().map(|(due, _)| *due);
         let until = due.map_or(deadline, |due| due.min(deadline));
@@ -158,7 +159,7 @@ impl Observer {
         Ok(self.known.clone())
     }
 
-    /// What a new image shows; `None` if none comes until then.
+    /// Returns the observation in the next image. Returns `None` if none arrives in time.
     fn see(&mut self, until: Instant) -> Result<Option<Sight>> {
         match &mut self.source {
             Source::Descriptors(reader) => {
@@ -167,9 +168,10 @@ impl Observer {
                     return Ok(None);
                 }
                 Ok(Some(match frame.only_rope(self.max_age) {
-                    // Ends in a gripper's jaws are covered, always; what counts is whether anything else is.
-                    // And what is in the jaws is a rope, whatever it looks like; a law that compares descriptors needs no curve
-                    // that lies on it, and is studied with few control points on purpose.
+                    // Ends in a gripper's jaws are always covered, so only other hidden parts
+                    // count. An unsure rope is accepted too, because whatever is in the jaws is a
+                    // rope. The law compares descriptors and does not need an accurate curve; some
+                    // cases use few control points on purpose.
                     Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) => {
                         let is_whole = self.whole.is_it(rope.length());
                         by_descriptor(&rope, rope.hidden() > 0.0 || !is_whole)
@@ -228,7 +230,7 @@ fn by_points(seen: &Centerlines, whole: &mut Whole) -> Sight {
 /// A curve's control points, and the rows of its basis at even steps.
 type Described = (Vec<[f64; 2]>, Vec<Vec<f64>>);
 
-/// The target as a descriptor of the chain's own kind.
+/// Fits the target as a descriptor of the chain's own kind.
 fn described(target: &[[f64; 2]], settings: &Settings) -> Result<Described> {
     let count = settings.extract.points.min(MAX_POINTS);
     let points = lariat_simulation::at_equal_steps(target, count);

@@ -1,4 +1,4 @@
-//! The controller of a lifted rope: shapes in space in, velocities of grippers in space out.
+//! The controller of a lifted rope: it reads shapes in 3-D and sends gripper velocities in 3-D.
 
 use std::time::{Duration, Instant};
 
@@ -14,10 +14,11 @@ use super::{METRIC_ROWS, ways};
 use crate::servo::job::{Job, SpaceRobot};
 use lariat_chain::settings::Settings;
 
-/// It has arrived when the shape is this near, by its own measure: a little more than depth is sure to.
+/// Distance from the target, in the controller's own metric, at which the rope has arrived:
+/// slightly more than the depth error.
 const TOLERANCE_MM: f64 = 2.0;
 
-/// What it sees by, what it steers by, and which way the grippers point.
+/// The reader, the control law, and the directions of the grippers.
 pub(super) struct Pilot {
     reader: Reader,
     servo: SpaceServo,
@@ -64,12 +65,12 @@ impl Pilot {
         })
     }
 
-    /// What to do by the newest image, at the deadline at the latest, and when that was exposed.
+    /// Waits for a new image until the deadline. Returns the command and the image's exposure time.
     pub(super) fn decide(&mut self, deadline: Instant) -> Result<(Wish<6>, u64)> {
         let frame = self.reader.wait(deadline)?;
         let (servo, now_ns) = (&mut self.servo, now_ns());
         let rope = match frame.only_rope(self.max_age) {
-            // As in the picture's plane: its ends are in the jaws, and what is in the jaws is a rope.
+            // As in the plane: the ends are in the jaws, and whatever is in the jaws is a rope.
             Seen::Fresh(rope) | Seen::Partial(rope) | Seen::Unsure(rope, _) => rope,
             Seen::Lost(_) => return Ok((servo.hold(Why::Lost, now_ns), 0)),
             Seen::Stale(_) => return Ok((servo.hold(Why::Stale, now_ns), 0)),
@@ -89,7 +90,7 @@ impl Pilot {
         Ok((servo.see(seen, now_ns), rope.exposed_ns()))
     }
 
-    /// The same in the robot's frame, by which way the grippers point now.
+    /// Converts a command to the robot's frame, given the current directions of the grippers.
     pub(super) fn twists(&mut self, wish: &Wish<6>) -> [[f64; 6]; 2] {
         let now = Instant::now();
         if let Some((since, before)) = self.told.replace((now, *wish)) {

@@ -1,6 +1,6 @@
 //! Dashed lines.
 
-/// The dashes of a line: each `on_px` long, and `off_px` apart.
+/// Splits a line into dashes of length `on_px` with gaps of `off_px`.
 pub(super) fn dashes(line: &[[f64; 2]], [on_px, off_px]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let mut all = Vec::new();
     let mut dash: Vec<[f64; 2]> = line.first().copied().into_iter().collect();

@@ -1,25 +1,27 @@
-//! Pictures as a GIF, in which each picture holds only what has changed.
+//! Encoding of pictures as a GIF in which each picture holds only what has changed.
 //!
-//! A camera's noise changes every pixel. A pixel is drawn again only when it differs from what it was drawn for by more
-//! than [`NOISE`]; else it is transparent, and what was there stays. Long runs of one index are what GIF packs well.
+//! A camera's noise changes every pixel. A pixel is drawn again only if it differs from its last
+//! drawn value by more than [`NOISE`]. Otherwise it is transparent and the previous pixel stays.
+//! GIF compresses long runs of one index well.
 
 use anyhow::{Context, Result};
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
 
-/// Steps of a byte by which a pixel may differ and yet stay.
+/// Maximum difference in byte steps for which a pixel is kept.
 const NOISE: u8 = 7;
-/// How long the last picture stays, in hundredths of a second.
+/// Duration of the last picture, in hundredths of a second.
 const LAST_CS: u16 = 200;
-/// The shortest that players obey.
+/// Shortest duration that players respect.
 const SHORTEST_CS: u16 = 2;
-/// Color quantization that takes every pixel into account: thin lines in rare colors keep them.
+/// Color quantization that considers every pixel, so that thin lines in rare colors keep their
+/// colors.
 const SPEED: i32 = 1;
 
-/// A GIF without end of pictures of one size, each from its time on, in seconds.
+/// Encodes pictures of one size as a looping GIF. Each is shown from its time on, in seconds.
 ///
 /// # Errors
-/// There is no picture, or it is larger than a GIF can be.
+/// There is no picture, or it is too large for a GIF.
 pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     let (_, first) = pictures
         .first()
@@ -27,10 +29,10 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     let side = |px: u32| u16::try_from(px).context("images of this size do not fit into a GIF");
     let (width, height) = (side(first.width())?, side(first.height())?);
     let mut bytes = Vec::new();
-    // Each picture has colors of its own.
+    // Each picture has its own palette.
     let mut encoder = Encoder::new(&mut bytes, width, height, &[])?;
     encoder.set_repeat(Repeat::Infinite)?;
-    // What each pixel was drawn for.
+    // The value for which each pixel was last drawn.
     let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels().len()];
     for (i, (at_s, picture)) in pictures.iter().enumerate() {
         let delay = match pictures.get(i + 1) {
@@ -46,15 +48,15 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Of the film's own beginning, so that what is rounded does not add up.
+/// Rounds the time since the film's start, so that rounding errors do not accumulate.
 fn hundredths(at_s: f64) -> u64 {
     (100.0 * at_s).round() as u64
 }
 
-/// The smallest rectangle with all pixels that have changed; they are noted as shown.
+/// Returns the smallest rectangle that contains all changed pixels, and records them as shown.
 fn changes(picture: &RgbImage, shown: &mut [Option<[u8; 3]>]) -> Frame<'static> {
     let mut changed = RgbaImage::new(picture.width(), picture.height());
-    // Left, top, right, bottom: of one pixel if none has changed, as a frame cannot be empty.
+    // Left, top, right, bottom. One pixel if none has changed, because a frame cannot be empty.
     let mut bounds: Option<[u32; 4]> = None;
     for ((x, y, &Rgb(pixel)), shown) in picture.enumerate_pixels().zip(shown) {
         if shown.is_some_and(|shown| is_near(shown, pixel)) {
@@ -69,7 +71,7 @@ fn changes(picture: &RgbImage, shown: &mut [Option<[u8; 3]>]) -> Frame<'static> 
     let [left, top, right, bottom] = bounds.unwrap_or_default();
     let (width, height) = (right + 1 - left, bottom + 1 - top);
     let mut part = imageops::crop_imm(&changed, left, top, width, height).to_image();
-    // Not beyond u16: the whole picture is not.
+    // The casts fit u16, because the whole picture does.
     Frame {
         left: left as u16,
         top: top as u16,

@@ -1,4 +1,4 @@
-//! The strip below the film: the error against time, by its logarithm, as far as it has come.
+//! The strip below the film: the error up to the current time, on a logarithmic axis.
 
 use image::{Rgb, RgbImage, imageops};
 use lariat_chain::canvas::Canvas;
@@ -9,19 +9,19 @@ use crate::servo::judge::REACHED_PX;
 
 const HEIGHT_PX: u32 = 50;
 const MARGIN_PX: f64 = 5.0;
-/// The axis reaches at least this far.
+/// Minimum range of the error axis.
 const LEAST_PX: [f64; 2] = [1.0, 20.0];
 const SOFT: [u8; 3] = [150, 150, 150];
 const LINE: [u8; 3] = [0, 114, 178];
 
-/// What is the same below all pictures: the axes.
+/// The axes, which are the same for all pictures.
 #[derive(Debug)]
 pub(super) struct Strip<'a> {
     /// Time and error.
     errors: &'a [[f64; 2]],
-    /// First and last.
+    /// First and last time.
     times_s: [f64; 2],
-    /// Least and greatest, by their logarithm.
+    /// Logarithms of the least and the greatest error.
     logs: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ impl<'a> Strip<'a> {
                 .map(|e| e[1])
                 .filter(|px| *px > 0.0 && px.is_finite())
         };
-        // A tenth of a pixel is as good as none.
+        // A tenth of a pixel counts as no error.
         let low = known().fold(LEAST_PX[0], f64::min).max(0.1);
         let high = known().fold(LEAST_PX[1], f64::max);
         let time = |error: Option<&[f64; 2]>| error.map_or(0.0, |e| e[0]);
@@ -44,7 +44,7 @@ impl<'a> Strip<'a> {
         }
     }
 
-    /// A picture with its strip, as of a time.
+    /// Returns a picture with its strip at a time.
     pub(super) fn below(&self, picture: &RgbImage, at_s: f64) -> RgbImage {
         let (width, top) = picture.dimensions();
         let mut whole = RgbImage::from_pixel(width, top + HEIGHT_PX, Rgb(WHITE));
@@ -76,7 +76,7 @@ impl<'a> Strip<'a> {
         canvas.picture
     }
 
-    /// Within the strip, whatever the error is.
+    /// Returns the position of an error, clamped to the strip.
     fn place(&self, &[at_s, error_px]: &[f64; 2], width: u32, top: u32) -> [f64; 2] {
         let [first_s, last_s] = self.times_s;
         let [low, high] = self.logs;

@@ -1,4 +1,4 @@
-//! Films of drawn ropes, decoded again.
+//! Tests that decode films of drawn ropes.
 
 use gif::{ColorOutput, DecodeOptions};
 use lariat_capture::{RenderOptions, Source, open};
@@ -6,7 +6,7 @@ use lariat_wire::Centerlines;
 
 use super::*;
 
-/// Size and, picture by picture, its delay in hundredths of a second and its pixels.
+/// Image size, and each picture's delay in hundredths of a second and pixels.
 struct Decoded {
     size: [usize; 2],
     pictures: Vec<(u16, Vec<[u8; 3]>)>,
@@ -38,7 +38,7 @@ fn decoded(bytes: &[u8]) -> Decoded {
     }
 }
 
-/// A drawn rope on its way, as far as the last of `count` pictures; `None` for another noise than the default's.
+/// Films a moving drawn rope for `count` pictures. `noise` replaces the default noise if given.
 fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
     let mut render = RenderOptions {
         seed: 4,
@@ -71,7 +71,7 @@ fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
             .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
         let control_points: Vec<[f64; 2]> = seen.iter().step_by(17).copied().collect();
         let sketch = Sketch {
-            // Not seen for a while.
+            // Temporarily not seen.
             seen: (i != 2).then(|| seen.clone()).into_iter().collect(),
             control_points,
             grippers: vec![gripper(0), gripper(119)],
@@ -117,7 +117,7 @@ fn noise_is_not_drawn_again() {
     let still = filmed(10, Some(0.0)).0.finish().unwrap().len();
     let noisy = filmed(10, None).0.finish().unwrap().len();
     let first = filmed(1, None).0.finish().unwrap().len();
-    // The first picture has the noise; the others hardly.
+    // Only the first picture contains the noise.
     assert!(noisy - first < 2 * still, "{still} {noisy} {first}");
 }
 
@@ -131,7 +131,7 @@ fn shots_between_its_pictures_give_their_error_only() {
         ..Sketch::default()
     };
     for i in 0..60 {
-        // Thirty a second, as a camera has them.
+        // Thirty frames per second, like a camera.
         let at_s = f64::from(i) / 30.0 + if i % 2 == 0 { 2e-3 } else { -2e-3 };
         film.add(&Shot {
             rgb: if i == 30 { &[] } else { &rgb },

@@ -1,4 +1,4 @@
-//! The plots: errors against time, and what a value does to success and time.
+//! The plots: errors over time, and the influence of a value on success and time.
 
 use lariat_plot::{Axis, Chart, LineStyle, Mark, Marker, PlotError, Spread, Stroke, draw};
 
@@ -6,12 +6,12 @@ use super::summary::{Quantiles, Summary};
 use super::{Group, Harder, Row, Study, by_value};
 use crate::servo::judge::{Outcome, REACHED_PX};
 
-/// Points of a line over time: more than a page shows.
+/// Points of a line over time: more than a page can show.
 const TIMES: usize = 240;
-/// The color of the rope as it is.
+/// Color of the default case.
 const BLUE: usize = 0;
 
-/// The error of each rope of a row against time, and their median.
+/// Plots the error of each rope of a row over time, and their median.
 pub(super) fn errors(study: &Study, row: &Row) -> Result<String, PlotError> {
     let ends = row
         .outcomes
@@ -49,14 +49,14 @@ pub(super) fn errors(study: &Study, row: &Row) -> Result<String, PlotError> {
     draw("errors", &[chart], 1)
 }
 
-/// The newest error at a time; NaN before the first.
+/// Returns the newest error at a time. NaN before the first.
 fn error_at(outcome: &Outcome, at_s: f64) -> f64 {
     let seen = outcome.errors.partition_point(|m| m.at_s <= at_s);
     let newest = seen.checked_sub(1).map(|newest| &outcome.errors[newest]);
     newest.map_or(f64::NAN, |moment| moment.error_px)
 }
 
-/// Success and time of a group: over its values if it has them, else name by name.
+/// Plots success and time of a group: over its values if it has them, otherwise by name.
 pub(super) fn group(study: &Study, group: Group) -> Result<String, PlotError> {
     let rows = study.of(group);
     match by_value(&rows) {
@@ -72,7 +72,7 @@ fn sweep(study: &Study, group: Group, values: &[(f64, &Row)]) -> Result<String, 
     let base = study.base().map(Summary::of);
     let numbers = values.iter().map(|&(value, _)| value);
     let x = if group.harder() == Harder::Upwards {
-        // Of none to much.
+        // From none to much.
         over_values(group.axis(), numbers.chain([0.0]))
     } else {
         over_values(group.axis(), numbers)
@@ -129,7 +129,7 @@ fn percent(summary: &Summary) -> f64 {
     100.0 * summary.share()
 }
 
-/// How long the ropes of each row took that came to the target.
+/// Plots the times of the ropes that reached the target, for each row.
 fn names(rows: &[&Row]) -> Result<String, PlotError> {
     let name = |row: &&Row| {
         let summary = Summary::of(row);
@@ -163,7 +163,7 @@ fn names(rows: &[&Row]) -> Result<String, PlotError> {
     draw("a comparison", &[chart], 1)
 }
 
-/// An axis for these values, by the logarithm if they are of different sizes and none is 0.
+/// Returns an axis for these values: logarithmic if their magnitudes differ and none is 0.
 fn over_values(label: &str, values: impl Iterator<Item = f64> + Clone) -> Axis {
     let low = values.clone().fold(f64::INFINITY, f64::min);
     let high = values.fold(f64::NEG_INFINITY, f64::max);
@@ -175,7 +175,7 @@ fn over_values(label: &str, values: impl Iterator<Item = f64> + Clone) -> Axis {
     Axis::linear(label, [low - margin, high + margin], step)
 }
 
-/// A round step that goes four to nine times into a range.
+/// Returns a round step that divides a range into four to nine parts.
 fn step(range: f64) -> f64 {
     if !(range > 0.0 && range.is_finite()) {
         return 1.0;

@@ -1,10 +1,10 @@
-//! Sentences that say what was found, made from the numbers alone.
+//! Sentences about the findings, generated from the numbers alone.
 
 use super::summary::Summary;
 use super::table::fixed;
 use super::{Group, Harder, Row, Study, by_value};
 
-/// What the rows of a group say, against the rope as it is.
+/// Describes the results of a group compared with the default case.
 pub(super) fn finding(study: &Study, group: Group) -> String {
     let rows = study.of(group);
     let Some(base) = study.base().map(Summary::of) else {
@@ -43,7 +43,7 @@ fn as_it_is(base: &Summary) -> String {
             "Once there, the one that goes farthest away again goes {} px beyond. ",
             fixed(worst, 1)
         ),
-        // Of none that was there it is no number.
+        // If no rope reached the target, this is NaN.
         0.0 => "Once there, none goes away again. ".to_owned(),
         _ => String::new(),
     };
@@ -54,7 +54,8 @@ fn as_it_is(base: &Summary) -> String {
     )
 }
 
-/// Values from the mildest to the hardest: up to where nothing is lost, and what is lost then.
+/// Describes values from the mildest to the hardest: the last one without a loss, and the loss
+/// beyond it.
 fn sweep(study: &Study, group: Group, values: &[(f64, &Row)], base: &Summary) -> String {
     let summaries: Vec<Summary> = values.iter().map(|(_, row)| Summary::of(row)).collect();
     let held = summaries
@@ -93,7 +94,7 @@ fn sweep(study: &Study, group: Group, values: &[(f64, &Row)], base: &Summary) ->
     text
 }
 
-/// How lariat's own latency lies to the least that hurts, or to the most that was tried.
+/// Compares lariat's own latency with the lowest harmful latency, or with the highest one tried.
 fn own(own_ms: f64, harm_ms: Option<f64>, most_ms: f64) -> String {
     let limit_ms = harm_ms.unwrap_or(most_ms);
     let is_what = match harm_ms {
@@ -108,7 +109,7 @@ fn own(own_ms: f64, harm_ms: Option<f64>, most_ms: f64) -> String {
     }
 }
 
-/// Rows that have names: the best and the worst, or that there is none.
+/// Compares named rows: names the best and the worst, or says that there is little difference.
 fn comparison(rows: &[&Row]) -> String {
     let mut ranked: Vec<(&Row, Summary)> =
         (rows.iter()).map(|&row| (row, Summary::of(row))).collect();
@@ -138,7 +139,7 @@ fn comparison(rows: &[&Row]) -> String {
     )
 }
 
-/// What a row does worse than another.
+/// Describes what is worse in `row` than in `other`.
 fn lost(row: &Summary, other: &Summary) -> String {
     let mut text = match (row.reached, row.ropes) {
         (0, ropes) => format!("none of {ropes} ropes reaches the target"),
@@ -162,7 +163,7 @@ fn lost(row: &Summary, other: &Summary) -> String {
     text
 }
 
-/// What several rows have in common: from the least to the most.
+/// Describes several rows together by their ranges.
 fn ranges(rows: &[Summary]) -> String {
     let range = |numbers: &mut dyn Iterator<Item = f64>, decimals| {
         let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {

@@ -1,4 +1,4 @@
-//! The page: table, plots and film in one file that needs nothing else.
+//! The page: table, plots and film in one self-contained file.
 
 use std::fmt::Write;
 
@@ -9,10 +9,10 @@ use super::summary::Summary;
 use super::table::{HEAD, cells, meaning};
 use super::{Group, Row, Study, by_value, charts, findings};
 
-/// The page as HTML; `film` is the animated picture, a GIF.
+/// Returns the page as HTML. `film` is the animated picture, a GIF.
 ///
 /// # Errors
-/// What the plotting library refuses.
+/// Fails if the plotting library does.
 pub(crate) fn page(study: &Study, film: Option<&[u8]>) -> Result<String, PlotError> {
     let mut html = format!(
         "<h1>{}</h1>\n<p class=\"lead\">Ropes driven to the target {} by what the camera sees. Every sentence below that \

@@ -1,25 +1,25 @@
-//! A row's outcomes as the few numbers that the table shows.
+//! Summary of a row's outcomes, as shown in the table.
 
 use lariat_plot::spread::quantile;
 
 use super::Row;
 use crate::servo::judge::REACHED_PX;
 
-/// How the ropes of a row did.
+/// Results of the ropes of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Summary {
     pub(super) ropes: usize,
-    /// How many are at the target in the end.
+    /// Number of ropes at the target at the end.
     pub(super) reached: usize,
-    /// When half of all ropes and nine tenths had come to the target; infinite if fewer did.
+    /// Times until half of all ropes and nine tenths had reached the target. Infinite if fewer did.
     pub(super) time_s: Quantiles,
-    /// How far they went beyond [`REACHED_PX`] again once they had been there.
+    /// Maximum distance beyond [`REACHED_PX`] after the target was first reached.
     pub(super) overshoot_px: Quantiles,
-    /// Their error at the end; infinite if they were not seen.
+    /// Error at the end. Infinite if the ropes were not seen.
     pub(super) final_px: Quantiles,
 }
 
-/// Of the ropes of a row; NaN of none.
+/// Quantiles over the ropes of a row. NaN if there are none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Quantiles {
     pub(super) median: f64,
@@ -28,7 +28,7 @@ pub(super) struct Quantiles {
 }
 
 impl Quantiles {
-    /// Of numbers that may be infinite.
+    /// Computes the quantiles of numbers that may be infinite.
     pub(super) fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = numbers.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -54,13 +54,14 @@ impl Summary {
         }
     }
 
-    /// How many of all, 0 to 1; 0 of none.
+    /// Returns the share of ropes that reached the target, 0 to 1. 0 if there are none.
     pub(super) fn share(&self) -> f64 {
         self.reached as f64 / self.ropes.max(1) as f64
     }
 
-    /// Whether it does clearly worse than another: one in twenty fewer reach the target, or they take a quarter more
-    /// time, or end farther from it by a quarter and half a pixel. What is less may be chance.
+    /// Returns whether the row is clearly worse than another. That is, one in twenty fewer ropes
+    /// reach the target, they take a quarter more time, or they end farther from it by a quarter
+    /// and half a pixel. Smaller differences may be chance.
     pub(super) fn is_worse_than(&self, other: &Self) -> bool {
         self.is_rarer_than(other) || self.is_slower_than(other) || self.is_farther_than(other)
     }

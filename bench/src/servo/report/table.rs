@@ -1,11 +1,11 @@
-//! The table: how often, how fast and how well ropes came to the target.
+//! The table: how often, how fast and how well ropes reached the target.
 
 use super::summary::Summary;
 use super::{Group, Study};
 use crate::servo::judge::REACHED_PX;
 use lariat_chain::layout::{self, Column, Table, wrapped};
 
-/// What stands above each number, in the table's order; of lifted ropes px are mm.
+/// Headings of the numbers, in the table's order. For lifted ropes, px becomes mm.
 pub(super) const HEAD: [&str; 7] = [
     "reached",
     "time to 5 px, s",
@@ -16,7 +16,7 @@ pub(super) const HEAD: [&str; 7] = [
     "worst",
 ];
 
-/// The table as text, with what its columns mean.
+/// Returns the table as text, with an explanation of its columns.
 pub(crate) fn table(study: &Study) -> String {
     let title = format!("to the target {}", study.target);
     let figures = HEAD.map(|heading| Column::figures(wrapped(&study.in_unit(heading), 9)));
@@ -41,7 +41,7 @@ pub(crate) fn table(study: &Study) -> String {
     format!("{table}\n{}\n", wrapped(&study.in_unit(&meaning()), width))
 }
 
-/// What the columns mean.
+/// Explains the columns.
 pub(super) fn meaning() -> String {
     format!(
         "reached: ropes that are at the target in the end, at most {REACHED_PX} px from it on average. time: from the first \
@@ -51,7 +51,7 @@ pub(super) fn meaning() -> String {
     )
 }
 
-/// A row's numbers, as [`HEAD`] has them.
+/// Returns a row's numbers in the order of [`HEAD`].
 pub(super) fn cells(summary: &Summary) -> [String; 7] {
     let Summary {
         ropes,
@@ -71,7 +71,7 @@ pub(super) fn cells(summary: &Summary) -> [String; 7] {
     ]
 }
 
-/// So many decimals, or a dash.
+/// Formats a number with this many decimals, or as a dash if it is not finite.
 pub(super) fn fixed(number: f64, decimals: usize) -> String {
     if number.is_finite() {
         format!("{number:.decimals$}")

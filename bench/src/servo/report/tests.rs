@@ -1,9 +1,10 @@
-//! The report of made-up ropes.
+//! Tests of the report with invented ropes.
 
 use super::*;
 use crate::servo::judge::Moment;
 
-/// A rope that comes to the target after `time_s` and is `end_px` from it then.
+/// Returns a rope that approaches the target with a time scale of `time_s` and remains `end_px`
+/// from it.
 fn outcome(seed: u64, time_s: f64, end_px: f64) -> Outcome {
     let errors = (0..240).map(|i| {
         let at_s = f64::from(i) / 30.0;
@@ -17,7 +18,7 @@ fn outcome(seed: u64, time_s: f64, end_px: f64) -> Outcome {
     }
 }
 
-/// Twenty ropes, of which some never come.
+/// Returns twenty ropes. `fail` of them do not reach the target.
 fn row(group: Group, name: &str, value: Option<f64>, time_s: f64, fail: u64) -> Row {
     let one = |seed: u64| {
         let end_px = if seed < fail { 14.0 } else { 0.7 };
@@ -158,7 +159,7 @@ fn what_is_said_of_lifted_ropes_is_in_millimetres() {
             words.join(" ").contains("5 mm from it on average"),
             "{text}"
         );
-        // What is left are sizes of the page's style.
+        // The remaining occurrences are sizes in the page's style.
         assert!(!words.contains(&"px") && !words.contains(&"px,"), "{text}");
     }
 }

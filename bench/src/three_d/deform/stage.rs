@@ -1,28 +1,29 @@
-//! Where the cameras stand before a motion capture's ropes, and the ropes that its markers lie on.
+//! Placement of the cameras in front of motion-captured ropes, and reconstruction of the ropes from
+//! their markers.
 
 use super::super::{ASIDE, FOCAL_PX, SIZE, far};
 use crate::accuracy::spline;
 use lariat_drawn::space::{Eye, LiftedRope};
 
-/// Points of the spline between two markers.
+/// Points of the spline per interval between two markers.
 const FINER: usize = 20;
-/// The share of the picture, to each side of its middle, in which the rope stays.
+/// Share of the picture, to each side of its center, that the rope stays within.
 const INNER: f64 = 0.45;
-/// How far behind the rope the wall is, mm.
+/// Distance of the wall behind the rope, mm.
 const WALL_MM: f64 = 150.0;
-/// Turns of the camera that are tried.
+/// Number of camera rotations that are tried.
 const TURNS: u32 = 36;
 
-/// Where the cameras stand: the ropes' frame with x to their right, y up and the wall at z = 0.
+/// The cameras and their frame: x to their right, y up, and the wall at z = 0.
 pub(super) struct Stage {
     turn: [f64; 2],
     origin: [f64; 3],
-    /// The colour camera's and the depth camera's.
+    /// The color camera and the depth camera.
     pub(super) eyes: [Eye; 2],
 }
 
 impl Stage {
-    /// Before the ropes of a sequence, by the markers of each frame.
+    /// Places the cameras for a sequence, given the markers of each frame.
     pub(super) fn of(frames: &[Vec<[f64; 3]>]) -> Self {
         let markers = || frames.iter().flatten();
         let spans = |turn: [f64; 2]| {
@@ -60,7 +61,7 @@ impl Stage {
         }
     }
 
-    /// The rope of a frame's markers.
+    /// Returns the rope through a frame's markers.
     pub(super) fn rope(&self, markers: &[[f64; 3]], radius_mm: f64) -> LiftedRope {
         let knots: Vec<[f64; 3]> = (markers.iter())
             .map(|&marker| {
@@ -88,7 +89,7 @@ impl Stage {
     }
 }
 
-/// A point in axes that are turned about the vertical: to the right, up, and to the one who looks.
+/// Rotates a point about the vertical, to axes that point right, up, and towards the viewer.
 fn turned([cos, sin]: [f64; 2], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [cos * x + sin * y, z, sin * x - cos * y]
 }

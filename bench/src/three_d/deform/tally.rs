@@ -1,4 +1,4 @@
-//! What of a motion capture's ropes was found, and how far off it was.
+//! Statistics of motion-captured ropes: how many were found, and their errors.
 
 use std::collections::BTreeMap;
 
@@ -6,16 +6,16 @@ use super::super::{beside_axis, far};
 use crate::Samples;
 use lariat_wire::{Descriptor3, Place, Shape, Status};
 
-/// A frame is bad whose points are farther from the axis than this, as a mean, mm.
+/// Maximum mean distance of a good frame's points from the axis, mm.
 const BAD_MM: f64 = 5.0;
 
-/// What was found in all frames.
+/// Results over all frames.
 #[derive(Default)]
 pub(super) struct Tally {
     pub(super) sequences: u64,
     frames: u64,
     seen: u64,
-    /// Frames without a rope in space, by the reason.
+    /// Frames without a rope in 3-D, by reason.
     missing: BTreeMap<String, u64>,
     points: Samples,
     ends: Samples,
@@ -23,13 +23,13 @@ pub(super) struct Tally {
     bad: u64,
     renamed: u64,
     turned: u64,
-    /// What depth, fit and covariances took.
+    /// Times of depth, fit and covariances.
     pub(super) us: Samples,
 }
 
 impl Tally {
-    /// Takes in a frame's answer. `before`: the rope's number in the last frame that had one, and whether it begins where the truth does.
-    /// Says what is wrong.
+    /// Judges a frame and returns a description of its errors. `before` holds the rope's track
+    /// number in the last frame that had one, and whether it started at the same end as the truth.
     pub(super) fn judge(
         &mut self,
         curves: &[Descriptor3],
@@ -137,7 +137,7 @@ impl Tally {
     }
 }
 
-/// The one rope of a frame; or why there is none.
+/// Returns the only rope of a frame, or the reason why there is none.
 fn only(curves: &[Descriptor3]) -> Result<(&Descriptor3, Shape<'_, 3>), String> {
     let known = |one: &&Descriptor3| one.place() == Some(Place::Known);
     let mut found = curves.iter().filter(known);
@@ -159,12 +159,12 @@ fn only(curves: &[Descriptor3]) -> Result<(&Descriptor3, Shape<'_, 3>), String> 
 mod tests {
     use super::*;
 
-    /// A straight rope of 600 mm, half a metre away.
+    /// Returns a straight rope of 600 mm, half a meter away.
     fn truth() -> Vec<[f64; 3]> {
         (0..=600).map(|x| [f64::from(x), 0.0, 500.0]).collect()
     }
 
-    /// What is said of it: from one place to another, so far beside it.
+    /// Returns a descriptor of a rope along x, with an offset of `beside_mm`.
     fn said(track: u32, [from, to]: [f64; 2], beside_mm: f64) -> Descriptor3 {
         let mut one = Descriptor3::EMPTY;
         (one.track, one.place, one.status) = (track, Place::Known as u32, Status::Ok as u32);
@@ -183,7 +183,8 @@ mod tests {
         let mut before = None;
         let wrong = tally.judge(&[said(1, [10.0, 600.0], 2.0)], &truth(), &mut before);
         assert_eq!(wrong, None);
-        // The axis is known at every millimetre of it: half of one along it adds 0.06 mm to 2 beside it.
+        // The axis has a point per millimeter. Half a millimeter along it adds 0.06 mm to a
+        // distance of 2.
         for mean_mm in [tally.points.mean(), tally.curve.mean()] {
             assert!((2.0..2.07).contains(&mean_mm), "{mean_mm}");
         }

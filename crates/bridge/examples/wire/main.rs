@@ -1,11 +1,11 @@
-//! What `tests/bridge/run` measures with: a rope's writer and reader on either side of a bridge, a bare ping of as many bytes over UDP and TCP, and a
-//! relay with delay, jitter and loss.
+//! Measurement tools for `tests/bridge/run`. They write and read a rope on either side of a bridge,
+//! send bare pings of the same size over UDP and TCP, and relay with delay, jitter and loss.
 //!
 //! ```sh
 //! wire write RIG HZ COUNT                 in the domain that LARIAT_DOMAIN names
 //! wire frames RIG HZ SECONDS              pictures of 1280 x 1024
-//! wire read RIG SECONDS                   until nothing came for so long; one line of JSON, with every gap of more than 40 ms
-//! wire serve udp|tcp ADDRESS:PORT         sends back what comes, and when that was
+//! wire read RIG SECONDS                   until nothing came for SECONDS; prints JSON, with every gap over 40 ms
+//! wire serve udp|tcp ADDRESS:PORT         sends back what comes, and the time when it came
 //! wire ping udp|tcp ADDRESS:PORT BYTES HZ COUNT
 //! wire relay LISTEN TO DELAY_US JITTER_US LOST_OF_1000
 //! ```
@@ -53,7 +53,7 @@ fn main() -> Result<()> {
     }
 }
 
-/// One every so often, without drifting.
+/// A fixed rate, without drift.
 struct Beat {
     due: Instant,
     period: Duration,
@@ -68,7 +68,7 @@ impl Beat {
     }
 
     fn wait(&mut self) {
-        // A camera's pace: nothing else wakes it.
+        // Keeps a camera's pace; nothing else wakes it.
         std::thread::sleep(self.due.saturating_duration_since(Instant::now()));
         self.due += self.period;
     }
@@ -77,23 +77,23 @@ impl Beat {
 fn write(rig: &Rig, hz: f64, count: u64) -> Result<()> {
     let domain = Domain::open()?;
     let writer = Writer::<Descriptors>::create(&domain, rig, &DESCRIPTORS, &Delivery::NewestWins)?;
-    // The bridge takes it up within its look.
+    // The bridge opens the channel at its next check.
     let deadline = Instant::now() + Duration::from_secs(10);
     while writer.readers() == 0 && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(10));
     }
-    // And the far side has taken up its link by then.
+    // By then the far side has set up its link.
     std::thread::sleep(Duration::from_millis(300));
     let mut beat = Beat::new(hz);
     for count in 1..=count {
         beat.wait();
         let mut slot = writer.slot()?;
         rope::write(&mut slot, count, now_ns());
-        // From where it lies in shared memory.
+        // Stamps the message again, now that it is in shared memory.
         rope::stamp(&mut slot, now_ns());
         slot.send()?;
     }
-    // What is under way is still to be read.
+    // Messages in transit are still to be read.
     std::thread::sleep(Duration::from_millis(700));
     Ok(())
 }
@@ -103,7 +103,8 @@ fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
     let bytes = 3 * (width * height) as usize;
     let domain = Domain::open()?;
     let writer = Writer::<[u8]>::frames(&domain, rig, &Delivery::NewestWins, bytes)?;
-    // Some texture, so that a JPEG of it is as large as of a camera's picture; drawn once, as a camera takes no processor to see.
+    // Texture makes the JPEG as large as a camera's. It is drawn once, because a camera's exposure
+    // takes no CPU time.
     let texture = (0..(width * (height + 1)) as usize).flat_map(|at| {
         let grain = (((at as u64 * 0x9e37_79b9) >> 16) & 15) as u8;
         [
@@ -133,7 +134,7 @@ fn frames(rig: &Rig, hz: f64, seconds: f64) -> Result<()> {
 
 fn read(rig: &Rig, patience: Duration) -> Result<()> {
     let domain = Domain::open()?;
-    // As a control loop does.
+    // A control loop does the same.
     take_short_slices();
     let reader = Receiver::descriptors(&domain, rig)?;
     let (mut late_ns, mut off_ns) = (Vec::new(), Vec::new());
@@ -167,7 +168,7 @@ fn read(rig: &Rig, patience: Duration) -> Result<()> {
     Ok(())
 }
 
-/// Percentiles in µs.
+/// Formats percentiles in µs as JSON.
 fn figures(ns: &mut [u64]) -> String {
     ns.sort_unstable();
     let at = |share: f64| match ns.len() {
@@ -187,7 +188,8 @@ fn figures(ns: &mut [u64]) -> String {
     )
 }
 
-/// What a ping begins with: when it left; how many bytes it has, and on its way back when it was there.
+/// Length of a ping's head: the time when it left, then its length. On the way back, the time when
+/// it was there replaces the length.
 const HEAD: usize = 16;
 
 fn number(bytes: &[u8]) -> u64 {
@@ -219,7 +221,8 @@ fn serve_tcp(at: &str) -> Result<()> {
     }
 }
 
-/// There, and back, with so many bytes each way; what did not come within 2 s is lost. Each carries when it left, so that many may be under way.
+/// Sends pings and their answers, `bytes` bytes each way. A ping without an answer within 2 s is
+/// lost. Each carries the time when it left, so several may be in transit.
 fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<()> {
     let length = bytes.max(HEAD);
     let mut message = vec![0; length];

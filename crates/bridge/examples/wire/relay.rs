@@ -1,4 +1,5 @@
-//! A relay of UDP datagrams that delays, loses and so reorders them, each by a number from a seed.
+//! A relay of UDP datagrams that delays and loses them by random numbers from a seed, and so
+//! reorders them.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -9,21 +10,23 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-/// What becomes of datagrams, either way.
+/// Delay, jitter and loss of datagrams, either way.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Weather {
-    /// Each is under way for so long at least.
+    /// Minimum delay.
     pub(crate) delay: Duration,
-    /// And for up to so long more, each by itself: later ones overtake earlier ones.
+    /// Maximum additional delay, different for each datagram, so that later ones overtake earlier
+    /// ones.
     pub(crate) jitter: Duration,
-    /// As many of a thousand are lost.
+    /// Datagrams lost per thousand.
     pub(crate) lost_of_1000: u64,
 }
 
-/// A datagram under way: when it is due, the how many-th it is, from whom, and whether it goes up.
+/// A datagram in transit: when it is due, its number, its client, whether it goes up, and its
+/// bytes.
 type UnderWay = Reverse<(Instant, u64, SocketAddr, bool, Vec<u8>)>;
 
-/// A relay: whoever sends to where it listens is one who is relayed, by a socket of its own.
+/// A relay. It relays for each client that sends to its address, with a socket for each.
 pub(crate) struct Relay {
     listens: UdpSocket,
     to: SocketAddr,
@@ -35,8 +38,7 @@ pub(crate) struct Relay {
 }
 
 impl Relay {
-    /// # Errors
-    /// It cannot be listened there.
+    /// Fails if the address cannot be listened on.
     pub(crate) fn new(
         listens: SocketAddr,
         to: SocketAddr,
@@ -56,10 +58,10 @@ impl Relay {
         })
     }
 
-    /// Relays until it is not wanted any more, which is looked at every 50 ms.
+    /// Relays for as long as it is wanted, which it checks every 50 ms.
     ///
     /// # Errors
-    /// A socket fails.
+    /// Fails if a socket fails.
     pub(crate) fn run(&mut self, wanted: impl Fn() -> bool) -> io::Result<()> {
         let mut buffer = vec![0; 65536];
         while wanted() {
@@ -88,7 +90,7 @@ impl Relay {
                 let Some(Reverse((_, _, client, is_up, bytes))) = self.under_way.pop() else {
                     break;
                 };
-                // Who is not there loses it.
+                // A peer that is not there loses it.
                 let _ = match is_up {
                     true => self.clients[&client].send(&bytes),
                     false => self.listens.send_to(&bytes, client),
@@ -118,7 +120,7 @@ impl Relay {
         self.random >> 20
     }
 
-    /// Until a datagram comes or is due.
+    /// Sleeps until a datagram comes or is due.
     fn sleep(&self) {
         let mut sockets = vec![PollFd::from_borrowed_fd(
             self.listens.as_fd(),

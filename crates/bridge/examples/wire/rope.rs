@@ -1,10 +1,12 @@
-//! A rope as a chain sends it: nine control points and 120 points, a little further each time.
+//! A rope as a chain sends it: nine control points and 120 points, moving a little with each
+//! message.
 
 use lariat_wire::{
     Basis, Descriptors, FitQuality, MAX_CONTROL_POINTS, MAX_CURVES, MAX_POINTS, Status, Unit,
 };
 
-/// Writes the `count`-th message of a chain that was quick: all its [stamps](stamp) are `now_ns`.
+/// Writes the `count`-th message of a chain that takes no time: all its [timestamps](stamp) are
+/// `now_ns`.
 pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
     let trace = &mut message.trace;
     (
@@ -47,7 +49,8 @@ pub(crate) fn write(message: &mut Descriptors, count: u64, now_ns: u64) {
     stamp(message, now_ns);
 }
 
-/// As many ropes, control points and points as a message holds: more than a datagram can carry.
+/// Writes as many ropes, control points and points as a message holds, more than a datagram can
+/// carry.
 #[allow(dead_code, reason = "only tests use it")]
 pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
     write(message, count, now_ns);
@@ -71,8 +74,8 @@ pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
     }
 }
 
-/// Stamps a message. When that was is also said where no bridge looks, in the residuals' variance, so that a reader on the same machine knows it to the
-/// nanosecond.
+/// Stamps a message. The variance of the residuals, which no bridge changes, also holds the time.
+/// From it, a reader on the same machine knows the time to the nanosecond.
 pub(crate) fn stamp(message: &mut Descriptors, now_ns: u64) {
     let trace = &mut message.trace;
     (
@@ -84,7 +87,7 @@ pub(crate) fn stamp(message: &mut Descriptors, now_ns: u64) {
     message.curves[0].residual_variance = now_ns as f64;
 }
 
-/// When a message of this rope was written.
+/// Returns when a message of this rope was written.
 pub(crate) fn written_ns(message: &Descriptors) -> u64 {
     message.curves[0].residual_variance as u64
 }

@@ -1,4 +1,5 @@
-//! Commands that a controller here gives, on their way to the robot: each at once, with its stamps on the robot's clock.
+//! Sends the commands of a controller here to the robot, each at once, with its timestamps on the
+//! robot's clock.
 
 use std::os::fd::AsFd;
 use std::sync::{Mutex, PoisonError};
@@ -13,10 +14,10 @@ use crate::datagram::{Kind, Outgoing};
 use crate::pack::pack;
 use crate::say;
 
-/// How often it is looked whether a controller is there.
+/// Interval at which the channel is checked for a controller.
 const CHECK: Duration = Duration::from_millis(250);
 
-/// Sends commands until it is told to stop; how many.
+/// Sends commands until told to stop. Returns their number.
 pub(super) fn run(rig: &Rig, outgoing: &Outgoing, upward: &Mutex<Upward>, stop: &Stop) -> u64 {
     let domain = match Domain::open() {
         Ok(domain) => domain,
@@ -37,7 +38,7 @@ pub(super) fn run(rig: &Rig, outgoing: &Outgoing, upward: &Mutex<Upward>, stop: 
             if !slept {
                 stop.sleep_until(now_ns() + CHECK.as_nanos() as u64);
             }
-            // The newest wins here too: what waits behind it is of before.
+            // The newest wins here too: commands before it are outdated.
             let mut newest = None;
             while let Some(command) = commands.next() {
                 newest = Some(*command);
@@ -50,7 +51,7 @@ pub(super) fn run(rig: &Rig, outgoing: &Outgoing, upward: &Mutex<Upward>, stop: 
     outgoing.sent(Kind::Command)
 }
 
-/// Sends a command, if anybody is there to obey.
+/// Sends a command, if the other side is there.
 fn send(command: &Command, outgoing: &Outgoing, upward: &Mutex<Upward>, datagram: &mut Vec<u8>) {
     let ((socket, near), process, offset) = {
         let upward = upward.lock().unwrap_or_else(PoisonError::into_inner);

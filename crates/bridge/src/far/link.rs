@@ -1,4 +1,5 @@
-//! What is known of the other side: which process it is, its clock, what it sent and what of it came. Pure: it is told the times.
+//! The state of the link to the other side: its process, its clock, what it sent, and what of it
+//! arrived. Pure: the caller passes the times.
 
 use std::collections::VecDeque;
 
@@ -10,16 +11,16 @@ use crate::tally::Tally;
 
 use super::SILENCE_NS;
 
-/// Questions that may be under way: those of 1.6 s.
+/// Maximum number of unanswered questions: those of 1.6 s.
 const ASKED: usize = 32;
 
-/// Whether an answer was taken.
+/// Result of handling an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Took {
     Yes,
-    /// It is to no question of ours, or to an older one.
+    /// It answers no open question of ours, or another process sent it.
     No,
-    /// It is of the one who is there, though another one answered, too.
+    /// It was taken, but another process has answered, too.
     Both,
 }
 
@@ -32,24 +33,25 @@ struct Near {
     tallies: [Tally; Kind::COUNTED.len()],
 }
 
-/// Of each channel, how many messages were sent, and how many of them received.
+/// Number of messages sent and received on each channel.
 type Totals = [[u64; 2]; Kind::COUNTED.len()];
 
 /// The link to the other side.
 #[derive(Debug, Default)]
 pub(super) struct Link {
-    /// Questions without an answer, from the oldest on.
+    /// Unanswered questions and their times, the oldest first.
     asked: VecDeque<(u64, u64)>,
     near: Option<Near>,
-    /// Another one has answered since the one who is there did last; and whether that was told.
+    /// True if another process has answered since the current one last did, and whether that was
+    /// reported.
     is_rivalled: bool,
     has_told: bool,
-    /// What was sent and received by those who were there before.
+    /// Totals of earlier processes.
     before: Totals,
 }
 
 impl Link {
-    /// A question leaves.
+    /// Records a question that leaves.
     pub(super) fn ask(&mut self, token: u64, now_ns: u64) {
         if self.asked.len() == ASKED {
             self.asked.pop_front();
@@ -57,7 +59,7 @@ impl Link {
         self.asked.push_back((token, now_ns));
     }
 
-    /// An answer came at a moment here.
+    /// Handles an answer that arrived at `heard`, on this clock.
     pub(super) fn answer(&mut self, process: u64, answer: &Answer, heard: u64) -> Took {
         let Some(at) = self
             .asked
@@ -67,7 +69,7 @@ impl Link {
             return Took::No;
         };
         let (_, asked) = self.asked[at];
-        // An answer that overtook another's is not overtaken again: those before it are let go of.
+        // Later answers to earlier questions are ignored: they were overtaken.
         self.asked.drain(..=at);
         let lives = |near: &Near| heard.saturating_sub(near.answered_ns) < SILENCE_NS / 2;
         match &self.near {
@@ -88,7 +90,7 @@ impl Link {
             sent: answer.answered_ns,
             heard,
         });
-        // What is sent before this side is heard is for others.
+        // Messages sent before this side is heard are for others.
         let told = if answer.is_heard {
             &answer.sent[..]
         } else {
@@ -103,7 +105,7 @@ impl Link {
         Took::Yes
     }
 
-    /// Another process is there now.
+    /// Switches to another process.
     fn change(&mut self, process: u64, now_ns: u64) {
         self.before = self.totals();
         self.is_rivalled = false;
@@ -115,7 +117,8 @@ impl Link {
         });
     }
 
-    /// Counts a datagram; the clock of its sender if it is to be taken: it is of the process that answers, and newer than what came before.
+    /// Counts a datagram. Returns its sender's clock if it is to be taken: it is from the process
+    /// that answers, and newer than those before.
     pub(super) fn receive(&mut self, datagram: &Datagram) -> Option<Offset> {
         let at = Kind::COUNTED
             .iter()
@@ -128,19 +131,19 @@ impl Link {
         near.tallies[at].receive(datagram.count).then_some(offset)
     }
 
-    /// Whether a datagram is of the process that answers.
+    /// Returns whether a datagram is from the process that answers.
     pub(super) fn is_of_near(&self, datagram: &Datagram) -> bool {
         let near = self.near.as_ref();
         near.is_some_and(|near| near.process == datagram.process)
     }
 
-    /// The process at the other end, and its clock.
+    /// Returns the process at the other end, and its clock.
     pub(super) fn near(&self) -> Option<(u64, Offset)> {
         let near = self.near.as_ref()?;
         Some((near.process, near.clock.offset()?))
     }
 
-    /// Since this process is there.
+    /// Returns the totals since this bridge started.
     fn totals(&self) -> Totals {
         let mut totals = self.before;
         if let Some(near) = &self.near {
@@ -152,12 +155,12 @@ impl Link {
         totals
     }
 
-    /// By how much stamps may be off, µs.
+    /// Returns the maximum error of timestamps, in µs.
     fn bound_us(&self, now_ns: u64) -> Option<f64> {
         Some(self.near()?.1.bound_ns(now_ns) * 1e-3)
     }
 
-    /// What came of what was sent, and how well the clock is known.
+    /// Describes what became of messages, and how well the clock is known.
     pub(super) fn sentence(&self, now_ns: u64) -> String {
         let [[sent, received], ..] = self.totals();
         let clock = match self.bound_us(now_ns) {
@@ -170,7 +173,7 @@ impl Link {
         )
     }
 
-    /// The same as the settings of a process, for the roster.
+    /// Returns the same as settings, for the roster.
     pub(super) fn settings(&self, place: &Place, now_ns: u64) -> String {
         let [[sent, received], ..] = self.totals();
         let bound_us = self.bound_us(now_ns).unwrap_or(f64::INFINITY);
@@ -233,7 +236,7 @@ mod tests {
         }
         link.ask(2, START);
         assert_eq!(link.answer(8, &answer(2, START, 90), START + 20), Took::No);
-        // Both live, which is told once.
+        // Both are alive, which is reported once.
         for (token, told) in [(3, Took::Both), (5, Took::Yes)] {
             link.ask(token, START);
             assert_eq!(link.answer(7, &answer(token, START, 4), START + 25), told);

@@ -1,4 +1,5 @@
-//! Frames that come as JPEG, as the rig's own: RGB, with their stamps on this machine's clock; and masks, as they were.
+//! Writes frames that arrive as JPEG to the rig, as RGB, and masks unchanged, with their timestamps
+//! on this machine's clock.
 
 use std::io::Cursor;
 use std::os::fd::AsFd;
@@ -24,14 +25,15 @@ use crate::socket::{LARGEST_DATAGRAM, Rank, Socket, sleep};
 use crate::stamps::Stamps;
 use crate::tally::Tally;
 
-/// No larger picture is made: 8192 by 8192.
+/// Largest picture in bytes: 8192 by 8192 RGB pixels.
 const LARGEST: u64 = 3 << 26;
-/// How often they are asked for; frames are listened for once they were asked for at the other port.
+/// Interval between two questions. The near side opens this port only after frames or masks were
+/// asked for at the other one.
 const ASK_NS: u64 = 250_000_000;
-/// It reconnects after this time without a picture.
+/// The bridge reconnects after this time without a picture.
 const SILENCE_NS: u64 = 3_000_000_000;
 
-/// How frames are asked for.
+/// The question that asks for frames and masks.
 pub(super) struct Asks {
     outgoing: Arc<Outgoing>,
     question: Question,
@@ -57,14 +59,15 @@ impl Asks {
         Ok(())
     }
 
-    /// Takes an answer to the last question; whether what it says is to be said back at once.
+    /// Takes an answer to the last question. Returns whether its cookie is new and must be repeated
+    /// at once.
     fn take(&mut self, answer: &Answer) -> bool {
         answer.token == self.question.token
             && answer.cookie != std::mem::replace(&mut self.question.cookie, answer.cookie)
     }
 }
 
-/// Takes frames and masks until it is told to stop; how many of either.
+/// Takes frames and masks until told to stop. Returns the number of each.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
@@ -85,11 +88,11 @@ pub(super) fn run(
     }
 }
 
-/// What came.
+/// Result of handling a datagram.
 enum Took {
     /// A part of a picture.
     Picture,
-    /// What is to be said back at once.
+    /// A new cookie, to be repeated at once.
     AskAgain,
 }
 
@@ -98,10 +101,10 @@ struct Pictures<'a> {
     rig: &'a Rig,
     asks: Asks,
     incoming: Incoming,
-    /// Whose they are.
+    /// The process that sends them.
     process: u64,
     stamps: Stamps,
-    // Before the domain that they live in.
+    // Before the domain, so that they are dropped first.
     frames: Written,
     masks: Written,
     domain: Domain,
@@ -112,7 +115,7 @@ struct Pictures<'a> {
 struct Written {
     assembly: Assembly,
     tally: Tally,
-    /// Of pictures of so many bytes at most.
+    /// The writer, and its largest picture in bytes.
     writer: Option<(usize, Writer<[u8]>)>,
     said: Option<String>,
     taken: u64,
@@ -168,7 +171,8 @@ impl<'a> Pictures<'a> {
         Ok([self.frames.taken, self.masks.taken])
     }
 
-    /// Takes a datagram of the process that answers; `None`: it is none of its, says nothing new, or makes no sense.
+    /// Takes a datagram; `None` if it is not from the process that answers, says nothing new, or
+    /// makes no sense.
     fn take(&mut self, bytes: &mut [u8], at_ns: u64, near: Option<(u64, Offset)>) -> Option<Took> {
         let datagram = self.incoming.read(bytes).ok()?;
         let (process, offset) = near.filter(|(process, _)| *process == datagram.process)?;
@@ -245,7 +249,7 @@ impl Written {
         pixels: &[u8],
         create: impl FnOnce(usize) -> Result<Writer<[u8]>, WireError>,
     ) -> Result<(), WireError> {
-        // A camera of larger pictures than before is another one.
+        // Larger pictures than before come from another camera.
         self.writer = self
             .writer
             .take()
@@ -262,7 +266,7 @@ impl Written {
     }
 }
 
-/// What stands before a picture, and the rest; `None` if that is not what it says.
+/// Splits a picture into its header and the rest; `None` if it is invalid.
 fn begin(picture: &[u8]) -> Option<(FrameHeader, &[u8])> {
     let (length, rest) = picture.split_first_chunk()?;
     let (packed, body) = rest.split_at_checked(usize::from(u16::from_le_bytes(*length)))?;
@@ -271,7 +275,7 @@ fn begin(picture: &[u8]) -> Option<(FrameHeader, &[u8])> {
     (!header.is_blank()).then_some((header, body))
 }
 
-/// A JPEG's pixels, and what stands beside them here; `None` if that is not what it says.
+/// Decodes a JPEG, and sets stride and pixel format of its header; `None` if they do not match.
 fn decode(header: &mut FrameHeader, jpeg: &[u8]) -> Option<Vec<u8>> {
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).ok()?;
     let is_meant = decoder.dimensions() == (header.width, header.height);
@@ -285,7 +289,7 @@ fn decode(header: &mut FrameHeader, jpeg: &[u8]) -> Option<Vec<u8>> {
     Some(pixels)
 }
 
-/// A mask's pixels; `None` if they are not what stands before them.
+/// Decompresses a mask; `None` if it does not match its header.
 fn unpack_mask(header: &FrameHeader, packed: &[u8]) -> Option<Vec<u8>> {
     let bytes = header.image_bytes()?;
     let is_mask = *header == FrameHeader::of_mask(header);

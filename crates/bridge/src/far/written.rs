@@ -1,4 +1,5 @@
-//! A channel that is written here: messages from the wire, checked as readers check, with their stamps on this machine's clock.
+//! A channel that is written here: messages from the wire, checked as readers check them, with
+//! their timestamps on this machine's clock.
 
 use lariat_wire::{
     Centerlines, Channel, Delivery, Descriptors, Descriptors3, Domain, NoShape, Rig, Shape, Trace,
@@ -11,15 +12,15 @@ use crate::pack::unpack;
 use crate::say;
 use crate::stamps::Stamps;
 
-/// How often a writer is tried for that another process is.
+/// Time between two attempts to become a writer in place of another process.
 const RETRY_NS: u64 = 1_000_000_000;
 
-/// A message that can be taken from the wire to a channel.
+/// A message that can be copied from the wire to a channel.
 pub(super) trait Carried: lariat_wire::Payload + lariat_wire::fields::Message {
     fn trace_mut(&mut self) -> &mut Trace;
-    /// Whether readers could take it for what it says.
+    /// Returns whether readers would accept the message.
     fn is_sound(&self) -> bool;
-    /// Writes what is meant of it to the channel.
+    /// Writes the used parts of the message to the channel.
     fn send(&self, to: &Writer<Self>) -> Result<(), WireError>;
     fn write(
         domain: &Domain,
@@ -57,7 +58,8 @@ macro_rules! carried {
         }
     };
 }
-// As readers check: what has no curve though it says that it has one is none, nor is a code that this release does not know.
+// The same checks as in readers: a curve must be readable if there is one, and this release must
+// know each code.
 carried!(Descriptors, |read| read.unit().is_some()
     && read.curves().iter().all(|curve| {
         Shape::of(curve).err() != Some(NoShape::Unreadable)
@@ -84,7 +86,7 @@ pub(super) struct Written<M: Carried + 'static> {
     channel: &'static Channel<M>,
     writer: Option<Writer<M>>,
     message: Box<M>,
-    /// How many messages were written.
+    /// Number of messages written.
     count: u64,
     tried_ns: u64,
     said: Option<String>,
@@ -102,7 +104,8 @@ impl<M: Carried> Written<M> {
         }
     }
 
-    /// Becomes the channel's writer, unless it is; readers that came since the last message are given it.
+    /// Becomes the channel's writer, unless it is. Readers that came since the last message are
+    /// given it.
     pub(super) fn open(&mut self, domain: &Domain, rig: &Rig) {
         if let Some(writer) = &self.writer {
             let welcomed = writer.welcome();
@@ -117,7 +120,7 @@ impl<M: Carried> Written<M> {
         self.note(made);
     }
 
-    /// Writes what a datagram says; `None`: it is no such message.
+    /// Writes the message in a datagram; `None` if it is not a valid message.
     pub(super) fn take(
         &mut self,
         datagram: &Datagram,

@@ -1,5 +1,5 @@
-//! What far sides say: each question is answered and each command given by the thread that hears it. Each µs that an answer waits is a µs of doubt
-//! about the clock.
+//! Handles what far sides send. The thread that receives a question or a command also answers or
+//! obeys it. Each µs of delay before an answer adds 1 µs of doubt about the clock.
 
 use std::net::SocketAddr;
 use std::os::fd::AsFd;
@@ -13,10 +13,10 @@ use crate::datagram::{Datagram, Incoming, Kind, Refused};
 use crate::say;
 use crate::socket::{Socket, sleep};
 
-/// How often it is looked whether a controller has let go.
+/// Interval between two checks whether the controller still has the robot.
 const LOOK_NS: u64 = 250_000_000;
 
-/// Hears until it is told to stop; what became of commands.
+/// Handles datagrams until told to stop. Returns what became of commands.
 pub(super) fn run(
     near: &Near,
     socket: &Socket,
@@ -85,7 +85,8 @@ impl Hearing<'_> {
                 self.near.answer(&question, told, at_ns, &mut self.answer);
                 self.socket.send(&self.answer, from);
                 if is_first {
-                    // It fails only if it has been rung often enough already.
+                    // Writing fails only if the counter is full, and then the descriptor is
+                    // readable anyway.
                     let _ = rustix::io::write(&self.near.first, &1_u64.to_ne_bytes());
                 }
             }

@@ -1,5 +1,6 @@
-//! Frames as JPEG, now and then, and masks as they come, packed by zstd, from a socket of their own: paced, and behind all else in a queue, so that no
-//! descriptor waits behind them. Of those that come while one is sent the newest is next.
+//! Sends frames as JPEG, at the requested rate, and masks as they come, compressed by zstd. They
+//! have a socket of their own, are paced, and go last in queues, so that no descriptor waits behind
+//! them. If several come while one is being sent, the newest is next.
 
 use std::net::SocketAddr;
 use std::os::fd::AsFd;
@@ -22,17 +23,17 @@ use crate::pack::pack;
 use crate::peers::Wants;
 use crate::say;
 
-/// As `lariat view` has it.
+/// JPEG quality, the same as in `lariat view`.
 const QUALITY: u8 = 82;
-/// Between two datagrams: 1.2 kB each 0.3 ms are a third of 100 Mbit/s.
+/// Time between two datagrams: 1.2 kB every 0.3 ms are a third of 100 Mbit/s.
 const PACE_NS: u64 = 300_000;
 const CHECK_NS: u64 = CHECK.as_nanos() as u64;
 
-/// Quick: a mask has long runs, which it finds at any level.
+/// Compression level: the fastest, because any level finds the long runs of a mask.
 const LEVEL: i32 = 1;
 const MASKS_WANTED: Wants = Wants::Also(Also::Masks);
 
-/// Sends frames and masks while they are asked for, until it is told to stop; how many of either.
+/// Sends requested frames and masks until told to stop. Returns the number of each.
 pub(super) fn run(
     rig: &Rig,
     place: &Place,
@@ -61,14 +62,14 @@ pub(super) fn run(
 }
 
 impl Near {
-    /// Whether anybody asks for what comes from the other socket.
+    /// Returns whether anybody wants frames or masks.
     fn want_pictures(&self) -> bool {
         let (peers, now_ns) = (self.peers(), now_ns());
         peers.want(Wants::Frames, now_ns) || peers.want(MASKS_WANTED, now_ns)
     }
 }
 
-/// The socket of frames, and those that they are sent to.
+/// The socket of frames and masks, and the far sides that receive them.
 struct Pictures<'n> {
     near: &'n Near,
     incoming: &'n mut Incoming,
@@ -140,11 +141,11 @@ impl<'n> Pictures<'n> {
         Ok(())
     }
 
-    /// Sleeps until a question or a mask may have come, a moment, or a signal.
+    /// Sleeps until a question or a mask may have come, until `due_ns`, or until a signal.
     fn sleep(&self, masks: &Read<[u8]>, due_ns: u64, stop: &Stop) {
         let both = [self.socket.as_fd(), stop.as_fd()];
         let reader = masks.receiver();
-        // One that fails is let go of when it is read next.
+        // A reader that fails is closed when it is read next.
         let longest = reader.and_then(|reader| reader.before_poll().ok());
         match (reader.and_then(|reader| reader.descriptor()), longest) {
             (Some(bell), Some(longest)) => {
@@ -156,7 +157,7 @@ impl<'n> Pictures<'n> {
         }
     }
 
-    /// Answers what is asked.
+    /// Answers all waiting questions.
     fn hear(&mut self) {
         while let Some((bytes, from)) = self.socket.next(&mut self.buffer) {
             let at_ns = now_ns();
@@ -189,7 +190,7 @@ impl<'n> Pictures<'n> {
     }
 }
 
-/// The last one that waits.
+/// Returns the newest waiting message.
 fn newest(reader: &mut Read<[u8]>) -> Option<Message<[u8]>> {
     let mut newest = None;
     while let Some(message) = reader.next() {
@@ -198,7 +199,7 @@ fn newest(reader: &mut Read<[u8]>) -> Option<Message<[u8]>> {
     newest
 }
 
-/// Begins a picture: its header, the length of that before it.
+/// Begins a picture: the length of its header, then the header.
 fn begin(header: &FrameHeader, into: &mut Vec<u8>) {
     into.clear();
     into.extend([0; 2]);
@@ -207,7 +208,7 @@ fn begin(header: &FrameHeader, into: &mut Vec<u8>) {
     into[..2].copy_from_slice(&length.to_le_bytes());
 }
 
-/// A frame as a JPEG behind its header; `None` if there is no picture in it.
+/// Writes a frame as its header and a JPEG; `None` if it is blank or cannot be encoded.
 fn encode(frame: &Message<[u8]>, into: &mut Vec<u8>) -> Option<()> {
     let header = frame.header();
     if header.is_blank() {
@@ -226,7 +227,7 @@ fn encode(frame: &Message<[u8]>, into: &mut Vec<u8>) -> Option<()> {
         .ok()
 }
 
-/// A mask's bytes, packed, behind its header; `None` if it is blank.
+/// Writes a mask as its header and compressed bytes; `None` if it is blank or cannot be compressed.
 fn pack_mask(mask: &Message<[u8]>, packer: &mut Compressor, into: &mut Vec<u8>) -> Option<()> {
     let header = mask.header();
     if header.is_blank() {

@@ -1,4 +1,4 @@
-//! Commands that come in, as the rig's own: never late, never twice, from one controller at a time.
+//! Writes commands to the rig: never late, never twice, from one controller at a time.
 
 use std::fmt;
 use std::time::Duration;
@@ -9,43 +9,44 @@ use crate::pack::unpack;
 use crate::say;
 use crate::tally::Tally;
 
-/// A controller that has said nothing for so long has let go: another one may take over, here or there.
+/// A controller that is silent for this long releases the robot. Another one may take over, on
+/// either side.
 const LETS_GO_NS: u64 = 1_000_000_000;
-/// So many are remembered, so that none of their commands comes twice.
+/// Number of controllers remembered, so that no command of theirs is taken twice.
 const CONTROLLERS: usize = 16;
-/// How often it is said what was dropped.
+/// Minimum time between two reports of dropped commands.
 const SAY_NS: u64 = 1_000_000_000;
 
-/// Who commands, and what became of what it said.
+/// A controller, and the count of its commands.
 struct Controller {
     process: u64,
     heard_ns: u64,
     tally: Tally,
 }
 
-/// The rig's commands, written while a far controller gives some.
+/// Decides which commands of far controllers reach the rig.
 pub(super) struct Robot {
     rig: Rig,
-    /// This process's random number: who commands it has heard of it.
+    /// This process's random number, which each command repeats.
     process: u64,
     most_age_ns: u64,
-    /// The last to be obeyed comes first.
+    /// Known controllers, the most recently obeyed first.
     controllers: Vec<Controller>,
     done: Done,
     said_ns: u64,
     said: Option<String>,
 }
 
-/// The rig's channel of commands, written while a controller has the robot.
+/// Writer of the rig's channel of commands, open while a controller has the robot.
 pub(super) struct Gives {
-    // Before the domain that it lives in.
+    // Before the domain, so that it is dropped first.
     writer: Option<Writer<Command>>,
     domain: Domain,
 }
 
 impl Gives {
     /// # Errors
-    /// The domain cannot be joined.
+    /// Fails if the domain cannot be joined.
     pub(super) fn open() -> Result<Self, WireError> {
         Ok(Self {
             writer: None,
@@ -69,13 +70,13 @@ impl Gives {
         Ok(())
     }
 
-    /// Leaves the channel to another one.
+    /// Leaves the channel to another writer.
     pub(super) fn let_go(&mut self) {
         self.writer = None;
     }
 }
 
-/// What became of commands.
+/// Counts of commands that were given, dropped, lost or refused.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Done {
     given: u64,
@@ -99,7 +100,7 @@ impl fmt::Display for Done {
     }
 }
 
-/// A command that is to be given, or why it is not.
+/// A command to give, or why it is not given.
 #[derive(Debug, PartialEq)]
 enum Judged {
     Give(Command),
@@ -120,7 +121,7 @@ impl Robot {
         }
     }
 
-    /// Gives a command, if it is to be given.
+    /// Gives a command, if it is valid and new.
     pub(super) fn obey(&mut self, gives: &mut Gives, process: u64, count: u64, says: &[u8]) {
         match self.judge(process, count, says, now_ns()) {
             Judged::Give(command) => {
@@ -135,7 +136,7 @@ impl Robot {
         }
     }
 
-    /// What became of all of them.
+    /// Returns what became of all commands.
     pub(super) fn done(&self) -> Done {
         let lost = self.controllers.iter().map(|one| one.tally.lost());
         Done {
@@ -144,13 +145,14 @@ impl Robot {
         }
     }
 
-    /// Whether a controller has the robot.
+    /// Returns whether a controller has the robot.
     pub(super) fn is_held(&self, now_ns: u64) -> bool {
         let newest = self.controllers.first();
         newest.is_some_and(|one| now_ns.saturating_sub(one.heard_ns) <= LETS_GO_NS)
     }
 
-    /// What is to be done with a process's `count`-th command: whom it means, and the command on this machine's clock.
+    /// Decides what to do with a process's `count`-th command. `says` holds the process that it is
+    /// meant for, then the command on this machine's clock.
     fn judge(&mut self, process: u64, count: u64, says: &[u8], now_ns: u64) -> Judged {
         let mut command = Command::default();
         let Some((meant, packed)) = says.split_first_chunk() else {
@@ -170,7 +172,7 @@ impl Robot {
             .controllers
             .iter()
             .position(|one| one.process == process);
-        // The robot has one at a time.
+        // The robot has one controller at a time.
         if self.is_held(now_ns) && at != Some(0) {
             return Judged::Refused;
         }
@@ -180,7 +182,7 @@ impl Robot {
         }
         let age_ns = now_ns.saturating_sub(command.sent_ns);
         if age_ns > self.most_age_ns {
-            // It was heard, but nobody has the robot by what is old.
+            // It counts as received, but an old command does not give anyone control of the robot.
             if let Some(at) = at {
                 self.controllers[at].tally = tally;
             }
@@ -196,7 +198,7 @@ impl Robot {
         if self.controllers.len() > CONTROLLERS {
             self.done.lost += self.controllers.pop().map_or(0, |one| one.tally.lost());
         }
-        // What claims to be of the future is of now.
+        // Times in the future are set to now.
         command.sent_ns = command.sent_ns.min(now_ns);
         command.exposed_ns = command.exposed_ns.min(now_ns);
         Judged::Give(command)
@@ -274,7 +276,7 @@ mod tests {
             judge(&mut robot, (1, 2, 5), &command(NOW - 100_000_001), NOW),
             Judged::Old(100_000_001)
         );
-        // What claims to be of the future is of now.
+        // Times in the future are set to now.
         match judge(&mut robot, (1, 3, 5), &command(NOW + 50), NOW) {
             Judged::Give(command) => assert_eq!(command.sent_ns, NOW),
             other => panic!("{other:?}"),
@@ -299,7 +301,8 @@ mod tests {
             judge(&mut robot, (1, 10, 5), &new, NOW),
             Judged::Give(_)
         ));
-        // Another one may take over when the first has let go, and no old command of that one is taken for a new one.
+        // Another controller may take over when the first has released the robot. Old commands of
+        // either are not taken for new ones.
         let later = NOW + LETS_GO_NS + 1;
         let mut old = command(later);
         assert_eq!(judge(&mut robot, (1, 10, 5), &old, later), Judged::Refused);

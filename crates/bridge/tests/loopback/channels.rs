@@ -1,4 +1,4 @@
-//! What comes beside descriptors: ropes in space, and what is asked for.
+//! Channels other than descriptors: ropes in 3-D, and channels on request.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -54,12 +54,12 @@ fn who_has_descriptors_far_away_has_where_they_are_in_space() {
                 panic!("a rope is seen");
             };
             match rope.in_space() {
-                // Of the same frame, and no other.
+                // It is of the same frame, and no other.
                 Ok(shape) => {
                     assert_eq!(shape.point_at(0.5), [50.0, 0.0, sequence]);
                     came += 1;
                 }
-                // The channel there was made by the first that came.
+                // The first message that came opened the channel on the far side.
                 Err(NoSpace::NoDepth) if came == 0 => without += 1,
                 Err(cause) => panic!("{cause}, after {came}"),
             }
@@ -96,7 +96,7 @@ fn centerlines_and_the_truth_come_where_they_are_asked_for() {
             slot.trace.exposed_ns = now_ns();
             slot.send().expect("sent");
         }
-        // The cameras' pace.
+        // The pace of cameras.
         thread::sleep(Duration::from_millis(20));
         for (at, reader) in readers.iter().enumerate() {
             while let Some(message) = reader.next().expect("a reader") {
@@ -142,14 +142,14 @@ fn frames_come_where_they_are_asked_for() {
         };
         (header.trace.sequence, header.trace.exposed_ns) = (sequence, now_ns());
         slot.send().expect("sent");
-        // The camera's pace.
+        // A camera's pace.
         thread::sleep(Duration::from_millis(20));
         while let Some(frame) = reader.next().expect("a reader") {
             let header = frame.header();
             assert_eq!((header.width, header.height), (width, height));
             assert!(header.trace.sequence > last);
             last = header.trace.sequence;
-            // A JPEG's.
+            // The colors of a JPEG are nearly right.
             let off = frame.chunks_exact(3).enumerate().map(|(at, pixel)| {
                 let off = |i: usize| u32::from(pixel[i].abs_diff(color(at)[i]));
                 off(0) + off(1) + off(2)
@@ -172,7 +172,8 @@ fn masks_come_to_the_bit_where_they_are_asked_for() {
     let (here, there) = (place.far(), place.near());
     let (width, height) = (320, 200_u32);
     let bytes = (width * height) as usize;
-    // A rope's edge between pixels, and noise beside it: no two masks are the same, nor of one datagram.
+    // The soft edge of a rope, and noise next to it: no two masks are the same, and none fits into
+    // one datagram.
     let level = |at: usize, sequence: u64| match at % 320 {
         column @ 100..140 => (6 * column) as u8,
         150..160 => ((at as u64 + sequence).wrapping_mul(0x9e37_79b9) >> 16) as u8,
@@ -199,7 +200,7 @@ fn masks_come_to_the_bit_where_they_are_asked_for() {
         let trace = &mut slot.header_mut().trace;
         (trace.sequence, trace.exposed_ns) = (sequence, now_ns());
         slot.send().expect("sent");
-        // The camera's pace.
+        // A camera's pace.
         thread::sleep(Duration::from_millis(20));
         while let Some(mask) = reader.next().expect("a reader") {
             let header = mask.header();

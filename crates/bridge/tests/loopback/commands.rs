@@ -1,4 +1,4 @@
-//! Commands come back.
+//! Commands travel back to the camera's side.
 
 use std::thread;
 use std::time::{Duration, Instant};

@@ -1,4 +1,5 @@
-//! Descriptors: what comes is what was sent, losses are exact, each side may be killed, and several may read.
+//! Descriptors: they arrive as sent, losses are exact, either side may be killed, and several
+//! machines may read.
 
 use std::cell::Cell;
 use std::thread;
@@ -35,7 +36,8 @@ fn what_comes_is_what_was_sent_with_stamps_right_to_the_stated_bound() {
         assert_eq!(points[0].len(), points[1].len());
         assert!(message.trace.fitted > last);
         last = message.trace.fitted;
-        // One machine, one clock: what a stamp is off by is known. The bound gets better with each answer, and by no more worse than clocks drift apart.
+        // Both sides share one clock here, so the error of a timestamp is known. The bound improves
+        // with each answer, and grows no faster than clocks drift apart.
         if let Some(bound_us) = bound_us {
             let off_us = message.trace.exposed_ns.abs_diff(written_ns) as f64 * 1e-3;
             assert!(off_us < bound_us + 1000.0, "{off_us} ± {bound_us}");
@@ -67,14 +69,15 @@ fn losses_are_exact_and_nothing_goes_back_in_time_over_a_link_that_delays_loses_
     let sides = (place.listen(&[]), place.connect(relay.port, &[]));
     let domain = place.far();
     let reader = Receiver::descriptors(&domain, &rig()).expect("a reader");
-    // Once there was an answer, all that is sent is known of.
+    // After an answer, everything that is sent is counted.
     let deadline = Instant::now() + PATIENCE;
     take(
         &reader,
         |_| {},
         || said_bound_us(&place.far).is_none() && Instant::now() < deadline,
     );
-    // Half of the way there and back, whatever the machine was busy with; later answers only better it.
+    // The bound is half of a round trip, however loaded the machine was. Later answers only improve
+    // it.
     let bound_us = said_bound_us(&place.far).expect("an answer");
     let chain = Chain::start(&place);
     let (mut count, mut last) = (0, (0, 0));
@@ -90,7 +93,7 @@ fn losses_are_exact_and_nothing_goes_back_in_time_over_a_link_that_delays_loses_
     };
     let until = Instant::now() + Duration::from_secs(3);
     take(&reader, &mut see, || Instant::now() < until);
-    // What is under way arrives, and an answer says how many there were.
+    // Messages in transit arrive, and an answer reports how many were sent.
     drop(chain);
     let until = Instant::now() + Duration::from_millis(300);
     take(&reader, see, || Instant::now() < until);
@@ -103,7 +106,7 @@ fn losses_are_exact_and_nothing_goes_back_in_time_over_a_link_that_delays_loses_
     assert_eq!(received, count, "{far}");
     assert_eq!(sent, number(&near, "cell: sent "), "{near} {far}");
     assert!(lost > 0 && received > lost, "{far}");
-    // A reader's own ledger says the same, but for those behind the last one that came.
+    // A reader's own ledger agrees, except for losses after the last message that came.
     let bridge = lost + last.0 - sent;
     let expected = Lost {
         bridge,
@@ -127,7 +130,7 @@ fn a_message_of_many_datagrams_comes_whole_or_is_lost_once() {
     let deadline = Instant::now() + PATIENCE;
     while said_bound_us(&place.far).is_none() {
         assert!(Instant::now() < deadline, "nobody answers");
-        // The roster is asked again and again, as nothing wakes who waits for a first answer.
+        // Nothing signals a first answer, so the roster is polled.
         thread::sleep(Duration::from_millis(10));
     }
     let chain = Chain::of(&place, rope::write_many);
@@ -155,12 +158,13 @@ fn a_message_of_many_datagrams_comes_whole_or_is_lost_once() {
     let sent = number(&far, "cell: sent ");
     assert_eq!((sent, received), (received + lost, count), "{near} {far}");
     assert_eq!(sent, number(&near, "cell: sent "), "{near} {far}");
-    // Of some 60 datagrams each, one is lost in every fourth message; of one each, it would be one in 200 messages.
+    // Every message has about 60 datagrams, so every fourth message loses one. With one datagram
+    // each, only one in 200 messages would be lost.
     assert!(20 * lost > sent && received > 0, "{far}");
     drop((reader, domain));
 }
 
-/// Waits until a reader sees what is wanted.
+/// Waits until the reader sees what is wanted.
 fn until(reader: &mut Reader, is_wanted: fn(&Seen) -> bool) {
     let deadline = Instant::now() + PATIENCE;
     loop {
@@ -195,13 +199,13 @@ fn who_moves_to_another_address_is_found_again() {
     until(&mut reader, is_fresh);
     drop(relay);
     until(&mut reader, is_stale);
-    // For the camera's side the other one is elsewhere now.
+    // For the camera's side, the other side now has another address.
     let relay = Relayed::at(port, place.port, calm);
     until(&mut reader, is_fresh);
     drop(relay);
     near.end();
     until(&mut reader, is_stale);
-    // And now the camera's side is elsewhere, under the same name.
+    // Now the camera's side has another address, under the same name.
     place.port = free_port();
     let near = place.listen(&[]);
     let relay = Relayed::at(port, place.port, calm);
@@ -239,7 +243,7 @@ fn one_machine_reads_several_cameras() {
 #[test]
 fn either_side_may_be_killed_and_readers_go_on_by_themselves() {
     let place = Place::new();
-    // The other side is there first.
+    // The far side starts first.
     let mut far = place.connect(place.port, &[]);
     let mut reader = Reader::open_in(place.far(), &rig()).expect("a reader");
     let chain = Chain::start(&place);
@@ -307,7 +311,7 @@ fn of_realtime_priority_what_carries_descriptors_is_on_one_core_and_what_makes_p
             assert_eq!(*allowed, expected, "{threads:?}");
             assert!(!*is_realtime || name != "pictures", "{threads:?}");
         }
-        // Who may have it for one thread may for all.
+        // A user who may have realtime priority for one thread may have it for all.
         let ordinary = threads.iter().filter(|(_, is_realtime, _)| !is_realtime);
         assert!(
             [1, threads.len()].contains(&ordinary.count()),

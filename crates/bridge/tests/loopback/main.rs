@@ -1,6 +1,9 @@
-//! Both sides of a bridge as processes, each in a domain of its own, over the loopback and over a relay that delays, loses and reorders: what comes
-//! is what was sent, stamps are right to the stated bound, sent = received + lost, nothing goes back in time, each side may be killed, commands come
-//! back and never late, and only who has the key is heard.
+//! Runs both sides of a bridge as processes, each in a domain of its own. They talk over the
+//! loopback interface, or over a relay that delays, loses and reorders.
+//!
+//! The tests check that messages arrive as sent, that timestamps are right to the stated bound, and
+//! that sent = received + lost. Nothing goes back in time, either side may be killed, commands
+//! travel back and are never late, and only a side with the key is heard.
 
 #[path = "../../examples/wire/relay.rs"]
 mod relay;

@@ -1,4 +1,4 @@
-//! Only who has the key is heard, and what makes no sense is refused.
+//! Only a side with the key is heard, and what makes no sense is refused.
 
 use std::net::UdpSocket;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use lariat_wire::Receiver;
 
 use crate::sides::{Chain, PATIENCE, PROGRAM, Place, rig, take};
 
-/// A file with a key.
+/// Makes a file with a key.
 fn key(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("lariat-bridge-{name}-{}", std::process::id()));
     let made = Process::new(PROGRAM).arg("--make-key").arg(&path).status();
@@ -58,7 +58,7 @@ fn only_who_has_the_key_is_heard() {
 
 #[test]
 fn nobody_is_sent_more_than_it_sent_before_it_has_shown_its_address() {
-    // A far side's question, as it comes to whoever is there.
+    // Records a question of a far side, as any listener receives it.
     let recorder = UdpSocket::bind("127.0.0.1:0").expect("a port");
     recorder
         .set_read_timeout(Some(PATIENCE))
@@ -70,7 +70,7 @@ fn nobody_is_sent_more_than_it_sent_before_it_has_shown_its_address() {
     let length = recorder.recv(&mut buffer).expect("a question");
     let question = buffer[..length].to_vec();
     asks.end();
-    // Descriptors come to one who has.
+    // Descriptors come to a far side that has proved its address.
     let place = Place::new();
     let (near, far) = (place.listen(&[]), place.connect(place.port, &[]));
     let domain = place.far();

@@ -1,4 +1,4 @@
-//! What every test needs: both sides as processes, a relay between them, a chain at the one end.
+//! Setup that the tests share: both sides as processes, a relay between them, a chain at one end.
 
 use std::io::Read;
 use std::net::UdpSocket;
@@ -14,16 +14,16 @@ use lariat_wire::{DESCRIPTORS, Delivery, Descriptors, Domain, Receiver, Rig, Wri
 use crate::relay::{Relay, Weather};
 use crate::rope;
 
-/// Nothing takes so long that goes on at all.
+/// Time limit that only a stuck test exceeds.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_lariat-bridge");
 
-/// A process that ends with its test, however that ends.
+/// A process that ends with its test, even if the test panics.
 pub(crate) struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Ended already, or of no use to anyone.
+        // It may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -60,13 +60,14 @@ impl Side {
         }
     }
 
-    /// Of each of its threads the name, whether it has realtime priority, and how many cores it may run on.
+    /// Returns for each thread its name, whether it has realtime priority, and how many cores it
+    /// may run on.
     pub(crate) fn threads(&self) -> Vec<(String, bool, usize)> {
         let tasks = std::fs::read_dir(format!("/proc/{}/task", self.process.0.id()));
         let threads = tasks.expect("it lives").flatten().map(|task| {
             let read = |name| std::fs::read_to_string(task.path().join(name)).unwrap_or_default();
             let (stat, status) = (read("stat"), read("status"));
-            // The 39th field behind the name in brackets is the policy: 1 is FIFO.
+            // The policy is the 39th field after the name in parentheses: 1 is FIFO.
             let policy = stat
                 .rsplit_once(')')
                 .and_then(|(_, rest)| rest.split_whitespace().nth(38));
@@ -82,7 +83,7 @@ impl Side {
         threads.collect()
     }
 
-    /// Ends it as Ctrl-C does; what it said.
+    /// Ends the process by a signal. Returns what it printed.
     pub(crate) fn end(mut self) -> String {
         let pid = rustix::process::Pid::from_child(&self.process.0);
         rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it is ours");
@@ -129,12 +130,12 @@ impl Place {
         self.start(&self.near, "--listen", self.port, more)
     }
 
-    /// `port`: the relay's, if there is one.
+    /// Connects to a port, which is the relay's if there is one.
     pub(crate) fn connect(&self, port: u16, more: &[&str]) -> Side {
         self.start(&self.far, "--connect", port, more)
     }
 
-    /// Without a key, unless `more` names one.
+    /// Starts a side without a key, unless `more` names one.
     fn start(&self, domain: &str, side: &str, port: u16, more: &[&str]) -> Side {
         let at = Self::at(port);
         let insecure: &[_] = match more.contains(&"--key") {
@@ -154,7 +155,7 @@ impl Place {
     }
 }
 
-/// Nothing is left behind.
+/// Checks that nothing is left in shared memory.
 impl Drop for Place {
     fn drop(&mut self) {
         if thread::panicking() {
@@ -179,7 +180,7 @@ pub(crate) fn rig() -> Rig {
     "cell".parse().expect("a name")
 }
 
-/// A relay to a port, for as long as it is kept.
+/// A relay to a port, running until it is dropped.
 pub(crate) struct Relayed {
     pub(crate) port: u16,
     wanted: Arc<AtomicBool>,
@@ -218,7 +219,8 @@ impl Drop for Relayed {
     }
 }
 
-/// A chain's end: sends a rope 100 times a second from when somebody reads it on, in a thread of its own, until it is dropped.
+/// The end of a chain. Its thread sends a rope 100 times per second, from when somebody reads it
+/// until this is dropped.
 pub(crate) struct Chain {
     wanted: Arc<AtomicBool>,
     thread: Option<JoinHandle<u64>>,
@@ -229,7 +231,7 @@ impl Chain {
         Self::of(place, rope::write)
     }
 
-    /// Of other ropes: `write` is given the message, its count and the time.
+    /// Starts a chain of other ropes. `write` receives the message, its count and the time.
     pub(crate) fn of(place: &Place, write: fn(&mut Descriptors, u64, u64)) -> Self {
         let wanted = Arc::new(AtomicBool::new(true));
         let (wants, name, rig) = (wanted.clone(), place.near.clone(), place.rig.clone());
@@ -267,7 +269,7 @@ impl Drop for Chain {
     }
 }
 
-/// The next messages of a reader; all that waits is taken, in its order.
+/// Passes all messages of a reader to `see`, in order, while `wanted` returns true.
 pub(crate) fn take(
     reader: &Receiver<Descriptors>,
     mut see: impl FnMut(&Descriptors),
@@ -284,7 +286,7 @@ pub(crate) fn take(
     }
 }
 
-/// The number behind a word in what was said.
+/// Returns the number after the last `before` in `said`.
 pub(crate) fn number(said: &str, before: &str) -> u64 {
     let rest = said
         .split(before)
@@ -295,7 +297,7 @@ pub(crate) fn number(said: &str, before: &str) -> u64 {
     digits.and_then(|digits| digits.parse().ok()).expect(said)
 }
 
-/// By how much stamps may be off, as a bridge of a domain says in its roster.
+/// Returns the maximum error of timestamps that a domain's bridge reports in its roster, in µs.
 pub(crate) fn said_bound_us(domain: &str) -> Option<f64> {
     let entries = std::fs::read_dir(format!("/tmp/lariat-{domain}/lariat-roster")).ok()?;
     let mut texts = entries

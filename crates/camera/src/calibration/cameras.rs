@@ -1,4 +1,4 @@
-//! The cameras of a file: the maps that hold a camera matrix, wherever they are in the tree.
+//! Finds the cameras of a file: the maps that contain a camera matrix, anywhere in the tree.
 
 use super::names::{FX, FY, INTRINSICS, MATRIX, OTHER_SIDES, SIDES, TOPIC};
 use super::{find, squeezed};
@@ -6,21 +6,21 @@ use crate::document::Node;
 
 /// A camera in a file.
 pub(super) struct Found<'a> {
-    /// The key of its map, as a sentence names it.
+    /// Key of its map, for use in a sentence.
     pub(super) name: String,
-    /// Its map, then the maps around it: what holds for all cameras may be written there.
+    /// Its map, then the enclosing maps, which may contain values common to all cameras.
     scope: Vec<&'a Node>,
-    /// The ending of its keys, where two cameras share a map.
+    /// Suffix of its keys, if two cameras share a map.
     side: &'static str,
 }
 
 impl<'a> Found<'a> {
-    /// An entry of its own map.
+    /// Returns an entry of its own map.
     pub(super) fn own(&self, names: &[&str]) -> Option<(&'a str, &'a Node)> {
         sided(self.scope[0], names, self.side)
     }
 
-    /// An entry of its own map or of one around it.
+    /// Returns an entry of its own map or of an enclosing one.
     pub(super) fn any(&self, names: &[&str]) -> Option<(&'a str, &'a Node)> {
         self.own(names)
             .or_else(|| self.scope.iter().find_map(|map| find(map, names)))
@@ -30,7 +30,7 @@ impl<'a> Found<'a> {
         self.scope[0]
     }
 
-    /// The topic of its images, if the file says so.
+    /// Topic of its images, if the file contains it.
     pub(super) fn topic(&self) -> Option<&'a str> {
         match self.own(&TOPIC) {
             Some((_, Node::Scalar(topic))) => Some(topic),
@@ -39,11 +39,11 @@ impl<'a> Found<'a> {
     }
 }
 
-/// All cameras, in the file's order.
+/// Returns all cameras, in the order of the file.
 pub(super) fn cameras(file: &Node) -> Vec<Found<'_>> {
     let mut found = Vec::new();
     look("the file's own", file, &mut Vec::new(), &mut found);
-    // ORB-SLAM and ost.ini write what holds for all in maps of their own.
+    // ORB-SLAM and ost.ini have separate maps for common values.
     let shared = ["camera", "image"].map(|name| find(file, &[name]));
     for (_, map) in shared.into_iter().flatten() {
         found.iter_mut().for_each(|found| found.scope.push(map));
@@ -110,10 +110,10 @@ pub(super) fn is_matrix(value: &Node) -> bool {
     }
 }
 
-/// The first of these names with this ending that a map has.
+/// Finds the first of these names, with this suffix, in a map.
 fn sided<'a>(map: &'a Node, names: &[&str], side: &str) -> Option<(&'a str, &'a Node)> {
     (names.iter()).find_map(|name| {
-        // K1 is a matrix nowhere: k1 is a coefficient.
+        // K1 is never a matrix: k1 is a coefficient.
         let is_coefficient = *name == "k" && !side.is_empty();
         let is_it = |key: &str| squeezed(key).eq(name.chars().chain(side.chars()));
         map.get(is_it).filter(|_| !is_coefficient)

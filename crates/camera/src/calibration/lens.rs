@@ -1,4 +1,4 @@
-//! The lens: the file names its model, or the number of coefficients tells it.
+//! Reads the lens. The file names its model, or the number of coefficients determines it.
 
 use super::cameras::Found;
 use super::names::{COEFFICIENT_NAMES, COEFFICIENTS, FISHEYE_FLAG, INTRINSICS, LOOSE_MODEL, MODEL};
@@ -9,25 +9,25 @@ use crate::lens::Lens;
 /// A family of lens models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Model {
-    /// Brown and Conrady's polynomial, as OpenCV has it.
+    /// Brown and Conrady's polynomial, as in OpenCV.
     Brown,
-    /// The same in an order or direction that OpenCV does not have: only without distortion.
+    /// The same in an order or direction that OpenCV lacks. It is accepted only without distortion.
     BrownVariant,
-    /// Kannala and Brandt's polynomial of the angle.
+    /// Kannala and Brandt's polynomial in the angle.
     Fisheye,
     /// No distortion.
     Ideal,
-    /// A projection whose distortion is named elsewhere.
+    /// A projection whose distortion model is named elsewhere.
     Pinhole,
 }
 
 const MODELS: &str = "the lens models are plumb_bob (radtan, Brown-Conrady), rational_polynomial and equidistant (fisheye, \
                       Kannala-Brandt)";
 
-/// `None`: no name of a model that is read.
+/// Returns the model with this name; `None` if it is not supported.
 fn model(name: &str) -> Option<Model> {
     let name: String = squeezed(name).collect();
-    // librealsense's Python prefixes the names.
+    // librealsense's Python bindings prefix the names.
     Some(match name.strip_prefix("distortion.").unwrap_or(&name) {
         "plumbbob" | "radtan" | "radialtangential" | "radtan5" | "radtan8" | "brownconrady"
         | "brown" | "opencv" | "fullopencv" | "rationalpolynomial" | "rational" | "thinprism"
@@ -63,7 +63,7 @@ pub(super) fn read(found: &Found) -> Result<Lens, CalibrationError> {
     };
     match (model, coefficients) {
         (Some((_, Model::Ideal)), None) => Ok(Lens::IDEAL),
-        // Open3D's cameras have no distortion, and nobody else writes the matrix column by column.
+        // Open3D's cameras have no distortion, and only Open3D writes the matrix column by column.
         (None, None) if matrix::is_by_columns(found) => Ok(Lens::IDEAL),
         (_, None) => Err(CalibrationError::Missing(
             "distortion coefficients (a list of 0 for a lens without distortion)",
@@ -97,7 +97,7 @@ fn lens(
     }
 }
 
-/// The model that the file names, with the key; `None` if it names none.
+/// Returns the model that the file names, with its key; `None` if it names none.
 fn named<'a>(
     found: &Found<'a>,
     coefficients: Option<&'a Node>,
@@ -168,13 +168,14 @@ fn coefficients(
     }
 }
 
-/// Coefficients in OpenCV's order under names of their own; those left out are 0. `None` if there are none.
+/// Reads coefficients that have separate names, in OpenCV's order; missing ones are 0. `None` if
+/// all are missing.
 fn singles(map: &Node, model: Option<(&str, Model)>) -> Result<Option<Vec<f64>>, CalibrationError> {
     const BROWN: [&str; 14] = [
         "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tx", "ty",
     ];
     const FISHEYE: [&str; 4] = ["k1", "k2", "k3", "k4"];
-    // camodocal counts from the power of the angle.
+    // camodocal numbers them by the power of the angle.
     const CAMODOCAL: [&str; 4] = ["k2", "k3", "k4", "k5"];
     let has = |name: &str| find(map, &[name]).is_some();
     let is_fisheye = matches!(model, Some((_, Model::Fisheye)));
@@ -195,7 +196,7 @@ fn singles(map: &Node, model: Option<(&str, Model)>) -> Result<Option<Vec<f64>>,
     });
     let mut all = all.collect::<Result<Vec<f64>, _>>()?;
     if !is_fisheye {
-        // The shortest of OpenCV's sets.
+        // The smallest of OpenCV's sets.
         let used = all
             .iter()
             .rposition(|c| *c != 0.0)
@@ -209,7 +210,7 @@ fn singles(map: &Node, model: Option<(&str, Model)>) -> Result<Option<Vec<f64>>,
 fn brown(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
     if ![0, 4, 5, 8, 12, 14].contains(&numbers.len()) {
         let why = format!(
-            "{} coefficients are none of OpenCV's sets: 4, 5, 8, 12 or 14 (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty), or \
+            "{} coefficients are not one of OpenCV's sets: 4, 5, 8, 12 or 14 (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty), or \
              none",
             numbers.len()
         );
@@ -218,7 +219,8 @@ fn brown(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
     Lens::brown_conrady(numbers).map_or_else(|| wrong(key, UNUSABLE), Ok)
 }
 
-/// Drivers whose messages hold five coefficients whatever the model write a 0 behind the four.
+/// Reads fisheye coefficients. Drivers whose messages always have five coefficients write a 0 after
+/// the four.
 fn fisheye(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
     let (first, rest) = numbers.split_at(numbers.len().min(4));
     match (<[f64; 4]>::try_from(first), rest.iter().all(|c| *c == 0.0)) {

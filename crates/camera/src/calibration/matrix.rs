@@ -1,4 +1,4 @@
-//! Focal lengths and principal point.
+//! Reads focal lengths and principal point.
 
 use super::cameras::{Found, is_matrix};
 use super::names::{CX, CY, FX, FY, INTRINSICS, MATRIX, MATRIX_NAMES};
@@ -19,7 +19,7 @@ pub(super) fn read(found: &Found) -> Result<Intrinsics, CalibrationError> {
         },
     };
     let [cx, cy] = intrinsics.1;
-    // No camera has its principal point inside of its first pixel.
+    // No camera has its principal point within its first pixel.
     if (0.0..1.0).contains(&cx) && (0.0..1.0).contains(&cy) && (cx, cy) != (0.0, 0.0) {
         return wrong(
             key,
@@ -47,7 +47,8 @@ fn four_or_nine(key: &str, value: &Node) -> Result<Intrinsics, CalibrationError>
     }
 }
 
-/// A matrix row by row; or, with an empty last column, column by column, as Open3D writes it.
+/// Reads a matrix row by row or, if the last column is 0, 0, 1, column by column, as Open3D writes
+/// it.
 fn nine(key: &str, value: &Node) -> Result<Intrinsics, CalibrationError> {
     let numbers = numbers(key, value)?;
     let (focal_px, center_px, skew, below) = match numbers[..] {
@@ -76,7 +77,7 @@ pub(super) fn is_by_columns(found: &Found) -> bool {
     matches!(matrix, Some(Ok(numbers)) if matches!(numbers[..], [_, _, 0.0, _, _, 0.0, _, _, 1.0]))
 }
 
-/// Single numbers under names of their own.
+/// Reads numbers that have separate names.
 fn scalars(map: &Node) -> Result<Intrinsics, CalibrationError> {
     let one = |names: &[&str]| match find(map, names) {
         None => Err(CalibrationError::Missing(super::MATRIX, MATRIX_NAMES)),

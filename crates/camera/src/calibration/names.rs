@@ -1,12 +1,12 @@
-//! The names that calibration files use, squeezed: in lower case and without underscores, hyphens and spaces.
+//! Names in calibration files, squeezed: in lower case and without underscores, hyphens and spaces.
 
-/// A name without what files write differently: its case, underscores, hyphens and spaces.
+/// Removes from a name what differs between files: case, underscores, hyphens and spaces.
 pub(super) fn squeezed(key: &str) -> impl Iterator<Item = char> {
     let letters = key.chars().filter(|c| !matches!(c, '_' | '-' | ' '));
     letters.map(|c| c.to_ascii_lowercase())
 }
 
-/// A camera matrix, whatever its value looks like.
+/// Names of a camera matrix, whatever its value looks like.
 pub(super) const MATRIX: [&str; 7] = [
     "cameramatrix",
     "intrinsicmatrix",
@@ -16,7 +16,7 @@ pub(super) const MATRIX: [&str; 7] = [
     "cameraintrinsicmatrix",
     "kmatrix",
 ];
-/// A camera matrix, or focal lengths and principal point, if the value looks like one.
+/// Names of a camera matrix, or of focal lengths and principal point, depending on the value.
 pub(super) const INTRINSICS: [&str; 5] = [
     "intrinsics",
     "intrinsic",
@@ -24,17 +24,17 @@ pub(super) const INTRINSICS: [&str; 5] = [
     "projectionparameters",
     "intrinsicparameters",
 ];
-/// Horizontal and vertical focal lengths, and both coordinates of the principal point, px.
+/// Names of the focal lengths and of both coordinates of the principal point, px.
 pub(super) const FX: [&str; 4] = ["fx", "fu", "flx", "mu"];
 pub(super) const FY: [&str; 4] = ["fy", "fv", "fly", "mv"];
 pub(super) const CX: [&str; 4] = ["cx", "ppx", "cu", "u0"];
 pub(super) const CY: [&str; 4] = ["cy", "ppy", "cv", "v0"];
-/// Endings of the names of a pair of cameras in one map: none for a single camera.
+/// Suffixes of names: none for a single camera, or those of the first camera of a pair in one map.
 pub(super) const SIDES: [&str; 3] = ["", "1", "left"];
-/// The same of the second camera.
+/// Suffixes for the second camera of a pair.
 pub(super) const OTHER_SIDES: [&str; 2] = ["2", "right"];
 
-/// Coefficients of a lens.
+/// Names of lens coefficients.
 pub(super) const COEFFICIENTS: [&str; 13] = [
     "distortioncoefficients",
     "distcoeffs",
@@ -50,7 +50,7 @@ pub(super) const COEFFICIENTS: [&str; 13] = [
     "distortioncoefs",
     "coeffs",
 ];
-/// A lens model by a key that means nothing else.
+/// Unambiguous keys of a lens model.
 pub(super) const MODEL: [&str; 8] = [
     "distortionmodel",
     "cameramodel",
@@ -61,25 +61,25 @@ pub(super) const MODEL: [&str; 8] = [
     "projectionmodel",
     "lenstype",
 ];
-/// A lens model under a key that may hold something else, such as a product name.
+/// Keys of a lens model with other possible contents, such as a product name.
 pub(super) const LOOSE_MODEL: [&str; 2] = ["type", "model"];
-/// A yes or no for a fisheye lens.
+/// Keys of a flag for a fisheye lens.
 pub(super) const FISHEYE_FLAG: [&str; 3] = ["fisheyemodel", "fisheye", "isfisheye"];
 
-/// Images' width, height, or both.
+/// Names of the images' width, height, or both.
 pub(super) const WIDTH: [&str; 3] = ["imagewidth", "width", "w"];
 pub(super) const HEIGHT: [&str; 3] = ["imageheight", "height", "h"];
 pub(super) const SIZE: [&str; 4] = ["resolution", "imagesize", "imgsize", "imageresolution"];
-/// The topic of a camera's images.
+/// Names of the topic with a camera's images.
 pub(super) const TOPIC: [&str; 3] = ["rostopic", "imagetopic", "topic"];
 
-/// The names of a camera matrix, as a sentence lists them.
+/// Names of a camera matrix, as listed in a sentence.
 pub(super) const MATRIX_NAMES: &str =
     "camera_matrix, cameraMatrix, K, mtx, intrinsics, Camera.fx, or fx, fy, cx and cy";
-/// Likewise of coefficients.
+/// Names of coefficients, as listed in a sentence.
 pub(super) const COEFFICIENT_NAMES: &str = "distortion_coefficients, distCoeffs, D, dist, distortion_coeffs, distortion, or k1, k2, p1 and p2";
 
-/// The calibration files that are read: their writers, their names, their lens models.
+/// Supported calibration files: their writers, their names, their lens models.
 pub const READ: [[&str; 3]; 9] = [
     [
         "OpenCV `FileStorage`, YAML, XML or JSON",

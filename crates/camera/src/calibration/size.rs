@@ -1,4 +1,4 @@
-//! Images' size, and the part of the sensor that they show.
+//! Reads the images' size, and the part of the sensor that they show.
 
 use super::cameras::Found;
 use super::names::{HEIGHT, SIZE, WIDTH};
@@ -35,10 +35,12 @@ fn is_side(side: f64) -> bool {
     side.fract() == 0.0 && (1.0..=65_535.0).contains(&side)
 }
 
-/// The region of interest and the binning of a `sensor_msgs/CameraInfo`; `None`: the images show the whole sensor.
+/// Reads the region of interest and the binning of a `sensor_msgs/CameraInfo`; `None` if the images
+/// show the whole sensor.
 ///
-/// The matrix of such a message is of the whole, unbinned sensor. A region of 0×0 pixels, and a binning of 0, mean the whole.
-/// A `roi` that is a list is another thing: `cv2.getOptimalNewCameraMatrix` names so the valid part of its result.
+/// The matrix in such a message is for the whole, unbinned sensor. A region of 0×0 pixels and a
+/// binning of 0 mean the whole sensor. A `roi` that is a list is something else:
+/// `cv2.getOptimalNewCameraMatrix` uses the name for the valid part of its result.
 pub(super) fn crop(
     found: &Found,
     size: Option<[u32; 2]>,

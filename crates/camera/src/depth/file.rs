@@ -1,4 +1,4 @@
-//! What a depth camera's file says.
+//! Reads the calibration file of a depth camera.
 
 use super::{DepthCamera, DepthKind};
 use crate::calibration::{self, CalibrationError};
@@ -6,35 +6,43 @@ use crate::camera::Camera;
 use crate::document::{self, Node};
 use crate::pose::{LEAST_BESIDE_MM, LEAST_MM, Pose};
 
-/// Of a stereo camera of a few centimetres' baseline, and what those see.
+/// Noise of a stereo camera with a baseline of a few centimeters, and the range of such cameras.
 const NOISE_MM: f64 = 4.0;
 const RANGE_MM: [f64; 2] = [150.0, 4000.0];
 
-/// A depth camera beside a colour one, and what a unit of its images is.
+/// A depth camera next to a color camera, and the format of its images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthCalibration {
     /// The two cameras.
     pub camera: DepthCamera,
-    /// What a pixel of its images is.
+    /// Format of a pixel in its images.
     pub kind: DepthKind,
     /// Width and height of its images.
     pub size: [u32; 2],
 }
 
-/// The coarsest step of depth images: a centimetre, as some simulators write them.
+/// Coarsest step of depth images: a centimeter, as some simulators write them.
 const COARSEST_MM: f64 = 10.0;
-/// Below the noise of every depth camera at 1 m: structured light for metrology has some 0.05 mm.
+/// Smallest plausible noise at 1 m. Structured light for metrology has about 0.05 mm.
 const FINEST_MM: f64 = 0.02;
 
 impl DepthCalibration {
-    /// The depth camera of a file, beside this colour camera: its own calibration by the same names, `rotation` and `translation_mm`
-    /// to the colour camera's frame (none: the two are at one place), `depth_unit_mm` (1), `noise_mm_at_1m` (4: the standard
-    /// deviation there, which goes with the square of the distance) and `range_mm` ([150, 4000]). Without a camera matrix the
-    /// depth images are aligned to the colour ones: the same camera.
+    /// Reads the depth camera of a file, which is next to this color camera. The file contains its
+    /// own calibration under the usual names, and these keys:
+    ///
+    /// - `rotation` and `translation_mm` to the color camera's frame (default: both cameras are at
+    ///   one place),
+    /// - `depth_unit_mm` (1),
+    /// - `noise_mm_at_1m` (4): the standard deviation at 1 m, which grows with the square of the
+    ///   distance,
+    /// - `range_mm` ([150, 4000]).
+    ///
+    /// Without a camera matrix, the depth images are aligned to the color images: both have the
+    /// same camera.
     ///
     /// # Errors
-    /// It says what cannot be, or not enough; each with the key and what to do.
+    /// A value is invalid or missing. The error names the key and says what to do.
     pub fn from_yaml(text: &str, color: Camera) -> Result<Self, CalibrationError> {
         let file = document::read(text)?;
         let own = calibration::camera(&file);
@@ -65,7 +73,7 @@ impl DepthCalibration {
 }
 
 /// # Errors
-/// A number that is more likely in metres, or a count of units in a metre.
+/// A number that is more likely in meters, or a number of units per meter.
 fn check_units(unit_mm: f64, noise_mm: f64, [near, _]: [f64; 2]) -> Result<(), CalibrationError> {
     if !(unit_mm > 0.0 && unit_mm <= COARSEST_MM) {
         return calibration::wrong(
@@ -95,7 +103,7 @@ fn check_units(unit_mm: f64, noise_mm: f64, [near, _]: [f64; 2]) -> Result<(), C
     Ok(())
 }
 
-/// Where ropes are looked for, mm.
+/// Reads the range of depths in which to look for ropes, in mm.
 pub(crate) fn read_range(file: &Node) -> Result<[f64; 2], CalibrationError> {
     match calibration::find(file, &["rangemm"]) {
         None => Ok(RANGE_MM),

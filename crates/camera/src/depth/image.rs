@@ -1,17 +1,17 @@
-//! Depth images as cameras give them.
+//! Depth images in the formats of cameras.
 
 use thiserror::Error;
 
-/// What a pixel of a depth image is.
+/// Format of a pixel in a depth image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DepthKind {
-    /// A whole number of 16 bits, little-endian, of so many millimetres each; 0 where it is not known (`Z16`, `16UC1`).
+    /// A little-endian 16-bit integer in units of `unit_mm`; 0 if unknown (`Z16`, `16UC1`).
     Whole {
-        /// Millimetres a unit: 1 for ROS's `16UC1`.
+        /// Millimeters per unit: 1 for ROS's `16UC1`.
         unit_mm: f64,
     },
-    /// Metres as a float of 32 bits, little-endian; not a number, or not positive, where it is not known (ROS's `32FC1`).
+    /// Meters as a little-endian 32-bit float; NaN or not positive if unknown (ROS's `32FC1`).
     Metres,
 }
 
@@ -24,7 +24,7 @@ impl DepthKind {
     }
 }
 
-/// Why bytes make no depth image.
+/// Why bytes are not a depth image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("{bytes} bytes make no depth image of {width}×{height} pixels with rows of {stride} bytes")]
 pub struct DepthImageError {
@@ -34,9 +34,10 @@ pub struct DepthImageError {
     stride: usize,
 }
 
-/// Added to a whole number of less than 4 million in size it leaves a float whose lowest bits are that number.
+/// Added to an integer with an absolute value below 4 million, gives a float whose lowest bits are
+/// that integer.
 const WHOLE: f32 = 12_582_912.0;
-/// Where nothing begins: past the end of all bytes.
+/// Offset of a pixel outside of the image: past the end of all bytes.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// A depth image, borrowed.
@@ -50,10 +51,10 @@ pub struct DepthImage<'a> {
 }
 
 impl<'a> DepthImage<'a> {
-    /// `stride`: bytes from one row's start to the next.
+    /// Borrows a depth image. `stride`: bytes from one row's start to the next.
     ///
     /// # Errors
-    /// There are fewer bytes than that asks for.
+    /// There are too few bytes.
     pub fn new(
         bytes: &'a [u8],
         [width, height]: [usize; 2],
@@ -83,7 +84,8 @@ impl<'a> DepthImage<'a> {
         })
     }
 
-    /// How far what is seen at this pixel is, mm along the axis; none where that is not known, or outside of the image.
+    /// Returns the depth at a pixel in mm, along the camera's axis. `None` if it is unknown, or
+    /// outside of the image.
     #[inline]
     pub fn at(&self, column: isize, row: isize) -> Option<f64> {
         if column < 0 || row < 0 || column >= self.width as isize || row >= self.height as isize {
@@ -104,7 +106,8 @@ impl<'a> DepthImage<'a> {
         }
     }
 
-    /// Where the pixels of some columns and rows begin, all of which are whole and at least 0. Outside of the image it is anywhere.
+    /// Returns the offsets of pixels with these columns and rows, which are non-negative integers.
+    /// An offset outside of the image is arbitrary.
     #[inline(always)]
     pub(super) fn starts<const L: usize>(&self, columns: &[f32; L], rows: &[f32; L]) -> [u32; L] {
         let [stride, size] = [self.stride, self.kind.bytes()].map(|bytes| bytes as u32);
@@ -117,7 +120,7 @@ impl<'a> DepthImage<'a> {
         starts
     }
 
-    /// Reads pixels that begin at these places of its bytes, mm; 0 where that is not known, or past their end.
+    /// Reads the pixels at these offsets, in mm; 0 if unknown or past the end.
     #[inline(always)]
     pub(super) fn read<const L: usize, const N: usize>(
         &self,
@@ -156,7 +159,7 @@ impl<'a> DepthImage<'a> {
                 pixel.copy_from_slice(bytes);
             }
         }
-        // By itself, as this becomes vectors.
+        // A separate loop, so that it is vectorized.
         for (to, pixels) in to.iter_mut().zip(&pixels) {
             for (to, &pixel) in to.iter_mut().zip(pixels) {
                 *to = depth(pixel);
@@ -164,19 +167,19 @@ impl<'a> DepthImage<'a> {
         }
     }
 
-    /// Width and height.
+    /// Width and height, in pixels.
     pub fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
-    /// Width and height, as far as its first 4 billion bytes go: more are no image of today.
+    /// Width and height within the first 4 billion bytes; no current image is larger.
     #[inline]
     pub(super) fn sides(&self) -> [f32; 2] {
         let most = u32::MAX as usize / self.stride;
         [self.width, self.height.min(most)].map(|side| side as f32)
     }
 
-    /// The standard deviation that whole numbers alone make, mm.
+    /// Standard deviation from rounding to integers, mm.
     pub(super) fn rounding_mm(&self) -> f64 {
         match self.kind {
             DepthKind::Whole { unit_mm } => unit_mm / 12f64.sqrt(),

@@ -1,11 +1,11 @@
-//! A depth camera and the colour camera beside it.
+//! A depth camera and the color camera next to it.
 
 use crate::camera::Camera;
 use crate::lens::Lens;
 use crate::pose::Pose;
 use thiserror::Error;
 
-/// Why numbers make no pair of cameras.
+/// Why numbers do not describe a pair of cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DepthCameraError {
@@ -17,27 +17,30 @@ pub enum DepthCameraError {
     Range([f64; 2]),
 }
 
-/// A depth camera, the colour camera beside it, where they stand to each other, and how the first errs.
+/// A depth camera and the color camera next to it, their relative pose, and the depth camera's
+/// noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthCamera {
     pub(super) color: Camera,
     pub(super) depth: Camera,
-    /// From the colour camera's frame to the depth camera's.
+    /// Pose from the color camera's frame to the depth camera's.
     pose: Pose,
     pub(super) translation: [f64; 3],
-    /// The standard deviation of a depth z is this times z², 1/mm.
+    /// Standard deviation of a depth z, divided by z², 1/mm.
     pub(super) noise: f64,
     pub(super) range_mm: [f64; 2],
-    /// Whether the depth camera's lens does not distort.
+    /// True if the depth camera's lens does not distort.
     is_straight: bool,
 }
 
 impl DepthCamera {
-    /// `pose` takes points of the depth camera's frame to the colour camera's, as librealsense and ROS say it. The standard deviation of a depth is `noise_mm` at one metre, and goes with the square of the depth: of a stereo camera
-    /// whose disparities are off by s pixels it is z² s / (f B). Depths are looked for within `range_mm`.
+    /// Creates a pair of cameras. `pose` maps points of the depth camera's frame to the color
+    /// camera's, as in librealsense and ROS. The standard deviation of a depth is `noise_mm` at one
+    /// meter and grows with the square of the depth. For a stereo camera whose disparities are off
+    /// by s pixels, it is z² s / (f B). Depths are looked for within `range_mm`.
     ///
     /// # Errors
-    /// A number that cannot be one.
+    /// A value is invalid.
     pub fn new(
         color: Camera,
         depth: Camera,
@@ -63,23 +66,24 @@ impl DepthCamera {
         })
     }
 
-    /// Width and height of the colour camera's images, if its calibration says so.
+    /// Width and height of the color camera's images, if its calibration contains them.
     pub fn color_size(&self) -> Option<[u32; 2]> {
         self.color.size()
     }
 
-    /// The colour camera's focal length, px: of its two the mean.
+    /// The color camera's focal length, px: the geometric mean of its two.
     pub fn color_focal_px(&self) -> f64 {
         let [x, y] = self.color.focal_px();
         (x * y).sqrt()
     }
 
-    /// A direction of the colour camera's frame in the depth camera's.
+    /// Rotates a direction from the color camera's frame to the depth camera's.
     pub(super) fn turned(&self, way: [f64; 3]) -> [f64; 3] {
         self.pose.way(way)
     }
 
-    /// A point of the depth camera's frame in its image; `None` behind it, or where the lens's model ends.
+    /// Projects a point of the depth camera's frame to its image. `None` if the point is behind the
+    /// camera or beyond the lens model.
     pub(super) fn pixel(&self, point: [f64; 3]) -> Option<[f64; 2]> {
         if point[2] < 1.0 {
             return None;
@@ -97,7 +101,8 @@ impl DepthCamera {
         }
     }
 
-    /// Takes ideal pixels of the depth camera to those of its image; where the lens's model ends, far outside of it.
+    /// Distorts ideal pixels of the depth camera. Beyond the lens model, the result is far outside
+    /// of the image.
     #[inline]
     pub(super) fn distort(&self, columns: &mut [f32], rows: &mut [f32]) {
         if self.is_straight {
@@ -109,7 +114,7 @@ impl DepthCamera {
         }
     }
 
-    /// The standard deviation of a depth, mm.
+    /// Standard deviation of a depth, mm.
     pub(super) fn sigma_mm(&self, depth: f64) -> f64 {
         self.noise * depth * depth
     }

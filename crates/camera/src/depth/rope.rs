@@ -1,4 +1,4 @@
-//! A rope's points in space.
+//! Locates a rope's points in 3-D by a depth image.
 
 mod anchors;
 mod floats;
@@ -19,92 +19,93 @@ use reading::{SECTION_STEP, Sampling};
 use sections::Course;
 use thiserror::Error;
 
-/// A rope rises no more steeply than this against the ray's side, mm ahead for each aside.
+/// Maximum slope of a rope, in mm ahead per mm to the side of the ray.
 const STEEPEST: f64 = 4.0;
-/// What is read of a rope is in its middle but for so much of its half width; what is beyond that is because the rope lies aside by as
-/// many times that.
+/// The places that are read are centered on the rope to within this share of its half width. If
+/// they are farther off, the centerline may be off by `ASIDE` times the excess.
 const NOT_ASIDE: f64 = 0.15;
 const ASIDE: f64 = 2.0;
-/// As a share: how much thicker or thinner than mostly a rope is anywhere.
+/// Maximum relative difference between a rope's radius and its median.
 const UNEVEN: f64 = 0.1;
-/// A rope of which too little can be measured is too thin for it if fewer depth pixels than this lie across it.
+/// If too little of a rope is measured, it is reported as too thin below this width, in depth
+/// pixels.
 const THINNEST_PX: f64 = 3.0;
 
-/// Why a rope has no place in space.
+/// Why a rope could not be located in 3-D.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum NoDepth {
-    /// Points or widths are missing, or too few.
+    /// Points or widths are missing or too few.
     #[error("a rope in space needs 8 points or more, each with its width and whether it is hidden")]
     Points,
-    /// A point lies where the lens's model ends.
+    /// A point is beyond the lens model.
     #[error("a point of the rope lies where the colour camera's lens model is not one-to-one")]
     Lens,
-    /// Too little of it was measured.
+    /// Too few points were measured.
     #[error(
         "of the rope's {points} points {measured} have a depth, too few for the others: look whether the depth camera sees it, whether \
          its range fits, and whether its pose beside the colour camera is right"
     )]
     Unmeasured {
-        /// How many were measured.
+        /// Number of measured points.
         measured: usize,
-        /// Of how many.
+        /// Number of all points.
         points: usize,
     },
-    /// The depth image does not show it.
+    /// The depth image does not show the rope.
     #[error(
         "the depth image shows no rope where the colour image has one, only what it lies on: look whether it is of the same moment, \
          and whether the depth camera sees this rope at all (black and shiny ones it may not)"
     )]
     Flat,
-    /// It is too thin.
+    /// The rope is too thin.
     #[error(
         "the rope is {pixels} depth pixels wide, too thin to tell it from what is behind: go nearer"
     )]
     Thin {
-        /// Whole pixels.
+        /// Width in whole pixels.
         pixels: usize,
     },
 }
 
-/// What is known of a point on the way.
+/// Data of a point on the rope.
 #[derive(Debug, Clone, Copy, Default)]
 struct Axis {
-    /// The ray in the depth camera's frame.
+    /// Ray in the depth camera's frame.
     turned: [f64; 3],
-    /// The colour camera's depth of the axis.
+    /// Depth of the axis in the color camera's frame.
     depth: f64,
-    /// Half of the rope's width by its depth: times that it is the radius.
+    /// Half of the rope's width divided by its depth. Multiplied by a depth, it is the radius.
     slim: f64,
     variance: f64,
     is_measured: bool,
-    /// How far beside the middle of what the depth image shows of the rope it is, of the rope's half width.
+    /// Distance from the middle of the rope in the depth image, in half widths of the rope.
     beside: f64,
 }
 
-/// Finds ropes in depth images; keeps its room.
+/// Locates ropes in depth images, and reuses its buffers.
 #[derive(Debug, Clone)]
 pub struct RopeDepth {
     camera: DepthCamera,
     sights: Vec<Sight>,
     axes: Vec<Axis>,
     anchors: Vec<(usize, f64)>,
-    /// For the best chain through the anchors: how many are in it up to each, and the one before.
+    /// The best chain up to each anchor: its number of anchors, and the anchor before this one.
     chain: Vec<(usize, usize)>,
     row: Vec<f64>,
-    /// The points around which the depth image is read.
+    /// Points around which the depth image is read.
     sections: Vec<usize>,
     course: Course,
     pixels: Box<Pixels>,
     arch: Arch,
-    /// The depth camera's focal length, px: of its two the mean.
+    /// The depth camera's focal length, px: the geometric mean of its two.
     focal_px: f64,
     places: Vec<SpacePoint>,
-    /// The same before an end was cut off.
+    /// The points before an end was cut off.
     before: Vec<SpacePoint>,
 }
 
 impl RopeDepth {
-    /// For a pair of cameras.
+    /// Creates a finder for a pair of cameras.
     pub fn new(camera: DepthCamera) -> Self {
         let [x, y] = camera.depth.focal_px();
         Self {
@@ -124,10 +125,10 @@ impl RopeDepth {
         }
     }
 
-    /// Where the points of a rope are.
+    /// Locates the points of a rope.
     ///
     /// # Errors
-    /// They are nowhere, or too few of them are known.
+    /// The points cannot be located, or too few of them are measured.
     pub fn locate(
         &mut self,
         image: &DepthImage,
@@ -180,7 +181,7 @@ impl RopeDepth {
         }
     }
 
-    /// The rays of the points.
+    /// Computes the rays of the points.
     fn aim(&mut self, rope: &SeenRope) -> Result<(), NoDepth> {
         let aimed = sight::aim(&self.camera.color, rope, &mut self.row, &mut self.sights);
         aimed.ok_or(NoDepth::Lens)?;
@@ -194,18 +195,20 @@ impl RopeDepth {
         Ok(())
     }
 
-    /// What is at such a depth of the colour camera along a point's ray, in the depth camera's frame.
+    /// Returns the point at this depth of the color camera along a point's ray, in the depth
+    /// camera's frame.
     fn place(&self, axis: &Axis, depth: f64) -> [f64; 3] {
         let ([x, y, z], [right, down, ahead]) = (axis.turned, self.camera.translation);
         [depth * x + right, depth * y + down, depth * z + ahead]
     }
 
-    /// The colour camera's depth of what is so far ahead of the depth camera along a point's ray.
+    /// Converts a distance ahead of the depth camera, along a point's ray, to the color camera's
+    /// depth.
     fn depth(&self, axis: &Axis, ahead: f64) -> f64 {
         (ahead - self.camera.translation[2]) / axis.turned[2]
     }
 
-    /// Depths between the anchors.
+    /// Interpolates depths between the anchors.
     fn join(&mut self) {
         let mut begin = 0;
         let last = self.axes.len();
@@ -221,20 +224,21 @@ impl RopeDepth {
         }
     }
 
-    /// Takes the medians of five neighboring sections for their depths.
+    /// Replaces the depth of each section by the median of five neighboring sections.
     fn settle(&mut self) {
         self.row.clear();
         let depths = self.sections.iter().map(|&i| self.axes[i].depth);
         self.row.extend(depths);
         for (five, &i) in self.row.windows(5).zip(&self.sections[2..]) {
-            // Of the other four two are no more than the third of five, or two no less.
+            // The median is the third value, clamped to the middle two of the other four.
             let [a, b, c, d] = [five[0], five[1], five[3], five[4]];
             let (low, high) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
             self.axes[i].depth = five[2].max(low.min(high)).min(low.max(high));
         }
     }
 
-    /// Makes the rope as thick everywhere as it mostly is, or nearly so: a width in the picture may be that of two strands.
+    /// Limits the radius of the rope to near its median, because a width in the image may be that
+    /// of two strands.
     fn steady_radius(&mut self) {
         self.row.clear();
         let radii = self.sections.iter().map(|&i| &self.axes[i]);
@@ -248,7 +252,8 @@ impl RopeDepth {
         }
     }
 
-    /// Depths between two sections that are measured: on the cubic through four of them, or straight.
+    /// Interpolates depths between two measured sections: on the cubic through four sections, or
+    /// linearly.
     fn fill(&mut self, rope: &SeenRope) {
         let axes = &mut self.axes;
         for i in (1..axes.len() - 1).step_by(SECTION_STEP) {
@@ -270,7 +275,7 @@ impl RopeDepth {
         }
     }
 
-    /// Half of the rope's width in the depth image.
+    /// Half of the rope's width in the depth image, px.
     fn half_width_px(&self, axis: &Axis) -> f64 {
         let ahead = self.place(axis, axis.depth)[2];
         axis.slim * self.focal_px * axis.depth / ahead.max(1.0)

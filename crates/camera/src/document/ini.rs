@@ -1,15 +1,18 @@
-//! `ost.txt` and `ost.ini` of ROS's `camera_calibration`: sections in brackets, and below each name its numbers.
+//! Parses `ost.txt` and `ost.ini` of ROS's `camera_calibration`: sections in brackets, and below
+//! each name its numbers.
 
 use super::Node;
 use crate::calibration::{self, CalibrationError};
 
-/// Returns true if a text has the section that each such file begins with.
+/// Returns true if a text contains the section with which each such file begins.
 pub(super) fn is_ini(text: &str) -> bool {
     text.lines().any(|line| line.trim() == "[image]")
 }
 
+/// Parses a file.
+///
 /// # Errors
-/// A lens has four coefficients: these files do not name its model.
+/// The lens has four coefficients, although these files do not name its model.
 pub(super) fn read(text: &str) -> Result<Node, CalibrationError> {
     let mut file: Vec<(String, Node)> = Vec::new();
     for line in text.lines().map(str::trim) {

@@ -1,4 +1,5 @@
-//! OpenCV's XML: elements as maps, elements named `_` as lists, words between them as numbers.
+//! Parses OpenCV's XML: elements become maps, elements named `_` lists, and words between them
+//! numbers.
 
 use super::{DEEPEST, Node};
 use crate::calibration::CalibrationError;
@@ -31,7 +32,7 @@ fn node(document: &Document, element: Element, deeper: usize) -> Result<Node, Ca
     })
 }
 
-/// Several numbers are a list, anything else is a text.
+/// Several numbers are a list; anything else is a text.
 fn words(text: &str) -> Node {
     let scalar = |word: &str| Node::Scalar(word.to_owned());
     let text = text.trim();

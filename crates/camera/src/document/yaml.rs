@@ -1,17 +1,18 @@
-//! YAML as far as calibration files go: nested maps and lists of plain values, within bounds.
+//! Parses the subset of YAML in calibration files: nested maps and lists of scalars, within limits.
 //!
-//! OpenCV begins its files with `%YAML:1.0`, which no version of YAML has ever allowed; that line is passed over. Anchors and
-//! aliases, by which a short text can mean an endless one, are refused, and so is what is too large or nested too deeply.
+//! OpenCV starts its files with `%YAML:1.0`, which no version of YAML allows; that line is ignored.
+//! Anchors and aliases, with which a short text can expand without limit, are refused, as is
+//! anything too large or nested too deeply.
 
 use super::{DEEPEST, Node};
 use crate::calibration::CalibrationError;
 use saphyr_parser::{Event, Parser};
 use std::borrow::Cow;
 
-/// The first document of a text.
+/// Parses the first document of a text.
 pub(super) fn read(text: &str) -> Result<Node, CalibrationError> {
     let text = without_opencv_head(text);
-    // Maps and lists that are open, each with the key that waits for its value.
+    // Open maps and lists, each with the key that waits for its value.
     let mut open: Vec<(Node, Option<String>)> = Vec::new();
     for event in Parser::new_from_str(&text) {
         let (event, place) = event.map_err(|error| CalibrationError::Yaml(error.to_string()))?;
@@ -44,7 +45,7 @@ pub(super) fn read(text: &str) -> Result<Node, CalibrationError> {
             Some((Node::Map(entries), key)) => match (key.take(), done) {
                 (Some(key), value) => entries.push((key, value)),
                 (None, Node::Scalar(name)) => *key = Some(name),
-                // No key that is asked for is a map or a list.
+                // No key that is looked up is a map or a list.
                 (None, _) => *key = Some(String::new()),
             },
             Some((Node::Scalar(_), _)) => {}
@@ -53,7 +54,7 @@ pub(super) fn read(text: &str) -> Result<Node, CalibrationError> {
     Err(CalibrationError::Empty)
 }
 
-/// The text with OpenCV's first line made a comment, so that lines keep their numbers.
+/// Turns OpenCV's first line into a comment, so that line numbers stay the same.
 fn without_opencv_head(text: &str) -> Cow<'_, str> {
     match text.strip_prefix("%YAML:") {
         Some(rest) => Cow::Owned(format!("#{rest}")),

@@ -1,19 +1,20 @@
-//! Where a rope's axis ends, which is not where its outline does.
+//! Corrects the ends of a rope's axis, which differ from the ends of its outline.
 //!
-//! A rope is cut off square. Where it rises or falls towards its end, the cut is seen as an ellipse, and the outline, which a colour
-//! image shows, goes on beyond the axis by `r |cos ϑ|`, with ϑ the angle between the ray and the rope. The last points are
-//! set closer to each other, so that the last one is where the axis ends.
+//! A rope is cut off square. If it rises or falls toward its end, the cut is seen as an ellipse.
+//! The outline in a color image then continues beyond the axis by `r |cos ϑ|`, where ϑ is the angle
+//! between the ray and the rope. The last points are moved closer together, so that the last one is
+//! where the axis ends.
 
 use super::{SpacePoint, between, dot};
 
-/// The rope's direction at its end is that of the way from so many radii before, and no way back is longer than this.
+/// Distance over which the rope's direction at its end is measured, in radii.
 const BACK_RADII: f64 = 4.0;
-/// It is shortened by no more than this many radii: what rises more steeply hides itself.
+/// Maximum length that is cut off, in radii. A rope that rises more steeply hides its own end.
 const MOST_RADII: f64 = 3.0;
-/// Over how many times what is cut off the points are set closer.
+/// Points are moved over this many times the length that is cut off.
 const OVER: f64 = 3.0;
 
-/// Moves the ends that are seen to where the axis ends. `before` is room.
+/// Moves the visible ends to where the axis ends. `before` is working memory.
 pub(crate) fn cut_ends(places: &mut [SpacePoint], seen: [bool; 2], before: &mut Vec<SpacePoint>) {
     let last = places.len() - 1;
     if seen[0] {
@@ -24,7 +25,7 @@ pub(crate) fn cut_ends(places: &mut [SpacePoint], seen: [bool; 2], before: &mut 
     }
 }
 
-/// Cuts off what is too much at an end: `at` is the number of the `i`-th point from there.
+/// Shortens one end. `at(i)` is the number of the `i`-th point from that end.
 fn cut(places: &mut [SpacePoint], at: impl Fn(usize) -> usize, before: &mut Vec<SpacePoint>) {
     let radius = 0.5 * places[at(0)].width_mm;
     let end = places[at(0)].point;
@@ -38,7 +39,7 @@ fn cut(places: &mut [SpacePoint], at: impl Fn(usize) -> usize, before: &mut Vec<
     let sine = (1.0 - along * along).max(0.01).sqrt();
     let length = (radius * along.abs() / sine).min(MOST_RADII * radius);
     let reach = OVER * length;
-    // What is moved, and what it is moved along.
+    // The points that are moved, which are also the path along which they move.
     before.clear();
     let mut arc = 0.0;
     for i in 0..count {

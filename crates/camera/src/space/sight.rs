@@ -1,23 +1,23 @@
-//! The rays along which a rope's points lie.
+//! Rays through the points of a rope.
 
 use super::{SeenRope, dot};
 use crate::camera::Camera;
 
-/// A width is the mean over so many neighbors to each side.
+/// Number of neighbors on each side over which a width is averaged.
 const WIDTHS: usize = 4;
 
-/// How a camera sees a point of a rope.
+/// A camera's view of a point on a rope.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sight {
-    /// The ray in the camera's frame, a millimetre ahead for each of depth.
+    /// Ray in the camera's frame, scaled to a depth of 1.
     pub ray: [f64; 3],
-    /// Its derivative by the pixel.
+    /// Derivative of the ray by the pixel.
     pub by_pixel: [[f64; 2]; 2],
-    /// Half of the rope's width by its depth: times that it is the radius.
+    /// Half of the rope's width divided by its depth. Multiplied by a depth, it is the radius.
     pub slim: f64,
 }
 
-/// The rays of a rope's points; `None` where the lens's model ends. `row` is room.
+/// Computes the rays of a rope's points; `None` beyond the lens model. `row` is working memory.
 pub(crate) fn aim(
     camera: &Camera,
     rope: &SeenRope,
@@ -45,8 +45,9 @@ pub(crate) fn aim(
             f64::from(b[0]) - f64::from(a[0]),
             f64::from(b[1]) - f64::from(a[1]),
         ];
-        // Half of the width in the picture, as a way in the plane a millimetre ahead; of it that counts which leaves the plane
-        // of the ray and the rope. By the lengths of the two ways it is divided once.
+        // Half of the width in the image, as a vector in the plane at depth 1. Only its component
+        // normal to the plane of the ray and the rope counts. The product of both lengths saves a
+        // division.
         let half = 0.5 * f64::from(widths[i]);
         let [by_x, by_y] = sight.by_pixel;
         let aside_x = half * (by_x[1] * way[0] - by_x[0] * way[1]);
@@ -60,7 +61,8 @@ pub(crate) fn aim(
             false => 0.0,
         }
     }));
-    // Widths err by themselves; a rope's does not change from one point to the next.
+    // Widths have independent errors, but a rope's width does not change from one point to the
+    // next.
     let mut sum = row[..WIDTHS.min(count)].iter().sum::<f64>();
     for (i, sight) in sights.iter_mut().enumerate() {
         let next = row.get(i + WIDTHS).copied();

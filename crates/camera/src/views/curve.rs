@@ -1,21 +1,21 @@
-//! A rope's curve in a view.
+//! The curve of a rope in a view.
 
 use crate::camera::Camera;
 use crate::space::{SeenRope, Sight, length, sight};
 
-/// A rope's points in tangents, and the cubic through them.
+/// A rope's points as tangents, and the cubic through them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
     pub sights: Vec<Sight>,
     pub hidden: Vec<bool>,
     pub closed: bool,
     pub ends: [bool; 2],
-    /// From one point to the next, the mean.
+    /// Mean distance from one point to the next.
     pub step: f64,
     row: Vec<f64>,
 }
 
-/// A place of the curve, its derivative by the number of points, and whether something lies over it.
+/// A place on the curve, its derivative by the position in points, and whether something covers it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
     pub at: [f64; 2],
@@ -24,7 +24,8 @@ pub(super) struct Spot {
 }
 
 impl Curve {
-    /// Takes in a rope. It keeps no points where the rope has too few, or where some lie beyond the lens's model.
+    /// Stores a rope. Stores no points if the rope has too few, or if some are beyond the lens
+    /// model.
     pub(super) fn take(&mut self, camera: &Camera, rope: &SeenRope) {
         (self.closed, self.ends) = (rope.closed, rope.ends);
         self.hidden.clear();
@@ -35,7 +36,7 @@ impl Curve {
         self.step = mean_step(&self.sights);
     }
 
-    /// How far along it one may go, in points.
+    /// Largest position along the curve, in points.
     pub(super) fn last(&self) -> f64 {
         let count = self.sights.len();
         (if self.closed {
@@ -45,7 +46,7 @@ impl Curve {
         }) as f64
     }
 
-    /// A number of points along it, within its ends.
+    /// Limits a position to the curve, or wraps it if the curve is closed.
     pub(super) fn within(&self, u: f64) -> f64 {
         match self.closed {
             true => u - self.last() * (u / self.last()).floor(),
@@ -53,7 +54,7 @@ impl Curve {
         }
     }
 
-    /// From one number of points along it to another: of a closed curve the shorter way.
+    /// Difference between two positions, in points; on a closed curve, the shorter way.
     pub(super) fn between(&self, from: f64, to: f64) -> f64 {
         let (way, whole) = (to - from, self.last());
         match self.closed {
@@ -62,7 +63,7 @@ impl Curve {
         }
     }
 
-    /// What is so many points along it (Catmull and Rom's cubic).
+    /// Returns the place at a position along the curve (Catmull–Rom cubic).
     pub(super) fn spot(&self, u: f64) -> Spot {
         let u = self.within(u);
         let i = (u as usize).min((self.last() as usize).saturating_sub(1));
@@ -90,7 +91,7 @@ impl Curve {
         }
     }
 
-    /// A point of it; beyond its ends it goes straight on.
+    /// A point of the curve, which continues straight beyond its ends.
     fn point(&self, i: isize) -> [f64; 2] {
         let count = self.sights.len() as isize;
         let at = |i: isize| {
@@ -109,7 +110,7 @@ impl Curve {
         }
     }
 
-    /// Where along it the place is that is nearest to this one, from a place near to that.
+    /// Finds the position on the curve nearest to a place, starting from a position near it.
     pub(super) fn nearest(&self, to: [f64; 2], mut u: f64) -> f64 {
         for _ in 0..3 {
             let Spot { at, way, .. } = self.spot(u);
@@ -124,7 +125,7 @@ impl Curve {
     }
 }
 
-/// From one point to the next, in tangents.
+/// Mean distance from one point to the next, in tangents.
 pub(super) fn mean_step(sights: &[Sight]) -> f64 {
     let steps = sights.windows(2).map(|pair| {
         let [a, b] = [pair[0].ray, pair[1].ray];

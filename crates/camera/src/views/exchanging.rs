@@ -1,38 +1,43 @@
-//! Strands that a view takes for each other where they touch: the other view tells which goes on as which.
+//! Corrects strands that a view confuses where they touch. The other view shows which strand
+//! continues as which.
 //!
-//! Where strands lie along each other in one view, it may have them cross once too often there, or once too few. The rope is then another one
-//! behind that contact, up to where it comes back to it: that part is passed the other way round. Or, where strands touch twice, as a twist does, each
-//! is on the other's place between. Such a curve goes less well with that of the other view; so it is tried whether they go together better with
-//! its parts turned at one or two of its contacts.
+//! If strands run along each other in one view, the view may see one crossing too many or too few.
+//! Beyond such a contact the rope is then traced wrongly until it returns there: that part is
+//! traversed in the opposite direction. If strands touch twice, as in a twist, each may instead be
+//! in the other's place between the contacts. Such a curve matches the other view less well.
+//! Reversing its parts at one or two contacts is therefore tried, to see if the match improves.
 
 use super::curve::Curve;
 use super::matching::{Matching, ROWS};
 use super::pair::ViewPair;
 
-/// Parts are turned if the pair's chain lacks no more than this share of what it lacked, and by this less, of 1 that a chain has at most. Of 72 drawn
-/// ropes it is 0.2 at most where that is right, and 0.65 at least elsewhere.
+/// Parts are reversed if that reduces the score's deficit from 1, its maximum, to at most this
+/// share, and raises the score by at least `BETTER`. For 72 drawn ropes, the share is at most 0.2
+/// where that is right, and at least 0.65 elsewhere.
 const LACKING: f64 = 0.4;
 const BETTER: f64 = 0.01;
-/// Strands touch where their axes are nearer to each other than so many of the mean of their widths, if along the rope there are so many between.
+/// Strands touch if their axes are closer than this, in mean widths, and if at least `LEAST_LOOP`
+/// widths of rope are between them.
 const NEAR: f64 = 1.5;
 const LEAST_LOOP: f64 = 3.0;
-/// Contacts of a curve, at most.
+/// Maximum number of contacts of a curve.
 const MOST_CONTACTS: usize = 6;
 
-/// A curve's two places at a contact: after which of its points.
+/// The two places of a curve at a contact: the numbers of the points before them.
 type Contact = [usize; 2];
 
-/// Room.
+/// Working memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Exchanging {
-    /// Of each point how far the nearest other strand is, in widths and squared, and where.
+    /// For each point, the squared distance to the nearest other strand, in widths, and its point.
     near: Vec<(f64, usize)>,
     contacts: Vec<Contact>,
 }
 
 impl Exchanging {
-    /// Turns parts of a pair's curves, if that makes them go together far better. Says whether the second one's points come in the opposite
-    /// order then, and takes what it does off the steps that are `left`.
+    /// Reverses parts of a pair's curves if they then match far better. Returns whether the second
+    /// curve's points are then in the opposite order. Subtracts its work from the steps that are
+    /// `left`.
     pub(super) fn exchange(
         &mut self,
         cameras: &ViewPair,
@@ -41,7 +46,7 @@ impl Exchanging {
         (matching, left): (&mut Matching, &mut usize),
     ) -> bool {
         let [first, second] = curves;
-        // No chain is better than 1.
+        // No score exceeds 1.
         if score + BETTER >= 1.0 {
             return is_backward;
         }
@@ -72,7 +77,7 @@ impl Exchanging {
         best.1
     }
 
-    /// Finds where a curve touches itself: where its strands are nearest to each other.
+    /// Finds where a curve touches itself: where the distance between its strands has a minimum.
     fn find_contacts(&mut self, curve: &Curve) {
         self.near.clear();
         self.contacts.clear();
@@ -104,16 +109,16 @@ impl Exchanging {
     }
 }
 
-/// How a pair goes together.
+/// Result of matching a pair.
 enum Judged {
-    /// By this score, and whether the second one's points come in the opposite order.
+    /// A better score, and whether the second curve's points are in the opposite order.
     Better(f64, bool),
     NoBetter,
-    /// Too few steps are left to say so.
+    /// Too few steps are left to find out.
     TooMuch,
 }
 
-/// Whether a pair goes together better than by this score.
+/// Matches a pair, and compares its score with this one.
 fn judge(
     cameras: &ViewPair,
     curves: [&Curve; 2],
@@ -136,7 +141,7 @@ fn judge(
     }
 }
 
-/// Turns a curve's parts between the two places of each of these.
+/// Reverses a curve's parts between the two places of each contact.
 fn turn(curve: &mut Curve, contacts: [Option<Contact>; 2]) {
     for [from, to] in contacts.into_iter().flatten() {
         curve.sights[from + 1..=to].reverse();
@@ -144,7 +149,7 @@ fn turn(curve: &mut Curve, contacts: [Option<Contact>; 2]) {
     }
 }
 
-/// Where a contact is once a curve was turned at another.
+/// Returns where a contact is after the curve was reversed at another.
 fn after([from, to]: Contact, other: Contact) -> Contact {
     let mut moved = other.map(|at| match (from..=to).contains(&at) {
         true => from + to - at,

@@ -1,4 +1,4 @@
-//! What a second colour camera's file says.
+//! Reads the calibration file of a second color camera.
 
 use super::ViewPair;
 use crate::calibration::{self, CalibrationError};
@@ -7,7 +7,7 @@ use crate::depth::read_range;
 use crate::document;
 use crate::pose::{LEAST_MM, Pose};
 
-/// A second colour camera beside the first.
+/// A second color camera next to the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SecondCalibration {
@@ -16,11 +16,12 @@ pub struct SecondCalibration {
 }
 
 impl SecondCalibration {
-    /// The second camera of a file, beside this first one: its own calibration by the same names, `rotation` and `translation_mm` to
-    /// the first camera's frame, and `range_mm` ([150, 4000]).
+    /// Reads the second camera of a file, which is next to this first one. The file contains its
+    /// own calibration under the usual names, `rotation` and `translation_mm` to the first camera's
+    /// frame, and `range_mm` ([150, 4000]).
     ///
     /// # Errors
-    /// It says what cannot be, or not enough; each with the key and what to do.
+    /// A value is invalid or missing. The error names the key and says what to do.
     pub fn from_yaml(text: &str, first: Camera) -> Result<Self, CalibrationError> {
         let file = document::read(text)?;
         let second = calibration::camera(&file)?;

@@ -1,59 +1,61 @@
-//! Which place of the second view's curve belongs to a point of the first one's: the best chain through all that may.
+//! Matches points of the first view's curve with places on the second's: finds the best chain
+//! through all candidates.
 
 use super::curve::Curve;
 use super::pair::ViewPair;
 use crate::space::length;
 
-/// So many points of a rope are looked at to find out how well it goes with another.
+/// Number of points of a rope that are used to see how well it matches another.
 pub(super) const ROWS: usize = 30;
-/// A place on the other curve may be so many pixels off it, and so far along it where it meets the epipolar line flatly, of which no
-/// less than this sine is reckoned with.
+/// Error of a place across the other curve, px. Along the epipolar line, it is divided by the sine
+/// of their angle, which is limited to `FLATTEST`.
 const OFF_PX: f64 = 1.5;
 const FLATTEST: f64 = 0.05;
 /// A chain does not end where that sine is less than this.
 const FLAT: f64 = 0.2;
-/// Places of one point, at most.
+/// Maximum number of places for one point.
 const MOST_PLACES: usize = 12;
-/// A rope rises no more steeply than this, mm ahead for each aside; what a rise of 1 costs, in points.
+/// Maximum slope of a rope, in mm ahead per mm to the side; and cost of a slope of 1, in points.
 pub(super) const STEEPEST: f64 = 4.0;
 const RUGGED: f64 = 0.05;
-/// What both views see of a rope's length may differ by this share more than by what it rises, as ropes are not seen squarely.
+/// The lengths of rope that the views see may differ by this share, in addition to its rise,
+/// because ropes are seen at an angle.
 const UNLIKE: f64 = 0.3;
-/// A rope is in one view no more than this times as wide, by its depth, as in the other.
+/// Maximum ratio of a rope's angular widths in the two views.
 const WIDER: f64 = 2.0;
 
-/// A point of the first view's curve, and where it may be on the second's.
+/// A point of the first view's curve, and a possible place on the second's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Match {
-    /// Which point.
+    /// Number of the point.
     pub point: usize,
-    /// How many points along the second curve.
+    /// Position along the second curve, in points.
     pub u: f64,
-    /// How far ahead of the first camera, mm.
+    /// Distance ahead of the first camera, mm.
     pub depth: f64,
-    /// How far aside of that it may be, mm.
+    /// Lateral tolerance there, mm.
     slack: f64,
-    /// Whether the epipolar line meets the curve flatly there.
+    /// True if the epipolar line meets the curve at a small angle.
     is_flat: bool,
 }
 
-/// The chain that is best, and room.
+/// The best chain, and working memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Matching {
     places: Vec<Match>,
-    /// Of each place the score of the best chain that ends there, and the place before it.
+    /// For each place, the score of the best chain that ends there, and the place before it.
     chains: Vec<(f64, Option<usize>)>,
-    /// How far the second curve's points are from an epipolar line.
+    /// Distances of the second curve's points from an epipolar line.
     beside: Vec<f64>,
     /// The best chain.
     pub best: Vec<Match>,
-    /// How many points were looked at, and how many of them have a place.
+    /// Number of points considered, and the number of them that have a place.
     rows: usize,
     met: usize,
 }
 
 impl Matching {
-    /// Finds where points of the first curve, one of `every`, may be on the second.
+    /// Finds possible places on the second curve for every `every`-th point of the first.
     pub(super) fn look(&mut self, cameras: &ViewPair, [first, second]: [&Curve; 2], every: usize) {
         self.places.clear();
         (self.rows, self.met) = (0, 0);
@@ -103,18 +105,19 @@ impl Matching {
         }
     }
 
-    /// What the score of a chain is at most.
+    /// Upper limit of a chain's score.
     pub(super) fn most(&self) -> f64 {
         self.met as f64 / self.rows.max(1) as f64
     }
 
-    /// How many steps from one place to another a chain takes to be found, at most.
+    /// Maximum number of steps, from one place to another, in the search for a chain.
     pub(super) fn steps(&self) -> usize {
         self.places.len() * self.places.len() / 2
     }
 
-    /// The best chain forward along the second curve, or backward; its score is the share of the points that are in it, less what is
-    /// rugged, and what one view sees of the rope's ends and the other does not.
+    /// Finds the best chain forward along the second curve, or backward. Its score is the share of
+    /// points in it, minus penalties for ruggedness and for parts at the rope's ends that only one
+    /// view sees.
     pub(super) fn chain(
         &mut self,
         cameras: &ViewPair,
@@ -152,7 +155,8 @@ impl Matching {
             at = self.chains[place].1;
         }
         self.best.reverse();
-        // Where the other curve ends on its way along the epipolar lines, points beyond that seem to be on it.
+        // If the other curve ends while running along the epipolar lines, points beyond its end
+        // seem to be on it.
         let is_steep = |place: &Match| !place.is_flat;
         let last = self.best.iter().rposition(is_steep).map_or(0, |at| at + 1);
         let first = self.best.iter().position(is_steep).unwrap_or(0);
@@ -163,8 +167,8 @@ impl Matching {
         score / self.rows as f64
     }
 
-    /// How many points the views differ by in what they see beyond a place: before a first one, or after a last. Of ropes whose end is
-    /// not seen in both, none.
+    /// Difference between what the views see beyond a place, in points: before a first one, or
+    /// after a last. 0 if one of the views does not see the end.
     fn missing(
         &self,
         [first, second]: [&Curve; 2],
@@ -185,7 +189,8 @@ impl Matching {
     }
 }
 
-/// Whether the rope can go on from one place to another, and how rugged it is then.
+/// Returns the cost of ruggedness between two places; `None` if the rope cannot continue from one
+/// to the other.
 fn follows(
     cameras: &ViewPair,
     [first, second]: [&Curve; 2],

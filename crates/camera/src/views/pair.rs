@@ -1,18 +1,18 @@
-//! Two colour cameras.
+//! A pair of color cameras.
 
 use crate::camera::Camera;
 use crate::pose::Pose;
 use crate::space::dot;
 use thiserror::Error;
 
-/// Cameras that are nearer to each other see the same, mm.
+/// Minimum distance between the cameras, mm. Closer cameras see the same.
 const LEAST_BASELINE_MM: f64 = 1.0;
 
-/// Why numbers make no pair of cameras.
+/// Why numbers do not describe a pair of cameras.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ViewPairError {
-    /// They stand at one place.
+    /// The cameras are at the same place.
     #[error(
         "the two cameras stand {0} mm apart, and it takes 1 mm or more: translation_mm says where the second one stands"
     )]
@@ -22,24 +22,25 @@ pub enum ViewPairError {
     Range([f64; 2]),
 }
 
-/// Two colour cameras, and where they stand to each other.
+/// Two color cameras, and their relative pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewPair {
     pub(super) first: Camera,
     pub(super) second: Camera,
-    /// From the first camera's frame to the second's.
+    /// Pose from the first camera's frame to the second's.
     pose: Pose,
-    /// How far they are apart, mm.
+    /// Distance between the cameras, mm.
     pub(super) baseline_mm: f64,
     pub(super) range_mm: [f64; 2],
 }
 
-/// A point of the first view in the second: what is at depth `1 / w` along its ray is seen at `(way + w shift) / its third`.
+/// Epipolar geometry of a point in the first view. At depth `1 / w` along its ray, it is seen in
+/// the second view at `way + w shift`, divided by the third coordinate of that.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Epipolar {
     /// The ray in the second camera's frame.
     pub way: [f64; 3],
-    /// The first camera's place there.
+    /// The first camera's position in that frame.
     pub shift: [f64; 3],
 }
 
@@ -48,15 +49,16 @@ pub(super) struct Epipolar {
 pub(super) struct Projection {
     pub at: [f64; 2],
     pub by_inverse: [f64; 2],
-    /// How far ahead of the second camera it is for each millimetre ahead of the first.
+    /// Distance ahead of the second camera per millimeter ahead of the first.
     pub ahead: f64,
 }
 
 impl ViewPair {
-    /// `pose` takes points of the second camera's frame to the first's. Ropes are looked for within `range_mm` of the first camera.
+    /// Creates a pair of cameras. `pose` maps points of the second camera's frame to the first's.
+    /// Ropes are looked for within `range_mm` of the first camera.
     ///
     /// # Errors
-    /// A number that cannot be one.
+    /// A value is invalid.
     pub fn new(
         first: Camera,
         second: Camera,
@@ -81,22 +83,22 @@ impl ViewPair {
         })
     }
 
-    /// Width and height of each camera's images, if its calibration says so.
+    /// Width and height of each camera's images, if its calibration contains them.
     pub fn sizes(&self) -> [Option<[u32; 2]>; 2] {
         [self.first.size(), self.second.size()]
     }
 
-    /// The first camera's focal length, px: of its two the mean.
+    /// The first camera's focal length, px: the geometric mean of its two.
     pub fn focal_px(&self) -> f64 {
         mean_focal(&self.first)
     }
 
-    /// The second camera's, likewise.
+    /// The second camera's focal length, px: the geometric mean of its two.
     pub(super) fn second_focal_px(&self) -> f64 {
         mean_focal(&self.second)
     }
 
-    /// A direction of the first camera's frame in the second's.
+    /// Rotates a direction from the first camera's frame to the second's.
     pub(super) fn turned(&self, way: [f64; 3]) -> [f64; 3] {
         self.pose.way(way)
     }
@@ -110,7 +112,8 @@ impl ViewPair {
 }
 
 impl Epipolar {
-    /// Where what is at this inverse depth is seen, in tangents; `None` behind the second camera.
+    /// Returns where the point at this inverse depth is seen, in tangents; `None` behind the second
+    /// camera.
     pub(super) fn at(&self, inverse: f64) -> Option<Projection> {
         let [x, y, ahead] = [0, 1, 2].map(|k| self.way[k] + inverse * self.shift[k]);
         (ahead > 1e-3).then(|| {
@@ -123,14 +126,15 @@ impl Epipolar {
         })
     }
 
-    /// The line on which it is seen at any depth, as `a x + b y + c = 0` with `a² + b² = 1`; `None` if that is a point.
+    /// The line on which the point is seen at any depth, as `a x + b y + c = 0` with `a² + b² = 1`.
+    /// `None` if it is a single point.
     pub(super) fn line(&self) -> Option<[f64; 3]> {
         let line = crate::space::cross(self.shift, self.way);
         let size = crate::space::length(line[0], line[1]);
         (size > 1e-9).then(|| line.map(|c| c / size))
     }
 
-    /// The inverse depth of what is seen at a place of that line, or nearest to it.
+    /// Inverse depth of the point that is seen at a place on that line, or nearest to it.
     pub(super) fn inverse(&self, at: [f64; 2]) -> f64 {
         let to = [0, 1].map(|k| self.shift[k] - at[k] * self.shift[2]);
         let from = [0, 1].map(|k| at[k] * self.way[2] - self.way[k]);

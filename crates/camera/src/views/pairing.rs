@@ -1,44 +1,48 @@
-//! Which rope of the second view each of the first is: the pair whose chain is the best first, and neither of the two again.
+//! Pairs the ropes of two views: the pair with the best chain first, and neither of its ropes
+//! again.
 //!
-//! No chain has more points than have a place on the other curve, which is soon known of every pair. So the pair of which most is hoped is
-//! looked at first, and one whose chain is better than whatever else is hoped needs no other to be known. Where ropes cross so often that this is
-//! still more work than a frame's time allows, those that are left have no partner, rather than perhaps a wrong one.
+//! A chain has at most as many points as have a place on the other curve. This limit is quickly
+//! known for every pair. The pair with the highest limit is examined first. If its chain is better
+//! than the limits of all others, no other pair has to be examined. If ropes cross so often that
+//! this still takes more than a frame's time, the remaining ropes get no partner. Otherwise they
+//! might get a wrong one.
 
 use super::curve::Curve;
 use super::matching::{Matching, ROWS};
 use super::pair::ViewPair;
 use super::ropes::NoSecondView;
 
-/// Ropes are the same if so much of one, as a share, is on the other.
+/// Minimum share of a rope that must be on another for the two to be the same.
 const LEAST_SCORE: f64 = 0.3;
-/// Steps of a frame's chains, each from one place to another: a rope of 30 places on each of 24 others asks for half a million in all.
+/// Maximum number of steps of a frame's chains, each from one place to another. With 24 ropes in
+/// each view and 30 places per pair, it takes half a million.
 const MOST_STEPS: usize = 2_000_000;
 
 /// A rope's partner in the second view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Partner {
-    /// Which of its ropes.
+    /// Number of the rope in the second view.
     pub rope: usize,
-    /// Whether its points come in the opposite order.
+    /// True if its points are in the opposite order.
     pub is_backward: bool,
 }
 
-/// A rope of each view that may be the same.
+/// A pair of ropes that may be the same.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     first: usize,
     partner: Partner,
-    /// Of its better chain; what is hoped of that at most while it is not looked at.
+    /// Score of its better chain, or the upper limit of that until it is examined.
     score: f64,
     is_looked_at: bool,
 }
 
-/// The partners, and room.
+/// The partners, and working memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pairing {
     candidates: Vec<Candidate>,
     partners: Vec<Result<Partner, NoSecondView>>,
-    /// How well each rope goes with its partner.
+    /// How well each rope matches its partner.
     scores: Vec<f64>,
 }
 
@@ -47,12 +51,12 @@ impl Pairing {
         self.partners.clear();
     }
 
-    /// Of each rope of the first view its partner, or why it has none.
+    /// Returns the result for each rope in the first view: its partner, or an error.
     pub(super) fn partners(&self) -> &[Result<Partner, NoSecondView>] {
         &self.partners
     }
 
-    /// The same, to be turned, and how well each rope goes with its partner.
+    /// Returns the partners for changes, and how well each rope matches its partner.
     pub(super) fn partners_mut(
         &mut self,
     ) -> impl Iterator<Item = (&mut Result<Partner, NoSecondView>, f64)> {
@@ -126,7 +130,7 @@ impl Pairing {
         }
     }
 
-    /// The pair that is the best, or may be.
+    /// The pair with the highest score or limit.
     fn best(&mut self) -> Option<&mut Candidate> {
         let hope = |a: &Candidate| (a.score, !a.is_looked_at);
         self.candidates.iter_mut().max_by(|a, b| {

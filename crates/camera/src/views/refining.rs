@@ -1,4 +1,4 @@
-//! From a chain of matches to the depth of every point, as a spline along the rope.
+//! Computes the depth of every point from a chain of matches, as a spline along the rope.
 
 use super::curve::Curve;
 use super::matching::{Match, STEEPEST};
@@ -6,60 +6,65 @@ use super::pair::{Epipolar, ViewPair};
 use super::smooth::{Knot, Smooth};
 use crate::space::{SpacePoint, length};
 
-/// Points of a closed rope that are looked at twice, before its first and after its last.
+/// Number of points of a closed rope that are repeated before its first and after its last.
 const LAP: usize = 16;
-/// Steps of Gauss and Newton; at which of them it is asked how much the rope bends, and from which on what is far off counts less.
+/// Number of Gauss–Newton steps; the steps at which the bending is estimated; and the first step at
+/// which outliers have less weight.
 const STEPS: usize = 4;
 const ASKED_AT: [usize; 2] = [1, 3];
 const ROBUST_FROM: usize = 2;
-/// How far a point's depth is from between its neighbors', mm, is one of these, at steps of 5 mm. It goes with the power of 3/2 of the step.
+/// Candidates for the bending: the difference between a point's depth and the middle of its
+/// neighbors', mm, for steps of `BENDS_AT_MM`. It grows with the step to the power of 3/2.
 const BENDS_MM: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 const BENDS_AT_MM: f64 = 5.0;
-/// Distances of the curves are no surer than this, px; what is farther than so many times that counts less, and what is farther than so
-/// many pixels not at all.
+/// Minimum standard deviation of the curves' distances, px. Distances above `ROBUST` standard
+/// deviations have less weight, and those above `FARTHEST_PX` are ignored.
 const LEAST_SIGMA_PX: f64 = 0.05;
 const ROBUST: f64 = 2.0;
 const FARTHEST_PX: f64 = 6.0;
-/// What is farther than so many pixels beyond the other curve's end is not on it.
+/// A point more than this many pixels beyond the other curve's end is not on it.
 const BEYOND_PX: f64 = 1.5;
-/// Where the chain of matches has ended, a point is on the other curve if that goes on by at least this share of what it should, but for
-/// so many points.
+/// Test for points beyond the end of the chain of matches. They are on the other curve if they
+/// advance there by this share of the expected distance, minus `LAG` points.
 const GOES_ON: f64 = 0.4;
 const LAG: f64 = 0.25;
-/// What is hidden counts so much, as a share; and an end's place along the epipolar line is as sure as this, px.
+/// Weight of hidden points; and standard deviation of an end's place along the epipolar line, px.
 const HIDDEN: f64 = 0.1;
 const END_PX: f64 = 1.5;
-/// Where it was not measured, depth may be so far off, mm for each mm from where it was, as a rope bends more here than there; four
-/// times that where it goes on from one side only.
+/// Error of depth that was not measured, in mm per mm from a measured point, because the bending of
+/// a rope varies. It is four times as large if there is a measured point on one side only.
 const ASTRAY: f64 = 0.12;
-/// A centerline is as a whole beside its rope's axis, as light falls on one side of it, by about this share of its width: by half of what drawn
-/// ropes of 3 to 15 px have their depths off, in pixels.
+/// Offset of a whole centerline from its rope's axis, as a share of the rope's width, due to light
+/// from one side. For drawn ropes of 3 to 15 px, it is half of the error of their depths, in
+/// pixels.
 const BESIDE: f64 = 0.004;
-/// A point is measured if its epipolar line meets the other curve at no less than this sine.
+/// Minimum sine of the angle between the epipolar line and the other curve at a measured point.
 const FLATTEST: f64 = 0.2;
 
-/// What is known of a point.
+/// Data of a point on the rope.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
-    /// Which of the first curve's points.
+    /// Number of the point on the first curve.
     point: usize,
     epipolar: Epipolar,
-    /// Its inverse depth, and where it is on the other curve.
+    /// Its inverse depth, and its position on the other curve.
     inverse: f64,
     u: f64,
-    /// Beyond the chain of matches: where that ends on the other curve, and how much farther this should be.
+    /// For a point beyond the chain of matches: where the chain ends on the other curve, and how
+    /// much farther this point should be.
     beyond: Option<(f64, f64)>,
-    /// What a unit of inverse depth adds to its distance from that, px, and a pixel of the first view.
+    /// Change of its distance from the other curve, px, per unit of inverse depth, and per pixel of
+    /// the first view.
     slope: f64,
     by_pixel: [f64; 2],
-    /// How many pixels' shift of the curves as a whole move its inverse depth by a unit.
+    /// Shift of the whole curves, px, that changes its inverse depth by one unit.
     shift_px: f64,
     is_measured: bool,
     is_steep: bool,
 }
 
 impl Axis {
-    /// Whether it has not gone on from the chain's end as it should have.
+    /// Returns whether it has not advanced from the chain's end as far as it should.
     fn lags(&self, u: f64, second: &Curve) -> bool {
         self.beyond.is_some_and(|(end, more)| {
             let gone = second.between(end, u);
@@ -68,20 +73,20 @@ impl Axis {
     }
 }
 
-/// Room for one rope.
+/// Working memory for one rope.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Refining {
     axes: Vec<Axis>,
     knots: Vec<Knot>,
     smooth: Smooth,
-    /// Of the point's place between its neighbors, by the distances' variance.
+    /// Variance of the distances divided by that of the bends.
     stiffness: f64,
-    /// The variance of the distances, px².
+    /// Variance of the distances, px².
     variance: f64,
 }
 
 impl Refining {
-    /// Finds the depths; `None` if too little says something of them.
+    /// Computes the depths; `None` if the data do not suffice.
     pub(super) fn refine(
         &mut self,
         cameras: &ViewPair,
@@ -108,7 +113,8 @@ impl Refining {
         Some(())
     }
 
-    /// Finds where the rope would rise more steeply than one does: there it was matched with what it is not.
+    /// Marks where the rope would rise too steeply, because it was matched with something else
+    /// there.
     fn find_steep(&mut self, step: f64) {
         for i in 1..self.axes.len() {
             let [a, b] = [i - 1, i].map(|k| 1.0 / self.axes[k].inverse);
@@ -119,7 +125,7 @@ impl Refining {
         }
     }
 
-    /// Depths and places between the chain's.
+    /// Interpolates depths and positions between those of the chain.
     fn begin(
         &mut self,
         cameras: &ViewPair,
@@ -134,7 +140,7 @@ impl Refining {
         self.axes.clear();
         let mut k = 0;
         for i in 0..count + 2 * lap {
-            // Of a closed rope what is before its first point is near its last.
+            // On a closed rope, the point before the first is near the last.
             let point = (i + count - lap) % count;
             let at = point as f64;
             if i == lap {
@@ -168,7 +174,8 @@ impl Refining {
         }
     }
 
-    /// How far the points are from the other curve, across it, and what their depths have to do with that.
+    /// Measures the distances of the points from the other curve, across it, and how their depths
+    /// change these.
     fn measure(&mut self, cameras: &ViewPair, [first, second]: [&Curve; 2], is_robust: bool) {
         let focal = cameras.second_focal_px();
         let robust = ROBUST * self.variance.sqrt();
@@ -186,7 +193,7 @@ impl Refining {
             let beside = [0, 1].map(|k| focal * (seen.at[k] - spot.at[k]));
             let off = beside[0] * across[0] + beside[1] * across[1];
             let along = beside[0] * across[1] - beside[1] * across[0];
-            // Beyond the end of the other curve, or on the way there, nothing is measured.
+            // Nothing is measured beyond the end of the other curve, or on the way there.
             let is_there = off.abs() < FARTHEST_PX && along.abs() < BEYOND_PX;
             if !is_there || axis.is_steep || axis.lags(axis.u, second) {
                 continue;
@@ -218,7 +225,7 @@ impl Refining {
         }
     }
 
-    /// Both views see a rope's end at the same place of it.
+    /// Ties the ends together: both views see an end at the same place on the rope.
     fn hold_ends(&mut self, cameras: &ViewPair, [first, second]: [&Curve; 2], is_backward: bool) {
         let focal = cameras.second_focal_px();
         let info = self.variance / (END_PX * END_PX);
@@ -240,7 +247,8 @@ impl Refining {
         }
     }
 
-    /// Asks the measured points how much the rope bends, and how far they err: both are as is likeliest.
+    /// Estimates the bending of the rope and the errors of the measured points by maximum
+    /// likelihood.
     fn ask(&mut self, first: &Curve) -> Option<()> {
         let measured = self.knots.iter().filter(|knot| knot.info > 0.0).count();
         if measured < 3 {
@@ -261,7 +269,7 @@ impl Refining {
         Some(())
     }
 
-    /// What may be asked, from the most that a rope bends to the least.
+    /// Candidates for the stiffness, from the most bending to the least.
     fn stiffnesses(&self, first: &Curve) -> impl Iterator<Item = f64> + use<> {
         let sum: f64 = self.axes.iter().map(|axis| axis.inverse).sum();
         let inverse = sum / self.axes.len() as f64;
@@ -273,7 +281,7 @@ impl Refining {
         })
     }
 
-    /// Writes the points in space.
+    /// Writes the points in 3-D.
     pub(super) fn write(&self, cameras: &ViewPair, first: &Curve, places: &mut Vec<SpacePoint>) {
         let focal = cameras.focal_px();
         let count = first.sights.len();
@@ -286,7 +294,8 @@ impl Refining {
             let sight = &first.sights[axis.point];
             let depth = 1.0 / inverse;
             let square = depth * depth;
-            // How much its own distance has to do with its depth; half of that is the first view's, by the pixel.
+            // Share of its depth that comes from its own distance. The first view's pixel accounts
+            // for half of that.
             let own = (knot.info * inverse_information).min(1.0);
             let rest = 1.0 - 0.5 * own;
             let by_pixel = axis.by_pixel.map(|by| match axis.slope == 0.0 {
@@ -309,7 +318,7 @@ impl Refining {
                 in_common: (1.0 - own) / rest,
                 is_measured: axis.is_measured,
                 doubt_px,
-                // Both curves may be.
+                // Both curves may be off.
                 doubt_mm: std::f64::consts::SQRT_2 * doubt_px * square / axis.shift_px,
                 width_mm: 2.0 * sight.slim * depth,
             });
@@ -318,7 +327,8 @@ impl Refining {
     }
 }
 
-/// Raises the variances of what was not measured, by how far away that was. Of a closed rope it was on both sides.
+/// Raises the variances of points that were not measured, by their distance from measured ones. On
+/// a closed rope, these are on both sides.
 fn doubt_bridges(first: &Curve, places: &mut [SpacePoint]) {
     let count = places.len();
     let measured = |i: &usize| places[*i].is_measured;

@@ -1,4 +1,4 @@
-//! Ropes in two views: which is which, and where their points are.
+//! Pairs the ropes of two views, and locates their points.
 
 use super::curve::Curve;
 use super::exchanging::Exchanging;
@@ -9,49 +9,50 @@ use super::refining::Refining;
 use crate::space::{SeenRope, SpacePoint, cut_ends};
 use thiserror::Error;
 
-/// To find the places of a rope's points one of so many is looked at, or fewer where that takes more steps from one place to another.
+/// One of this many points of a rope is matched, or fewer if that takes more than `MOST_STEPS`
+/// steps from one place to another.
 const EVERY: usize = 3;
 const MOST_STEPS: usize = 100_000;
-/// A frame's steps to find out where strands were taken for each other.
+/// Maximum number of steps per frame in the search for confused strands.
 const MOST_TO_EXCHANGE: usize = 1_000_000;
-/// Ropes are known if so much of them, as a share, is not along the epipolar lines.
+/// Minimum share of a rope that must not run along the epipolar lines.
 const LEAST_MEASURED: f64 = 0.2;
 
-/// Why a rope has no place in space.
+/// Why a rope could not be located in 3-D.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum NoSecondView {
-    /// Points or widths are missing, or too few, or beyond the lens's model.
+    /// Points or widths are missing, too few, or beyond the lens model.
     #[error(
         "a rope in space needs 8 points or more, each with its width, whether it is hidden, and where the lens's model is one-to-one"
     )]
     Points,
-    /// No rope of the second view is it.
+    /// No rope of the second view matches.
     #[error(
         "no rope in the second view is where this one would be: look whether the second camera sees it, whether its range fits, \
          whether its pose beside the first is right, and that the rope does not run along the line from one camera to the other"
     )]
     Alone,
-    /// It may be several, and to find out which takes too long.
+    /// Several ropes may match, and finding out which takes too long.
     #[error(
         "the ropes cross the lines on which this one is seen so often that it takes too long to find out which is it: leave out what is \
          no rope by the mask, or have fewer ropes in the pictures"
     )]
     Tangled,
-    /// It runs along the epipolar lines.
+    /// The rope runs along the epipolar lines.
     #[error(
         "of the rope's {points} points {measured} have a depth, as it runs along the line from one camera to the other: turn the cameras, \
          so that it runs across"
     )]
     Along {
-        /// How many were measured.
+        /// Number of measured points.
         measured: usize,
-        /// Of how many.
+        /// Number of all points.
         points: usize,
     },
 }
 
-/// Finds ropes in two views; keeps its room.
+/// Locates ropes in two views, and reuses its buffers.
 #[derive(Debug, Clone)]
 pub struct RopeViews {
     cameras: ViewPair,
@@ -66,7 +67,7 @@ pub struct RopeViews {
 }
 
 impl RopeViews {
-    /// For two cameras.
+    /// Creates a finder for two cameras.
     pub fn new(cameras: ViewPair) -> Self {
         Self {
             cameras,
@@ -81,18 +82,18 @@ impl RopeViews {
         }
     }
 
-    /// The views are others.
+    /// Removes all ropes, in preparation for new views.
     pub fn clear(&mut self) {
         self.counts = [0; 2];
         self.pairing.clear();
     }
 
-    /// Takes in the next rope of the first view.
+    /// Adds the next rope of the first view.
     pub fn add_first(&mut self, rope: &SeenRope) {
         self.add(0, rope);
     }
 
-    /// Takes in the next rope of the second view.
+    /// Adds the next rope of the second view.
     pub fn add_second(&mut self, rope: &SeenRope) {
         self.add(1, rope);
     }
@@ -108,7 +109,8 @@ impl RopeViews {
         self.counts[view] += 1;
     }
 
-    /// Finds out which rope of the second view each of the first is, and returns it for each, in order, or why there is none.
+    /// Pairs the ropes. Returns the result for each rope in the first view, in order: its partner,
+    /// or an error.
     pub fn pair(&mut self) -> &[Result<Partner, NoSecondView>] {
         let [firsts, seconds] = [0, 1].map(|view| &self.views[view][..self.counts[view]]);
         (self.pairing).pair(&self.cameras, [firsts, seconds], &mut self.matching);
@@ -127,10 +129,10 @@ impl RopeViews {
         self.pairing.partners()
     }
 
-    /// Where the points of the first view's `i`-th rope are, in the first camera's frame.
+    /// Locates the points of the first view's `i`-th rope, in the first camera's frame.
     ///
     /// # Errors
-    /// It has no partner, or one that is not known, or too few of its points are known.
+    /// Its partner is missing or unknown, or too few of its points are measured.
     pub fn locate(&mut self, i: usize) -> Result<&[SpacePoint], NoSecondView> {
         let Some(first) = self.views[0][..self.counts[0]].get(i) else {
             return Err(NoSecondView::Points);

@@ -1,17 +1,19 @@
-//! The smoothest row of numbers near measured ones: `Σ info (x − measured)² + λ Σ (second differences)²` is least.
+//! Finds the smoothest sequence of numbers near measured ones, which minimizes `Σ info (x −
+//! measured)² + λ Σ (second differences)²`.
 //!
-//! Its matrix has five diagonals: `L D Lᵀ` with two below the main one, and of the inverse the three that are needed, from the last row
-//! up (Takahashi).
+//! The matrix has five diagonals. It is factored into `L D Lᵀ`, with two diagonals below the main
+//! one. The three diagonals of the inverse that are needed are computed from the last row up
+//! (Takahashi).
 
-/// A number of the row.
+/// A number of the sequence.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Knot {
-    /// How much is known of it by itself: the inverse of a variance, and that times the number.
+    /// Information on the number by itself: the inverse of a variance, and that times the number.
     pub info: f64,
     pub weighted: f64,
 }
 
-/// Room for the solution.
+/// Working memory for the solution.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Smooth {
     rows: Vec<Row>,
@@ -22,27 +24,27 @@ struct Row {
     pivot: f64,
     below: [f64; 2],
     x: f64,
-    /// Of the inverse: the diagonal, and the two beside it.
+    /// Diagonal of the inverse, and the two next to it.
     inverse: [f64; 3],
 }
 
 /// How well a solution fits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
-    /// What is least.
+    /// The minimized sum.
     pub sum: f64,
-    /// The logarithm of the matrix's determinant.
+    /// Logarithm of the matrix's determinant.
     pub log_determinant: f64,
 }
 
 impl Smooth {
-    /// Solves for a row of three numbers or more; `None` if too little of them is known.
+    /// Solves for a sequence of three or more numbers; `None` if too little is measured.
     pub(super) fn solve(&mut self, knots: &[Knot], stiffness: f64) -> Option<Fit> {
         let count = knots.len();
         self.rows.clear();
         let mut log_determinant = 0.0;
         for (i, knot) in knots.iter().enumerate() {
-            // Of 1, −2, 1 squared and summed, as far as the row goes.
+            // Sums of products of 1, −2, 1, as far as the sequence goes.
             let inner = |from: usize, to: usize| i >= from && i + to < count;
             let bends = [(2, 0, 1.0), (1, 1, 4.0), (0, 2, 1.0)];
             let own: f64 = (bends.iter())
@@ -115,7 +117,7 @@ impl Smooth {
 mod tests {
     use super::{Knot, Smooth};
 
-    /// The same by elimination of the whole matrix.
+    /// Solves the same by elimination of the full matrix.
     fn whole(knots: &[Knot], stiffness: f64) -> (Vec<f64>, Vec<f64>) {
         let n = knots.len();
         let mut m = vec![vec![0.0; 2 * n + 1]; n];

@@ -1,4 +1,4 @@
-//! Ropes in depth images as a sensor of today gives them, held against where they truly are.
+//! Locates ropes in depth images of a realistic sensor, and compares them with their true places.
 
 use crate::drawn::Line;
 use lariat_camera::{
@@ -9,7 +9,7 @@ use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth};
 use lariat_portable::Arch;
 
 const SIZE: [usize; 2] = [848, 480];
-/// From the colour camera to the depth camera, mm.
+/// From the color camera to the depth camera, mm.
 const ASIDE: [f64; 3] = [-15.0, 0.5, 0.0];
 const FAR_ASIDE: [f64; 3] = [-80.0, 0.0, 0.0];
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -21,18 +21,18 @@ struct Scene {
     points: Vec<[f32; 2]>,
     widths: Vec<f32>,
     hidden: Vec<bool>,
-    /// How far ahead of the colour camera the axis truly is at each point.
+    /// True distance ahead of the color camera of the axis at each point.
     ahead: Vec<f64>,
 }
 
-/// A rope before two cameras, its centerline in the colour image known.
+/// Places a rope in front of two cameras; its centerline in the color image is known.
 fn scene(options: &LiftOptions, seed: u64) -> Scene {
     let color = Eye::above(610.0, SIZE, 500.0, 15.0, 40.0 * seed as f64);
     let rope = LiftedRope::new(options, &color, seed).expect("a rope that fits");
     scene_of(rope, color)
 }
 
-/// A rope before these two cameras, hidden where it lies under itself.
+/// Places a rope in front of these two cameras. It is hidden where it passes under itself.
 fn scene_of(rope: LiftedRope, color: Eye) -> Scene {
     let Line {
         points,
@@ -76,7 +76,8 @@ fn pair_at(scene: &Scene, aside: [f64; 3]) -> DepthCamera {
         .expect("a camera")
     };
     let (color, depth) = (camera(&scene.color), camera(&scene.depth));
-    // Both look the same way; what is at the depth camera's origin is at `aside` in the colour camera's frame.
+    // Both cameras look in the same direction. The depth camera's origin is at `aside` in the color
+    // camera's frame.
     let pose = Pose::new(IDENTITY, aside).expect("a pose");
     DepthCamera::new(color, depth, pose, 3.6, [200.0, 1500.0]).expect("a pair")
 }
@@ -109,13 +110,13 @@ fn locate_in(
         widths_px: &scene.widths,
         hidden: &scene.hidden,
         closed: false,
-        // Its points are the axis's own.
+        // The points are those of the axis.
         ends: [false; 2],
     };
     finder.locate(&image, &rope).map(<[_]>::to_vec)
 }
 
-/// How far each point is from the rope's true axis, mm.
+/// Distance of each point from the rope's true axis, mm.
 fn errors(scene: &Scene, places: &[SpacePoint]) -> Vec<f64> {
     let truth: Vec<[f64; 3]> = scene
         .rope
@@ -135,7 +136,7 @@ fn errors(scene: &Scene, places: &[SpacePoint]) -> Vec<f64> {
         .collect()
 }
 
-/// Lying, lifted and high, without a crossing, with one and with two.
+/// Ropes on the table, lifted and high, without a crossing, with one and with two.
 fn scenes(radius_mm: f64) -> impl Iterator<Item = (u64, Scene)> {
     (0..12).map(move |seed| {
         let options = LiftOptions {
@@ -212,7 +213,7 @@ fn the_stated_variance_is_that_of_the_errors() {
 
 #[test]
 fn what_is_seen_behind_a_lifted_rope_is_not_taken_for_it() {
-    // From far beside the depth camera sees the table where the colour camera sees the rope.
+    // The depth camera is far to the side, and sees the table where the color camera sees the rope.
     let options = LiftOptions {
         length_mm: 400.0,
         radius_mm: 4.0,
@@ -242,7 +243,8 @@ fn what_is_seen_through_a_hole_beside_a_lifted_rope_is_not_taken_for_it() {
     for seed in 0..3 {
         let scene = scene(&options, seed);
         let whole = depth(&scene.rope, &scene.depth, &DepthSensor::STEREO, seed);
-        // Through the one hole the table may be seen; the others hide the rope, and what is beside it.
+        // The table may be visible through one hole. The other holes hide the rope and its
+        // surroundings.
         for hole in (21..100).step_by(6) {
             let mut units = whole.clone();
             for (i, reach_px) in [(hole - 6, 5.0), (hole, 1.0), (hole + 6, 5.0)] {
@@ -256,7 +258,7 @@ fn what_is_seen_through_a_hole_beside_a_lifted_rope_is_not_taken_for_it() {
     }
 }
 
-/// Where the depth image shows a point of the rope.
+/// The place in the depth image that shows a point of the rope.
 fn place(scene: &Scene, i: usize) -> [f64; 2] {
     let far = |p: [f64; 3]| {
         let [x, y] = scene.color.pixel(scene.color.see(p));
@@ -300,7 +302,7 @@ fn a_depth_image_of_the_table_alone_gives_a_rope_no_place() {
     }
 }
 
-/// Takes the depths away around a place.
+/// Removes the depths around a place.
 fn dig(units: &mut [u16], at: [f64; 2], reach_px: f64) {
     for (i, unit) in units.iter_mut().enumerate() {
         let [x, y] = [i % SIZE[0], i / SIZE[0]].map(|c| c as f64);
@@ -312,7 +314,7 @@ fn dig(units: &mut [u16], at: [f64; 2], reach_px: f64) {
 
 #[test]
 fn a_rope_is_measured_where_it_is_a_little_thinner_than_three_pixels() {
-    // From 2.6 to 3.3 depth pixels wide, where it lies on the table.
+    // 2.6 to 3.3 depth pixels wide where it lies on the table.
     let (mut all, mut bridged) = (Vec::new(), 0);
     for (seed, scene) in scenes(1.75) {
         let places = locate(&scene, &DepthSensor::STEREO, seed).expect("a rope in space");
@@ -333,7 +335,8 @@ fn a_rope_is_measured_where_it_is_a_little_thinner_than_three_pixels() {
 
 #[test]
 fn a_rope_is_measured_where_it_is_little_more_than_two_pixels_thin() {
-    // Its ends are 1.2 m away and 2.8 depth pixels wide; in between it sags away from the cameras, by 250 mm, to 2.3 pixels.
+    // Its ends are 1.2 m away and 2.8 depth pixels wide. In between it sags away from the cameras
+    // by 250 mm, to 2.3 pixels.
     let color = Eye::above(610.0, SIZE, 1650.0, 0.0, 0.0);
     let points: Vec<[f64; 3]> = (0..=200)
         .map(|k| {
@@ -351,7 +354,7 @@ fn a_rope_is_measured_where_it_is_little_more_than_two_pixels_thin() {
         let mean = errors.iter().sum::<f64>() / 120.0;
         let worst = errors.iter().fold(0.0, |worst: f64, &e| worst.max(e));
         println!("{seed}: bridged {bridged}, mean {mean:.2} mm, worst {worst:.2}");
-        // The sensor's noise is 5 to 8 mm a pixel there.
+        // The sensor's noise is 5 to 8 mm per pixel there.
         assert!(
             bridged < 30 && mean < 4.0 && worst < 20.0,
             "{seed}: {bridged} bridged, {mean} mm, {worst} at worst"
@@ -361,7 +364,8 @@ fn a_rope_is_measured_where_it_is_little_more_than_two_pixels_thin() {
 
 #[test]
 fn both_parts_of_a_rope_are_measured_where_it_points_at_the_camera_in_between() {
-    // 300 mm straight at the camera, of which the picture shows a few pixels: a quarter of the rope is beyond, at its first end.
+    // 300 mm point straight at the camera and appear as a few pixels in the image. A quarter of the
+    // rope is beyond them, at its first end.
     let color = Eye::above(610.0, SIZE, 1300.0, 0.0, 0.0);
     let mut points: Vec<[f64; 3]> = Vec::new();
     points.extend((0..=150).map(|k| [f64::from(k) - 250.0, 60.0, 150.0]));
@@ -379,11 +383,11 @@ fn both_parts_of_a_rope_are_measured_where_it_points_at_the_camera_in_between() 
 
 #[test]
 fn where_the_colour_image_has_an_end_too_far_out_the_table_behind_is_not_the_rope() {
-    // A metre away, and the table 400 mm behind.
+    // A meter away, with the table 400 mm behind.
     let color = Eye::above(610.0, SIZE, 1360.0, 0.0, 0.0);
     let kinds = [0.0, 50.0, 100.0].map(|rise| [2, 3, 4, 6].map(|beyond| (rise, beyond)));
     for (rise, beyond) in kinds.into_iter().flatten() {
-        // Rising towards its last end.
+        // Rising toward its last end.
         let points: Vec<[f64; 3]> = (0..=200)
             .map(|k| {
                 let along = f64::from(k) / 200.0;

@@ -1,8 +1,9 @@
-//! A drawn rope's true centerline in a picture.
+//! The true centerline of a drawn rope in an image.
 
 use lariat_drawn::space::{Eye, LiftedRope};
 
-/// 120 points at equal steps in the picture, of each the rope's width, how far ahead of the camera its axis is, and its ρ.
+/// 120 points at equal steps in the image, with the rope's width, the distance ahead of the camera
+/// of its axis, and its ρ at each.
 #[derive(Clone)]
 pub(crate) struct Line {
     pub(crate) points: Vec<[f32; 2]>,

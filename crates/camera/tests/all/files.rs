@@ -1,9 +1,9 @@
-//! Calibration files as they are found.
+//! Calibration files from real tools.
 
 use lariat_camera::{CalibrationError, Camera, Lens};
 use proptest::prelude::*;
 
-/// As `rosrun camera_calibration` writes it.
+/// Written by `rosrun camera_calibration`.
 const ROS: &str = "image_width: 640
 image_height: 480
 camera_name: head_camera
@@ -26,7 +26,7 @@ projection_matrix:
   data: [630.1, 0, 322, 0, 0, 631.2, 240, 0, 0, 0, 1, 0]
 ";
 
-/// As OpenCV 2 to 4 write it, lines broken.
+/// Written by OpenCV 2 to 4, with broken lines.
 const OPENCV: &str = "%YAML:1.0
 ---
 calibration_time: \"Tue 01 Jul 2025 10:11:12 CEST\"
@@ -124,7 +124,7 @@ fn what_is_wrong_is_said_with_its_key() {
         ),
         (
             with("-0.002, 0]", "-0.002, 0, 1]"),
-            "6 coefficients are none of OpenCV's sets",
+            "6 coefficients are not one of OpenCV's sets",
         ),
         (with("image_height: 480\n", ""), "image_width: give both"),
         (

@@ -1,9 +1,9 @@
-//! What a lens may be asked, and how its derivatives hold.
+//! The domain of a lens, and its derivatives.
 
 use lariat_camera::{Camera, Lens, Mapping, Outside, Plane};
 use proptest::prelude::*;
 
-/// Coefficients such as calibrations give, each kind now and then 0.
+/// Plausible coefficients of calibrations. Each is 0 now and then.
 fn coefficients() -> impl Strategy<Value = Vec<f64>> {
     let small = |most: f64| prop_oneof![1 => Just(0.0), 3 => -most..most];
     let polynomial = [small(0.5), small(0.3), small(0.01), small(0.01), small(0.1)];
@@ -22,7 +22,8 @@ fn lens() -> impl Strategy<Value = Lens> {
     ]
 }
 
-/// The derivative by differences of 10⁻⁶ each way: its error is some 10⁻⁹, more where the lens bends much.
+/// The derivative by differences of 10⁻⁶ in both directions. Its error is about 10⁻⁹, and larger
+/// where the lens distorts strongly.
 fn differences(map: impl Fn([f64; 2]) -> [f64; 2], [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
     let h = 1e-6;
     let along = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|i| (b[i] - a[i]) / (2.0 * h));
@@ -38,13 +39,13 @@ proptest! {
     ) {
         let reach = share * lens.widest_deg().min(80.0).to_radians().tan();
         let ideal = [reach * angle.cos(), reach * angle.sin()];
-        // A tilted sensor does not see what lies behind it.
+        // A tilted sensor does not see what is behind it.
         if let Some(seen) = lens.distort(ideal) {
             let back = lens.undistort(seen.point);
             prop_assert!(back.is_some(), "{lens:?} {ideal:?}");
             let back = back.unwrap().point;
             let away = (back[0] - ideal[0]).hypot(back[1] - ideal[1]);
-            // The nearer to the fold, the less a place in the picture tells of the ray.
+            // The closer to the fold, the less a place in the image says about the ray.
             let j = seen.jacobian;
             let least = (j[0][0] * j[1][1] - j[0][1] * j[1][0]).abs() / j.as_flattened().iter().fold(1.0f64, |m, x| m.max(x.abs()));
             prop_assert!(away < 1e-11 * (1.0 + reach) / least.min(1.0), "{away} {lens:?} {ideal:?}");
@@ -112,7 +113,7 @@ proptest! {
 
 #[test]
 fn beyond_the_fold_a_pixel_is_refused() {
-    // r (1 − 0.4 r²) turns round at r = 0.9129, where it is 0.6086.
+    // r (1 − 0.4 r²) has its maximum of 0.6086 at r = 0.9129.
     let lens = Lens::brown_conrady(&[-0.4, 0.0, 0.0, 0.0]).unwrap();
     let fold = (1.0f64 / 1.2).sqrt();
     assert!((lens.widest_deg().to_radians().tan() - fold).abs() < 1e-9);
@@ -120,7 +121,7 @@ fn beyond_the_fold_a_pixel_is_refused() {
     let inside = lens.undistort([0.0, highest - 1e-6]).unwrap().point;
     assert!(inside[1] < fold && inside[1] > fold - 0.01);
     assert_eq!(lens.undistort([0.0, highest + 1e-6]), None);
-    // The ray that the polynomial would fold onto a pixel that another one is seen at.
+    // The polynomial would fold this ray onto a pixel that shows another ray.
     assert_eq!(lens.distort([0.0, 1.2]), None);
     let camera = Camera::new([600.0; 2], [320.0, 240.0], lens, None).unwrap();
     let mapping = Mapping::new(Some(&camera), None, [640, 480]).unwrap();
@@ -131,7 +132,8 @@ fn beyond_the_fold_a_pixel_is_refused() {
 #[test]
 fn beyond_the_horizon_there_is_no_table() {
     let camera = Camera::new([600.0; 2], [320.0, 240.0], Lens::IDEAL, None).unwrap();
-    // The camera looks ahead, a metre over the table: the horizon runs through its middle.
+    // The camera looks ahead, a meter above the table, so that the horizon is at the center of the
+    // image.
     let quarter = std::f64::consts::FRAC_PI_2;
     let plane = Plane::from_pose([quarter, 0.0, 0.0], [0.0, 1000.0, 0.0], &camera).unwrap();
     let mapping = Mapping::new(Some(&camera), Some(&plane), [640, 480]).unwrap();

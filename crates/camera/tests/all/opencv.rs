@@ -1,4 +1,5 @@
-//! Lenses, homographies and poses against OpenCV; the script beside the fixture says how it was made.
+//! Compares lenses, homographies and poses with OpenCV. The script next to the fixture says how it
+//! was made.
 
 use lariat_camera::{Camera, Lens, Mapping, Pair, Plane};
 use serde_json::Value;
@@ -38,7 +39,7 @@ fn every_lens_is_opencvs_to_a_millionth_of_a_pixel() {
                 apart(undistorted, *ideal) < 1e-6,
                 "{name}: {seen:?} {undistorted:?} {ideal:?}"
             );
-            // Where OpenCV's iteration itself came back to where the point was.
+            // Only if OpenCV's own iteration returned to the original point.
             if apart(back, *ideal) < 1e-6 {
                 assert!(
                     apart(undistorted, back) < 1e-6,
@@ -63,7 +64,8 @@ fn homographies_are_opencvs_to_a_millionth_of_a_millimetre() {
             .collect();
         let plane = Plane::from_pairs(&pairs).unwrap();
         let mapping = Mapping::new(None, Some(&plane), [640, 480]).unwrap();
-        // Of more than four pairs OpenCV stops some millionths of a millimetre short of the least squares.
+        // With more than four pairs, OpenCV stops a few millionths of a millimeter short of the
+        // least squares.
         let opencv = if pairs.len() == 4 { 1e-6 } else { 1e-5 };
         let (lies, least) = (points(&case["lies"]), points(&case["least"]));
         for ((asked, lies), least) in points(&case["asked"]).into_iter().zip(lies).zip(least) {

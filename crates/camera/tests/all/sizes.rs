@@ -13,7 +13,7 @@ fn a_calibration_holds_for_the_same_picture_in_another_size() {
     let whole = Mapping::new(Some(&camera), None, [1280, 720]).unwrap();
     let half = Mapping::new(Some(&camera), None, [640, 360]).unwrap();
     for pixel in [[0.0, 0.0], [100.5, 300.25], [1279.0, 719.0]] {
-        // A pixel of the half has its centre between four of the whole.
+        // The center of a pixel at half the size is between four pixels of the whole.
         let smaller = pixel.map(|c| (c + 0.5) / 2.0 - 0.5);
         let expected = whole
             .place(pixel)
@@ -23,7 +23,7 @@ fn a_calibration_holds_for_the_same_picture_in_another_size() {
         let found = half.place(smaller).unwrap().point;
         assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-9));
     }
-    // 1280×720 in rows of 854 is 480.4 rows high.
+    // 1280×720 at a width of 854 has a height of 480.4.
     assert!(Mapping::new(Some(&camera), None, [854, 480]).is_ok());
 }
 
@@ -40,7 +40,7 @@ fn another_ratio_of_the_sides_is_refused_with_both_sizes() {
     let plane = plane.in_images_of([640, 480]);
     let error = Mapping::new(None, Some(&plane), [1280, 720]).unwrap_err();
     assert!(matches!(error, SizeError::Aspect { .. }));
-    // The plane, too, is for the same picture in another size.
+    // The plane, too, is for the same image at another size.
     let mapping = Mapping::new(None, Some(&plane), [1280, 960]).unwrap();
     assert_eq!(mapping.place([0.5, 0.5]).unwrap().point, [0.0, 0.0]);
 }
@@ -110,7 +110,7 @@ fn points_that_determine_no_plane_are_refused_and_named() {
 
 #[test]
 fn a_mirrored_table_is_a_table() {
-    // Millimetres with y up, as drawn on paper.
+    // Millimeters with y up, as drawn on paper.
     let up = SHEET.map(|[x, y]| [x, -y]);
     let plane = Plane::from_pairs(&pairs(&CORNERS, &up)).unwrap();
     let mapping = Mapping::new(None, Some(&plane), [640, 480]).unwrap();

@@ -1,11 +1,12 @@
-//! Calibration files of tools other than OpenCV's samples and ROS's `camera_calibration`: the same camera, whoever wrote it.
+//! Calibration files of tools other than OpenCV's samples and ROS's `camera_calibration`. All
+//! describe the same camera.
 //!
-//! Expected pixels are those of `cv2.undistortPoints` (or `cv2.fisheye.undistortPoints`) with `P = K`, iterated to 1e-15, of OpenCV
-//! 5.0.0.
+//! The expected pixels come from `cv2.undistortPoints` (or `cv2.fisheye.undistortPoints`) with `P =
+//! K`, iterated to 1e-15, of OpenCV 5.0.0.
 
 use lariat_camera::{Camera, Lens, Mapping, Pose};
 
-/// Two pixels as they are seen, and their places without the lens.
+/// Two pixels as they are seen, and their places without distortion.
 type Points = [[[f64; 2]; 2]; 2];
 
 const SEEN: [[f64; 2]; 2] = [[40.0, 30.0], [600.0, 400.0]];
@@ -332,7 +333,7 @@ fn cameras_that_are_not_read_are_refused_by_name() {
     }
 }
 
-/// As a `CameraInfo` message says it.
+/// The content of a `CameraInfo` message.
 const ROI: &str = "width: 1280\nheight: 960\ndistortion_model: plumb_bob\nD: [-0.28, 0.09, 0, 0, 0]\n\
                    K: [1040, 0, 640, 0, 1042, 480, 0, 0, 1]\nbinning_x: 0\nbinning_y: 0\n\
                    roi: {x_offset: 320, y_offset: 240, height: 480, width: 640, do_rectify: false}\n";
@@ -345,7 +346,7 @@ fn the_matrix_of_a_region_of_the_sensor_is_moved_by_its_offset() {
         [[600.0, 100.0], [607.4438805565, 96.2780597218]],
     ];
     check(ROI, points, VGA);
-    // The same pixels by their edges, two by two to one.
+    // The same pixels, aligned by their edges, two by two to one.
     let binned = ROI
         .replace("binning_x: 0", "binning_x: 2")
         .replace("binning_y: 0", "binning_y: 2");
@@ -379,7 +380,7 @@ fn a_region_that_does_not_fit_is_refused_and_the_whole_sensor_is_none() {
     let outside = ROI.replace("x_offset: 320", "x_offset: 641");
     let refused = Camera::from_yaml(&outside).unwrap_err().to_string();
     assert!(refused.contains("is no part of the image"), "{refused}");
-    // The valid part of cv2.getOptimalNewCameraMatrix is a list.
+    // The valid part from cv2.getOptimalNewCameraMatrix is a list.
     let list = ROI.replace(region, "roi: [320, 240, 640, 480]");
     assert_eq!(
         Camera::from_yaml(&list).unwrap().center_px(),

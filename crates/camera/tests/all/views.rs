@@ -1,4 +1,5 @@
-//! Ropes in two views, held against where they truly are. Their centerlines are the true ones but for noise.
+//! Locates ropes in two views, and compares them with their true places. The centerlines are the
+//! true ones with noise.
 
 use crate::drawn::Line;
 use lariat_camera::{
@@ -22,7 +23,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// A rope before two cameras.
+    /// Places a rope in front of two cameras.
     fn new(options: &LiftOptions, seed: u64) -> Self {
         let first = Eye::above(FOCAL_PX, SIZE, 500.0, 15.0, 40.0 * seed as f64);
         let rope = LiftedRope::new(options, &first, seed).expect("a rope that fits");
@@ -34,7 +35,7 @@ impl Scene {
         Self { rope, eyes, lines }
     }
 
-    /// Moves the centerlines across themselves by noise of so many pixels.
+    /// Adds noise of `sigma_px` pixels to the points of the centerlines.
     fn blur(&mut self, sigma_px: f64, seed: u64) {
         let mut random = SplitMix64::of_stream(seed, 7);
         for line in &mut self.lines {
@@ -48,7 +49,7 @@ impl Scene {
         RopeViews::new(pair(self.eyes))
     }
 
-    /// The places of the first view's points.
+    /// Locates the first view's points.
     fn locate(&self, finder: &mut RopeViews) -> Result<Vec<SpacePoint>, NoSecondView> {
         finder.clear();
         finder.add_first(&seen(&self.lines[0], &[false; 120]));
@@ -57,7 +58,7 @@ impl Scene {
         finder.locate(0).map(<[_]>::to_vec)
     }
 
-    /// How far each place is from the rope's true axis, mm.
+    /// Distance of each point from the rope's true axis, mm.
     fn errors(&self, places: &[SpacePoint]) -> Vec<f64> {
         let truth: Vec<[f64; 3]> = (self.rope.points.iter())
             .map(|&p| self.eyes[0].see(p))
@@ -77,7 +78,7 @@ fn seen<'a>(line: &'a Line, hidden: &'a [bool]) -> SeenRope<'a> {
         widths_px: &line.widths,
         hidden,
         closed: false,
-        // Its points are the axis's own.
+        // The points are those of the axis.
         ends: [false; 2],
     }
 }
@@ -93,7 +94,8 @@ fn pair(eyes: [Eye; 2]) -> ViewPair {
     ViewPair::new(camera(&eyes[0]), camera(&eyes[1]), pose, [200.0, 1500.0]).expect("a pair")
 }
 
-/// Lying, lifted and high, without a crossing, with one and with two; each drawn once.
+/// Ropes on the table, lifted and high, without a crossing, with one and with two. Each is drawn
+/// once.
 fn scenes() -> impl Iterator<Item = (u64, Scene)> {
     static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| (0..18).map(scene).collect());
     (0..).zip(SCENES.iter().cloned())
@@ -155,7 +157,7 @@ fn the_stated_variance_is_that_of_the_errors() {
 #[test]
 fn ropes_are_told_from_each_other_whatever_their_order_and_direction() {
     let scenes: Vec<Scene> = scenes().step_by(5).map(|(_, scene)| scene).collect();
-    // Both cameras stand where the first scene's do.
+    // Both cameras are where those of the first scene are.
     let eyes = scenes[0].eyes;
     let of_first = |scene: Scene| Scene::of(scene.rope, eyes);
     let scenes: Vec<Scene> = scenes.into_iter().map(of_first).collect();
@@ -212,7 +214,7 @@ fn strands_that_one_view_takes_for_each_other_are_told_by_the_other() {
     assert!(tried > 12);
 }
 
-/// After which of its points a line crosses itself first.
+/// The points after which a line first crosses itself.
 fn crossing(points: &[[f32; 2]]) -> Option<[usize; 2]> {
     let side = |a: [f32; 2], b: [f32; 2], c: [f32; 2]| {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0
@@ -326,7 +328,7 @@ fn a_rope_that_the_second_camera_does_not_see_has_no_place() {
     assert_eq!(finder.pair(), [Err(NoSecondView::Alone)]);
     assert_eq!(finder.locate(0), Err(NoSecondView::Alone));
     assert_eq!(finder.locate(1), Err(NoSecondView::Points));
-    // Neither is a rope one that is too short.
+    // A rope that is too short is rejected too.
     let line = &scenes[1].lines[0];
     finder.clear();
     finder.add_first(&SeenRope {
@@ -341,7 +343,8 @@ fn a_rope_that_the_second_camera_does_not_see_has_no_place() {
     assert_eq!(finder.locate(0), Err(NoSecondView::Points));
 }
 
-/// Ropes that go to and fro across the lines of the other view, as many as a message has room for, all over each other.
+/// As many ropes as a message can contain, which go back and forth across the lines of the other
+/// view and all cross each other.
 fn tangle(eyes: [Eye; 2]) -> [Vec<Line>; 2] {
     let ropes = (0..24).map(|rope| {
         let points: Vec<[f64; 3]> = (0..=600)

@@ -1,26 +1,26 @@
-//! The time of frames that were timed when they were recorded, from one pass over them to the next.
+//! Continuous time for recorded frames that are shown in several passes.
 
-/// The time of frames that have a time, on from one pass to the next.
+/// Continues the time of recorded frames from one pass to the next.
 #[derive(Debug, Default)]
 pub(super) struct OwnClock {
     /// When the pass began.
     began_ns: u64,
-    /// The last frame's time in its pass, and how many frames that had before.
+    /// Time of the last frame in its pass; `before` counts the frames before it.
     after_ns: u64,
     before: u64,
-    /// When the frame is due, counted from the first of all.
+    /// When the current frame is due, counted from the first frame of all.
     pub(super) due_ns: u64,
     has_begun: bool,
 }
 
-/// Between two frames where there is but one: the thirtieth of a second.
+/// Interval after a pass of a single frame: a thirtieth of a second.
 const ALONE_NS: u64 = 1_000_000_000 / 30;
 
 impl OwnClock {
-    /// Goes on to a frame so long after its pass's first.
+    /// Advances to the frame that comes `after_ns` after the first of its pass.
     pub(super) fn advance(&mut self, after_ns: u64) {
         if self.has_begun && after_ns <= self.after_ns {
-            // From the last frame to the first it is as long as between two.
+            // The last frame is shown for the mean interval of its pass.
             let interval_ns = self.after_ns.checked_div(self.before);
             let round_ns = self
                 .after_ns

@@ -1,4 +1,4 @@
-//! The thread that decodes: pass after pass, into whatever memory it is given.
+//! The decoder thread. It decodes pass after pass into the memory it is given.
 
 use std::collections::HashSet;
 
@@ -7,17 +7,17 @@ use crossbeam::channel::{Receiver, Sender};
 use super::{Buffer, Decode, Memory, Message, Step};
 use crate::source::SourceError;
 
-/// Where the thread has its buffers from.
+/// Source of the thread's buffers.
 pub(super) struct Room {
     pub(super) spare: Receiver<Buffer>,
-    /// Bytes of each.
+    /// Size of each buffer, in bytes.
     pub(super) bytes: usize,
-    /// That of a frame that was lost.
+    /// Buffer of a frame that was lost.
     pub(super) left: Option<Buffer>,
 }
 
 impl Room {
-    /// A buffer, waited for; none if nobody listens any more.
+    /// Waits for a buffer; `None` if the receiver is gone.
     fn take(&mut self) -> Option<Buffer> {
         let mut buffer = self.left.take().or_else(|| self.spare.recv().ok())?;
         if let Memory::Own(pixels) = &mut buffer.pixels {
@@ -27,7 +27,7 @@ impl Room {
     }
 }
 
-/// The thread: passes over the set, once or again and again, until it fails or nobody listens any more.
+/// Body of the thread: decodes the set once or repeatedly, until it fails or the receiver is gone.
 pub(super) fn decode_ahead(
     mut decoder: impl Decode,
     again: bool,
@@ -35,7 +35,7 @@ pub(super) fn decode_ahead(
     ready: &Sender<Message>,
 ) {
     let mut sequence = 0;
-    // What was said is not said again on the next pass.
+    // A sentence that was reported is not repeated on the next pass.
     let mut said = HashSet::new();
     loop {
         match one_pass(&mut decoder, &mut sequence, &mut said, &mut room, ready) {
@@ -53,7 +53,7 @@ pub(super) fn decode_ahead(
     }
 }
 
-/// From the first frame to the last; `None` if nobody listens any more.
+/// Decodes from the first frame to the last; `None` if the receiver is gone.
 fn one_pass(
     decoder: &mut impl Decode,
     sequence: &mut u64,
@@ -126,7 +126,7 @@ fn one_pass(
     Some(Ok(()))
 }
 
-/// What to say of a step that made no frame, and what of it is the same on the next pass.
+/// The sentence for a step without a frame, and the part of it that repeats on the next pass.
 fn said_of(step: Step, sequence: &mut u64) -> (String, String) {
     match step {
         Step::Lost(reason) => {

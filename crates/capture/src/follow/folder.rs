@@ -1,5 +1,5 @@
-//! What happens in a folder, told by the kernel (inotify): nothing is looked for, and nothing costs anything while nothing
-//! happens.
+//! Watches a folder through inotify. The kernel reports each event, so that an idle folder takes no
+//! CPU time.
 
 use std::ffi::{OsStr, OsString};
 use std::mem::MaybeUninit;
@@ -10,18 +10,18 @@ use std::path::{Path, PathBuf};
 use rustix::fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags};
 use rustix::io::Result;
 
-/// Something happened.
+/// An event in the folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Event {
-    /// A file of this name is whole: whoever wrote it has closed it, or it was moved here.
+    /// A file with this name is complete: its writer has closed it, or it was moved here.
     Came(OsString),
-    /// The file was moved away, and may come under another name.
+    /// The file was moved away, and may return under another name.
     Left(OsString),
     /// The folder itself was removed or moved away.
     Gone,
-    /// There is a folder of its name again.
+    /// A folder with its name exists again.
     Back,
-    /// More happened than the kernel keeps.
+    /// More events occurred than the kernel keeps.
     Missed,
 }
 
@@ -31,7 +31,7 @@ const IN_FOLDER: WatchFlags = WatchFlags::CLOSE_WRITE
     .union(WatchFlags::DELETE_SELF)
     .union(WatchFlags::MOVE_SELF)
     .union(WatchFlags::ONLYDIR);
-/// In the folder that holds it, where it may come back.
+/// Flags for the parent folder, where the folder may come back.
 const AROUND: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::MOVED_TO)
     .union(WatchFlags::ONLYDIR);
@@ -41,16 +41,16 @@ const AROUND: WatchFlags = WatchFlags::CREATE
 pub(super) struct Folder {
     inotify: OwnedFd,
     path: PathBuf,
-    /// The kernel's number for the folder; none while it is gone.
+    /// The kernel's number for the folder; `None` while it is gone.
     watch: Option<i32>,
     around: Option<i32>,
 }
 
 impl Folder {
-    /// Watches from now on. `path`: an absolute one.
+    /// Starts watching. `path` is absolute.
     pub(super) fn watch(path: &Path) -> Result<Self> {
         let inotify = inotify::init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC)?;
-        // Without it a folder that is gone is gone for good.
+        // Without a watch on the parent, a folder that was removed stays gone.
         let around = path
             .parent()
             .and_then(|parent| inotify::add_watch(&inotify, parent, AROUND).ok());
@@ -63,7 +63,7 @@ impl Folder {
         })
     }
 
-    /// What has happened since it was asked last, in order.
+    /// Reports the events since the last call, in order.
     pub(super) fn drain(&mut self, mut happened: impl FnMut(Event)) {
         let mut buffer = [MaybeUninit::uninit(); 4096];
         let inotify = &self.inotify;
@@ -76,7 +76,7 @@ impl Folder {
                 happened(Event::Missed);
             } else if of == self.watch {
                 if what.intersects(ReadFlags::DELETE_SELF | ReadFlags::MOVE_SELF) {
-                    // One that was moved is still watched, wherever it is.
+                    // A folder that was moved is still watched at its new place.
                     if let Some(watch) = self.watch.take() {
                         let _ = inotify::remove_watch(inotify, watch);
                     }

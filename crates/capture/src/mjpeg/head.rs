@@ -1,4 +1,4 @@
-//! The head of a JPEG (ITU-T T.81, annex B): all that stands before the coded image.
+//! The header of a JPEG (ITU-T T.81, annex B): everything before the coded image.
 
 use lariat_message::PixelFormat;
 
@@ -9,24 +9,24 @@ const END_OF_IMAGE: u8 = 0xD9;
 const START_OF_SCAN: u8 = 0xDA;
 const HUFFMAN_TABLES: u8 = 0xC4;
 
-/// What the head says of the image.
+/// Properties of the image from its header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Head {
     /// Width and height, in pixels.
     pub(super) size: [u32; 2],
-    /// Whether it is with colour.
+    /// True if it has color.
     color: bool,
-    /// Whether any Huffman tables come along.
+    /// True if it contains Huffman tables.
     pub(super) has_tables: bool,
-    /// The largest sampling factor along a row, and the blocks of 8 × 8 samples of a unit: so many columns of those blocks
-    /// are coded together.
+    /// Largest horizontal sampling factor: a coded unit is 8 · `widest` pixels wide and contains
+    /// `blocks` blocks of 8 × 8 samples.
     widest: u32,
     blocks: u32,
-    /// Where the coded image begins.
+    /// Offset of the coded image.
     scan: usize,
 }
 
-/// The size, the number of channels, and as in [`Head`].
+/// Size, number of channels, and `widest` and `blocks` as in [`Head`].
 struct Start {
     size: [u32; 2],
     channels: u8,
@@ -35,7 +35,7 @@ struct Start {
 }
 
 impl Head {
-    /// Follows the segments up to the coded image.
+    /// Reads the segments before the coded image.
     pub(super) fn read(jpeg: &[u8]) -> Result<Self, MjpegError> {
         match *jpeg {
             [] => return Err(MjpegError::Empty),
@@ -48,11 +48,12 @@ impl Head {
             let (marker, body) = segment(jpeg, &mut at)?;
             match marker {
                 HUFFMAN_TABLES => has_tables = true,
-                // Both are coded in one go, by Huffman.
+                // Both are sequential and Huffman-coded.
                 0xC0 | 0xC1 if start.is_some() => return Err(damaged("it has two sizes")),
                 0xC0 | 0xC1 => start = Some(Start::read(body)?),
                 0xC2 => return Err(unsupported("a progressive JPEG")),
-                // Those between are tables (0xC4), a reserved number and what arithmetic coding needs.
+                // The numbers between these are tables (0xC4), a reserved one and one for
+                // arithmetic coding.
                 0xC3 | 0xC5..=0xC7 | 0xC9..=0xCB | 0xCD..=0xCF => {
                     return Err(unsupported("a lossless, hierarchical or arithmetic JPEG"));
                 }
@@ -75,7 +76,7 @@ impl Head {
         }
     }
 
-    /// What the image is decoded to.
+    /// Format of the decoded image.
     pub(super) fn format(&self) -> PixelFormat {
         if self.color {
             PixelFormat::Rgb8
@@ -84,14 +85,16 @@ impl Head {
         }
     }
 
-    /// The blocks of 8 × 8 samples that one row of units is made of.
+    /// Number of blocks of 8 × 8 samples in a row of coded units.
     pub(super) fn blocks_a_row(&self) -> usize {
         (self.size[0].div_ceil(8 * self.widest) * self.blocks) as usize
     }
 
-    /// Where the coded image ends: within its end marker if there is one. It is sought from the back, where it is near.
+    /// Returns where the coded image ends: within its end marker, if it has one. The search starts
+    /// at the end, where the marker usually is.
     ///
-    /// The marker's first byte is kept, so that a decoder that asks for more when the image's last bit is used finds some.
+    /// The marker's first byte is kept, for a decoder that reads one more byte after the image's
+    /// last bit.
     pub(super) fn end(&self, jpeg: &[u8]) -> usize {
         let scan = &jpeg[self.scan..];
         let end = scan
@@ -102,7 +105,7 @@ impl Head {
 }
 
 impl Start {
-    /// The body of a start of frame.
+    /// Parses the body of a start of frame.
     fn read(body: &[u8]) -> Result<Self, MjpegError> {
         let Some((&[bits, h, e, w, i, channels], each)) = body.split_first_chunk() else {
             return Err(damaged("its size is cut off"));
@@ -120,7 +123,7 @@ impl Start {
             blocks += across * down;
         }
         if channels == 1 {
-            // A channel that is alone is coded block by block, whatever its factors.
+            // A single channel is coded block by block, whatever its factors.
             (widest, blocks) = (1, 1);
         }
         Ok(Self {
@@ -132,16 +135,16 @@ impl Start {
     }
 }
 
-/// The marker at `at` and the body of its segment, behind which `at` is then.
+/// Reads the marker at `at` and the body of its segment, and moves `at` past them.
 fn segment<'a>(jpeg: &'a [u8], at: &mut usize) -> Result<(u8, &'a [u8]), MjpegError> {
     let rest = jpeg.get(*at..).unwrap_or_default();
-    // Any number of fill bytes may stand before a marker.
+    // Any number of fill bytes may precede a marker.
     let fill = rest.iter().take_while(|&&byte| byte == 0xFF).count();
     let &marker = rest.get(fill).ok_or(MjpegError::CutOff)?;
     if fill == 0 {
         return Err(damaged("its head has no marker where one should be"));
     }
-    // Those stand alone.
+    // These markers come without a segment.
     if matches!(marker, 0x00 | 0x01 | 0xD0..=END_OF_IMAGE) {
         return Err(damaged("its head holds what belongs into its image"));
     }

@@ -1,10 +1,10 @@
-//! The Huffman tables of ITU-T T.81, annex K.3.3, which most encoders use and which a camera may leave out of each frame
-//! (OpenDML AVI file format extensions, "MJPG"; the UVC payload).
+//! The Huffman tables of ITU-T T.81, annex K.3.3. Most encoders use them, and a camera may omit
+//! them from each frame (OpenDML AVI file format extensions, "MJPG"; the UVC payload).
 
-/// The tables as a segment, marker and length in front.
+/// The tables as a segment, including its marker and length.
 pub(crate) const SEGMENT: [u8; 420] = segment();
 
-/// Class and destination, how many codes there are of each length from 1 to 16, and what they stand for.
+/// Class and destination, number of codes of each length from 1 to 16, and the values of the codes.
 type Table = (u8, [u8; 16], &'static [u8]);
 
 /// Table K.3.
@@ -66,7 +66,7 @@ const CHROMA_AC: Table = (
 const fn segment() -> [u8; 420] {
     let tables = [LUMA_DC, LUMA_AC, CHROMA_DC, CHROMA_AC];
     let mut segment = [0; 420];
-    // The length is that of all behind the marker.
+    // The length includes everything after the marker.
     let [high, low] = (segment.len() as u16 - 2).to_be_bytes();
     (segment[0], segment[1]) = (0xFF, 0xC4);
     (segment[2], segment[3]) = (high, low);

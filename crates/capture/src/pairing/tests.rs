@@ -6,7 +6,7 @@ use super::*;
 const MS: u64 = 1_000_000;
 const LONG: u64 = 1_000_000 * MS;
 
-/// Frames and images by the moment they were taken, ms.
+/// Pairs frames and images that are named by their times, in ms.
 fn pairing(period_ms: Option<u64>) -> Pairing<u64, u64> {
     Pairing::new(20 * MS, period_ms.map(|ms| ms * MS))
 }
@@ -19,7 +19,7 @@ fn image(pairing: &mut Pairing<u64, u64>, at_ms: u64) {
     pairing.image(at_ms, at_ms * MS);
 }
 
-/// The next frame and its image.
+/// Returns the next frame and its image.
 fn answer(pairing: &mut Pairing<u64, u64>) -> Option<(u64, Option<u64>)> {
     Some(match pairing.next(0)? {
         Paired::Alone(frame) => (frame, None),
@@ -101,7 +101,7 @@ fn no_frame_waits_for_a_depth_camera_that_is_silent() {
 
 #[test]
 fn an_image_is_kept_only_where_the_next_frame_may_want_it() {
-    // As many frames as images: each image goes with its frame.
+    // As many frames as images: each image belongs to one frame.
     let mut even = pairing(None);
     for k in 0..20 {
         frame(&mut even, 33 * k);
@@ -114,7 +114,7 @@ fn an_image_is_kept_only_where_the_next_frame_may_want_it() {
             other => panic!("{other:?}"),
         }
     }
-    // Twice as many frames: each image is that of two.
+    // Twice as many frames: each image belongs to two.
     let mut twice = pairing(None);
     let mut had = Vec::new();
     for k in 0..20 {
@@ -169,9 +169,9 @@ proptest! {
         };
         let (frames, images) = (moments(&frames, begins), moments(&images, 0));
         let mut pairing = pairing(None);
-        // Before the first image nothing is waited for.
+        // Before the first image, no frame waits.
         image(&mut pairing, 0);
-        // As they are taken, the two cameras' mixed.
+        // The frames and images of both cameras, in order of time.
         let mut all: Vec<_> = frames.iter().map(|&at| (at, true)).collect();
         all.extend(images.iter().map(|&at| (at, false)));
         all.sort_unstable();
@@ -196,7 +196,8 @@ proptest! {
         let counts = pairing.counts();
         prop_assert_eq!(counts.paired + counts.alone, answers.len() as u64);
         prop_assert!(answers.iter().map(|a| a.0).eq(frames.iter().copied().take(answers.len())));
-        // One that no later frame was expected to want is gone with its frame, and those before it.
+        // An image that no later frame was expected to need is dropped with its frame, as are older
+        // ones.
         let mut gone = None;
         for (frame, had, is_gone) in answers {
             let left = [0].iter().chain(&images).filter(|&&image| Some(image) > gone);

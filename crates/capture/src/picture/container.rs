@@ -1,4 +1,4 @@
-//! The kind of a picture file by its first bytes, and whether it holds several pictures.
+//! Recognizes a picture file's format by its first bytes, and whether it contains several pictures.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use super::tiff::Directories;
 use super::{PICTURES, broken, conversion, jpeg};
 use crate::foreign::Foreign;
 
-/// BigTIFF, which `image` reads and does not recognise.
+/// BigTIFF, which `image` reads but does not recognize.
 const BIG_TIFF: [&[u8]; 2] = [b"II+\0", b"MM\0+"];
 
-/// Whether a file that begins so is one that can be shown.
+/// Returns whether a file with this start can be shown.
 pub(crate) fn is_picture(head: &[u8]) -> bool {
     format_of(head).is_some()
 }
@@ -25,7 +25,8 @@ pub(super) fn format_of(head: &[u8]) -> Option<ImageFormat> {
     matches!(format, Png | Jpeg | WebP | Tiff | Bmp | Pnm).then_some(format)
 }
 
-/// The format of a file that this build reads; a sentence that says what it is otherwise, and what to do.
+/// Returns the format of a file that this build reads. The error is a sentence that says what the
+/// file is, and what to do.
 pub(super) fn readable_format(path: &Path, file: &[u8]) -> Result<ImageFormat, String> {
     let Some(format) = format_of(file) else {
         let is_named = super::names_a_picture(path) && Foreign::of(file).is_none();
@@ -36,7 +37,7 @@ pub(super) fn readable_format(path: &Path, file: &[u8]) -> Result<ImageFormat, S
         });
     };
     if !format.reading_enabled() {
-        // The name of a feature is the name of its files.
+        // A feature has the name of its files' extension.
         let feature = format.extensions_str().first().unwrap_or(&"");
         let reason = format!(
             "this build of lariat reads no {}: convert it to PNG, or build lariat with `--features {feature}`",
@@ -47,7 +48,8 @@ pub(super) fn readable_format(path: &Path, file: &[u8]) -> Result<ImageFormat, S
     Ok(format)
 }
 
-/// The kind of a file that lariat does not read, and the remedy: the rest of a sentence that begins with its path.
+/// Describes a file that lariat does not read, and what to do. The text ends a sentence that begins
+/// with the path.
 pub(crate) fn stranger(path: &Path, head: &[u8]) -> String {
     match Foreign::of(head).or_else(|| Foreign::named(path)) {
         Some(known) => known.advice(path),
@@ -58,8 +60,8 @@ pub(crate) fn stranger(path: &Path, head: &[u8]) -> String {
     }
 }
 
-/// A sentence if a file holds several pictures, of which the decoder would show the first and say nothing, or samples
-/// that are no brightness.
+/// Refuses a file with several pictures, because the decoder would silently show only the first, or
+/// with samples that are not brightness. The error is a sentence.
 pub(super) fn check(path: &Path, file: &[u8], format: ImageFormat) -> Result<(), String> {
     let shown = path.display();
     let unpack = format!(
@@ -93,14 +95,15 @@ pub(super) fn check(path: &Path, file: &[u8], format: ImageFormat) -> Result<(),
     }
 }
 
-/// Returns true if a PNG has frames (PNG, third edition: an `acTL` chunk before the first `IDAT`, with their number).
+/// Returns true if a PNG is animated (PNG, third edition: an `acTL` chunk with the number of frames
+/// before the first `IDAT`).
 fn is_animated_png(file: &[u8]) -> bool {
     chunks(file)
         .take_while(|(name, _)| name != b"IDAT")
         .any(|(name, data)| name == *b"acTL" && data.first_chunk() > Some(&[0, 0, 0, 1]))
 }
 
-/// Name and data of the chunks of a PNG (ISO/IEC 15948: each its length, its name, its data, its checksum).
+/// Name and data of a PNG's chunks (ISO/IEC 15948: each has length, name, data and checksum).
 pub(super) fn chunks(file: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
     let mut rest = file.get(8..);
     std::iter::from_fn(move || {
@@ -112,7 +115,7 @@ pub(super) fn chunks(file: &[u8]) -> impl Iterator<Item = ([u8; 4], &[u8])> {
     })
 }
 
-/// Returns true if a WebP has frames: the flag of its extended head.
+/// Returns true if a WebP is animated, by the flag in its extended header.
 fn is_animated_webp(file: &[u8]) -> bool {
     const ANIMATION: u8 = 2;
     file.get(12..16) == Some(b"VP8X") && file.get(20).is_some_and(|flags| flags & ANIMATION != 0)

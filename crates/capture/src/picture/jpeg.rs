@@ -1,4 +1,4 @@
-//! The frame of a JPEG file (ITU-T T.81, annex B): what it lacks, and where it ends.
+//! Structure of a JPEG file (ITU-T T.81, annex B): what it lacks, and where it ends.
 
 use std::borrow::Cow;
 
@@ -12,17 +12,17 @@ const DEFINE_HUFFMAN: u8 = 0xc4;
 /// The end of a file's image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
-    /// Behind its end marker.
+    /// Position after the end marker.
     At(usize),
-    /// There is no end marker: the decoder would fill the rest with grey and say nothing.
+    /// The end marker is missing: the decoder would silently fill the rest with gray.
     Missing,
-    /// There is no marker where one should be, for the decoder to judge.
+    /// A marker is missing where one should be; the decoder decides.
     Broken,
 }
 
 impl End {
-    /// Follows the segments up to the end of the image: previews lie inside of segments, and what some cameras append lies
-    /// behind it.
+    /// Skips the segments up to the end of the image. Previews are inside segments, and what some
+    /// cameras append comes after the end.
     pub(super) fn of(file: &[u8]) -> Self {
         let mut at = 2;
         while let Some(&[lead, marker]) = file.get(at..at + 2) {
@@ -46,25 +46,26 @@ impl End {
     }
 }
 
-/// Bytes of image data up to the next marker; in it 0xff is followed by 0 or is a restart marker.
+/// Number of bytes of image data before the next marker. In the data, 0xff is followed by 0 or is a
+/// restart marker.
 fn scan_length(data: &[u8]) -> usize {
     data.windows(2)
         .position(|pair| pair[0] == 0xff && !is_in_scan(pair[1]))
         .unwrap_or(data.len())
 }
 
-/// Returns true if a byte behind 0xff belongs to a scan.
+/// Returns true if a byte after 0xff belongs to a scan.
 pub(crate) fn is_in_scan(byte: u8) -> bool {
     matches!(byte, 0 | 0xd0..=0xd7)
 }
 
-/// Returns true for the marker of a start of frame, which holds the size.
+/// Returns true for a start-of-frame marker, whose segment contains the size.
 pub(crate) fn is_start_of_frame(marker: u8) -> bool {
     // 0xc4, 0xc8 and 0xcc are tables and a reserved number.
     matches!(marker, 0xc0..=0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf)
 }
 
-/// Marker and body of each segment up to the first scan's.
+/// Yields marker and body of each segment up to the first scan's.
 pub(super) fn head(file: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     let mut at = Some(2);
     std::iter::from_fn(move || {
@@ -82,8 +83,8 @@ pub(super) fn head(file: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     })
 }
 
-/// The file with the usual Huffman tables, if its first scan is coded by Huffman and none stand before it: cameras and
-/// AVI files leave them out.
+/// Adds the standard Huffman tables to a file whose first scan is Huffman-coded but not preceded by
+/// tables. Cameras and AVI files omit them.
 pub(super) fn with_tables(file: &[u8]) -> Cow<'_, [u8]> {
     let has_scan = head(file).any(|(marker, _)| marker == START_OF_SCAN);
     let is_baseline = head(file).any(|(marker, _)| matches!(marker, 0xc0 | 0xc1));
@@ -95,18 +96,20 @@ pub(super) fn with_tables(file: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned([start, &HUFFMAN_TABLES, rest].concat())
 }
 
-/// Decodes a baseline file without an end marker into `samples`; false if more than the marker is missing.
+/// Decodes a baseline file without an end marker into `samples`. Returns `false` if more than the
+/// marker is missing.
 ///
-/// A JPEG has no length. But bytes behind a whole image change nothing, and where data is missing they are decoded in its
-/// place: so the file is decoded with different bytes behind it, whose first bits differ, and it is whole if the pictures are equal.
+/// A JPEG does not contain its length. Bytes after a complete image change nothing, but bytes after
+/// an incomplete one are decoded in place of the missing data. The file is therefore decoded twice,
+/// followed by bytes whose first bits differ. It is complete if the pictures are equal.
 pub(super) fn decode_without_end(
     file: &[u8],
     [width, height]: [u32; 2],
     samples: &mut [u8],
 ) -> bool {
-    // More than the decoder reads ahead, which is 8.
+    // More than the 8 bytes that the decoder reads ahead.
     const BEHIND: usize = 32;
-    // The first byte of the marker may be left.
+    // The first byte of the end marker may be present.
     let whole = file.strip_suffix(&[0xff]).unwrap_or(file);
     let mut decoder = Mjpeg::new(width, height);
     let mut decode = |byte: u8, samples: &mut [u8]| {
@@ -121,15 +124,15 @@ pub(super) fn decode_without_end(
     bytes.all(|byte| decode(byte, &mut other) && other == samples)
 }
 
-/// Width and height in pixels, by the start of frame.
+/// Width and height in pixels, from the start of frame.
 pub(super) fn size(file: &[u8]) -> Option<[u16; 2]> {
     let (_, body) = head(file).find(|&(marker, _)| is_start_of_frame(marker))?;
     let &[_, h, e, w, i] = body.first_chunk()?;
     Some([[w, i], [h, e]].map(u16::from_be_bytes))
 }
 
-/// Returns true if a picture of the same size follows the first one at once: a stream, not a picture with a
-/// preview or a short film behind it.
+/// Returns true if a picture of the same size directly follows the first one. The file is then a
+/// stream, not a picture followed by a preview or a short film.
 pub(super) fn is_stream(file: &[u8]) -> bool {
     // Cameras that append pictures list them in a segment (CIPA DC-007).
     let lists = |(marker, body): (u8, &[u8])| marker == 0xe2 && body.starts_with(b"MPF\0");

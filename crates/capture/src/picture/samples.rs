@@ -1,14 +1,15 @@
-//! Samples of a decoder as the pixels of a picture: alpha is left out, 16 bits become 8.
+//! Converts a decoder's samples to the pixels of a picture: drops alpha, reduces 16 bits to 8.
 
 use image::ColorType;
 
 use crate::bits::{self, Bits};
 
-/// Looks at how many bits the samples of a picture have; a sentence where it changes what they mean.
+/// Takes note of how many bits a picture's samples have. Returns a sentence if that changes their
+/// meaning.
 pub(super) fn see_bits(bits: &mut Bits, color: ColorType, full: &[u8]) -> Option<String> {
     match color {
         ColorType::L16 | ColorType::Rgb16 => bits.see(bits::largest(full)),
-        // Alpha is white where the picture is not clear, and tells nothing.
+        // Alpha is white where the picture is opaque, which says nothing about the bits.
         ColorType::La16 => bits.see(largest_color::<2>(full)),
         ColorType::Rgba16 => bits.see(largest_color::<4>(full)),
         _ => None,
@@ -21,7 +22,7 @@ fn largest_color<const CHANNELS: usize>(full: &[u8]) -> u16 {
     colors.max().unwrap_or(0)
 }
 
-/// Reduces samples to `pixels`. 16 bits become the nearest of 8: 65535 is 255.
+/// Reduces samples to `pixels`. 16-bit samples are rounded to 8 bits, so that 65535 becomes 255.
 ///
 /// # Errors
 /// The pixels are of a kind that lariat does not know.

@@ -1,7 +1,9 @@
-//! Baseline JPEGs with a scan for each channel and fewer rows of colour than of brightness (`jpegtran -scans`).
+//! Decodes baseline JPEGs with one scan per channel and fewer rows of color than of brightness
+//! (`jpegtran -scans`).
 //!
-//! zune-jpeg 0.5 decodes these to stripes without an error (its issues 419, 422 and 448). A scan of one channel is coded as a
-//! gray picture of the channel's own size is (ITU-T T.81, A.2.2), and those it decodes well: so each becomes one.
+//! zune-jpeg 0.5 silently decodes them to stripes (its issues 419, 422 and 448). A scan of one
+//! channel is coded like a gray picture of the channel's size (ITU-T T.81, A.2.2). zune-jpeg
+//! decodes such pictures correctly, so each scan is converted to one.
 
 use crate::color_range::ColorRange;
 use crate::mjpeg::Mjpeg;
@@ -13,7 +15,7 @@ const QUANTIZATION: u8 = 0xdb;
 const HUFFMAN: u8 = 0xc4;
 const RESTART_INTERVAL: u8 = 0xdd;
 
-/// Returns true if a file is one of these.
+/// Returns true if a file has such scans.
 pub(super) fn has_low_color_scans(file: &[u8]) -> bool {
     let mut rows = None;
     for (marker, body) in head(file) {
@@ -41,7 +43,8 @@ struct Channel {
     samples: Option<Vec<u8>>,
 }
 
-/// Decodes a file into `pixels`, three bytes each; false if it is damaged, or two channels share a scan.
+/// Decodes a file into `pixels`, three bytes each. Returns `false` if it is damaged or if two
+/// channels share a scan.
 pub(super) fn decode(file: &[u8], pixels: &mut [u8]) -> bool {
     read(file, pixels).is_some()
 }
@@ -81,7 +84,7 @@ fn read(file: &[u8], pixels: &mut [u8]) -> Option<()> {
     write(size, &channels, pixels)
 }
 
-/// The picture's size, and its channels by a start of frame.
+/// Reads the picture's size and its channels from a start of frame.
 fn frame(body: &[u8]) -> Option<([usize; 2], Vec<Channel>)> {
     let (&[_, h, e, w, i, _], channels) = body.split_first_chunk()?;
     let size = [[w, i], [h, e]].map(|side| usize::from(u16::from_be_bytes(side)));
@@ -112,7 +115,8 @@ impl Channel {
         self.samples.as_ref().map(|_| ())
     }
 
-    /// The sample at a pixel of a picture of this size: linear between the samples, which lie in the middle of their pixels.
+    /// Returns the value at a pixel of a picture of this size, by linear interpolation. A sample is
+    /// at the center of the pixels that it covers.
     fn at(&self, size: [usize; 2], pixel: [usize; 2]) -> u8 {
         let place = |axis: usize| {
             let (samples, pixels) = (self.size[axis], size[axis]);
@@ -137,7 +141,7 @@ impl Channel {
     }
 }
 
-/// Writes the channels as red, green and blue.
+/// Writes the channels as RGB.
 fn write(size: [usize; 2], channels: &[Channel], pixels: &mut [u8]) -> Option<()> {
     let [y, u, v] = channels else {
         return None;

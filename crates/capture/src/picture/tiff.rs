@@ -1,30 +1,30 @@
-//! The directories of a TIFF file (TIFF 6.0, and BigTIFF with its longer numbers): the number of its pictures and the
-//! kind of their samples. `image` decodes them; it tells neither.
+//! Reads the directories of a TIFF file (TIFF 6.0, and BigTIFF with its longer numbers): the number
+//! of pictures and the kind of their samples. `image` decodes the pictures but reports neither.
 
-/// Directories that are followed: a broken file may list them in a circle.
+/// Maximum number of directories read. A broken file may list them in a circle.
 const MOST: usize = 1 << 12;
 
 const NEW_SUBFILE_TYPE: u64 = 254;
 const PHOTOMETRIC: u64 = 262;
 const SAMPLE_FORMAT: u64 = 339;
 
-/// The facts about a file's pictures.
+/// Properties of a file's pictures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Directories {
-    /// Pictures, without smaller copies and masks of them.
+    /// Number of pictures, without reduced copies and masks.
     pub(super) pictures: usize,
-    /// True if the samples of the first are floating-point numbers.
+    /// True if the first picture's samples are floating-point numbers.
     pub(super) has_floats: bool,
-    /// True if they are places in a palette.
+    /// True if they are palette indices.
     pub(super) has_palette: bool,
 }
 
 impl Directories {
-    /// Reads as far as the file is whole.
+    /// Reads as much of the file as is intact.
     pub(super) fn of(file: &[u8]) -> Self {
         let mut found = Self::default();
         if let Some(numbers) = Numbers::of(file) {
-            // A damaged directory ends it: the decoder tells what is wrong.
+            // Stops at a damaged directory; the decoder reports what is wrong.
             let _ = found.read(&numbers);
         }
         found
@@ -58,7 +58,7 @@ impl Directories {
     }
 }
 
-/// A file's numbers, in its byte order.
+/// Reads numbers in the file's byte order.
 struct Numbers<'a> {
     file: &'a [u8],
     is_little: bool,
@@ -81,7 +81,7 @@ impl<'a> Numbers<'a> {
         })
     }
 
-    /// The number that has this many bytes at a place.
+    /// Returns the number with this many bytes at a position.
     fn number(&self, at: u64, bytes: u64) -> Option<u64> {
         let at = usize::try_from(at).ok()?;
         let bytes = self.file.get(at..at.checked_add(bytes as usize)?)?;
@@ -93,7 +93,7 @@ impl<'a> Numbers<'a> {
         })
     }
 
-    /// The first value of an entry of whole numbers, which are in it if they fit.
+    /// First value of an integer entry. Values are stored in the entry itself if they fit.
     fn value(&self, entry: u64) -> Option<u64> {
         let long = if self.is_big { 8 } else { 4 };
         let bytes = match self.number(entry + 2, 2)? {

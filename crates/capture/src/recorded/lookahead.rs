@@ -1,17 +1,17 @@
-//! The truth of a frame stands somewhere behind it in the recording: a few messages are read ahead for it.
+//! Reads a few messages ahead, because a frame's truth comes after the frame in a recording.
 
 use std::collections::VecDeque;
 
 use lariat_message::{Centerlines, FrameHeader, Trace};
 use lariat_record::{Entry, Frame, Messages, Pixels, RecordingError};
 
-/// Frames that are read ahead at most: a truth that is not there by then was not recorded. The recorder takes both up
-/// within a wake of each other.
+/// Maximum number of frames read ahead. If a truth has not come by then, the recording lacks it:
+/// the recorder takes up both within one wake of each other.
 const FRAMES: usize = 4;
-/// Truths that wait for their frame.
+/// Maximum number of truths that wait for their frame.
 const TRUTHS: usize = 16;
 
-/// A frame that was met on the way to a truth.
+/// A frame read while looking for a truth.
 pub(super) struct Stashed {
     pub(super) header: FrameHeader,
     pub(super) log_time_ns: u64,
@@ -40,17 +40,17 @@ impl Stashed {
     }
 }
 
-/// What was read and not yet shown.
+/// Messages that were read but not yet shown.
 pub(super) struct Lookahead {
     has_truth: bool,
     frames: VecDeque<Stashed>,
-    /// Room for frames.
+    /// Spare buffers for frames.
     spare: Vec<Vec<u8>>,
-    /// In the order of their frames.
+    /// Truths, in the order of their frames.
     truths: VecDeque<Box<Centerlines>>,
-    /// The frame whose truth is asked for.
+    /// The frame whose truth is requested.
     asked: Trace,
-    /// What was wrong on the way.
+    /// Error of the last read ahead.
     error: Option<RecordingError>,
 }
 
@@ -66,7 +66,7 @@ impl Lookahead {
         }
     }
 
-    /// Forgets all.
+    /// Discards all frames and truths.
     pub(super) fn clear(&mut self) {
         self.truths.clear();
         while let Some(stashed) = self.frames.pop_front() {
@@ -74,12 +74,12 @@ impl Lookahead {
         }
     }
 
-    /// What was wrong with the messages that were passed, to be said.
+    /// Returns the error that ended the last read ahead, so that it can be reported.
     pub(super) fn take_error(&mut self) -> Option<RecordingError> {
         self.error.take()
     }
 
-    /// The first of the frames that were met, to be given back as [room](Self::keep_room).
+    /// The first frame read ahead. Give its buffer back through [`keep_room`](Self::keep_room).
     pub(super) fn next_frame(&mut self) -> Option<Stashed> {
         self.frames.pop_front()
     }
@@ -89,7 +89,7 @@ impl Lookahead {
     }
 
     pub(super) fn truth_came(&mut self, truth: &Centerlines) {
-        // The oldest make room.
+        // Reuse the oldest one's memory.
         let old = (self.truths.len() >= TRUTHS).then(|| self.truths.pop_front());
         let mut room = old
             .flatten()
@@ -98,7 +98,7 @@ impl Lookahead {
         self.truths.push_back(room);
     }
 
-    /// Reads on until the truth of this frame has come, or cannot come any more.
+    /// Reads on until the truth of this frame has come, or can no longer come.
     pub(super) fn look_for_truth(&mut self, frame: &FrameHeader, messages: &mut Messages) {
         self.asked = frame.trace;
         while self.has_truth && !self.is_settled() && self.frames.len() < FRAMES {
@@ -115,7 +115,7 @@ impl Lookahead {
         }
     }
 
-    /// Whether the truth has come, or that of a later frame.
+    /// Returns whether the truth of this frame, or of a later one, has come.
     fn is_settled(&self) -> bool {
         let captured = self.asked.captured;
         let newest = self.truths.back();
@@ -141,7 +141,7 @@ impl Lookahead {
         });
     }
 
-    /// The truth of the frame that was asked for.
+    /// Copies the truth of the requested frame.
     pub(super) fn truth(&mut self, into: &mut Centerlines) -> bool {
         let asked = self.asked;
         let is_it = |truth: &Centerlines| {

@@ -1,38 +1,41 @@
-//! When a recording's frames are shown: as far apart as their stamps, where these can be those of a camera.
+//! Decides when a recording's frames are shown: as far apart as their stamps, where a camera could
+//! have made these.
 //!
-//! Stamps of several sessions in one recording jump, a clock that was set runs backward or jumps, and some drivers stamp every frame
-//! alike. A recording that is shown by such stamps stands still, or shows all at once. So a step that cannot be one is replaced,
-//! and a sentence says so, once for each kind.
+//! Stamps jump where several sessions are in one recording or where a clock was set, which can also
+//! make them run backward. Some drivers give every frame the same stamp. Shown by such stamps, a
+//! recording would stall or play all at once. Each implausible step is therefore replaced, and each
+//! kind of fault is reported once.
 
 use lariat_message::{FrameHeader, Trace};
 
 use crate::ahead::Moment;
 
-/// No more frames are lost between two: further on it is another count.
+/// Maximum number of frames lost between two; a larger step is a new count.
 const MOST_LOST: u64 = u32::MAX as u64;
-/// The longest step that is waited for. Ten seconds is how long people keep their attention on a program that does not move
-/// (J. Nielsen, *Usability Engineering*, 1993, section 5.5).
+/// Longest step that is waited for. Ten seconds is the limit for keeping a user's attention on a
+/// program that does not respond (J. Nielsen, *Usability Engineering*, 1993, section 5.5).
 const LONGEST_NS: u64 = 10_000_000_000;
-/// The most that a step by the stamps may exceed that by the recorder's clock: queues between camera and recorder are shorter.
+/// Maximum excess of a step by the stamps over the step by the recorder's clock. Queues between the
+/// camera and the recorder are shorter.
 const MOST_AHEAD_NS: u64 = 1_000_000_000;
-/// The period of frames without any other: a thirtieth of a second, the usual camera's.
+/// Period of frames without any other, as of a common camera: a thirtieth of a second.
 const USUAL_NS: u64 = 1_000_000_000 / 30;
 
-/// Places frames on the time of their pass.
+/// Maps frames to times within their pass.
 #[derive(Debug, Default)]
 pub(super) struct Timing {
     last: Option<Last>,
-    /// The last step between two frames that could be one.
+    /// The last plausible step between two frames.
     period_ns: Option<u64>,
     said: [bool; 3],
     news: Option<String>,
 }
 
-/// The frame that was read last, shown or not, as of the pass's first.
+/// The last frame read, shown or not, relative to the first frame of the pass.
 #[derive(Debug, Clone, Copy)]
 struct Last {
     sequence: u64,
-    /// Frames of the source since the first one.
+    /// Number of the source's frames since the first one.
     steps: u64,
     exposed_ns: u64,
     log_time_ns: u64,
@@ -40,7 +43,7 @@ struct Last {
     after_ns: u64,
 }
 
-/// Why a step between two stamps is not that of a camera.
+/// Why the step between two stamps is implausible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fault {
     Jump,
@@ -49,17 +52,18 @@ enum Fault {
 }
 
 impl Timing {
-    /// Begins another pass.
+    /// Starts another pass.
     pub(super) fn restart(&mut self) {
         (self.last, self.period_ns) = (None, None);
     }
 
-    /// A sentence about stamps that were replaced, once.
+    /// Returns a sentence about replaced stamps, once.
     pub(super) fn take_news(&mut self) -> Option<String> {
         self.news.take()
     }
 
-    /// Places the next frame in its pass; none if it is left out. The recorder wrote it at `log_time_ns`.
+    /// Places the next frame in its pass. Returns `None` if the frame is left out. The recorder
+    /// wrote it at `log_time_ns`.
     pub(super) fn place(
         &mut self,
         every: u64,
@@ -74,7 +78,7 @@ impl Timing {
         let (steps, after_ns) = match self.last {
             None => (0, 0),
             Some(last) => {
-                // A source that restarted while it was recorded counts from 1 again.
+                // A source that restarted during the recording counts from 1 again.
                 let step = sequence.checked_sub(last.sequence).unwrap_or(1);
                 let step = if step > MOST_LOST { 1 } else { step.max(1) };
                 let steps = last.steps.saturating_add(step);
@@ -95,7 +99,7 @@ impl Timing {
         })
     }
 
-    /// The time from the last frame to this one, `step` frames of the source later.
+    /// Time from the last frame to this one, which is `step` frames of the source later.
     fn step_ns(
         &mut self,
         last: Last,
@@ -146,7 +150,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// The times at which frames of these stamps and log times are shown, ms; and the notices.
+    /// Times at which frames with these stamps and log times are shown, in ms, and the notices.
     fn shown(frames: &[(u64, u64)]) -> (Vec<u64>, Vec<String>) {
         let mut timing = Timing::default();
         let mut said = Vec::new();
@@ -172,7 +176,7 @@ mod tests {
             said[0].starts_with("frame 3 is stamped 3600.0 s after"),
             "{said:?}"
         );
-        // Also where the recorder waited as long.
+        // The same if the recorder also waited that long.
         assert_eq!(
             shown(&[(0, 0), (33, 33), (H, H), (H + 33, H + 33)]).0,
             [0, 33, 66, 99]

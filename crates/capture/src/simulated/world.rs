@@ -1,4 +1,5 @@
-//! What is simulated, and who sees it: a rope on a table by a camera above, or a lifted one by a colour and a depth camera.
+//! The simulated world and its cameras: a rope on a table under a camera, or a lifted rope in front
+//! of a color and a depth camera.
 
 use lariat_drawn::{Scene, SpaceScene};
 use lariat_message::{Centerlines, Command, Descriptors3, MAX_GRIPPERS};
@@ -55,7 +56,7 @@ impl World {
         }
     }
 
-    /// Looks at it, so long after the first frame.
+    /// Draws the world, `time_s` after the first frame.
     pub(super) fn draw(&mut self, time_s: f64) {
         match self {
             Self::Flat(of) => of.1.draw(&of.0, time_s),

@@ -1,9 +1,10 @@
-//! A camera as a source of frames, through whatever happens to it.
+//! A camera as a source of frames that recovers from errors.
 //!
-//! It streams, or it is down: stopped by an error, or gone. When it is down it is started again, or opened again when its
-//! name comes back, after pauses that double ([`Recovery`]); it is never given up once it has shown a frame. Whoever waits
-//! for frames meanwhile is given *blank* ones ([`Frame::blank`]) as soon as the camera has been silent for too long
-//! ([`Silence`]): with them the stages behind say what they know, which is that their ropes are lost from sight.
+//! The camera either streams or is down: stopped by an error, or gone. When it is down, it is
+//! started again, or opened again once its name is back, after pauses that double ([`Recovery`]). A
+//! camera that has shown a frame is never given up. If it has been silent for too long
+//! ([`Silence`]), the source yields *blank* frames ([`Frame::blank`]). They tell later stages that
+//! their ropes are out of sight.
 
 mod down;
 mod frames;
@@ -28,46 +29,47 @@ use crate::mjpeg::Mjpeg;
 use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 
-/// Slots in the driver's hands: one that is filled, and three for when a frame is late to be sent and replaced.
+/// Number of slots that the driver holds: one being filled, and three in case a frame is sent and
+/// replaced late.
 const SLOTS: usize = 4;
 
-/// How frames come from the driver.
+/// How frames are transferred from the driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Io {
-    /// Straight into shared memory if the driver can, else by one copy.
+    /// Straight into shared memory if the driver supports it, otherwise with one copy.
     #[default]
     Auto,
-    /// Straight into shared memory (`V4L2_MEMORY_USERPTR`), or not at all.
+    /// Straight into shared memory (`V4L2_MEMORY_USERPTR`), or fail.
     UserPointer,
-    /// By one copy from the driver's own memory (`V4L2_MEMORY_MMAP`).
+    /// With one copy from the driver's own memory (`V4L2_MEMORY_MMAP`).
     Mapped,
 }
 
-/// What the camera is set to.
+/// Negotiated format of a camera's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
     pub(super) width: u32,
     pub(super) height: u32,
     pub(super) stride: u32,
     pub(super) encoding: Encoding,
-    /// The range of the driver's Y, U and V.
+    /// Range of the driver's Y, U and V.
     pub(super) range: ColorRange,
-    /// What the driver needs of memory that it is lent.
+    /// Minimum size of a buffer that is lent to the driver, in bytes.
     pub(super) buffer_bytes: usize,
     pub(super) interval_ns: Option<u64>,
 }
 
 impl Shape {
-    /// The most bytes of a frame.
+    /// Maximum number of bytes in a frame.
     fn frame_bytes(&self) -> usize {
         match self.encoding {
             Encoding::Plain(format) => format.image_bytes(self.stride, self.height),
-            // As `Rgb8`.
+            // Decoded to `Rgb8`.
             Encoding::Jpeg => PixelFormat::Rgb8.row_bytes(self.width) * self.height as usize,
         }
     }
 
-    /// Brings a frame's pixels into full range.
+    /// Expands a frame's pixels to full range.
     fn expand(&self, pixels: &mut [u8]) {
         if let Encoding::Plain(format) = self.encoding {
             let bytes = self.frame_bytes().min(pixels.len());
@@ -76,7 +78,8 @@ impl Shape {
         }
     }
 
-    /// The bytes up to the last row's last pixel: with fewer a frame is cut short. Padding behind it need not be there.
+    /// Number of bytes up to the last row's last pixel. A frame with fewer bytes is cut short; the
+    /// padding after that pixel may be missing.
     fn least_bytes(&self) -> usize {
         match self.encoding {
             Encoding::Plain(format) => {
@@ -88,35 +91,35 @@ impl Shape {
     }
 }
 
-/// How the driver's bytes make a frame.
+/// Encoding of a frame in the driver's buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Plain(PixelFormat),
     Jpeg,
 }
 
-/// What opens the camera, the first time and again.
+/// Opens the camera, the first time and again.
 pub(super) trait Port: Send {
     type Driver: Driver;
 
-    /// Reopens the camera with its first set-up, and returns what differs from it, if anything. Fails if the set-up cannot be
-    /// restored.
+    /// Reopens the camera with its first setup. Returns a sentence about any difference. Fails if
+    /// the setup cannot be restored.
     fn reopen(&mut self) -> Result<(Self::Driver, Option<String>), CameraError>;
 
-    /// The error that a refused call means.
+    /// The error for a refused call.
     fn refusal(&self, call: &'static str, errno: Errno) -> CameraError;
 
-    /// The picture has settled: what is to be done then. A sentence on it.
+    /// Called once the picture has settled. Returns a sentence about what it did.
     fn settled(&mut self, driver: &Self::Driver) -> Option<String>;
 
-    /// The camera is not used any more.
+    /// Called when the camera is no longer used.
     fn leave(&mut self, driver: &Self::Driver);
 }
 
-/// A call of the driver's that failed, and how.
+/// A failed call to the driver, and its error.
 pub(super) type Failure = (&'static str, Errno);
 
-/// Whether there is a driver, and what it does.
+/// State of the driver.
 #[derive(Debug)]
 enum State<D: Driver> {
     Streaming(Stream<D>),
@@ -124,22 +127,22 @@ enum State<D: Driver> {
     Gone,
 }
 
-/// The camera.
+/// A camera that streams or recovers.
 pub(super) struct Camera<P: Port> {
-    // Dropped before the slots: the driver lets go of them.
+    // Dropped before the slots, so that the driver releases them.
     state: State<P::Driver>,
     port: P,
     shape: Shape,
-    /// Of frames that come compressed.
+    /// Decoder of compressed frames.
     decoder: Option<Mjpeg>,
     memory: Memory,
-    /// Whether the memory may be the driver's own if it does not take ours.
+    /// True if the driver may use its own memory when it does not accept ours.
     may_map: bool,
-    /// Slots that were lent and that the driver does not have.
+    /// Lent slots that the driver does not hold.
     slots: Vec<LentSlot>,
     /// A lent slot that the driver refused.
     refused: Option<Failure>,
-    /// The frame just made ready, for who lends no slot.
+    /// The frame just made ready, for a caller that lends no slots.
     spare: Vec<u8>,
     hotplug: Option<Hotplug>,
     sequence: Sequence,
@@ -149,17 +152,17 @@ pub(super) struct Camera<P: Port> {
     damaged: Losses,
     undecoded: Losses,
     has_shown: bool,
-    /// When the picture has settled.
+    /// When the picture will have settled.
     settles_ns: Option<u64>,
-    /// When the exposure time is read next.
+    /// When to read the exposure time next.
     exposure_at_ns: u64,
     told: Told,
 }
 
-/// What there is to say.
+/// Queued messages.
 #[derive(Debug, Default)]
 struct Told {
-    /// What the camera is called in it.
+    /// The camera's name in messages.
     name: String,
     warnings: VecDeque<String>,
     news: VecDeque<String>,
@@ -176,7 +179,8 @@ impl Told {
 }
 
 impl<P: Port> Camera<P> {
-    /// A camera that was opened and set up, and streams when it is first asked for a frame.
+    /// Creates a source from a camera that is open and set up. It starts to stream when the first
+    /// frame is requested.
     pub(super) fn new(
         name: String,
         driver: P::Driver,
@@ -211,14 +215,14 @@ impl<P: Port> Camera<P> {
             },
             state: State::Stopped(driver),
         };
-        // What is decoded is written by us anyway.
+        // Decoded frames are copied in any case.
         if io != Io::Mapped && matches!(shape.encoding, Encoding::Plain(_)) {
             camera.memory = Memory::Lent;
         }
         camera
     }
 
-    /// Has what is known from the start said.
+    /// Queues messages that are known from the start.
     pub(super) fn tell(&mut self, news: String, warnings: Vec<String>) {
         self.told.news.push_back(news);
         self.told.warnings.extend(warnings);
@@ -288,7 +292,7 @@ impl<P: Port> FrameSource for Camera<P> {
 
 impl<P: Port> Drop for Camera<P> {
     fn drop(&mut self) {
-        // Stopped first: controls are put back on a camera at rest.
+        // Stop it first, so that controls are restored while it does not stream.
         match std::mem::replace(&mut self.state, State::Gone) {
             State::Streaming(stream) => {
                 if let Some(driver) = stream.stop(&mut self.slots) {

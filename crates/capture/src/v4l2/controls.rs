@@ -1,7 +1,7 @@
-//! A camera's controls: which there are, and what their names and values mean.
+//! A camera's controls: which ones it has, and what their names and values mean.
 //!
-//! Names are those that `v4l2-ctl` shows: the driver's words in small letters, joined by `_`. Kernels have renamed some of
-//! them; either name is understood ([`RENAMED`]).
+//! Names are those that `v4l2-ctl` shows: the driver's words in lower case, joined by `_`. Kernels
+//! have renamed some controls; both names are accepted ([`RENAMED`]).
 
 mod adjust;
 mod value;
@@ -17,33 +17,33 @@ use super::sys;
 pub(crate) use adjust::Adjusted;
 pub use value::ControlError;
 
-/// What is wanted of a camera's controls.
+/// Requested settings of a camera's controls.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ControlSettings {
     /// Names and values.
     pub values: Vec<(String, String)>,
-    /// Whether exposure, white balance, gain and focus stay as they are once the picture has settled.
+    /// True to freeze exposure, white balance, gain and focus once the picture has settled.
     pub lock: bool,
-    /// Whether at the end all is put back as it was.
+    /// True to restore all controls at the end.
     pub restore: bool,
 }
 
-/// What kind of value a control has.
+/// Kind of a control's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ControlKind {
-    /// A whole number in a range.
+    /// An integer in a range.
     Integer,
     /// On or off.
     Boolean,
-    /// One of a few that have names.
+    /// One of a few named values.
     Menu,
     /// One of a few numbers.
     IntegerMenu,
-    /// Bits.
+    /// A bit mask.
     Bitmask,
-    /// Does something when it is set, and has no value.
+    /// An action without a value, which setting it triggers.
     Button,
-    /// Text, an array or a structure: shown, not set.
+    /// Text, an array or a structure: shown, but not set.
     Other,
 }
 
@@ -63,32 +63,32 @@ impl fmt::Display for ControlKind {
 /// A control.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Control {
-    /// The kernel's number for it.
+    /// The kernel's number of the control.
     pub id: u32,
-    /// Its name as `v4l2-ctl` has it.
+    /// Its name as `v4l2-ctl` shows it.
     pub name: String,
-    /// What its value is.
+    /// Kind of its value.
     pub kind: ControlKind,
-    /// The least value.
+    /// Smallest value.
     pub minimum: i64,
-    /// The largest value.
+    /// Largest value.
     pub maximum: i64,
-    /// From one value to the next; at least 1.
+    /// Step between values, at least 1.
     pub step: i64,
-    /// As it is when the camera is new.
+    /// Value when the camera is new.
     pub default: i64,
-    /// Its value now; `None` if it has none, or cannot be read.
+    /// Current value; `None` without a value, or if it cannot be read.
     pub value: Option<i64>,
     /// Index and name of each item of a menu.
     pub items: Vec<(i64, String)>,
-    /// Cannot be set, ever.
+    /// True if it can never be set.
     pub read_only: bool,
-    /// Has no effect now, because another control does its work.
+    /// True if it is ineffective now, because another control does its work.
     pub inactive: bool,
     is_64_bit: bool,
 }
 
-/// Old and new names of what is the same control, as kernels since 5.13 call them.
+/// Old and new names of the same control. Kernels since 5.13 use the new ones.
 const RENAMED: [(&str, &str); 7] = [
     ("exposure_auto", "auto_exposure"),
     ("exposure_absolute", "exposure_time_absolute"),
@@ -99,14 +99,15 @@ const RENAMED: [(&str, &str); 7] = [
     ("autogain", "gain_automatic"),
 ];
 
-/// A control's name as `v4l2-ctl` shows it: letters and digits, in small letters, and `_` for whatever is between.
+/// A control's name as `v4l2-ctl` shows it: letters and digits in lower case, and `_` for
+/// everything between them.
 fn variable_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
     words.join("_").to_ascii_lowercase()
 }
 
-/// The control of this name, or of the same under its older or newer one.
+/// Finds the control with this name, or with its older or newer name.
 fn find<'a>(controls: &'a [Control], name: &str) -> Option<&'a Control> {
     let name = variable_name(name);
     let by = |name: &str| controls.iter().find(|control| control.name == name);
@@ -120,11 +121,11 @@ fn find<'a>(controls: &'a [Control], name: &str) -> Option<&'a Control> {
     })
 }
 
-/// More controls than a camera has: a driver that never ends its list is not followed for ever.
+/// Limit on the number of controls, in case a driver never ends its list.
 const MOST: usize = 1024;
 
 impl Device {
-    /// All controls, with their present values.
+    /// Returns all controls with their current values.
     pub(crate) fn controls(&self) -> Vec<Control> {
         let mut controls = Vec::new();
         let mut id = 0;
@@ -132,7 +133,7 @@ impl Device {
             let Some(query) = self.control_after(id) else {
                 break;
             };
-            // A driver that answers with what was there before would be asked for ever.
+            // Ends the loop if a driver repeats an earlier answer.
             if query.id <= id {
                 break;
             }
@@ -154,7 +155,7 @@ impl Device {
             Err(Errno::NOTTY) => {}
             Err(_) => return None,
         }
-        // Kernels before 3.17, and drivers with an interface of their own.
+        // For kernels before 3.17, and drivers with an interface of their own.
         let mut query = sys::QueryControl {
             id: id | sys::NEXT_CONTROL,
             ..Default::default()
@@ -192,7 +193,7 @@ impl Device {
         let has_value = !matches!(kind, ControlKind::Button | ControlKind::Other)
             && !has(sys::CTRL_FLAG_WRITE_ONLY);
         let is_64_bit = query.kind == sys::CTRL_TYPE_INTEGER64;
-        // A mask of bits is meant without sign, but comes through a signed number.
+        // A bit mask is unsigned but is transferred as a signed number.
         let unsigned = |value: i64| match kind {
             ControlKind::Bitmask => value & 0xffff_ffff,
             _ => value,
@@ -260,7 +261,7 @@ impl Device {
         }
     }
 
-    /// For how long a frame is exposed, ns, where the camera says it.
+    /// Exposure time of a frame in ns, if the camera reports it.
     pub(crate) fn exposure_ns(&self) -> Option<u64> {
         // In units of 100 µs.
         let units = self.control_value(sys::CID_EXPOSURE_ABSOLUTE, false).ok()?;

@@ -1,4 +1,4 @@
-//! A camera's node, opened and known to be one that gives pictures.
+//! An open video node that is known to be a camera.
 
 use std::fs;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -20,25 +20,25 @@ pub(crate) struct Device {
     buffer_type: u32,
 }
 
-/// What a node says of itself.
+/// A node's description of itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct About {
     /// The camera's name.
     pub(crate) card: String,
     pub(crate) driver: String,
-    /// Where it is plugged in.
+    /// The port that the camera is plugged into.
     pub(crate) bus: String,
     pub(super) role: Role,
 }
 
-/// What a node is there for.
+/// Purpose of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Gives pictures; `planes`: by the multi-planar interface.
+    /// Delivers pictures. `planes` is true for the multi-planar interface.
     Camera {
         planes: bool,
     },
-    /// Gives pictures, but not by streaming.
+    /// Delivers pictures, but cannot stream.
     ReadOnly,
     Metadata,
     Output,
@@ -50,7 +50,7 @@ pub(super) enum Role {
 }
 
 impl Role {
-    /// By `V4L2_CAP_*`.
+    /// Determines the role from `V4L2_CAP_*`.
     fn of(caps: u32) -> Self {
         let has = |any: u32| caps & any != 0;
         if has(sys::CAP_VIDEO_M2M | sys::CAP_VIDEO_M2M_MPLANE) {
@@ -83,7 +83,8 @@ impl Device {
     /// Opens the camera at `path`.
     ///
     /// # Errors
-    /// There is nothing, it may not be opened, another program has it, or it is something else than a camera.
+    /// The path does not exist, may not be opened, is in use by another program, or is not a
+    /// camera.
     pub(crate) fn open(path: &Path) -> Result<Self, CameraError> {
         let (fd, about) = open_node(path)?;
         let Role::Camera { planes } = about.role else {
@@ -104,27 +105,27 @@ impl Device {
         })
     }
 
-    /// The path it was opened by.
+    /// The path that it was opened with.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What it says of itself.
+    /// Its description of itself.
     pub(crate) fn about(&self) -> &About {
         &self.about
     }
 
-    /// The buffer type that every call names: single- or multi-planar.
+    /// The single- or multi-planar buffer type that every call needs.
     pub(crate) fn buffer_type(&self) -> u32 {
         self.buffer_type
     }
 
-    /// Whether it is multi-planar.
+    /// Returns whether it is multi-planar.
     pub(crate) fn has_planes(&self) -> bool {
         self.buffer_type == sys::BUF_TYPE_CAPTURE_MPLANE
     }
 
-    /// The error that the kernel's refusal means; `doing` completes "it cannot …".
+    /// The error for the kernel's refusal; `doing` completes "it cannot …".
     pub(crate) fn refusal(&self, doing: &'static str, errno: Errno) -> CameraError {
         refusal(&self.path, doing, errno)
     }
@@ -136,7 +137,7 @@ impl AsFd for Device {
     }
 }
 
-/// The error that the kernel's refusal means; `doing` completes "it cannot …".
+/// The error for the kernel's refusal; `doing` completes "it cannot …".
 pub(super) fn refusal(path: &Path, doing: &'static str, errno: Errno) -> CameraError {
     let path = path.to_owned();
     match errno {
@@ -156,7 +157,7 @@ pub(super) fn refusal(path: &Path, doing: &'static str, errno: Errno) -> CameraE
     }
 }
 
-/// Opens any video node and asks what it is.
+/// Opens any video node and queries what it is.
 pub(super) fn open_node(path: &Path) -> Result<(OwnedFd, About), CameraError> {
     let not_a_camera = |what: &str| CameraError::NotACamera {
         path: path.to_owned(),
@@ -214,13 +215,13 @@ fn about(capability: &sys::Capability) -> About {
     }
 }
 
-/// A text of the kernel's, which ends with a zero.
+/// Converts a zero-terminated text from the kernel.
 pub(super) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end]).trim().to_owned()
 }
 
-/// The nodes that are cameras, with their names, as far as they can be asked.
+/// Lists the nodes that are cameras and can be queried, with their descriptions.
 pub(super) fn cameras() -> Vec<(PathBuf, About)> {
     nodes::all()
         .into_iter()
@@ -229,21 +230,21 @@ pub(super) fn cameras() -> Vec<(PathBuf, About)> {
         .collect()
 }
 
-/// Which cameras there are, for the end of a sentence.
+/// Lists the cameras for the end of a sentence.
 fn the_cameras() -> String {
     let all: Vec<_> = cameras()
         .iter()
         .map(|(path, about)| format!("{} ({})", path.display(), about.card))
         .collect();
     match all.len() {
-        0 => "no camera is to be seen on this machine; plug one in and look with `lariat devices`"
+        0 => "no camera found on this machine; plug one in and check with `lariat devices`"
             .to_owned(),
         1 => format!("the camera here is {}", all[0]),
         _ => format!("the cameras here are {}", all.join(", ")),
     }
 }
 
-/// What a node is that is no camera, and what to name instead.
+/// Says what a node is if not a camera, and what to name instead.
 fn what_instead(path: &Path, about: &About) -> String {
     let what = match about.role {
         Role::Metadata => "it gives the pictures' metadata, not the pictures",
@@ -282,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_node_is_what_its_capabilities_say() {
-        // As `v4l2-ctl --info` shows the device capabilities of real nodes.
+        // Device capabilities of real nodes as `v4l2-ctl --info` shows them.
         for (caps, role) in [
             (0x0420_0001, Role::Camera { planes: false }), // a USB camera
             (0x04a0_0000, Role::Metadata),                 // the second node of a USB camera

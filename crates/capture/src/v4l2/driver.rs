@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // Memory is mapped from a driver, and lent to it.
-//! What streaming asks of a camera's driver: the few calls behind [`Stream`](super::stream::Stream).
+#![allow(unsafe_code)] // Maps memory from a driver and lends memory to it.
+//! The calls of a camera's driver that streaming needs, behind [`Stream`](super::stream::Stream).
 
 use std::os::fd::{AsFd, BorrowedFd};
 use std::ptr::NonNull;
@@ -11,12 +11,12 @@ use super::device::Device;
 use super::stamp::DriverTime;
 use super::sys;
 
-/// Where a frame's memory comes from.
+/// Owner of a frame's memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Memory {
-    /// The driver's own, mapped: a frame is copied from there.
+    /// The driver's own memory, mapped. Frames are copied from it.
     Mapped,
-    /// Ours: the driver writes into it.
+    /// Our memory, which the driver writes into.
     Lent,
 }
 
@@ -29,58 +29,58 @@ impl Memory {
     }
 }
 
-/// A buffer that the driver has filled, or failed to.
+/// A buffer that the driver has filled, or failed to fill.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Filled {
     pub(super) index: usize,
-    /// Where in the buffer the frame begins, and how many bytes it has.
+    /// Offset of the frame in the buffer, and its length in bytes.
     pub(super) offset: usize,
     pub(super) bytes: usize,
     pub(super) sequence: u32,
     pub(super) time: DriverTime,
-    /// Whether the driver says that the frame is damaged.
+    /// True if the driver reports that the frame is damaged.
     pub(super) is_damaged: bool,
 }
 
-/// A camera's driver, opened and set up.
+/// The driver of a camera that is open and set up.
 pub(super) trait Driver: Send {
-    /// Ready to be read from when a frame is.
+    /// Descriptor that becomes readable when a frame is ready.
     fn fd(&self) -> BorrowedFd<'_>;
 
-    /// Asks for so many buffers, 0 to give them up; says how many there are.
+    /// Requests this many buffers, 0 to free them. Returns how many there are.
     fn request(&self, memory: Memory, count: usize) -> Result<usize>;
 
-    /// Maps a buffer of the driver's own.
+    /// Maps one of the driver's own buffers.
     fn map(&self, index: usize) -> Result<Mapping>;
 
-    /// Has a buffer filled: the driver's own, or `lent` memory.
+    /// Queues a buffer to be filled: the driver's own, or `lent` memory.
     ///
     /// # Safety
-    /// Lent memory stays valid, and nobody touches it, until the buffer is dequeued, streaming has been stopped with
-    /// success, or the driver is dropped.
+    /// Lent memory must stay valid and untouched until the buffer is dequeued, streaming has been
+    /// stopped successfully, or the driver is dropped.
     unsafe fn queue(&self, index: usize, lent: Option<NonNull<[u8]>>) -> Result<()>;
 
-    /// Takes the buffer that was filled first; `AGAIN` if none is.
+    /// Dequeues the buffer that was filled first; `AGAIN` if none is filled.
     fn dequeue(&self, memory: Memory) -> Result<Filled>;
 
-    /// Starts or stops.
+    /// Starts or stops streaming.
     fn stream(&self, on: bool) -> Result<()>;
 
-    /// For how long frames are exposed, where the camera says it.
+    /// Exposure time of frames, if the camera reports it.
     fn exposure_ns(&self) -> Option<u64>;
 }
 
-/// A driver's buffer in this process's memory, to be read while the driver does not fill it.
+/// A driver's buffer mapped into this process, to be read while the driver does not fill it.
 #[derive(Debug)]
 pub(super) struct Mapping(NonNull<[u8]>);
 
-// SAFETY: memory without a tie to a thread.
+// SAFETY: the memory is not tied to a thread.
 unsafe impl Send for Mapping {}
 
 impl Mapping {
     fn new(fd: BorrowedFd, offset: u64, bytes: usize) -> Result<Self> {
         let protection = ProtFlags::READ;
-        // SAFETY: a new mapping, where the kernel likes it; nothing else is there.
+        // SAFETY: a new mapping at an address that the kernel chooses, so nothing else is there.
         let start = unsafe {
             mmap(
                 std::ptr::null_mut(),
@@ -95,16 +95,17 @@ impl Mapping {
         Ok(Self(NonNull::slice_from_raw_parts(start, bytes)))
     }
 
-    /// The bytes. Only between a buffer's dequeuing and its next queuing: the driver writes there else.
+    /// The bytes. Valid only between a buffer's dequeuing and its next queuing, because the driver
+    /// writes there at other times.
     pub(super) fn bytes(&self) -> &[u8] {
-        // SAFETY: mapped for reading until it is dropped, in this length; any byte is a byte.
+        // SAFETY: mapped for reading, in this length, until it is dropped; any byte is valid.
         unsafe { self.0.as_ref() }
     }
 }
 
 #[cfg(test)]
 impl Mapping {
-    /// A fake driver's memory: a file's.
+    /// Maps a file as a fake driver's memory.
     pub(super) fn of_file(file: &std::fs::File, bytes: usize) -> Result<Self> {
         Self::new(file.as_fd(), 0, bytes)
     }
@@ -112,13 +113,14 @@ impl Mapping {
 
 impl Drop for Mapping {
     fn drop(&mut self) {
-        // SAFETY: it was mapped by `new` in this length, and nobody borrows from it any more.
+        // SAFETY: `new` mapped it in this length, and nobody borrows from it any more.
         let _ = unsafe { munmap(self.0.as_ptr().cast(), self.0.len()) };
     }
 }
 
 impl Device {
-    /// An empty buffer, with its plane if the device has planes: lariat takes no format of several memory planes.
+    /// Creates an empty buffer, with one plane in case the device has planes. Lariat accepts no
+    /// format with several memory planes.
     fn buffer(&self, memory: Memory, index: usize) -> (sys::Buffer, [sys::Plane; 1]) {
         let buffer = sys::Buffer {
             index: index as u32,
@@ -171,7 +173,8 @@ impl Driver for Device {
                 (buffer.m, buffer.length) = (address, bytes);
             }
         }
-        // SAFETY: the caller's promise, with streaming stopped by VIDIOC_STREAMOFF, or the only descriptor closed.
+        // SAFETY: by the caller's contract. Streaming is stopped by VIDIOC_STREAMOFF or by closing
+        // the only descriptor.
         unsafe { sys::queue_buffer(self, &mut buffer, &mut planes) }
     }
 
@@ -179,7 +182,7 @@ impl Driver for Device {
         let (mut buffer, mut planes) = self.buffer(memory, 0);
         sys::dequeue_buffer(self, &mut buffer, &mut planes)?;
         let (offset, end) = match self.has_planes() {
-            // Of a plane the used bytes count what stands before the frame.
+            // The used bytes of a plane include those before the frame.
             true => (planes[0].data_offset, planes[0].bytesused),
             false => (0, buffer.bytesused),
         };

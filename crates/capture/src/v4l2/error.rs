@@ -1,4 +1,4 @@
-//! What can be wrong with a camera, each as a sentence with what to do about it.
+//! Errors of a camera, each as a sentence with what to do about it.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,82 +9,82 @@ use super::negotiate::NoCommonFormat;
 /// Why a camera cannot be opened, set up or read.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
-    /// The path leads nowhere.
+    /// The path does not exist.
     #[error("there is no {}: {cameras}", path.display())]
     Absent {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// Which cameras there are.
+        /// The cameras that exist.
         cameras: String,
     },
-    /// The user may not open it.
+    /// The user lacks permission to open it.
     #[error("this user may not open {}: {remedy}", path.display())]
     NoPermission {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// Who may, and what to type.
+        /// The users with permission, and the command that gives it.
         remedy: String,
     },
-    /// Another program has it.
+    /// Another program uses it.
     #[error("{} is in use by {holder}: end that first, a camera shows its pictures to one program at a time", path.display())]
     Busy {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// The program, as far as it can be told.
+        /// The program, as far as it is known.
         holder: String,
     },
-    /// It was unplugged, or its driver has given it up.
+    /// It was unplugged, or its driver has failed.
     #[error("{} does not answer any more ({error}): it was unplugged, or its driver has given up; plug it in again", path.display())]
     Gone {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// What the kernel said.
+        /// The kernel's error.
         error: io::Error,
     },
-    /// It is no device that gives pictures.
+    /// The path is not a device that delivers pictures.
     #[error("{} is no camera: {what}", path.display())]
     NotACamera {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// What it is, and what to name instead.
+        /// Its kind, and what to name instead.
         what: String,
     },
-    /// The camera has nothing that lariat reads, or not what was asked for.
+    /// The camera lacks the requested format, or any format that lariat reads.
     #[error("{}: {why}", path.display())]
     NoCommonFormat {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// What was asked for and what there is.
+        /// The request, and what is available.
         why: NoCommonFormat,
     },
-    /// The driver took another format than the one it was asked for, and had listed.
+    /// The driver set a different format from the requested one, which it had listed.
     #[error("{} was asked for {asked} and set {got}: {remedy}", path.display())]
     OtherFormat {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// The format and size that it was asked for.
+        /// The requested format and size.
         asked: String,
-        /// What it set.
+        /// The format and size that it set.
         got: String,
-        /// What to ask for instead.
+        /// The remedy.
         remedy: String,
     },
-    /// A control that does not exist, or a value that it does not have.
+    /// A control that does not exist, or a value that it does not accept.
     #[error("{}: {why}", path.display())]
     Control {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// Which, and what there is.
+        /// The control, and what is available.
         why: ControlError,
     },
-    /// The kernel refused something that a camera should be able to do.
+    /// The kernel refused a call that a camera should support.
     #[error("{} cannot {doing}: {error}", path.display())]
     Refused {
-        /// As it was named.
+        /// The path as given.
         path: PathBuf,
-        /// What was tried, and the call's name.
+        /// The attempt, and the name of the call.
         doing: &'static str,
-        /// What the kernel said.
+        /// The kernel's error.
         error: io::Error,
     },
 }

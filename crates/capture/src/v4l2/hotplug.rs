@@ -1,4 +1,4 @@
-//! Waits for a device to come back under its name, by inotify on the folders that lead to it.
+//! Waits for a device to come back under its name, by inotify on the folders of its path.
 
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -7,25 +7,26 @@ use std::path::{Path, PathBuf};
 use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
 use rustix::io::Result;
 
-/// Wakes when something happens in a folder on the way to a device.
+/// Wakes when something happens in a folder on the path of a device.
 #[derive(Debug)]
 pub(super) struct Hotplug {
     inotify: OwnedFd,
-    /// The folders of the name, the nearest first: those of `/dev/v4l/by-id` are made with the first camera and gone with
-    /// the last.
+    /// The folders of the path, the nearest first. Those of `/dev/v4l/by-id` appear with the first
+    /// camera and disappear with the last.
     folders: Vec<PathBuf>,
 }
 
-/// What brings a device: its node made or moved in, and opened to others than root a moment later (`ATTRIB`).
+/// Events that announce a device: its node is created or moved in, and then made accessible to
+/// other users than root (`ATTRIB`).
 const EVENTS: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::MOVED_TO)
     .union(WatchFlags::ATTRIB);
 
 impl Hotplug {
-    /// Watches from now on. `device`: an absolute path.
+    /// Starts watching. `device` is an absolute path.
     pub(super) fn watch(device: &Path) -> Result<Self> {
         let inotify = inotify::init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC)?;
-        // `/dev/v4l/by-id`, and what leads there.
+        // `/dev/v4l/by-id` and its parents.
         let folders = device.ancestors().skip(1).take(3);
         let hotplug = Self {
             inotify,
@@ -35,18 +36,18 @@ impl Hotplug {
         Ok(hotplug)
     }
 
-    /// Forgets what has happened; from then on everything new wakes.
+    /// Discards past events; any new one wakes.
     pub(super) fn drain(&self) {
         let mut buffer = [MaybeUninit::uninit(); 1024];
         let mut events = Reader::new(&self.inotify, &mut buffer);
         while events.next().is_ok() {}
-        // A folder that has just been made is watched as well.
+        // Also watches a folder that has just been created.
         self.watch_folders();
     }
 
     fn watch_folders(&self) {
         for folder in &self.folders {
-            // Those that are there; to watch one twice is to watch it once.
+            // Only existing folders are watched. Watching one twice is harmless.
             let _ = inotify::add_watch(&self.inotify, folder, EVENTS);
         }
     }

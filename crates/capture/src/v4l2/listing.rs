@@ -1,4 +1,4 @@
-//! All cameras of this machine, and all that each of them has.
+//! Lists all cameras of this machine with all their properties.
 
 use std::path::PathBuf;
 
@@ -9,27 +9,28 @@ use super::negotiate::{DEFAULT_SIZE, DEPTHS, READABLE};
 use super::nodes;
 use super::offers::{FormatOffer, FourCc};
 
-/// A camera, or a node that could be one but cannot be asked.
+/// A camera, or a node that may be one but cannot be queried.
 #[derive(Debug)]
 pub struct ListedCamera {
-    /// Its node: `/dev/video0`.
+    /// Its node, such as `/dev/video0`.
     pub path: PathBuf,
-    /// Names that stay when the node's number changes: under `/dev/v4l/by-id` and `/dev/v4l/by-path`.
+    /// Names under `/dev/v4l/by-id` and `/dev/v4l/by-path`, which stay the same when the node's
+    /// number changes.
     pub lasting_names: Vec<PathBuf>,
-    /// What it says of itself; or why it cannot be asked.
+    /// Its description, or why it cannot be queried.
     pub about: Result<AboutCamera, CameraError>,
 }
 
-/// What a camera says of itself.
+/// A camera's description of itself.
 #[derive(Debug, Clone)]
 pub struct AboutCamera {
     /// Its name.
     pub name: String,
     /// The kernel's driver.
     pub driver: String,
-    /// Where it is plugged in.
+    /// The port that it is plugged into.
     pub bus: String,
-    /// Whether it has the multi-planar interface.
+    /// True if it has the multi-planar interface.
     pub has_planes: bool,
     /// All pixel formats, with sizes and rates.
     pub formats: Vec<FormatOffer>,
@@ -38,16 +39,17 @@ pub struct AboutCamera {
 }
 
 impl FourCc {
-    /// Whether lariat reads this pixel format, as a picture or as depth.
+    /// Returns whether lariat reads this pixel format, as a picture or as depth.
     pub fn is_readable(self) -> bool {
         READABLE.contains(&self.0) || DEPTHS.contains(&self.0)
     }
 }
 
-/// All cameras, and all nodes that this user may not open, in the order of their numbers. Nothing is changed at any.
+/// Lists all cameras, and all nodes that this user may not open, in the order of their numbers.
+/// Changes nothing.
 pub fn list_cameras() -> Vec<ListedCamera> {
     let is_of_interest = |about: &Result<AboutCamera, CameraError>| {
-        // Codecs, metadata and outputs are no cameras; that needs no explanation where cameras are listed.
+        // Codecs, metadata and outputs are not cameras, and need no explanation in this list.
         !matches!(
             about,
             Err(CameraError::NotACamera { .. } | CameraError::Absent { .. })

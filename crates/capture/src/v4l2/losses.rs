@@ -1,9 +1,9 @@
-//! Frames that a camera gave and that cannot be used: counted, and said once a second at most.
+//! Counts a camera's unusable frames, and reports them at most once per second.
 
-/// Between two sentences.
+/// Minimum time between two reports.
 const PAUSE_NS: u64 = 1_000_000_000;
 
-/// Frames lost at the source, of one cause.
+/// Frames lost at the source for one reason.
 #[derive(Debug, Default)]
 pub(super) struct Losses {
     total: u64,
@@ -12,7 +12,8 @@ pub(super) struct Losses {
 }
 
 impl Losses {
-    /// One more. How many there are to be said now, and how many in all: none, if something was said a moment ago.
+    /// Counts one more frame. Returns the number of unreported frames and the total, or `None` if a
+    /// report was made shortly before.
     pub(super) fn add(&mut self, now_ns: u64) -> Option<(u64, u64)> {
         self.total += 1;
         self.unsaid += 1;

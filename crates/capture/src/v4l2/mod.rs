@@ -1,4 +1,4 @@
-//! Cameras, by the kernel's Video4Linux2 interface.
+//! Cameras, through the kernel's Video4Linux2 interface.
 
 mod camera;
 mod controls;

@@ -1,24 +1,28 @@
-//! Which of a camera's formats, sizes and rates to take.
+//! Chooses a camera's format, size and rate.
 //!
 //! The rule, in this order:
 //!
-//! 1. Only formats that lariat reads ([`READABLE`]; of a depth camera [`DEPTHS`]), or the one that was asked for.
-//! 2. Only the size that was asked for. Without a wish: sizes of about [`DEFAULT_SIZE`], which are those of at least half
-//!    and at most twice as many pixels, or, if there are none, the nearest.
-//! 3. The rate nearest to the one asked for; without a wish the highest. Rates within 2 % are the same (30 and 29.97).
-//! 4. Of what is left, the best format for a mask: uncompressed colours as the camera makes them (those of a mosaic of colour
-//!    filters last, as each pixel has but one of three), then compressed ones,
-//!    which cost a decoder's time and blur the edges of colours, then grey, in which no hue tells rope from table.
-//! 5. Then the size nearest to [`DEFAULT_SIZE`], then the rate.
+//! 1. Only formats that lariat reads ([`READABLE`]; for a depth camera [`DEPTHS`]), or the
+//!    requested one.
+//! 2. Only the requested size. Without a request, only sizes near [`DEFAULT_SIZE`], which have at
+//!    least half and at most twice as many pixels, otherwise the nearest.
+//! 3. The rate nearest to the requested one, otherwise the highest. Rates within 2 % are equal (30
+//!    and 29.97).
+//! 4. The best of the remaining formats for a mask. Uncompressed colors come first, with those of a
+//!    color filter mosaic last, because each pixel has only one of three colors. Compressed colors
+//!    are next: they take time to decode and blur the edges of colors. Gray is last, because
+//!    without hue nothing distinguishes rope from table.
+//! 5. The size nearest to [`DEFAULT_SIZE`], then the rate.
 //!
-//! So a camera whose USB cable carries only 10 uncompressed frames of 1280×720 is read compressed there, at 30.
+//! For example, a camera whose USB connection carries only 10 uncompressed frames of 1280×720 per
+//! second is read compressed at that size, at 30.
 
 use std::fmt;
 
 use super::offers::{FormatOffer, FourCc, Interval};
 use super::sys;
 
-/// What lariat reads, the best first.
+/// Formats that lariat reads, the best first.
 pub(super) const READABLE: [u32; 16] = [
     sys::PIX_YUYV,
     sys::PIX_UYVY,
@@ -38,30 +42,31 @@ pub(super) const READABLE: [u32; 16] = [
     sys::PIX_Y16,
 ];
 
-/// What lariat reads as depth, the best first: whole numbers of 16 bits, whose unit the depth camera's calibration says.
+/// Formats that lariat reads as depth, the best first: 16-bit integers whose unit is in the depth
+/// camera's calibration.
 pub(super) const DEPTHS: [u32; 2] = [sys::PIX_Z16, sys::PIX_Y16];
 
-/// About how large frames are if no size is asked for, px.
+/// Preferred size of frames if none is requested, px.
 pub const DEFAULT_SIZE: [u32; 2] = [640, 480];
 
-/// The largest side that a frame can have, px.
+/// Maximum width and height of a frame, px.
 const LARGEST: u32 = 8192;
 
-/// Rates that differ by no more than this, as a ratio, are the same.
+/// Rates whose ratio differs from 1 by at most this count as equal.
 const SAME_RATE: f64 = 0.02;
 
-/// What a camera's frames are to show.
+/// Content of a camera's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wanted {
     /// Pictures.
     #[default]
     Pictures,
-    /// How far what is seen is: a depth camera's `Z16`, or `Y16`.
+    /// Distances: a depth camera's `Z16` or `Y16`.
     Depth,
 }
 
 impl Wanted {
-    /// The pixel formats that are read, the best first.
+    /// Pixel formats with this content that lariat reads, the best first.
     pub(super) fn formats(self) -> &'static [u32] {
         match self {
             Self::Pictures => &READABLE,
@@ -70,90 +75,90 @@ impl Wanted {
     }
 }
 
-/// What is asked of a camera; what is not asked for is chosen.
+/// A request to a camera. Whatever is not requested is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Request {
     /// Width and height, px.
     pub size: Option<[u32; 2]>,
-    /// Frames a second; without it, as many as there are.
+    /// Frames per second; `None` selects the highest rate.
     pub fps: Option<f64>,
     /// The pixel format.
     pub format: Option<FourCc>,
-    /// What it is to show.
+    /// Content of the frames.
     pub wanted: Wanted,
 }
 
 impl Request {
-    /// The size near which to look.
+    /// The requested size, or the default near which to look.
     pub(super) fn near(&self) -> [u32; 2] {
         self.size.unwrap_or(DEFAULT_SIZE)
     }
 }
 
-/// What to set.
+/// The settings to make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Choice {
     pub(super) code: FourCc,
     pub(super) size: [u32; 2],
-    /// `None` if the driver does not tell its rates.
+    /// `None` if the driver does not report its rates.
     pub(super) interval: Option<Interval>,
 }
 
-/// Why nothing of what a camera offers can be taken.
+/// Why none of a camera's offers can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoCommonFormat {
-    /// It has no pixel format that lariat reads.
+    /// Lariat reads none of its pixel formats.
     #[error(
         "it offers {}, and lariat reads none of these but {}",
         List(offered),
         readable()
     )]
     NothingReadable {
-        /// What it has.
+        /// The offered formats.
         offered: Vec<FourCc>,
     },
-    /// Pictures are wanted, and it is a depth camera.
+    /// Pictures are requested from a depth camera.
     #[error(
         "it offers {}, which is depth: name it as the --depth-source, and the colour camera as the source",
         List(offered)
     )]
     OnlyDepth {
-        /// What it has.
+        /// The offered formats.
         offered: Vec<FourCc>,
     },
-    /// Depth is wanted, and it gives none.
+    /// Depth is requested from a camera without depth.
     #[error("it offers {}, and depth is read of {}", List(offered), List(&DEPTHS.map(FourCc)))]
     NoDepth {
-        /// What it has.
+        /// The offered formats.
         offered: Vec<FourCc>,
     },
-    /// Lariat does not read the pixel format that was asked for.
+    /// Lariat does not read the requested pixel format.
     #[error(
         "lariat does not read the pixel format {asked}; of this camera's formats it reads {}",
         List(readable)
     )]
     NotReadable {
-        /// Which.
+        /// The requested format.
         asked: FourCc,
-        /// What it has and can be asked for.
+        /// The offered formats that can be requested.
         readable: Vec<FourCc>,
     },
-    /// It does not have the pixel format that was asked for.
+    /// The camera does not have the requested pixel format.
     #[error("it has no pixel format {asked}; it has {}", List(offered))]
     FormatNotOffered {
-        /// Which.
+        /// The requested format.
         asked: FourCc,
-        /// What it has.
+        /// The offered formats.
         offered: Vec<FourCc>,
     },
-    /// It does not have the size that was asked for.
+    /// The camera does not have the requested size.
     #[error("it has no size {}x{}{}; the nearest are {}", asked[0], asked[1], within(*format), Sizes(nearest))]
     SizeNotOffered {
         /// Width and height, px.
         asked: [u32; 2],
-        /// The pixel format, if one was asked for too.
+        /// The pixel format, if one was requested too.
         format: Option<FourCc>,
-        /// What it has, the nearest first; at most 4.
+        /// The nearest offered sizes, the nearest first; at most 4.
         nearest: Vec<[u32; 2]>,
     },
 }
@@ -166,7 +171,7 @@ fn readable() -> String {
     List(&READABLE.map(FourCc)).to_string()
 }
 
-/// Words of a sentence: `A, B and C`.
+/// A list within a sentence: `A, B and C`.
 struct List<'a>(&'a [FourCc]);
 
 impl fmt::Display for List<'_> {
@@ -189,22 +194,22 @@ impl fmt::Display for Sizes<'_> {
     }
 }
 
-/// One thing that could be taken, and what it is worth.
+/// A possible choice and its merits.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     choice: Choice,
-    /// Of [`READABLE`].
+    /// Index in [`READABLE`] or [`DEPTHS`].
     rank: usize,
-    /// By how much the pixels are more or fewer than the default's: the logarithm of the ratio.
+    /// Absolute logarithm of the ratio of its pixel count to the default's.
     from_default: f64,
-    /// 0 if the driver does not tell.
+    /// 0 if the driver does not report it.
     fps: f64,
 }
 
-/// Chooses by the rule at the head of this file.
+/// Chooses by the rule at the top of this file.
 ///
 /// # Errors
-/// Nothing there is what was asked for, or what lariat reads.
+/// No offer matches the request, or none can be read.
 pub(super) fn negotiate(
     offers: &[FormatOffer],
     request: &Request,
@@ -230,7 +235,7 @@ pub(super) fn negotiate(
     }
     let rate_error = |candidate: &Candidate| match request.fps {
         Some(fps) if candidate.fps > 0.0 => (candidate.fps / fps).ln().abs(),
-        // A rate that is not told may be any, but one that is told is better.
+        // An unreported rate may be any, but a reported one is better.
         Some(_) => 1e3,
         None => -candidate.fps.max(1e-3).ln(),
     };
@@ -247,7 +252,7 @@ pub(super) fn negotiate(
         .ok_or_else(|| nothing(offers, request.wanted))
 }
 
-/// Why none of these formats can be taken.
+/// The error if none of these formats can be used.
 fn nothing(offers: &[FormatOffer], wanted: Wanted) -> NoCommonFormat {
     let offered: Vec<_> = offers.iter().map(|offer| offer.code).collect();
     match wanted {
@@ -263,7 +268,7 @@ fn least(candidates: &[Candidate], of: impl Fn(&Candidate) -> f64) -> f64 {
     candidates.iter().map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// The formats that may be taken, each with its rank.
+/// Returns the formats that can be used, each with its rank.
 fn formats<'o>(
     offers: &'o [FormatOffer],
     request: &Request,
@@ -298,8 +303,8 @@ fn formats<'o>(
     }
 }
 
-/// What could be taken of one format: of each size, or steps of sizes, the nearest to what is asked for, at the nearest
-/// rate.
+/// Returns the candidates of one format: for each size or range of sizes the one nearest to the
+/// request, at the nearest rate.
 fn candidates(rank: usize, offer: &FormatOffer, request: &Request) -> Vec<Candidate> {
     let candidate = |size: [u32; 2], interval: Option<Interval>| Candidate {
         choice: Choice {
@@ -312,7 +317,7 @@ fn candidates(rank: usize, offer: &FormatOffer, request: &Request) -> Vec<Candid
         fps: interval.map_or(0.0, Interval::fps),
     };
     if offer.sizes.is_empty() {
-        // The driver does not say: what it makes of this will be seen.
+        // The driver does not list its sizes. Its answer will show what it makes of this one.
         return vec![candidate(request.near(), None)];
     }
     offer
@@ -328,7 +333,7 @@ fn pixels([width, height]: [u32; 2]) -> f64 {
     f64::from(width) * f64::from(height)
 }
 
-/// The sizes there are instead of `asked`, the nearest first.
+/// Returns the offered sizes nearest to `asked`, the nearest first.
 fn nearest_sizes(formats: &[(usize, &FormatOffer)], asked: [u32; 2]) -> Vec<[u32; 2]> {
     let distance = |size: &[u32; 2]| {
         let [width, height] = [0, 1].map(|axis| size[axis].abs_diff(asked[axis]));

@@ -1,13 +1,14 @@
-//! The video nodes of this machine: which there are, which belong together, who may open them and who has.
+//! The video nodes of this machine: which exist, which belong together, and who has access to them
+//! or uses them.
 //!
-//! Read from `/sys`, `/dev/v4l`, `/proc` and `/etc/group`; nothing is opened here.
+//! The facts come from `/sys`, `/dev/v4l`, `/proc` and `/etc/group`. This module opens no device.
 
 use std::fs;
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-/// Whether a path is meant as a camera: a device of any kind, or the name of a video node, even of one that is not there
-/// now.
+/// Returns whether a path names a camera: any character device, or the name of a video node, even
+/// if that does not exist now.
 pub fn names_a_camera(path: &Path) -> bool {
     let is_device = fs::metadata(path).is_ok_and(|meta| meta.file_type().is_char_device());
     let has_a_nodes_name = ["/dev/video", "/dev/v4l/"]
@@ -16,15 +17,15 @@ pub fn names_a_camera(path: &Path) -> bool {
     is_device || has_a_nodes_name
 }
 
-/// A video node, by the kernel's own books.
+/// A video node as the kernel lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Node {
     pub(super) path: PathBuf,
-    /// The hardware's place in `/sys`, which nodes of one camera share.
+    /// The hardware's path in `/sys`, which all nodes of one camera share.
     pub(super) hardware: Option<PathBuf>,
 }
 
-/// All video nodes, by number.
+/// Lists all video nodes by number.
 pub(super) fn all() -> Vec<Node> {
     let mut numbers: Vec<u32> = entries(Path::new("/dev"))
         .filter_map(|path| number_of(&path))
@@ -38,7 +39,7 @@ pub(super) fn all() -> Vec<Node> {
     numbers.into_iter().map(node).collect()
 }
 
-/// The other video nodes of the same hardware as `path`.
+/// Lists the other video nodes of the same hardware.
 pub(super) fn siblings(path: &Path) -> Vec<PathBuf> {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let Some(hardware) = hardware_of(&path) else {
@@ -51,7 +52,8 @@ pub(super) fn siblings(path: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The names under `/dev/v4l/by-id` and `/dev/v4l/by-path` that lead to this node: they stay when its number changes.
+/// Lists the names under `/dev/v4l/by-id` and `/dev/v4l/by-path` of this node. They stay the same
+/// when its number changes.
 pub(super) fn lasting_names(path: &Path) -> Vec<PathBuf> {
     let mut names: Vec<_> = ["/dev/v4l/by-id", "/dev/v4l/by-path"]
         .into_iter()
@@ -81,14 +83,14 @@ fn number_of(path: &Path) -> Option<u32> {
         .filter(|_| is_device)
 }
 
-/// The paths in a folder; none, if it cannot be read.
+/// Yields the paths in a folder, or none if it cannot be read.
 fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     entries.filter_map(|entry| Some(entry.ok()?.path()))
 }
 
-/// The programs that have this node open, as words for a sentence; `None` if none can be seen, as with those of other
-/// users.
+/// Lists the programs that have this node open, as words of a sentence. `None` if none is visible;
+/// those of other users are not.
 pub(super) fn holders(path: &Path) -> Option<String> {
     let node = fs::canonicalize(path).ok()?;
     let own = std::process::id();
@@ -111,7 +113,7 @@ pub(super) fn holders(path: &Path) -> Option<String> {
     (!words.is_empty()).then(|| words.join(" and "))
 }
 
-/// What lets this user open a node that it may not: who may, and what to type.
+/// Says how this user can get permission to open a node: who has it, and what to type.
 pub(super) fn permission_remedy(path: &Path) -> String {
     let Ok(meta) = fs::metadata(path) else {
         return "ask this machine's administrator".to_owned();
@@ -133,7 +135,7 @@ pub(super) fn permission_remedy(path: &Path) -> String {
     )
 }
 
-/// The sentence for a node of this mode and group. `session`: the groups that the running program has.
+/// The sentence for a node with this mode and group. `session`: groups of the running process.
 fn remedy(mode: u32, gid: u32, etc_group: &str, user: Option<&str>, session: &[u32]) -> String {
     let group_reads_and_writes = mode & 0o060 == 0o060;
     let Some(group) = name_of_id(etc_group, gid).filter(|_| group_reads_and_writes) else {
@@ -160,7 +162,7 @@ fn remedy(mode: u32, gid: u32, etc_group: &str, user: Option<&str>, session: &[u
     }
 }
 
-/// The name that has this number in a text like `/etc/group` or `/etc/passwd`.
+/// Looks up the name of this number in a text like `/etc/group` or `/etc/passwd`.
 fn name_of_id(table: &str, id: u32) -> Option<String> {
     let id = id.to_string();
     let line = table

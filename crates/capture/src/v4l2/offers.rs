@@ -1,4 +1,4 @@
-//! What a camera offers: pixel formats, in each of them frame sizes, at each of them frame rates.
+//! A camera's offers: pixel formats, their frame sizes, and the frame rates of each size.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,11 +6,11 @@ use std::str::FromStr;
 use super::device::{Device, text};
 use super::sys;
 
-/// A pixel format's code of four letters, as the kernel has it.
+/// The kernel's four-letter code of a pixel format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct FourCc(pub u32);
 
-/// Other names that people give to pixel formats.
+/// Other common names of pixel formats.
 const ALIASES: [(&str, &[u8; 4]); 10] = [
     ("YUY2", b"YUYV"),
     ("GRAY", b"GREY"),
@@ -27,7 +27,7 @@ const ALIASES: [(&str, &[u8; 4]); 10] = [
 impl FromStr for FourCc {
     type Err = ();
 
-    /// By its letters, large or small, or another name that is in use (`mjpeg`, `yuy2`, `gray`).
+    /// Parses its letters in either case, or another common name (`mjpeg`, `yuy2`, `gray`).
     fn from_str(name: &str) -> Result<Self, ()> {
         let name = name.trim().to_ascii_uppercase();
         if let Some((_, code)) = ALIASES.iter().find(|(alias, _)| *alias == name) {
@@ -46,7 +46,7 @@ impl FromStr for FourCc {
 
 impl fmt::Display for FourCc {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The highest bit says that the words of a pixel are turned around.
+        // The highest bit marks the big-endian variant.
         let letters = (self.0 & 0x7fff_ffff).to_le_bytes();
         let shown = |b: u8| {
             if b.is_ascii_graphic() {
@@ -61,17 +61,17 @@ impl fmt::Display for FourCc {
     }
 }
 
-/// The time from one frame to the next: numerator and denominator of seconds.
+/// Interval between frames, as a fraction of seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Interval {
-    /// Of the fraction.
+    /// Numerator of the fraction.
     pub numerator: u32,
-    /// Of the fraction.
+    /// Denominator of the fraction.
     pub denominator: u32,
 }
 
 impl Interval {
-    /// The kernel's fraction; `None` where it is no time.
+    /// Converts the kernel's fraction; `None` if it is not a time.
     pub(super) fn new([numerator, denominator]: [u32; 2]) -> Option<Self> {
         (numerator > 0 && denominator > 0).then_some(Self {
             numerator,
@@ -79,7 +79,7 @@ impl Interval {
         })
     }
 
-    /// The nearest for this many frames a second, to a thousandth of one.
+    /// The nearest interval for this frame rate, to a thousandth of a frame per second.
     pub(super) fn of_fps(fps: f64) -> Self {
         // Whole rates as cameras list them: 1/30.
         let is_whole = fps.fract() == 0.0 && fps <= 1e6;
@@ -90,30 +90,31 @@ impl Interval {
         }
     }
 
-    /// Frames a second.
+    /// Frames per second.
     pub fn fps(self) -> f64 {
         f64::from(self.denominator) / f64::from(self.numerator)
     }
 }
 
-/// Which frame rates there are.
+/// Available frame rates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Rates {
-    /// The driver does not say.
+    /// The driver does not report them.
     Untold,
-    /// These.
+    /// Only these.
     Listed(Vec<Interval>),
-    /// All between two.
+    /// All rates between two.
     Between {
-        /// Of the fastest.
+        /// Interval of the fastest rate.
         shortest: Interval,
-        /// Of the slowest.
+        /// Interval of the slowest rate.
         longest: Interval,
     },
 }
 
 impl Rates {
-    /// The interval nearest to this many frames a second, or, without a wish, the shortest; `None` if untold.
+    /// The interval nearest to this frame rate or, without one, the shortest. `None` if rates are
+    /// not reported.
     pub(super) fn nearest(&self, fps: Option<f64>) -> Option<Interval> {
         let distance = |interval: &Interval| match fps {
             // As a ratio, so that 30 is as far from 15 as from 60.
@@ -135,24 +136,24 @@ impl Rates {
     }
 }
 
-/// Which frame sizes there are: one, or many at even steps. Width and height, px.
+/// Available frame sizes: one, or many at even steps. Width and height, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SizeRange {
-    /// This alone.
+    /// Only this one.
     One([u32; 2]),
-    /// From the least to the most by steps.
+    /// From the smallest to the largest, in steps.
     Steps {
-        /// The smallest.
+        /// Smallest size.
         least: [u32; 2],
-        /// The largest.
+        /// Largest size.
         most: [u32; 2],
-        /// From one to the next; 1 or more.
+        /// Step between sizes, at least 1.
         step: [u32; 2],
     },
 }
 
 impl SizeRange {
-    /// Its size nearest to this one.
+    /// Returns the available size nearest to this one.
     pub fn nearest(&self, size: [u32; 2]) -> [u32; 2] {
         match *self {
             Self::One(size) => size,
@@ -172,34 +173,35 @@ impl SizeRange {
     }
 }
 
-/// A size, or sizes, and the rates there.
+/// One or several sizes and their rates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SizeOffer {
     /// The size or sizes.
     pub range: SizeRange,
-    /// The rates; of many sizes those at the one that is nearest to what was asked for.
+    /// The rates. For several sizes, those of the one nearest to the request.
     pub rates: Rates,
 }
 
-/// A pixel format, and all there is in it.
+/// A pixel format with its sizes and rates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FormatOffer {
-    /// Which.
+    /// Code of the format.
     pub code: FourCc,
-    /// The driver's words for it.
+    /// The driver's description of it.
     pub description: String,
-    /// Whether frames are compressed.
+    /// True if frames are compressed.
     pub compressed: bool,
-    /// Empty if the driver does not say.
+    /// Empty if the driver does not report them.
     pub sizes: Vec<SizeOffer>,
 }
 
-/// More of anything than a camera has: a driver that never ends its lists is not followed for ever.
+/// Limit on the length of each list, in case a driver never ends it.
 const MOST: u32 = 512;
 
 impl Device {
-    /// All formats of the camera; sizes and rates, which are many questions, only of those that `wanted` accepts. Where
-    /// sizes go by steps, rates are asked for at the size that is nearest to `near`.
+    /// Returns all formats of the camera. Sizes and rates, which take many calls, are queried only
+    /// for formats that `wanted` accepts. If sizes are stepwise, rates are queried at the size
+    /// nearest to `near`.
     pub(crate) fn offers(
         &self,
         near: [u32; 2],

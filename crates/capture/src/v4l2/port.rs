@@ -1,4 +1,4 @@
-//! A camera by its name: opened and set up as the user wants, and again just so when it comes back.
+//! Opens a camera by name with the requested setup, and restores that setup when it comes back.
 
 use std::path::{Path, PathBuf};
 
@@ -13,27 +13,28 @@ use super::negotiate::Request;
 use super::setup::Setup;
 use crate::source::FrameSource;
 
-/// A camera, and what is wanted of it.
+/// A camera and its requested setup.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CameraOptions {
-    /// Its name: a node (`/dev/video0`) or one that leads there (`/dev/v4l/by-id/…`), which stays when the node's number
-    /// changes.
+    /// Path of the camera: a node (`/dev/video0`), or a link to one (`/dev/v4l/by-id/…`), which
+    /// stays the same when the node's number changes.
     pub path: PathBuf,
     /// Pixel format, size and rate.
     pub request: Request,
-    /// Its controls.
+    /// Settings of its controls.
     pub controls: ControlSettings,
-    /// How frames come from its driver.
+    /// How frames are transferred from its driver.
     pub io: Io,
 }
 
 /// Opens a camera as a source of frames.
 ///
 /// # Errors
-/// There is no such camera, it may not be used, is used by another, or does not have what is asked for.
+/// The camera does not exist, is not accessible, is in use, or does not have what is requested.
 pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource>, CameraError> {
     let path = std::path::absolute(&options.path).unwrap_or_else(|_| options.path.clone());
-    // Before the camera is opened, so that nothing is missed; without inotify it is looked for now and then.
+    // Before the camera is opened, so that nothing is missed. Without inotify, reopening is tried
+    // now and then.
     let hotplug = Hotplug::watch(&path).ok();
     let device = Device::open(&path)?;
     let setup = device.set_up(&options.request)?;
@@ -43,7 +44,7 @@ pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource
     let about = format!("{name}: {}, {}", device.about().card, setup.summary());
     let port = DevicePort {
         path,
-        // What was chosen is asked for by name when it comes back.
+        // When the camera comes back, the same choice is requested explicitly.
         request: Request {
             size: Some([setup.width, setup.height]),
             fps: setup.interval.map(|interval| interval.fps()),
@@ -59,7 +60,7 @@ pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource
     Ok(Box::new(camera))
 }
 
-/// What streaming needs to know of a setup.
+/// Extracts from a setup what streaming needs.
 fn shape_of(device: &Device, setup: &Setup) -> Result<Shape, CameraError> {
     let [buffer_bytes] = setup.plane_bytes[..] else {
         return Err(device.refusal(
@@ -81,7 +82,7 @@ fn shape_of(device: &Device, setup: &Setup) -> Result<Shape, CameraError> {
     })
 }
 
-/// What opens the device.
+/// Opens and reopens the device.
 struct DevicePort {
     path: PathBuf,
     request: Request,
@@ -103,7 +104,7 @@ impl Port for DevicePort {
         let device = Device::open(self.path())?;
         let setup = device.set_up(&self.request)?;
         let shape = shape_of(&device, &setup)?;
-        // The rate may be another: a frame has room all the same.
+        // The rate may differ, because frames still fit.
         let as_before = Shape {
             interval_ns: self.shape.interval_ns,
             ..shape

@@ -1,16 +1,17 @@
-//! When to try again what has failed: at once, then after pauses that double.
+//! Schedules retries after a failure: at once, then after pauses that double.
 
 /// The first pause.
 const SHORTEST_NS: u64 = 50_000_000;
-/// No pause is longer.
+/// The longest pause.
 const LONGEST_NS: u64 = 5_000_000_000;
-/// What goes well for so long after a failure has recovered; if it fails sooner, the pauses go on doubling.
+/// Time without a failure after which the camera has recovered. A failure before that doubles the
+/// pause again.
 const WELL_NS: u64 = 2_000_000_000;
 
-/// The pauses between tries.
+/// The pauses between retries.
 #[derive(Debug, Default)]
 pub(super) struct Recovery {
-    /// When to try next.
+    /// When to retry.
     at_ns: u64,
     pause_ns: u64,
     failures: u32,
@@ -18,14 +19,14 @@ pub(super) struct Recovery {
 }
 
 impl Recovery {
-    /// It goes well: if it has for long enough, the next failure is the first again.
+    /// Reports success. If it lasts long enough, the next failure counts as the first again.
     pub(super) fn goes_well(&mut self, now_ns: u64) {
         if self.failures > 0 && now_ns.saturating_sub(self.failed_ns) >= WELL_NS {
             *self = Self::default();
         }
     }
 
-    /// It has failed: when to try again.
+    /// Reports a failure, and schedules the next retry.
     pub(super) fn failed(&mut self, now_ns: u64) {
         self.at_ns = now_ns + self.pause_ns;
         self.pause_ns = (2 * self.pause_ns).clamp(SHORTEST_NS, LONGEST_NS);
@@ -33,17 +34,17 @@ impl Recovery {
         self.failed_ns = now_ns;
     }
 
-    /// Something has changed: it is tried at once.
+    /// Retries at once, because something has changed.
     pub(super) fn hurry(&mut self) {
         self.at_ns = 0;
     }
 
-    /// When to try.
+    /// When to retry.
     pub(super) fn at_ns(&self) -> u64 {
         self.at_ns
     }
 
-    /// How often it has failed in a row.
+    /// Number of consecutive failures.
     pub(super) fn failures(&self) -> u32 {
         self.failures
     }

@@ -1,4 +1,4 @@
-//! A camera set to a format, size and rate; what it made of them is checked and told.
+//! Sets a camera's format, size and rate, then checks and reports what the driver made of them.
 
 use super::device::Device;
 use super::error::CameraError;
@@ -8,7 +8,7 @@ use super::sys;
 use crate::color_range::ColorRange;
 use lariat_message::PixelFormat;
 
-/// What a camera is set to.
+/// A camera's actual settings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Setup {
     /// The pixel format.
@@ -19,23 +19,23 @@ pub(crate) struct Setup {
     pub(crate) height: u32,
     /// Bytes from one row's start to the next; 0 for compressed frames.
     pub(crate) stride: u32,
-    /// Bytes that each plane's memory needs, as the driver says.
+    /// Size of each plane's memory as the driver reports it, in bytes.
     pub(crate) plane_bytes: Vec<u32>,
-    /// The time from one frame to the next, if the driver tells it.
+    /// Interval between frames, if the driver reports it.
     pub(crate) interval: Option<Interval>,
     /// The range of Y, U and V that the driver reports.
     pub(crate) range: ColorRange,
-    /// Sentences that the user should read: what is otherwise than was asked for.
+    /// Sentences for the user about differences from the request.
     pub(crate) told: Vec<String>,
 }
 
 impl Setup {
-    /// The pixel format in the contract's own words; `None` for compressed frames.
+    /// The pixel format of messages; `None` for compressed frames.
     pub(crate) fn pixel_format(&self) -> Option<PixelFormat> {
         pixel_format(self.code)
     }
 
-    /// In a few words: `YUYV 640x480 at 30 frames/s`.
+    /// A short summary: `YUYV 640x480 at 30 frames/s`.
     pub(crate) fn summary(&self) -> String {
         let rate = match self.interval {
             Some(interval) => format!("at {} frames/s", shown(interval.fps())),
@@ -54,7 +54,8 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
         sys::PIX_RGB3 => PixelFormat::Rgb8,
         sys::PIX_BGR3 => PixelFormat::Bgr8,
         sys::PIX_AR24 | sys::PIX_XR24 | sys::PIX_BGR4 => PixelFormat::Bgra8,
-        // All 16 bits are taken to be used: `Y10 ` and `Y12 `, whose numbers end at 1023 and 4095, would be all but black.
+        // All 16 bits are assumed to be used. `Y10 ` and `Y12 `, with values up to 1023 and 4095,
+        // would be nearly black.
         sys::PIX_Y16 | sys::PIX_Z16 => PixelFormat::Gray16,
         sys::PIX_RGGB => PixelFormat::BayerRggb8,
         sys::PIX_BA81 => PixelFormat::BayerBggr8,
@@ -64,7 +65,8 @@ fn pixel_format(code: FourCc) -> Option<PixelFormat> {
     })
 }
 
-/// The range of a driver's Y, U and V, by the kernel's own rule (`V4L2_MAP_QUANTIZATION_DEFAULT`) where it leaves it open.
+/// Range of a driver's Y, U and V. If the driver does not report it, the kernel's rule
+/// (`V4L2_MAP_QUANTIZATION_DEFAULT`) applies.
 fn range_of(pixelformat: u32, colorspace: u32, quantization: u32) -> ColorRange {
     let is_yuv = matches!(pixelformat, sys::PIX_YUYV | sys::PIX_UYVY | sys::PIX_NV12);
     match quantization {
@@ -82,7 +84,7 @@ pub(super) fn shown(fps: f64) -> String {
     format!("{rounded}")
 }
 
-/// What one of the two kinds of `v4l2_format` says, in the same words.
+/// The contents of either kind of `v4l2_format`, in one form.
 struct Answer {
     code: FourCc,
     size: [u32; 2],
@@ -93,11 +95,13 @@ struct Answer {
 }
 
 impl Device {
-    /// Sets the camera to what is asked for, or the best there is, by the rule of [`negotiate`](super::negotiate), and
-    /// checks what came back. Format and rate are always set: both may be left over from another program.
+    /// Sets the camera to what is requested, or the best available, by the rule of
+    /// [`negotiate`](super::negotiate), and checks the answer. Format and rate are always set,
+    /// because another program may have changed both.
     ///
     /// # Errors
-    /// There is nothing in common, another program streams, or the driver sets something else than it has listed.
+    /// A common format does not exist, another program is streaming, or the driver sets something
+    /// that it did not list.
     pub(crate) fn set_up(&self, request: &Request) -> Result<Setup, CameraError> {
         let offers = self.offers(request.near(), |code: FourCc| {
             request.wanted.formats().contains(&code.0)
@@ -144,8 +148,8 @@ impl Device {
         Ok(self.answer(&format))
     }
 
-    /// The format that is set, changed to the choice. Where that is what was set already, the row's length is kept:
-    /// whoever made it longer than need be had a reason.
+    /// The present format, changed to the choice. If that format is already set, the row length is
+    /// kept, in case another program has chosen longer rows on purpose.
     fn with(&self, present: &sys::Format, choice: &Choice) -> sys::Format {
         let [width, height] = choice.size;
         let FourCc(pixelformat) = choice.code;
@@ -205,7 +209,8 @@ impl Device {
         .with_whole_rows()
     }
 
-    /// Whether what was set can be used; sentences about what of it is otherwise than the user might think.
+    /// Checks that the settings can be used. Returns sentences about differences that the user may
+    /// not expect.
     fn check(
         &self,
         request: &Request,
@@ -219,7 +224,7 @@ impl Device {
             remedy,
         };
         let [width, height] = answer.size;
-        // JPEG and MJPG are the same bytes under two names.
+        // JPEG and MJPG are two names for the same bytes.
         if !request.wanted.formats().contains(&answer.code.0)
             || (request.format.is_some() && answer.code != choice.code)
         {
@@ -266,7 +271,7 @@ impl Device {
         Ok(told)
     }
 
-    /// Sets the time per frame, and says what it is then; `None` if the driver knows of none.
+    /// Sets the frame interval and returns the actual one; `None` if the driver does not have one.
     fn set_rate(&self, wanted: Option<Interval>) -> Result<Option<Interval>, CameraError> {
         let mut parameters = sys::StreamParameters::of(self.buffer_type());
         if sys::get_parameters(self, &mut parameters).is_err() {
@@ -278,13 +283,14 @@ impl Device {
             sys::set_parameters(self, &mut parameters)
                 .map_err(|errno| self.refusal("be set to a rate (VIDIOC_S_PARM)", errno))?;
         }
-        // A driver without a rate of its own (v4l2loopback: what is fed) may answer anything, 0/0 included.
+        // A driver without a rate of its own may return anything, including 0/0. For example,
+        // v4l2loopback has the rate of whatever is fed into it.
         Ok(Interval::new(parameters.timeperframe))
     }
 }
 
 impl Answer {
-    /// A row's length of 0, which some drivers leave, means rows without padding.
+    /// Replaces a row length of 0, which some drivers leave, by that of rows without padding.
     fn with_whole_rows(mut self) -> Self {
         if let (0, Some(format)) = (self.stride, pixel_format(self.code)) {
             self.stride = format.row_bytes(self.size[0]) as u32;

@@ -1,52 +1,52 @@
-//! When a camera has been silent for too long: it is reported once, and whoever reads the ropes is told, again and again,
-//! that there is no image.
+//! Detects that a camera has been silent for too long. The silence is reported once, and repeated
+//! blank frames tell the readers of ropes that the image is missing.
 //!
-//! Too long is three periods: the camera's own, or the last one seen if that was longer, as of a camera that exposes for
-//! longer in the dark.
+//! Too long is three periods. The period is the camera's own, or the last interval if that was
+//! longer, as with longer exposure in the dark.
 
-/// Periods without a frame that make a stall.
+/// Number of periods without a frame that make a stall.
 const STALL_PERIODS: u64 = 3;
-/// A camera takes its time to start.
+/// Time that a camera may take to start.
 const FIRST_FRAME_NS: u64 = 3_000_000_000;
-/// The longest that a pause between two frames counts as the camera's pace, unless its own is longer.
+/// Longest interval between two frames that counts as the camera's pace, unless its own is longer.
 const LONGEST_PAUSE_NS: u64 = 500_000_000;
-/// A period, if the driver does not tell it.
+/// Period if the driver does not report it.
 const UNTOLD_NS: u64 = 200_000_000;
-/// So often it is told that there is no image: the age of lost ropes is then known to a tenth of a second, and nothing is
-/// busy.
+/// Interval between blank frames: the age of lost ropes is known to a tenth of a second, at little
+/// cost.
 const BLANK_NS: u64 = 100_000_000;
 
-/// A camera that stands still for a moment again and again is reported no more often than this.
+/// Minimum time between reports about a camera that stalls repeatedly.
 const REPORT_NS: u64 = 5_000_000_000;
 
-/// Watches for frames that do not come.
+/// Watches for missing frames.
 #[derive(Debug)]
 pub(super) struct Silence {
     nominal_ns: u64,
     period_ns: u64,
     /// When the last frame came, or the camera was started.
     since_ns: u64,
-    /// Whether this stream has shown a frame.
+    /// True if this stream has shown a frame.
     has_begun: bool,
-    /// When there is something to tell next.
+    /// When [`due`](Self::due) has a result next.
     next_ns: u64,
-    /// Whether this silence was told of.
+    /// True if this silence has led to a blank frame.
     is_told: bool,
-    /// Whether it was reported, here or elsewhere.
+    /// True if it was reported, here or elsewhere.
     is_reported: bool,
-    /// When the next one may be.
+    /// When the next report is allowed.
     report_at_ns: u64,
 }
 
-/// What there is to tell.
+/// The camera is silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Silent {
-    /// For how long there was no frame, if that is to be reported.
+    /// Time without a frame, if it is to be reported.
     pub(super) report_ns: Option<u64>,
 }
 
 impl Silence {
-    /// `interval_ns`: the camera's time from frame to frame, if it tells it.
+    /// `interval_ns`: the camera's interval between frames, if it reports one.
     pub(super) fn new(interval_ns: Option<u64>) -> Self {
         let nominal_ns = interval_ns.unwrap_or(UNTOLD_NS);
         Self {
@@ -61,17 +61,17 @@ impl Silence {
         }
     }
 
-    /// The camera streams from now on.
+    /// The camera starts to stream.
     pub(super) fn start(&mut self, now_ns: u64) {
         self.has_begun = false;
-        // A silence that goes on is told of as before.
+        // A silence that continues keeps its schedule.
         if !self.is_told {
             self.since_ns = now_ns;
             self.next_ns = now_ns + self.patience_ns();
         }
     }
 
-    /// A frame came: for how long there was none, if that was reported.
+    /// Handles a new frame. Returns the time without one if that was reported.
     pub(super) fn end(&mut self, now_ns: u64) -> Option<u64> {
         let pause_ns = now_ns.saturating_sub(self.since_ns);
         if self.has_begun {
@@ -84,7 +84,8 @@ impl Silence {
         std::mem::take(&mut self.is_reported).then_some(pause_ns)
     }
 
-    /// No frame can come, for a reason that is said elsewhere: who waits for one is told at once.
+    /// No frame can come, for a reason that is reported elsewhere. The next blank frame is due at
+    /// once.
     pub(super) fn broken(&mut self, now_ns: u64) {
         (self.is_told, self.is_reported) = (true, true);
         self.next_ns = now_ns;
@@ -95,7 +96,7 @@ impl Silence {
         self.next_ns
     }
 
-    /// What there is to tell now.
+    /// Returns whether a blank frame is due now, and what to report.
     pub(super) fn due(&mut self, now_ns: u64) -> Option<Silent> {
         if now_ns < self.next_ns {
             return None;
@@ -128,7 +129,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// A camera of 25 frames/s whose last frame came at 1 s.
+    /// A camera with 25 frames per second whose last frame came at 1 s.
     fn streaming() -> Silence {
         let mut silence = Silence::new(Some(40 * MS));
         silence.start(0);
@@ -197,7 +198,7 @@ mod tests {
         let mut silence = streaming();
         silence.broken(1010 * MS);
         assert_eq!(silence.due(1010 * MS), Some(Silent { report_ns: None }));
-        // It streams again, but gives no frame yet.
+        // It streams again but yields no frame yet.
         silence.start(1050 * MS);
         assert_eq!(silence.due(1110 * MS), Some(Silent { report_ns: None }));
         assert_eq!(

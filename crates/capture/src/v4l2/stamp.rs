@@ -1,22 +1,23 @@
-//! What a driver says of a frame's number and moment, made into what the contract promises: numbers that only grow, from
-//! 1, and moments that are past.
+//! Converts a driver's frame numbers and times to what the interface promises: numbers that
+//! increase from 1, and times in the past.
 
 use super::sys;
 
-/// A camera's frame numbers: of 32 bits, from 0 whenever it starts to stream.
+/// A camera's frame numbers. The driver's have 32 bits and restart at 0 with each stream.
 #[derive(Debug, Default)]
 pub(super) struct Sequence {
-    /// The driver's own, of the last frame of this stream.
+    /// The driver's number of the last frame in this stream.
     driver: Option<u32>,
     last: u64,
 }
 
 impl Sequence {
-    /// The number of a frame by the driver's: as far behind the last as the driver's is. A driver that does not count, or
-    /// begins again, has the next one.
+    /// Returns a frame's number, which grows by the same step as the driver's. If the driver does
+    /// not count, or counts from the start again, it grows by one.
     pub(super) fn of(&mut self, driver: u32) -> u64 {
         let step = match self.driver.replace(driver) {
-            // Modulo 2³², so that a wrap is a step like any other; half of that and more is a step back.
+            // Modulo 2³², so that a wrap is a step like any other; half of that or more is a step
+            // back.
             Some(before) => driver.wrapping_sub(before),
             None => 1,
         };
@@ -27,19 +28,19 @@ impl Sequence {
         self.last
     }
 
-    /// The number of a frame that is not the driver's.
+    /// The number of a frame that does not come from the driver.
     pub(super) fn own(&mut self) -> u64 {
         self.last += 1;
         self.last
     }
 
-    /// The driver begins to stream again: what it lost meanwhile is not known.
+    /// The driver starts to stream again; its losses in between are unknown.
     pub(super) fn restart(&mut self) {
         self.driver = None;
     }
 }
 
-/// A frame's time as a driver gives it.
+/// A frame's time as reported by a driver.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DriverTime {
     /// `V4L2_BUF_FLAG_*`.
@@ -48,23 +49,23 @@ pub(super) struct DriverTime {
     pub(super) us: i64,
 }
 
-/// What is not as it should be with a driver's times. Each is said once.
+/// A fault in a driver's times. Each is reported once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Doubt {
-    /// Its clock is not told, or not the one that counts.
+    /// Its clock is not reported, or is not the monotonic one.
     Clock,
-    /// It stamps the frames' ends, and for how long they are exposed is not known.
+    /// It stamps the ends of frames, and the exposure time is unknown.
     Exposure,
-    /// A moment to come.
+    /// A time in the future.
     Future,
-    /// A moment long before the camera was started.
+    /// A time long before the camera was started.
     Past,
 }
 
 impl Doubt {
     const COUNT: usize = 4;
 
-    /// What is done about it.
+    /// A sentence about the fault and its consequence.
     pub(super) fn sentence(self) -> &'static str {
         match self {
             Self::Clock => {
@@ -87,14 +88,15 @@ impl Doubt {
     }
 }
 
-/// An image that was exposed so long before the camera was told to stream is believed: some expose all the time.
+/// Maximum time before the start of the stream at which an image may have been exposed. Some
+/// cameras expose all the time.
 const BEFORE_START_NS: i128 = 1_000_000_000;
 
-/// Says when frames were exposed.
+/// Determines when frames were exposed.
 #[derive(Debug, Default)]
 pub(super) struct Stamper {
     started_ns: u64,
-    /// For how long frames are exposed, where that is known.
+    /// Exposure time of frames, if known.
     pub(super) exposure_ns: Option<u64>,
     said: [bool; Doubt::COUNT],
     unsaid: [bool; Doubt::COUNT],
@@ -106,20 +108,21 @@ impl Stamper {
         self.started_ns = now_ns;
     }
 
-    /// Whether the exposure time makes a difference to frames that are stamped so.
+    /// Returns whether frames with these flags need the exposure time.
     pub(super) fn needs_exposure(flags: u32) -> bool {
         flags & sys::BUF_FLAG_TIMESTAMP_MASK == sys::BUF_FLAG_TIMESTAMP_MONOTONIC
             && flags & sys::BUF_FLAG_TSTAMP_SRC_MASK != sys::BUF_FLAG_TSTAMP_SRC_SOE
     }
 
-    /// When a frame was exposed that was in hand at `dequeued_ns`: never later than that.
+    /// Returns when a frame was exposed that was dequeued at `dequeued_ns`: never later than that.
     pub(super) fn exposed_ns(&mut self, time: DriverTime, dequeued_ns: u64) -> u64 {
         if time.flags & sys::BUF_FLAG_TIMESTAMP_MASK != sys::BUF_FLAG_TIMESTAMP_MONOTONIC {
             self.doubt(Doubt::Clock);
             return dequeued_ns;
         }
         let stamped_ns = i128::from(time.s) * 1_000_000_000 + i128::from(time.us) * 1_000;
-        // As the driver means it, before anything is taken off: that cannot be to come.
+        // The stamp itself must not be in the future, so it is checked before the exposure time is
+        // subtracted.
         let exposed_ns = if stamped_ns > i128::from(dequeued_ns) {
             self.doubt(Doubt::Future);
             i128::from(dequeued_ns)
@@ -146,7 +149,7 @@ impl Stamper {
         self.said[index] = true;
     }
 
-    /// A doubt that was not said yet.
+    /// Returns a fault that was not reported yet.
     pub(super) fn take_doubt(&mut self) -> Option<Doubt> {
         const ALL: [Doubt; Doubt::COUNT] =
             [Doubt::Clock, Doubt::Exposure, Doubt::Future, Doubt::Past];
@@ -170,7 +173,7 @@ mod tests {
         driver.iter().map(|&number| sequence.of(number)).collect()
     }
 
-    /// A stamp of the microsecond, and what a camera started at 5 s makes of it 10 s later.
+    /// The result for a stamp in microseconds from a camera that started at 5 s, at 15 s.
     fn exposed_ns(stamper: &mut Stamper, flags: u32, stamped_us: i64) -> u64 {
         stamper.start(5_000_000_000);
         let time = DriverTime {

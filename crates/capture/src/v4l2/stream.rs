@@ -1,8 +1,9 @@
-#![allow(unsafe_code)] // A driver is lent memory, which is kept from everybody else meanwhile.
-//! A camera while it streams: which buffers the driver has, and what is in those that come back.
+#![allow(unsafe_code)] // Lends memory to a driver, and keeps it from everybody else meanwhile.
+//! A streaming camera: which buffers the driver holds, and the contents of those that it returns.
 //!
-//! With [`Memory::Lent`] the driver writes into slots that were lent to the source. A slot comes by again and again, at
-//! the same address; it is queued under the same number then, so that the kernel finds its pages where it has pinned them.
+//! With [`Memory::Lent`] the driver writes into slots lent to the source. A slot is reused many
+//! times at the same address. It is then queued under the same number, so that the kernel finds the
+//! pages that it has pinned.
 
 use std::ptr::NonNull;
 
@@ -11,26 +12,27 @@ use rustix::io::{Errno, Result};
 use super::driver::{Driver, Filled, Mapping, Memory};
 use crate::lent::LentSlot;
 
-/// As many buffers as Video4Linux2 has numbers for (`VIDEO_MAX_FRAME`): one for each slot that may come by.
+/// Number of buffers in Video4Linux2 (`VIDEO_MAX_FRAME`), one for each slot that may be lent.
 const MOST_BUFFERS: usize = 32;
-/// Buffers of the driver's own: one is filled, one is read, and two wait for when this process is held up.
+/// Number of the driver's own buffers: one is filled, one is read, and two are for delays of this
+/// process.
 const MAPPED_BUFFERS: usize = 4;
-/// With fewer the driver has none to fill while a frame is read.
+/// Minimum number of buffers. With fewer, the driver could not fill one while a frame is read.
 const LEAST_BUFFERS: usize = 2;
 
-/// A driver that streams. It is stopped, and has let go of all memory, when this is dropped.
+/// A driver that streams. Dropping it stops the driver and releases all memory.
 #[derive(Debug)]
 pub(super) struct Stream<D: Driver> {
-    /// None once it has been taken out.
+    /// `None` once it has been taken out.
     driver: Option<D>,
     buffers: Buffers,
-    /// Whether the driver has made buffers, which are to be given up.
+    /// True if the driver has allocated buffers, which must be freed.
     has_buffers: bool,
-    /// Calls that failed once and then did not: the last of them, and how many since that was asked.
+    /// Calls that failed once and then succeeded.
     mended: Mended,
 }
 
-/// Calls that were tried twice.
+/// The number of calls that needed a second attempt since the last query, and the last of them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mended {
     pub(super) count: u64,
@@ -43,26 +45,26 @@ enum Buffers {
     Lent(Vec<Place>),
 }
 
-/// A number under which the driver has, or had, a slot.
+/// A buffer number, under which the driver holds or held a slot.
 #[derive(Debug, Default)]
 struct Place {
     address: usize,
-    /// The slot, while the driver has it.
+    /// The slot, while the driver holds it.
     slot: Option<LentSlot>,
-    /// When it was last used: a count of queuings.
+    /// When it was last used, as a count of queued buffers.
     used: u64,
 }
 
-/// Why a driver does not stream, and the driver.
+/// Why a driver does not stream, and the driver itself.
 pub(super) struct NotStarted<D> {
     pub(super) call: &'static str,
     pub(super) errno: Errno,
-    /// None if it had to be closed.
+    /// `None` if it had to be closed.
     pub(super) driver: Option<D>,
 }
 
 impl<D: Driver> Stream<D> {
-    /// Starts a driver. `slots`: what it is lent is taken from there, with [`Memory::Lent`].
+    /// Starts a driver. With [`Memory::Lent`], it is lent memory from `slots`.
     pub(super) fn start(
         driver: D,
         memory: Memory,
@@ -128,7 +130,7 @@ impl<D: Driver> Stream<D> {
         self.twice("VIDIOC_STREAMON", |driver| driver.stream(true))
     }
 
-    /// Where frames come from.
+    /// Owner of the frames' memory.
     pub(super) fn memory(&self) -> Memory {
         match self.buffers {
             Buffers::Mapped(_) => Memory::Mapped,
@@ -141,7 +143,7 @@ impl<D: Driver> Stream<D> {
         self.driver.as_ref()
     }
 
-    /// How many buffers there are.
+    /// Number of buffers.
     pub(super) fn count(&self) -> usize {
         match &self.buffers {
             Buffers::Mapped(mappings) => mappings.len(),
@@ -149,18 +151,18 @@ impl<D: Driver> Stream<D> {
         }
     }
 
-    /// The calls that were tried twice since this was asked.
+    /// Returns the calls that needed a second attempt since the last query.
     pub(super) fn take_mended(&mut self) -> Mended {
         std::mem::take(&mut self.mended)
     }
 
-    /// The frame that was filled first; `AGAIN` if there is none.
+    /// Dequeues the frame that was filled first; `AGAIN` if none is filled.
     pub(super) fn dequeue(&mut self) -> Result<Filled> {
         let driver = self.driver.as_ref().ok_or(Errno::NODEV)?;
         driver.dequeue(self.memory())
     }
 
-    /// The bytes of a frame that was dequeued, where the driver's own memory is mapped.
+    /// The bytes of a dequeued frame in the driver's mapped memory.
     pub(super) fn mapped(&self, filled: &Filled) -> &[u8] {
         let Buffers::Mapped(mappings) = &self.buffers else {
             return &[];
@@ -170,7 +172,7 @@ impl<D: Driver> Stream<D> {
         &bytes[begin..bytes.len().min(begin + filled.bytes)]
     }
 
-    /// The slot that a dequeued frame is in, at its beginning.
+    /// Takes the slot that contains a dequeued frame, moved to the slot's start.
     pub(super) fn take_slot(&mut self, filled: &Filled) -> Option<LentSlot> {
         let Buffers::Lent(places) = &mut self.buffers else {
             return None;
@@ -183,7 +185,7 @@ impl<D: Driver> Stream<D> {
         Some(slot)
     }
 
-    /// Has the buffer of a frame that was dequeued filled again.
+    /// Queues the buffer of a dequeued frame again.
     pub(super) fn requeue(
         &mut self,
         filled: &Filled,
@@ -195,7 +197,7 @@ impl<D: Driver> Stream<D> {
                     .get_mut(filled.index)
                     .and_then(|place| place.slot.take());
                 match slot {
-                    // It cannot be kept here if the driver does not take it: then all is stopped, and lent again.
+                    // If the driver refuses it, the stream is stopped and slots are lent again.
                     Some(slot) => self.keep(filled.index, slot),
                     None => Ok(()),
                 }
@@ -210,7 +212,7 @@ impl<D: Driver> Stream<D> {
         })
     }
 
-    /// Lends the driver a slot; gives it back if that is refused.
+    /// Lends a slot to the driver; returns the slot if that is refused.
     pub(super) fn lend(
         &mut self,
         slot: LentSlot,
@@ -230,7 +232,7 @@ impl<D: Driver> Stream<D> {
         slot: LentSlot,
     ) -> std::result::Result<(), (&'static str, Errno)> {
         self.queue_lent(index, slot).map_err(|(slot, cause)| {
-            // The driver does not have it, but it stands where `stop` finds it.
+            // The driver does not hold it, but it is stored where `stop` finds it.
             self.put(index, slot);
             cause
         })
@@ -243,8 +245,8 @@ impl<D: Driver> Stream<D> {
     ) -> std::result::Result<(), (LentSlot, (&'static str, Errno))> {
         let memory = NonNull::from(&mut *slot);
         let queued = self.twice("VIDIOC_QBUF", |driver| {
-            // SAFETY: the slot is ours alone. If the driver takes it, it is put where nobody touches it, until the buffer
-            // is dequeued or `release` has stopped or dropped the driver.
+            // SAFETY: the slot is exclusive. If the driver accepts it, it is stored untouched until
+            // the buffer is dequeued or `release` has stopped or dropped the driver.
             unsafe { driver.queue(index, Some(memory)) }
         });
         match queued {
@@ -267,7 +269,8 @@ impl<D: Driver> Stream<D> {
         }
     }
 
-    /// Makes a call, and once more if it fails: drivers fail now and then for reasons that pass. Not if the device is gone.
+    /// Makes a call, and once more if it fails, because some failures of drivers are temporary.
+    /// Does not repeat it if the device is gone or busy.
     fn twice<T>(
         &mut self,
         call: &'static str,
@@ -287,7 +290,7 @@ impl<D: Driver> Stream<D> {
         Ok(done)
     }
 
-    /// Stops the driver; the slots that it was lent are among `slots` then. None if it had to be closed for that.
+    /// Stops the driver and returns its slots to `slots`. `None` if it had to be closed for that.
     pub(super) fn stop(mut self, slots: &mut Vec<LentSlot>) -> Option<D> {
         let driver = self.release();
         if let Buffers::Lent(places) = &mut self.buffers {
@@ -296,23 +299,24 @@ impl<D: Driver> Stream<D> {
         driver
     }
 
-    /// Has the driver let go of all memory.
+    /// Makes the driver release all memory.
     fn release(&mut self) -> Option<D> {
         let driver = self.driver.take()?;
         let memory = self.memory();
         if !self.has_buffers {
             return Some(driver);
         }
-        // A mapped buffer cannot be given up.
+        // A mapped buffer cannot be freed.
         if let Buffers::Mapped(mappings) = &mut self.buffers {
             mappings.clear();
         }
         let stopped = driver.stream(false);
-        // Some drivers fail at this once as at anything else; what is left is given up with the descriptor.
+        // Some drivers fail once at this as at any call. Whatever is left is freed with the
+        // descriptor.
         let freed = driver
             .request(memory, 0)
             .or_else(|_| driver.request(memory, 0));
-        // What cannot be stopped is closed: that stops it.
+        // A driver that cannot be stopped is closed, which stops it.
         (stopped.is_ok() && freed.is_ok()).then_some(driver)
     }
 }
@@ -323,8 +327,8 @@ impl<D: Driver> Drop for Stream<D> {
     }
 }
 
-/// The number to queue memory of this address under: that which it had before, else one that none had, else that which
-/// was used longest ago; none if the driver has them all.
+/// The number under which to queue memory at this address: its previous number, otherwise one never
+/// used, otherwise the least recently used. `None` if the driver holds them all.
 fn place_of(places: &[Place], address: usize) -> Option<usize> {
     let free = || {
         places

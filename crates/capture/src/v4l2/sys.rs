@@ -1,9 +1,10 @@
-//! The kernel's side of a camera: one safe function for each ioctl of Video4Linux2 that is used here.
+//! The kernel interface of a camera: one safe function for each Video4Linux2 ioctl that is used.
 //!
-//! This file holds `unsafe` code: an ioctl is a number and a pointer, and only here is known which structure the
-//! number means. Every structure ([`structs`]) is plain integers, so that whatever the kernel writes is a valid value.
-//! Numbers and layouts are those of `linux/videodev2.h` on 64-bit Linux; a test holds their sizes, and as the size is
-//! part of an ioctl's number, the kernel refuses (`ENOTTY`) what would not fit.
+//! This file contains `unsafe` code: an ioctl is a number and a pointer, and only this file knows
+//! which structure belongs to the number. Every structure ([`structs`]) consists of plain integers,
+//! so that whatever the kernel writes is a valid value. Numbers and layouts are those of
+//! `linux/videodev2.h` on 64-bit Linux. A test checks their sizes. As the size is part of an
+//! ioctl's number, the kernel refuses (`ENOTTY`) a structure that does not fit.
 
 #![allow(unsafe_code)]
 
@@ -18,18 +19,20 @@ use rustix::ioctl::{Opcode, Setter, Updater, ioctl, opcode};
 pub(super) use constants::*;
 pub(super) use structs::*;
 
-/// The group of all of Video4Linux2's ioctls.
+/// Type of all Video4Linux2 ioctls.
 const V4L2: u8 = b'V';
 
 /// Calls an ioctl that reads `value` and writes it back.
 ///
 /// # Safety
-/// `OPCODE` is one whose argument is a `T`, and every pointer in `value` that the kernel follows for it is valid.
+/// The argument of `OPCODE` must be a `T`, and every pointer in `value` that the kernel follows
+/// must be valid.
 unsafe fn update<const OPCODE: Opcode, T>(fd: impl AsFd, value: &mut T) -> Result<()> {
     let fd = fd.as_fd();
-    // No call here waits (the device is open with O_NONBLOCK), so an interrupted one can begin again at once.
+    // No call blocks (the device is open with O_NONBLOCK), so an interrupted one can be repeated at
+    // once.
     retry_on_intr(|| {
-        // SAFETY: the caller's promise; `value` is exclusively borrowed for the call's time.
+        // SAFETY: by the caller's contract; `value` is exclusively borrowed during the call.
         unsafe { ioctl(fd, Updater::<OPCODE, T>::new(value)) }
     })
 }
@@ -41,7 +44,7 @@ unsafe fn update<const OPCODE: Opcode, T>(fd: impl AsFd, value: &mut T) -> Resul
 unsafe fn set<const OPCODE: Opcode, T: Copy>(fd: impl AsFd, value: T) -> Result<()> {
     let fd = fd.as_fd();
     retry_on_intr(|| {
-        // SAFETY: the caller's promise.
+        // SAFETY: by the caller's contract.
         unsafe { ioctl(fd, Setter::<OPCODE, T>::new(value)) }
     })
 }
@@ -51,105 +54,113 @@ macro_rules! updating {
     ($($(#[$doc:meta])* $direction:ident $number:literal fn $name:ident($type:ty);)+) => {$(
         $(#[$doc])*
         pub(super) fn $name(fd: impl AsFd, value: &mut $type) -> Result<()> {
-            // SAFETY: the number's argument is this structure, by `linux/videodev2.h`, and it holds no pointer.
+            // SAFETY: the ioctl's argument is this structure, by `linux/videodev2.h`, and has no
+            // pointer.
             unsafe { update::<{ opcode::$direction::<$type>(V4L2, $number) }, $type>(fd, value) }
         }
     )+};
 }
 
 updating! {
-    /// `VIDIOC_QUERYCAP`: what the device is.
+    /// `VIDIOC_QUERYCAP`: describes the device.
     read 0 fn query_capability(Capability);
-    /// `VIDIOC_ENUM_FMT`: the pixel format of this `index`; `EINVAL` behind the last.
+    /// `VIDIOC_ENUM_FMT`: the pixel format with this `index`; `EINVAL` after the last.
     read_write 2 fn enumerate_formats(FormatDescription);
-    /// `VIDIOC_G_FMT`: the format that is set.
+    /// `VIDIOC_G_FMT`: the present format.
     read_write 4 fn get_format(Format);
-    /// `VIDIOC_S_FMT`: sets the format; drivers set another rather than refuse, and write it back.
+    /// `VIDIOC_S_FMT`: sets the format. Drivers set another one rather than refuse, and write it
+    /// back.
     read_write 5 fn set_format(Format);
-    /// `VIDIOC_REQBUFS`: makes `count` buffers, or fewer or more, and writes back how many; 0 frees them.
+    /// `VIDIOC_REQBUFS`: allocates about `count` buffers, and writes back the actual number; 0
+    /// frees them.
     read_write 8 fn request_buffers(RequestBuffers);
-    /// `VIDIOC_G_PARM`: the time per frame that is set.
+    /// `VIDIOC_G_PARM`: the present time per frame.
     read_write 21 fn get_parameters(StreamParameters);
-    /// `VIDIOC_S_PARM`: sets the time per frame to one that the device has, and writes it back.
+    /// `VIDIOC_S_PARM`: sets the time per frame to one that the device supports, and writes it
+    /// back.
     read_write 22 fn set_parameters(StreamParameters);
-    /// `VIDIOC_G_CTRL`: a control's value.
+    /// `VIDIOC_G_CTRL`: the value of a control.
     read_write 27 fn get_control(Control);
-    /// `VIDIOC_S_CTRL`: sets a control to the nearest value it has, and writes it back.
+    /// `VIDIOC_S_CTRL`: sets a control to the nearest supported value, and writes it back.
     read_write 28 fn set_control(Control);
-    /// `VIDIOC_QUERYCTRL`: what a control is, for drivers without [`query_extended_control`].
+    /// `VIDIOC_QUERYCTRL`: describes a control, for drivers without [`query_extended_control`].
     read_write 36 fn query_control(QueryControl);
-    /// `VIDIOC_QUERYMENU`: one entry of a menu; `EINVAL` for one that is left out.
+    /// `VIDIOC_QUERYMENU`: one entry of a menu; `EINVAL` for a missing one.
     read_write 37 fn query_menu(QueryMenu);
-    /// `VIDIOC_ENUM_FRAMESIZES`: the frame size of this `index`.
+    /// `VIDIOC_ENUM_FRAMESIZES`: the frame size with this `index`.
     read_write 74 fn enumerate_sizes(SizeDescription);
-    /// `VIDIOC_ENUM_FRAMEINTERVALS`: the time per frame of this `index`, for a format and size.
+    /// `VIDIOC_ENUM_FRAMEINTERVALS`: the time per frame with this `index`, for a format and size.
     read_write 75 fn enumerate_intervals(IntervalDescription);
-    /// `VIDIOC_QUERY_EXT_CTRL`: what a control is, or the one behind it ([`NEXT_CONTROL`]).
+    /// `VIDIOC_QUERY_EXT_CTRL`: describes a control, or the next one ([`NEXT_CONTROL`]).
     read_write 103 fn query_extended_control(QueryExtendedControl);
 }
 
-/// `VIDIOC_STREAMON`: frames from now on. `kind` is a buffer type.
+/// `VIDIOC_STREAMON`: starts streaming. `kind` is a buffer type.
 pub(super) fn stream_on(fd: impl AsFd, kind: u32) -> Result<()> {
     // SAFETY: the argument is an `int`, which the kernel only reads.
     unsafe { set::<{ opcode::write::<u32>(V4L2, 18) }, u32>(fd, kind) }
 }
 
-/// `VIDIOC_STREAMOFF`: no frames any more, and all buffers back. `kind` is a buffer type.
+/// `VIDIOC_STREAMOFF`: stops streaming and returns all buffers. `kind` is a buffer type.
 pub(super) fn stream_off(fd: impl AsFd, kind: u32) -> Result<()> {
     // SAFETY: the argument is an `int`, which the kernel only reads.
     unsafe { set::<{ opcode::write::<u32>(V4L2, 19) }, u32>(fd, kind) }
 }
 
-/// `VIDIOC_QUERYBUF`: where and how long a buffer is. `planes` is written for the multi-planar types alone.
+/// `VIDIOC_QUERYBUF`: position and length of a buffer. `planes` is written only for the
+/// multi-planar types.
 pub(super) fn query_buffer(fd: impl AsFd, buffer: &mut Buffer, planes: &mut [Plane]) -> Result<()> {
     buffer.point_to(planes);
-    // SAFETY: the argument is this structure; its pointer, followed for the multi-planar types alone, was just set to
-    // `planes`, which are exclusively borrowed for the call's time, with their number.
+    // SAFETY: the argument is this structure. Its pointer, which is followed only for the
+    // multi-planar types, was just set to `planes`, with their number. They are exclusively
+    // borrowed during the call.
     unsafe { update::<{ opcode::read_write::<Buffer>(V4L2, 9) }, Buffer>(fd, buffer) }
 }
 
-/// `VIDIOC_QBUF`: lends a buffer to the driver, to be filled.
+/// `VIDIOC_QBUF`: lends a buffer to the driver to fill.
 ///
 /// # Safety
-/// With [`MEMORY_USERPTR`] the memory that `buffer` (of the multi-planar types: each of `planes`) points to, in its
-/// whole length, stays valid and is not touched from here until the buffer is dequeued, or streaming stopped, or the
-/// device closed in all its descriptors.
+/// With [`MEMORY_USERPTR`], the memory that `buffer` points to must stay valid and untouched in its
+/// whole length. For the multi-planar types, this is the memory that each of `planes` points to. This
+/// requirement ends when the buffer is dequeued, streaming is stopped, or all descriptors of the
+/// device are closed.
 pub(super) unsafe fn queue_buffer(
     fd: impl AsFd,
     buffer: &mut Buffer,
     planes: &mut [Plane],
 ) -> Result<()> {
     buffer.point_to(planes);
-    // SAFETY: as `query_buffer`; the memory to be filled is the caller's promise.
+    // SAFETY: as in `query_buffer`; the memory to fill is valid by the caller's contract.
     unsafe { update::<{ opcode::read_write::<Buffer>(V4L2, 15) }, Buffer>(fd, buffer) }
 }
 
-/// `VIDIOC_DQBUF`: takes back the buffer that was filled first; `EAGAIN` while there is none.
+/// `VIDIOC_DQBUF`: takes back the buffer that was filled first; `EAGAIN` if none is filled.
 pub(super) fn dequeue_buffer(
     fd: impl AsFd,
     buffer: &mut Buffer,
     planes: &mut [Plane],
 ) -> Result<()> {
     buffer.point_to(planes);
-    // SAFETY: as `query_buffer`.
+    // SAFETY: as in `query_buffer`.
     unsafe { update::<{ opcode::read_write::<Buffer>(V4L2, 17) }, Buffer>(fd, buffer) }
 }
 
-/// `VIDIOC_G_EXT_CTRLS`: the values of these controls.
+/// `VIDIOC_G_EXT_CTRLS`: reads the values of these controls.
 pub(super) fn get_extended_controls(fd: impl AsFd, controls: &mut [ExtendedControl]) -> Result<()> {
     let mut value = ExtendedControls::of(controls);
     const OPCODE: Opcode = opcode::read_write::<ExtendedControls>(V4L2, 71);
-    // SAFETY: the argument is this structure, and its pointer is to `controls`, which are exclusively borrowed for the
-    // call's time, with their number. `ExtendedControls::of` has set their sizes to 0, so that none of them counts as a
-    // pointer to a payload: the kernel refuses such controls then.
+    // SAFETY: the argument is this structure, and its pointer is to `controls`, with their number.
+    // They are exclusively borrowed during the call. `ExtendedControls::of` has set their sizes to
+    // 0, so that none counts as a pointer to a payload: the kernel then refuses controls that need
+    // one.
     unsafe { update::<OPCODE, ExtendedControls>(fd, &mut value) }
 }
 
-/// `VIDIOC_S_EXT_CTRLS`: sets these controls, all or, mostly, none.
+/// `VIDIOC_S_EXT_CTRLS`: sets these controls; after an error, usually none is set.
 pub(super) fn set_extended_controls(fd: impl AsFd, controls: &mut [ExtendedControl]) -> Result<()> {
     let mut value = ExtendedControls::of(controls);
     const OPCODE: Opcode = opcode::read_write::<ExtendedControls>(V4L2, 72);
-    // SAFETY: as `get_extended_controls`.
+    // SAFETY: as in `get_extended_controls`.
     unsafe { update::<OPCODE, ExtendedControls>(fd, &mut value) }
 }
 

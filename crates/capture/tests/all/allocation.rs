@@ -1,5 +1,6 @@
-//! Once warm, a rendered frame costs no allocation: not to draw, not to write, not to tell the truth of. A camera's JPEG
-//! costs those of its decoder, which are few, for rows and not for images, and given back.
+//! A rendered frame allocates nothing after the first: neither drawing, nor writing, nor the truth.
+//! For a camera's JPEG, the decoder makes a few allocations, for rows and not for images, and frees
+//! them.
 
 use crate::jpeg::{Coding, encode};
 use lariat_capture::{Mjpeg, RenderOptions, Source, open};
@@ -43,6 +44,6 @@ fn a_cameras_jpeg_costs_its_decoders_rows_and_no_more() {
     assert_eq!(cost(50), [50 * allocations, 50 * bytes, 0]);
     assert_eq!(held, 0);
     assert!(allocations <= 20, "{allocations}");
-    // Of the 921,600 that the image takes.
+    // The image takes 921,600 bytes.
     assert!(bytes <= 80_000, "{bytes}");
 }

@@ -1,4 +1,4 @@
-//! Depth images as files: which belongs to which picture, and what is none.
+//! Depth images as files: which one belongs to which picture, and which files are rejected.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use image::{ImageBuffer, Luma, RgbImage};
 use lariat_capture::{DepthFiles, FileOptions, Position, Range};
 use tempfile::TempDir;
 
-/// A folder of pictures and one of depth images, by their names and, of the latter, their depths.
+/// Creates a folder of pictures and one of depth images, with these names and depths.
 fn folders(pictures: &[&str], depths: &[(&str, u16)]) -> (TempDir, [PathBuf; 2]) {
     let folder = TempDir::new().unwrap();
     let [color, depth] = ["color", "depth"].map(|name| folder.path().join(name));
@@ -23,7 +23,7 @@ fn folders(pictures: &[&str], depths: &[(&str, u16)]) -> (TempDir, [PathBuf; 2])
     (folder, [color, depth])
 }
 
-/// An image of these depths, the first pixel of which is nearer.
+/// Writes an image with depth `mm`, whose first pixel is closer by `nearer`.
 fn write_depth(path: &Path, mm: u16, nearer: u16) {
     let mut image = ImageBuffer::<Luma<u16>, _>::from_pixel(4, 2, Luma([mm]));
     image.put_pixel(0, 0, Luma([mm - nearer]));
@@ -35,7 +35,7 @@ fn open(folders: &[PathBuf; 2], options: FileOptions) -> DepthFiles {
     DepthFiles::open(from_ref(depth), from_ref(color), &options).unwrap()
 }
 
-/// The depth that each picture is given.
+/// The depth that each picture gets.
 fn depths(images: &mut DepthFiles, count: u64) -> Vec<Result<u16, String>> {
     let mut pixels = vec![0; images.bytes()];
     let of = |sequence| {
@@ -72,7 +72,7 @@ fn depth_images_belong_to_the_pictures_of_their_numbers() {
         "{refused}"
     );
     assert_eq!(found[1..], [Ok(501), Ok(502), Ok(503)]);
-    // A part of the pictures has the depth images of that part.
+    // A range of the pictures has the depth images of that range.
     let range = Range {
         from: Some(Position::Frame(3)),
         ..Range::default()

@@ -1,4 +1,4 @@
-//! Files as they come from the field: what they lack, hold too much of, or count in.
+//! Files from the field: incomplete, with extra data, or with unusual samples.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -146,7 +146,7 @@ fn files_of_several_pictures_are_refused_with_the_way_out() {
     let one = jpeg_of(&colors(32, 16));
     let said = refusal(&written(&folder, "two.jpg", &[&one[..], &one].concat()));
     assert!(said.contains(".mjpeg") && said.contains("ffmpeg"), "{said}");
-    // A preview behind the picture is of another size.
+    // A preview after the picture has another size.
     let preview = jpeg_of(&colors(16, 8));
     let path = written(&folder, "preview.jpg", &[&one[..], &preview].concat());
     assert_eq!(StillPicture::load(&path).unwrap().width, 32);
@@ -154,7 +154,8 @@ fn files_of_several_pictures_are_refused_with_the_way_out() {
     let png = folder.path().join("moving.png");
     GrayImage::new(4, 4).save(&png).unwrap();
     let mut moving = fs::read(&png).unwrap();
-    // Behind the 33 bytes of signature and head: 2 frames, without end. Nobody looks at its check sum.
+    // After the 33 bytes of signature and header: 2 frames, looped endlessly. The checksum is not
+    // checked.
     let frames = [
         &[0, 0, 0, 8][..],
         b"acTL",
@@ -184,7 +185,8 @@ fn files_of_several_pictures_are_refused_with_the_way_out() {
     );
 }
 
-/// A TIFF of a gray picture of 2 × 1 samples, its values after those of one directory for each picture.
+/// Encodes a TIFF of a gray picture of 2 × 1 samples. There is one directory per picture, and
+/// values follow them.
 fn tiff(is_big: bool, pictures: &[[(u16, u32); 2]]) -> Vec<u8> {
     let (mut file, entry_bytes) = match is_big {
         false => (b"II*\0\x08\0\0\0".to_vec(), 12),

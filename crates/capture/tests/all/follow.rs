@@ -1,4 +1,4 @@
-//! A folder that is followed: what is taken, when, in which order, and what is not.
+//! A followed folder: which pictures are shown, when, and in which order, and which are not.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -32,7 +32,7 @@ fn follow(folder: &TempDir) -> Box<dyn FrameSource> {
     open(&Source::Followed(options(folder.path()))).unwrap()
 }
 
-/// A picture of one grey, which tells it from others.
+/// A picture of a single gray level, which identifies it.
 fn picture(grey: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     GrayImage::from_pixel(5, 4, Luma([grey]))
@@ -41,14 +41,14 @@ fn picture(grey: u8) -> Vec<u8> {
     bytes
 }
 
-/// Written beside the folder and moved into place.
+/// Writes a picture outside the folder and moves it into place.
 fn put(folder: &TempDir, name: &str, grey: u8) {
     let beside = folder.path().with_extension("beside");
     fs::write(&beside, picture(grey)).unwrap();
     fs::rename(&beside, folder.path().join(name)).unwrap();
 }
 
-/// The next frame and its grey, waited for; nothing but sentences on the way.
+/// Waits for the next frame and returns it with its gray level. Only sentences may come before it.
 fn next(source: &mut dyn FrameSource) -> (Frame, u8) {
     let (_in, stop) = UnixStream::pair().unwrap();
     let deadline_ns = now_ns() + LONG_NS;
@@ -73,7 +73,7 @@ fn greys(source: &mut dyn FrameSource, count: usize) -> Vec<(u64, u8)> {
     frames.map(|(frame, grey)| (frame.sequence, grey)).collect()
 }
 
-/// Whether there is nothing to be had: the source waits.
+/// Returns whether the source waits because nothing is available.
 fn is_idle(source: &mut dyn FrameSource) -> bool {
     let (_in, stop) = UnixStream::pair().unwrap();
     let until = Until::new(Some(now_ns() + 1_000_000), stop.as_fd());
@@ -178,7 +178,7 @@ fn a_picture_that_is_written_under_another_name_first_is_shown_once() {
     put(&folder, "1.png", 1);
     let mut source = follow(&folder);
     greys(&mut *source, 1);
-    // Renamed before it is looked at, and after.
+    // Renamed before it is read, and after.
     for (grey, is_looked_at) in [(2, false), (3, true)] {
         let (first, last) = ("writing.png", format!("{grey}.png"));
         fs::write(folder.path().join(first), picture(grey)).unwrap();
@@ -229,7 +229,7 @@ fn a_folder_that_is_removed_is_said_and_followed_again_when_it_is_back() {
     );
     fs::write(path.join("2.png"), picture(2)).unwrap();
     assert_eq!(greys(&mut *source, 1), [(2, 2)]);
-    // Moved away it is gone as well, and what is written to it there is of no account.
+    // A folder that was moved away counts as gone, and files written to it there do not count.
     fs::rename(&path, around.path().join("old")).unwrap();
     fs::write(around.path().join("old/3.png"), picture(3)).unwrap();
     assert!(is_idle(&mut *source));

@@ -1,4 +1,4 @@
-//! Pictures of the other kinds: WebP, TIFF, BMP.
+//! Pictures in other formats: WebP, TIFF and BMP.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ fn gray_of_16_bits_in_a_tiff_becomes_the_nearest_of_8() {
     assert_eq!(picture.pixels, gray.into_raw());
 }
 
-/// An EXIF note that says how to turn its picture (CIPA DC-008: one TIFF entry, 0x0112).
+/// An EXIF entry with the picture's orientation (CIPA DC-008: one TIFF entry, 0x0112).
 fn note(orientation: u8) -> Vec<u8> {
     let mut tiff = b"MM\0*\0\0\0\x08".to_vec();
     tiff.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0]);

@@ -1,23 +1,24 @@
-//! Files decoded ahead into memory that is lent: the same frames as by asking for each.
-#![allow(unsafe_code)] // A slot is lent by a promise, which stands beside each.
+//! Files decoded ahead into lent memory yield the same frames as files decoded on request.
+#![allow(unsafe_code)] // Lending a slot is unsafe; the reason is given at each place.
 
 use std::ptr::NonNull;
 
 use image::{GrayImage, Luma};
 use lariat_capture::{FileOptions, Frame, FrameSource, LentSlot, RenderOptions, Source, open};
 
-/// Slots as the sender of frames has them: some of memory, lent again when their frame was read.
+/// Slots as a sender of frames has them: a few, lent again after their frame was read.
 struct Slots(Vec<Vec<u8>>);
 
 impl Slots {
     fn lend(&mut self, index: usize, source: &mut dyn FrameSource) {
         let memory = NonNull::from(&mut self.0[index][..]);
-        // SAFETY: the memory is not touched until the source gives it back, and lives longer than the source.
+        // SAFETY: the memory is not touched until the source gives it back, and outlives the
+        // source.
         source.lend(unsafe { LentSlot::new(index, memory) });
     }
 }
 
-/// Every frame's number, its size and its pixels; and how many of them were in a slot.
+/// Returns each frame's number, width and pixels, and how many frames were in a slot.
 fn shown(source: &mut dyn FrameSource, slots: &mut Slots) -> (Vec<(u64, u32, Vec<u8>)>, usize) {
     let (mut frames, mut in_slots) = (Vec::new(), 0);
     while let Some(frame) = source.next().unwrap() {
@@ -64,7 +65,7 @@ fn pictures_are_decoded_into_the_slots_that_are_lent() {
         (0..lent).for_each(|index| slots.lend(index, &mut *source));
         let (frames, in_slots) = shown(&mut *source, &mut slots);
         assert_eq!(frames, expected);
-        // The first is decoded before anything is lent.
+        // The first frame is decoded before anything is lent.
         assert_eq!(in_slots, 7);
     }
 }

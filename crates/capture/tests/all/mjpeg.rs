@@ -1,4 +1,5 @@
-//! A camera's MJPG frames come out as what was encoded; whatever else comes is refused, and never more than that.
+//! A camera's MJPG frames decode to what was encoded. Everything else is refused, and nothing is
+//! written past the memory.
 
 use crate::jpeg;
 
@@ -9,10 +10,10 @@ use lariat_capture::{Mjpeg, MjpegError, RenderOptions, Source, open};
 use lariat_message::PixelFormat;
 use proptest::prelude::*;
 
-/// Bytes behind the memory lent, to see whether they stay as they are.
+/// Bytes after the lent memory, which must stay unchanged.
 const GUARD: [u8; 64] = [0xA5; 64];
 
-/// A frame of the rendered rope, RGB.
+/// A frame of the rendered rope, as RGB.
 fn rope(width: u32, height: u32) -> Vec<u8> {
     let options = RenderOptions {
         width,
@@ -28,7 +29,7 @@ fn rope(width: u32, height: u32) -> Vec<u8> {
     pixels
 }
 
-/// Waves of colour, of any size.
+/// Waves of color, of any size.
 fn waves([width, height]: [usize; 2]) -> Vec<u8> {
     let pixel = |x: f64, y: f64| {
         [(0.11, 0.03), (-0.05, 0.09), (0.04, -0.13)]
@@ -50,7 +51,7 @@ fn decode(jpeg: &[u8], size: [usize; 2]) -> Result<(PixelFormat, Vec<u8>), Mjpeg
     Ok((format, into))
 }
 
-/// The largest and the mean difference of two pictures, in levels.
+/// The largest and the mean difference between two pictures, in levels.
 fn apart(a: &[u8], b: &[u8]) -> (u8, f64) {
     assert_eq!(a.len(), b.len());
     let differences = || a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
@@ -61,7 +62,7 @@ fn apart(a: &[u8], b: &[u8]) -> (u8, f64) {
     )
 }
 
-/// Samplings that cameras use: 4:4:4, 4:2:2, 4:2:0, 4:4:0, 4:1:1, and 4:2:2 said in another way.
+/// Samplings that cameras use: 4:4:4, 4:2:2, 4:2:0, 4:4:0, 4:1:1, and 4:2:2 with other factors.
 const FACTORS: [[[usize; 2]; 2]; 6] = [
     [[1, 1], [1, 1]],
     [[2, 1], [1, 1]],
@@ -71,9 +72,10 @@ const FACTORS: [[[usize; 2]; 2]; 6] = [
     [[2, 2], [1, 2]],
 ];
 
-/// The levels that a decoder may be off by where colour is sampled so: each sample by one (ITU-T T.83), U by half a level more
-/// for each axis along which it lies between samples, as that is rounded by itself; U counts 1.772 times in blue; and both
-/// pictures are rounded at the end.
+/// Maximum error of a decoder with this color sampling, in levels. Each sample may be off by one
+/// (ITU-T T.83). U is off by half a level more for each axis along which it is interpolated,
+/// because that is rounded separately. U is weighted by 1.772 in blue. Both pictures are rounded at
+/// the end.
 fn levels(factors: [[usize; 2]; 2]) -> u8 {
     let between = |axis: &usize| factors[0][*axis] == 2 * factors[1][*axis];
     let axes = [0, 1].iter().filter(|axis| between(axis)).count();
@@ -125,7 +127,7 @@ fn a_frame_without_colour_is_gray() {
         mut jpeg, pixels, ..
     } = encode(&rgb, size, &coding);
     let start = jpeg.windows(2).position(|pair| pair == [0xFF, 0xC0]);
-    // The sampling factors of a channel that is alone mean nothing, and some cameras say any.
+    // The sampling factors of a single channel are meaningless, and some cameras write any.
     let factors = start.expect("the frame has a size") + 11;
     assert_eq!(jpeg[factors], 0x11);
     for said in [0x11, 0x21, 0x22] {
@@ -173,7 +175,7 @@ fn restart_markers_are_followed() {
     }
 }
 
-/// A frame of the rope as a camera sends it, and how it is decoded.
+/// A frame of the rope as a camera sends it, and the decoded pixels.
 static CAMERA: LazyLock<(Encoded, Vec<u8>)> = LazyLock::new(|| {
     let encoded = encode(&rope(160, 96), [160, 96], &Coding::CAMERA);
     let (_, pixels) = decode(&encoded.jpeg, [160, 96]).expect("a whole frame");
@@ -201,7 +203,8 @@ fn what_stands_behind_the_end_is_nothing_to_the_image() {
     }
 }
 
-/// Of a picture of this width: what lies above the last row of units, and above what is smoothed with it.
+/// The part of a picture of this width that is above the last row of units, and above the rows
+/// interpolated with it.
 fn above_the_last_row(pixels: &[u8]) -> &[u8] {
     &pixels[..3 * 160 * (96 - 8 - 1)]
 }
@@ -212,7 +215,7 @@ fn a_frame_that_is_cut_off_is_refused() {
     assert_eq!(decode(&[], [160, 96]), Err(MjpegError::Empty));
     let mut passed = 0;
     for length in 1..jpeg.len() {
-        // As the bus leaves it, and as a camera may that sends the end in any case.
+        // As the bus leaves it, and as from a camera that always sends the end marker.
         let cut = &jpeg[..length];
         let ended = [cut, &[0xFF, 0xD9]].concat();
         for frame in [cut, &ended] {
@@ -229,7 +232,7 @@ fn a_frame_that_is_cut_off_is_refused() {
             }
         }
     }
-    // Nothing but the last few bytes.
+    // Only the last few bytes may be missing.
     assert!(passed <= 2 * 8, "{passed} of {}", 2 * jpeg.len());
 }
 
@@ -259,7 +262,7 @@ fn another_size_and_too_little_room_are_refused_with_what_was_agreed_on() {
     let error = decoder.decode(jpeg, &mut into[..needed - 1]).unwrap_err();
     let given = needed - 1;
     assert_eq!(error, MjpegError::Room { needed, given });
-    // It goes on with the next.
+    // The decoder continues with the next frame.
     assert_eq!(decoder.decode(jpeg, &mut into), Ok(PixelFormat::Rgb8));
 }
 
@@ -320,7 +323,7 @@ proptest! {
         if let Some(cut) = cut {
             jpeg.truncate(cut.index(jpeg.len()));
         }
-        // Whatever comes of it: `decode` looks whether anything was written beyond.
+        // Any result is allowed. `decode` checks that nothing was written past the end.
         if let Err(error) = decode(&jpeg, size) {
             prop_assert!(error.to_string().starts_with("the frame"));
         }

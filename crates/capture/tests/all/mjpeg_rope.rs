@@ -1,4 +1,5 @@
-//! The rope's centerline does not suffer from a camera's JPEG, here of half the bytes that a quality of 90 takes.
+//! The rope's centerline does not suffer from a camera's JPEG, here with half the bytes of quality
+//! 90.
 
 use crate::jpeg;
 
@@ -9,7 +10,7 @@ use lariat_extract::{Extractor, Image, Options, PixelFormat};
 const SIZE: [usize; 2] = [640, 480];
 const FRAMES: u64 = 10;
 
-/// The frames of the rendered rope, RGB.
+/// The frames of the rendered rope, as RGB.
 fn frames() -> Vec<Vec<u8>> {
     let options = RenderOptions {
         frames: Some(FRAMES),
@@ -26,7 +27,7 @@ fn frames() -> Vec<Vec<u8>> {
     .collect()
 }
 
-/// The centerline of the one rope of an RGB picture.
+/// Extracts the centerline of the only rope in an RGB picture.
 fn centerline(rgb: &[u8]) -> Vec<[f32; 2]> {
     let [width, height] = SIZE;
     let image = Image::new(rgb, width, height, 3 * width, PixelFormat::Rgb8);
@@ -36,7 +37,7 @@ fn centerline(rgb: &[u8]) -> Vec<[f32; 2]> {
     scene.curves[0].points.clone()
 }
 
-/// How far points of the same number lie apart, root mean square; the way with the direction that fits.
+/// RMS distance between points of the same number, in the direction that fits better.
 fn rms_px(a: &[[f32; 2]], b: &[[f32; 2]]) -> f64 {
     let sum = |pairs: &mut dyn Iterator<Item = (&[f32; 2], &[f32; 2])>| -> f64 {
         pairs

@@ -1,4 +1,4 @@
-//! Picture files as frames: their order, their pixels, and what happens when they are broken.
+//! Picture files as frames: their order, their pixels, and the handling of broken files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ fn folder() -> TempDir {
     TempDir::new().expect("the system has a folder for temporary files")
 }
 
-/// A picture of one grey, which tells it from others.
+/// Writes a picture of a single gray level, which identifies it.
 fn write_grey(path: &Path, grey: u8) {
     GrayImage::from_pixel(5, 4, Luma([grey]))
         .save(path)
@@ -88,7 +88,7 @@ fn paths_are_shown_in_the_order_given() {
     assert_eq!(firsts(&mut *source, 9), [(1, 20), (2, 10)]);
 }
 
-/// A picture saved as PNG, decoded through the source.
+/// Saves a picture as PNG and decodes it through the source.
 fn through_png(picture: impl Into<DynamicImage>) -> (Frame, Vec<u8>) {
     let folder = folder();
     let path = folder.path().join("picture.png");
@@ -157,14 +157,14 @@ fn a_jpeg_is_what_its_decoder_says() {
     assert_eq!(pixels, decoded.into_rgb8().into_raw());
 }
 
-/// A JPEG file with an EXIF note that says how to turn it (CIPA DC-008: one TIFF entry, 0x0112).
+/// Adds an EXIF orientation to a JPEG file (CIPA DC-008: one TIFF entry, 0x0112).
 fn with_orientation(jpeg: &[u8], orientation: u8) -> Vec<u8> {
     let mut tiff = b"Exif\0\0MM\0*\0\0\0\x08".to_vec();
     tiff.extend([0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0]);
     tiff.extend([0; 4]);
     let length = (tiff.len() as u16 + 2).to_be_bytes();
     let app1 = [&[0xff, 0xe1], &length[..], &tiff].concat();
-    // Behind the start of the image.
+    // After the start of the image.
     [&jpeg[..2], &app1, &jpeg[2..]].concat()
 }
 
@@ -172,7 +172,7 @@ fn with_orientation(jpeg: &[u8], orientation: u8) -> Vec<u8> {
 fn a_picture_taken_sideways_is_shown_upright() {
     let folder = folder();
     let path = folder.path().join("picture.jpg");
-    // Blocks of the coder's size, each of one grey, in a lying picture.
+    // Blocks of the encoder's size, each of one gray level, in a sideways picture.
     let blocks = [[10, 60, 110], [160, 210, 250]];
     GrayImage::from_fn(24, 16, |x, y| {
         Luma([blocks[y as usize / 8][x as usize / 8]])
@@ -206,10 +206,10 @@ fn a_jpeg_is_whole_whatever_follows_its_end_and_cut_off_at_any_byte_before() {
     let picture = RgbImage::from_fn(40, 30, |x, y| Rgb([(91 * x) as u8, (x * y) as u8, 90]));
     picture.save(&path).unwrap();
     let whole = fs::read(&path).unwrap();
-    // A phone's short film, say, with bytes that look like a scan's start.
+    // For example a phone's short film, with bytes that look like the start of a scan.
     fs::write(&path, [&whole[..], &[0, 0xff, 0xda, 7, 7]].concat()).unwrap();
     assert!(open_paths(std::slice::from_ref(&path), false).is_ok());
-    // Without its end marker alone it is whole.
+    // If only the end marker is missing, the picture is complete.
     for end in (0..whole.len() - 2).step_by(7) {
         fs::write(&path, &whole[..end]).unwrap();
         let said = refusal(open_paths(std::slice::from_ref(&path), false));
@@ -253,7 +253,7 @@ fn truncate(path: &Path, percent: usize) {
     fs::write(path, &bytes[..bytes.len() * percent / 100]).unwrap();
 }
 
-/// Five pictures of which the second (its end is missing) and the fourth (it is empty) are broken.
+/// Creates five pictures. The second (its end is missing) and the fourth (it is empty) are broken.
 fn partly_broken(extension: &str) -> TempDir {
     let folder = folder();
     for i in 1..=5u8 {
@@ -330,7 +330,7 @@ fn a_large_loop_is_decoded_again_each_round() {
     let mut source = open_paths(&[folder.path().to_owned()], true).unwrap();
     let expected = [(1, 1), (2, 2), (3, 3), (4, 1), (5, 2), (6, 3), (7, 1)];
     assert_eq!(firsts(&mut *source, 7), expected);
-    // Its files gone, it ends, and says so.
+    // Once its files are gone, it ends with an error.
     drop(folder);
     let error = loop {
         match source.next() {

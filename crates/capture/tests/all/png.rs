@@ -1,4 +1,4 @@
-//! Every kind of PNG there is, drawn sample by sample: what it is shown as.
+//! PNGs of every kind, built sample by sample, and how they are shown.
 
 use std::fs;
 use std::path::Path;
@@ -6,14 +6,14 @@ use std::path::Path;
 use lariat_capture::{FileOptions, RenderOptions, Source, open};
 use lariat_message::PixelFormat;
 
-/// Colour types of a PNG (ISO/IEC 15948, 11.2.2).
+/// Color types of a PNG (ISO/IEC 15948, 11.2.2).
 const GRAY: u8 = 0;
 const RGB: u8 = 2;
 const PALETTE: u8 = 3;
 const GRAY_ALPHA: u8 = 4;
 const RGB_ALPHA: u8 = 6;
 
-/// Of each Adam7 pass: the first column and row, and the steps to the next.
+/// First column and row of each Adam7 pass, and the steps to the next ones.
 const PASSES: [[usize; 4]; 7] = [
     [0, 0, 8, 8],
     [4, 0, 8, 8],
@@ -24,7 +24,7 @@ const PASSES: [[usize; 4]; 7] = [
     [0, 1, 1, 2],
 ];
 
-/// Odd in every way, and larger than a block of Adam7.
+/// Odd numbers larger than a block of Adam7.
 const WIDTH: usize = 13;
 const HEIGHT: usize = 11;
 
@@ -33,9 +33,9 @@ struct Kind {
     color: u8,
     depth: u8,
     interlaced: bool,
-    /// Whether a colour, or the palette's entries, are transparent (a `tRNS` chunk).
+    /// True if a color, or the palette's entries, are transparent (a `tRNS` chunk).
     see_through: bool,
-    /// What an EXIF note says of how the picture lies, and whether it stands before the pixels.
+    /// The EXIF orientation, and whether it precedes the pixels.
     turned: Option<(u8, bool)>,
 }
 
@@ -64,12 +64,12 @@ impl Kind {
         (1 << self.depth) - 1
     }
 
-    /// Every sample comes, whichever the depth, and alpha is never all or nothing alone.
+    /// Covers all samples at every depth. Alpha takes values between transparent and opaque too.
     fn sample(self, x: usize, y: usize, channel: usize) -> u32 {
         (x * 7919 + y * 104_729 + channel * 31) as u32 % (self.white() + 1)
     }
 
-    /// What the picture is shown as, before it is turned.
+    /// The pixel as it is shown, before the picture is turned.
     fn shown(self, x: usize, y: usize) -> Vec<u8> {
         let eight_bits = |channel| {
             let value = self.sample(x, y, channel);
@@ -114,7 +114,7 @@ fn png(kind: Kind) -> Vec<u8> {
     file
 }
 
-/// An EXIF note that says how the picture is to be turned (CIPA DC-008: one TIFF entry, 0x0112).
+/// An EXIF entry with the picture's orientation (CIPA DC-008: one TIFF entry, 0x0112).
 fn note(orientation: u8) -> Vec<u8> {
     let mut tiff = b"II*\0\x08\0\0\0".to_vec();
     tiff.extend([1, 0, 0x12, 0x01, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0]);
@@ -122,7 +122,7 @@ fn note(orientation: u8) -> Vec<u8> {
     tiff
 }
 
-/// The samples as they are stored, each row behind its filter's number: none.
+/// The stored samples, with the filter type "none" before each row.
 fn scanlines(kind: Kind) -> Vec<u8> {
     let whole = [[0, 0, 1, 1]];
     let passes = if kind.interlaced { &PASSES[..] } else { &whole };
@@ -153,7 +153,7 @@ fn scanlines(kind: Kind) -> Vec<u8> {
     data
 }
 
-/// As zlib has what it does not compress (RFC 1950, 1951).
+/// Wraps data in an uncompressed zlib stream (RFC 1950, 1951).
 fn zlib(data: &[u8]) -> Vec<u8> {
     let length = data.len() as u16;
     let mut stream = vec![0x78, 0x01, 1];
@@ -182,7 +182,7 @@ fn chunk(file: &mut Vec<u8>, name: &[u8; 4], data: &[u8]) {
     file.extend((!crc).to_be_bytes());
 }
 
-/// Width, height, format and pixels as a source shows the file.
+/// Width, height, format and pixels of the file as a source shows it.
 fn shown(path: &Path) -> ([u32; 2], PixelFormat, Vec<u8>) {
     let source = Source::named(&[path], FileOptions::default(), RenderOptions::default());
     let mut source = open(&source).unwrap();
@@ -246,7 +246,8 @@ fn every_kind_is_shown_as_it_was_drawn() {
 fn a_note_on_how_it_lies_is_heeded_before_the_pixels_and_behind_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("picture.png");
-    // Of each orientation the stored column and row of the upright picture's pixel (CIPA DC-008, 4.6.5).
+    // Stored column and row of a pixel in the upright picture, for each orientation (CIPA DC-008,
+    // 4.6.5).
     let (right, bottom) = (WIDTH - 1, HEIGHT - 1);
     type Place = fn(usize, usize, usize, usize) -> (usize, usize);
     let places: [Place; 8] = [

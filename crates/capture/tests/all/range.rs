@@ -1,4 +1,4 @@
-//! A part of pictures and videos: which frames it is, how they are numbered, and what is no part.
+//! A part of pictures and videos: its frames, their numbers, and what lies outside.
 
 use std::fs;
 use std::num::NonZeroU64;
@@ -17,7 +17,7 @@ fn open_part(path: &Path, options: FileOptions) -> Opened {
     open(&Source::named(&[path], options, RenderOptions::default()))
 }
 
-/// From frame to frame, every n-th.
+/// Every n-th frame between two frames.
 fn part(from: u64, to: u64, every: u64) -> FileOptions {
     FileOptions {
         range: Range {
@@ -41,7 +41,7 @@ fn from_s(from_s: f64, fps: Option<f64>) -> FileOptions {
     }
 }
 
-/// Sequence number and first byte of the next frames: in these tests, which of the files it is.
+/// Sequence number and first byte of the next frames. In these tests, the byte identifies the file.
 fn shown(source: &mut dyn FrameSource, most: usize) -> Vec<(u64, u8)> {
     let mut frames = Vec::new();
     while frames.len() < most
@@ -54,7 +54,8 @@ fn shown(source: &mut dyn FrameSource, most: usize) -> Vec<(u64, u8)> {
     frames
 }
 
-/// A folder of ten pictures and a video of as many frames, whose every pixel is their number.
+/// Creates a folder of ten pictures and a video of ten frames. The value of every pixel is the
+/// number of its frame.
 fn ten() -> TempDir {
     let folder = TempDir::new().expect("the system has a folder for temporary files");
     fs::create_dir(folder.path().join("pictures")).unwrap();
@@ -63,7 +64,7 @@ fn ten() -> TempDir {
         let path = folder.path().join(format!("pictures/{number}.png"));
         let picture = GrayImage::from_pixel(4, 2, Luma([number]));
         picture.save(path).unwrap();
-        // Every third has a parameter, so that frames are not equally long.
+        // Every third line has a parameter, so that frames differ in length.
         let line: &[u8] = if number % 3 == 0 {
             b"FRAME Ip\n"
         } else {
@@ -174,7 +175,7 @@ fn what_is_skipped_of_a_video_may_be_anything_but_its_frames_must_be_whole() {
     let folder = ten();
     let [_, path] = both(&folder);
     let whole = fs::read(&path).unwrap();
-    // In the pixels of the ninth frame, and in its line.
+    // In the pixels of the ninth frame, and in the line before it.
     let cut_in_pixels = &whole[..whole.len() - 14 - 3];
     let cut_in_line = &whole[..whole.len() - 14 - 8 - 2];
     for cut in [cut_in_pixels, cut_in_line] {
@@ -183,7 +184,7 @@ fn what_is_skipped_of_a_video_may_be_anything_but_its_frames_must_be_whole() {
         assert_eq!(shown(&mut *source, 99), [(1, 2), (2, 6)]);
         let said = source.take_warning().expect("it is said");
         assert!(said.contains("cut off in frame 9"), "{said}");
-        // Not looked at where the part ends before.
+        // Not noticed if the part ends earlier.
         let mut source = open_part(&path, part(2, 6, 4)).unwrap();
         assert_eq!(shown(&mut *source, 99), [(1, 2), (2, 6)]);
         assert_eq!(source.take_warning(), None);

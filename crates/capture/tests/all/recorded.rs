@@ -1,4 +1,4 @@
-//! Recordings as frames: what was recorded comes again, with its gaps, its times and its truth.
+//! Recordings as frames: they come again with their gaps, times and truth.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -17,13 +17,13 @@ use lariat_record::{
 };
 use tempfile::TempDir;
 
-/// What is added to a trace's moments.
+/// Offset of log times from a trace's times.
 const OFFSET_NS: u64 = 1_700_000_000_000_000_000;
 const RIG: &str = "table";
 
 type Opened = Result<Box<dyn FrameSource>, SourceError>;
 
-/// A recording in the making.
+/// A recording being written.
 struct Made {
     writer: Writer,
     cdr: Vec<u8>,
@@ -54,7 +54,7 @@ impl Made {
             .unwrap();
     }
 
-    /// A frame of `grey`.
+    /// Writes a frame whose bytes are `grey`.
     fn frame(&mut self, header: &FrameHeader, grey: u8) {
         let trace = &header.trace;
         self.message(Topic::Frames, trace, header);
@@ -78,7 +78,7 @@ impl Made {
     }
 }
 
-/// The header of a frame of 8 × 4 pixels, taken at so many milliseconds.
+/// The header of a frame of 8 × 4 pixels, taken at `at_ms`.
 fn header(sequence: u64, at_ms: u64) -> FrameHeader {
     let exposed_ns = 1_000_000 * (1000 + at_ms);
     FrameHeader {
@@ -98,7 +98,7 @@ fn header(sequence: u64, at_ms: u64) -> FrameHeader {
     }
 }
 
-/// Frames 5 to 16 of a camera, without 8 and 9, 10 ms apart but for a late one; 12 is blank.
+/// Frames 5 to 16 of a camera, without 8 and 9, 10 ms apart except for a late one; 12 is blank.
 fn made(compression: Compression) -> (TempDir, std::path::PathBuf) {
     let folder = TempDir::new().expect("the system has a folder for temporary files");
     let path = folder.path().join("recording.mcap");
@@ -128,7 +128,7 @@ fn open_whole(path: &Path) -> Box<dyn FrameSource> {
     open_range(path, Range::default(), false).unwrap()
 }
 
-/// The next frame, its first byte (0 if it is blank), and how many milliseconds after the first it is due.
+/// The next frame, its first byte (0 if it is blank), and when it is due after the first, in ms.
 fn next(source: &mut dyn FrameSource) -> Option<(Frame, u8, u64)> {
     let frame = source.next().unwrap()?;
     let mut pixels = vec![0; frame.bytes()];
@@ -195,7 +195,7 @@ fn a_part_begins_at_1_and_every_third_is_of_the_cameras_frames() {
         every: NonZeroU64::new(every).expect("not 0"),
     };
     let frame = |number| Some(Position::Frame(number));
-    // Places among the ten that are there.
+    // Numbers count the ten frames that exist.
     let mut source = open_range(&path, range(frame(3), frame(5), 1), false).unwrap();
     assert_eq!(
         shown(&mut *source, 99),
@@ -288,7 +288,7 @@ fn the_truth_comes_with_its_frame_wherever_it_stands() {
         three
             .iter()
             .for_each(|header| made.frame(header, header.trace.sequence as u8));
-        // That of frame 5 was dropped; that of frame 1 stands before it.
+        // The truth of frame 5 was dropped; that of frame 1 comes before it.
         let known = three
             .iter()
             .filter(|header| ![1, 5].contains(&header.trace.sequence));
@@ -438,7 +438,7 @@ fn the_folder_of_a_bag_is_one_source() {
     }
     let right = [(1, 1, 0), (2, 2, 10), (3, 3, 20), (4, 4, 30), (5, 5, 40)];
     assert_eq!(shown(&mut *open_whole(folder.path()), 99), right);
-    // Recordings among pictures are left out, as other files are.
+    // Recordings among pictures are ignored, like other files.
     RgbImage::new(8, 4)
         .save(folder.path().join("a.png"))
         .unwrap();

@@ -1,4 +1,4 @@
-//! The rendered rope: the same everywhere, and its truth is what the pixels show.
+//! The rendered rope is the same everywhere, and its truth matches the pixels.
 
 use lariat_capture::{Frame, FrameSource, RenderOptions, Source, open};
 use lariat_message::{Centerlines, PixelFormat, SourceKind};
@@ -28,7 +28,7 @@ fn shoot(source: &mut dyn FrameSource) -> Shot {
     }
 }
 
-/// The first frames at so many seconds from each other.
+/// The first frames, `interval_s` apart.
 fn shots(options: RenderOptions, interval_s: f64, count: usize) -> Vec<Shot> {
     let mut source = source(RenderOptions {
         frame_interval_s: interval_s,
@@ -38,8 +38,8 @@ fn shots(options: RenderOptions, interval_s: f64, count: usize) -> Vec<Shot> {
 }
 
 impl Shot {
-    /// How much more blue than red the image is at a place, between pixels by bilinear interpolation: about −16 on
-    /// the table and 50 to 150 on the rope.
+    /// Difference between blue and red at a place, interpolated bilinearly: about −16 on the table
+    /// and 50 to 150 on the rope.
     fn blueness(&self, [x, y]: [f32; 2]) -> f32 {
         let at = |x: f32, y: f32| {
             let start = y as usize * self.frame.stride as usize + 3 * x as usize;
@@ -55,7 +55,7 @@ impl Shot {
         self.truth.curves()[0].points()
     }
 
-    /// The unit tangent at each point but the first and the last, with the point.
+    /// The unit tangent at each point except the first and the last, with the point.
     fn tangents(&self) -> impl Iterator<Item = ([f32; 2], [f32; 2])> {
         self.points().windows(3).map(|w| {
             let (dx, dy) = (w[2][0] - w[0][0], w[2][1] - w[0][1]);
@@ -70,7 +70,7 @@ impl Shot {
     }
 }
 
-/// FNV-1a.
+/// FNV-1a hash.
 fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
@@ -89,7 +89,7 @@ fn the_same_seed_makes_the_same_frames_on_every_machine() {
                 rope_px: f64::from(width.min(height)) / 40.0 + 2.0,
                 ..RenderOptions::default()
             };
-            // At first the rope is open, then its loop closes, then it lies across itself.
+            // At first the rope is open, then it forms a loop, then it crosses itself.
             shots(options, 5.0, 3)
         })
         .map(|shot| hash(&shot.pixels))
@@ -157,7 +157,7 @@ fn the_truth_lies_on_the_rope_and_beside_it_is_table() {
             assert!(shot.blueness(at) > 30.0, "{at:?} is not on the rope");
             for side in [-1.5 * width_px, 1.5 * width_px] {
                 let beside = [at[0] - side * dy, at[1] + side * dx];
-                // Where no other strand passes.
+                // Only where no other strand passes.
                 if shot.distance_px(beside) > 1.4 * width_px {
                     assert!(shot.blueness(beside) < 10.0, "{beside:?} is not table");
                 }
@@ -182,7 +182,7 @@ fn the_drawn_rope_is_centred_on_the_truth_and_as_wide_as_it_says() {
             if !alone(width_px) || !alone(-width_px) {
                 continue;
             }
-            // Rope colour is where blue leads: the outermost places on either side.
+            // Rope color is where blue exceeds red: the outermost places on either side.
             let outermost = |sign: f32| {
                 let mut sides = (0..200).map(|i| sign * i as f32 * width_px / 200.0);
                 sides.rfind(|&side| shot.blueness(place(side)) > 20.0)
@@ -210,7 +210,7 @@ fn the_rope_ends_where_the_truth_ends() {
             let length = dx.hypot(dy);
             let place = |out: f32| [tip[0] + out * dx / length, tip[1] + out * dy / length];
             assert!(shot.blueness(place(-1.5)) > 25.0);
-            // Unless it ends on another strand.
+            // Unless the rope ends on another strand.
             let others = points.iter().filter(|p| {
                 let far = (p[0] - tip[0]).hypot(p[1] - tip[1]);
                 far < 16.0
@@ -269,7 +269,7 @@ proptest! {
                 prop_assert!(p[0] > half_px && p[0] < width as f32 - 1.0 - half_px);
                 prop_assert!(p[1] > half_px && p[1] < height as f32 - 1.0 - half_px);
             }
-            // Chords are a little shorter than the arc, the more the rope bends between two points.
+            // Chords are slightly shorter than the arc, depending on the bend between two points.
             let step_px = curve.length_px / (truth_points - 1) as f32;
             for w in curve.points().windows(2) {
                 let chord_px = (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]);

@@ -1,4 +1,5 @@
-//! The simulated rope: it rests without commands, moves by them from when they were sent, and its truth is what is drawn.
+//! The simulated rope rests without commands. Commands move it from the time when they were sent,
+//! and its truth is what is drawn.
 
 use std::sync::{Arc, Mutex};
 
@@ -17,7 +18,7 @@ fn options() -> SimulatedOptions {
     }
 }
 
-/// A letterbox for commands.
+/// A queue of commands.
 #[derive(Clone, Default)]
 struct Letterbox(Arc<Mutex<Vec<Command>>>);
 
@@ -79,14 +80,14 @@ fn a_command_takes_effect_when_it_was_sent_and_a_silent_controller_stops_the_rob
     let mut source = open_simulated(&options(), letters.reader()).unwrap();
     let first = source.next().unwrap().unwrap();
     let start = truth(source.as_ref()).curves()[0].points()[0];
-    // From 100 ms on to the left; sent before, it waits for its moment.
+    // To the left from 100 ms on. The command is sent earlier and waits for its moment.
     let sent_ns = first.exposed_ns.unwrap() + 100_000_000;
     letters.send(sent_ns, [[-100.0, 0.0, 0.0], [-100.0, 0.0, 0.0]]);
     loop {
         let frame = source.next().unwrap().unwrap();
         let after_s = (frame.exposed_ns.unwrap() as f64 - sent_ns as f64) * 1e-9;
         let at = truth(source.as_ref()).curves()[0].points()[0];
-        // The watchdog ends it after 0.25 s; steps are of 1 ms.
+        // The watchdog ends it after 0.25 s; a step takes 1 ms.
         let expected = f64::from(start[0]) - 100.0 * after_s.clamp(0.0, 0.25);
         let off = (f64::from(at[0]) - expected).abs();
         assert!(off < 0.25, "{after_s}: {at:?}, {expected}");
@@ -148,7 +149,7 @@ fn a_hand_hides_a_part_of_the_rope_while_it_rests_there() {
         ..options()
     }))
     .unwrap();
-    // By the rope's colour: fingers at the picture's edge are about as wide as a rope.
+    // By the rope's color, because fingers at the picture's edge are about as wide as a rope.
     let blue = HsvRange {
         hue_deg: [190.0, 250.0],
         saturation: [0.3, 1.0],

@@ -1,4 +1,4 @@
-//! Y4M videos as frames: their layouts, their ends, and what is refused.
+//! Y4M videos as frames: their layouts, how they end, and which are refused.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::pictures::next_pixels;
 
 type Opened = Result<Box<dyn FrameSource>, SourceError>;
 
-/// A video file's bytes: its first line, then its frames.
+/// The bytes of a video file: its header, then its frames.
 fn video(line: &str, frames: &[&[u8]]) -> Vec<u8> {
     let mut bytes = format!("YUV4MPEG2 {line}\n").into_bytes();
     for frame in frames {
@@ -29,7 +29,7 @@ fn open_path(path: &Path, looped: bool) -> Opened {
     open(&Source::named(&[path], options, RenderOptions::default()))
 }
 
-/// Opens a video of these bytes; what is not yet read may go.
+/// Opens a video with these bytes. Dropping the folder removes the file.
 fn open_bytes(bytes: &[u8], looped: bool) -> (Opened, TempDir) {
     let folder = TempDir::new().expect("the system has a folder for temporary files");
     let path = folder.path().join("video.y4m");

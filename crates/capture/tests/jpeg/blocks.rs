@@ -1,9 +1,9 @@
-//! Pixels to quantized frequencies and back, in floats.
+//! Converts pixels to quantized frequencies and back, in floats.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Where the frequencies of a block stand in the order in which they are coded.
+/// Position in the block of each frequency, in coding order.
 pub(super) const ZIGZAG: [usize; 64] = {
     let (mut order, mut k, mut diagonal) = ([0; 64], 0, 0);
     while diagonal < 15 {
@@ -38,12 +38,13 @@ static COSINES: LazyLock<[[f64; 8]; 8]> = LazyLock::new(|| {
 pub(super) struct Channel {
     samples: Vec<f64>,
     width: usize,
-    /// Pixels of the image to a sample, across and down.
+    /// Pixels of the image per sample, horizontally and vertically.
     of: [usize; 2],
 }
 
 impl Channel {
-    /// Channel `c` of Y, U, V: the mean of the pixels of each sample, the image going on past its edge as it ends there.
+    /// Samples channel `c` of YUV: each sample is the mean of its pixels. The image is extended
+    /// past its edge with the edge pixels.
     pub(super) fn sample(
         rgb: &[u8],
         size: [usize; 2],
@@ -71,11 +72,12 @@ impl Channel {
         Self { samples, width, of }
     }
 
-    /// The levels of a block, which is then what these levels say.
+    /// Quantizes a block, and replaces it by the decoded levels.
     pub(super) fn quantize(&mut self, [column, row]: [usize; 2], by: &[u8; 64]) -> [i32; 64] {
         let place = |k: usize| (8 * row + k / 8) * self.width + 8 * column + k % 8;
         let block = std::array::from_fn(|k| self.samples[place(k)] - 128.0);
-        // Both ways, as the transform is its own inverse but for the order of the sums.
+        // In both directions, because the transform is its own inverse except for the order of the
+        // sums.
         let frequencies = transformed(&block, |u, x| COSINES[u][x]);
         let levels: [i32; 64] =
             std::array::from_fn(|k| (frequencies[k] / f64::from(by[k])).round() as i32);
@@ -88,8 +90,8 @@ impl Channel {
         levels
     }
 
-    /// The value at a pixel of the image, between samples, which lie in the middle of their pixels; where a sample is for more
-    /// than two pixels along a side, the nearest one's, as decoders have it.
+    /// Value at a pixel of the image, interpolated between samples at the centers of their pixels.
+    /// If a sample covers more than two pixels along a side, decoders use the nearest one.
     fn at(&self, pixel: [usize; 2]) -> f64 {
         let sides = [self.width, self.samples.len() / self.width];
         let [x, y] = [0, 1].map(|axis| {
@@ -117,7 +119,7 @@ fn transformed(block: &[f64; 64], factor: impl Fn(usize, usize) -> f64) -> [f64;
     std::array::from_fn(|k| (0..8).map(|i| factor(k / 8, i) * rows[8 * i + k % 8]).sum())
 }
 
-/// The channels as RGB, or gray if there is only one.
+/// Converts the channels to RGB, or to gray if there is only one.
 pub(super) fn pixels(channels: &[Channel], [width, height]: [usize; 2]) -> Vec<u8> {
     let byte = |value: f64| value.round().clamp(0.0, 255.0) as u8;
     let places = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));

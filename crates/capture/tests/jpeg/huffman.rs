@@ -1,12 +1,12 @@
-//! Levels to bits.
+//! Encodes levels as bits.
 
 use super::blocks::ZIGZAG;
 use super::segments;
 
-/// Of each byte the bits that stand for it, and how many.
+/// Bits and length of the code of each byte.
 pub(super) type Code = [(u16, u8); 256];
 
-/// The codes of the tables that come with a JPEG: for the lowest frequency and for the others, for Y and for U and V.
+/// The codes of a JPEG's tables: for the lowest frequency and for the others, for Y and for UV.
 pub(super) fn codes(jpeg: &[u8]) -> [[Box<Code>; 2]; 2] {
     let mut codes: [[Box<Code>; 2]; 2] =
         std::array::from_fn(|_| std::array::from_fn(|_| Box::new([(0, 0); 256])));
@@ -31,7 +31,7 @@ pub(super) fn codes(jpeg: &[u8]) -> [[Box<Code>; 2]; 2] {
     codes
 }
 
-/// Bits, the highest of a byte first, a 0 behind each byte of ones.
+/// Bits, most significant first, with a 0 byte after each byte of ones.
 #[derive(Default)]
 pub(super) struct Bits {
     pub(super) bytes: Vec<u8>,
@@ -61,7 +61,7 @@ impl Bits {
         }
     }
 
-    /// A block's levels; those of the lowest frequency as what they differ by from the last block's.
+    /// Writes a block's levels. The lowest frequency is the difference from that of the last block.
     pub(super) fn block(&mut self, levels: &[i32; 64], last_dc: &mut i32, dc: &Code, ac: &Code) {
         let difference = levels[0] - *last_dc;
         *last_dc = levels[0];
@@ -89,7 +89,7 @@ impl Bits {
         let (bits, count) = code[zeros << 4 | usize::from(size)];
         assert!(count > 0, "there is a code for {zeros} zeros and {level}");
         self.put(bits, count);
-        // Of a negative number the bits of what is one less.
+        // A negative number is coded by the low bits of the number minus one.
         let own = if level < 0 { level - 1 } else { level };
         self.put(own as u16 & ((1u32 << size) - 1) as u16, size);
     }

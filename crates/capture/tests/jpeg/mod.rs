@@ -1,5 +1,6 @@
-//! Camera's frames to decode, and what must come of them: a baseline JPEG encoder (ITU-T T.81) that can do what picture
-//! encoders do not: any sampling of colour, and no Huffman tables. It keeps what it has encoded, as exactly as floats do.
+//! Encodes a camera's frames and the expected pixels. It is a baseline JPEG encoder (ITU-T T.81)
+//! with features that picture encoders lack: any color sampling, and no Huffman tables. It keeps
+//! what it has encoded, as exactly as floats allow.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 mod blocks;
@@ -11,19 +12,19 @@ use huffman::{Bits, Code, codes};
 /// How a frame is encoded.
 #[derive(Debug, Clone)]
 pub(crate) struct Coding {
-    /// Sampling factors, across and down, of Y and of U and V.
+    /// Sampling factors, horizontal and vertical, of Y and of UV.
     pub(crate) factors: [[usize; 2]; 2],
     pub(crate) gray: bool,
-    /// What the quantization rises by from one frequency to the next; the lowest is 1.
+    /// Increase of the quantization from one frequency to the next; the lowest frequency has 1.
     pub(crate) step: u8,
-    /// Units between restart markers, 0: none.
+    /// Number of units between restart markers; 0 for none.
     pub(crate) restart: usize,
-    /// Whether the Huffman tables come along.
+    /// True to include the Huffman tables.
     pub(crate) tables: bool,
 }
 
 impl Coding {
-    /// As most cameras do: colour at half the width, no tables.
+    /// The coding of most cameras: color at half the width, no tables.
     pub(crate) const CAMERA: Self = Self {
         factors: [[2, 1], [1, 1]],
         gray: false,
@@ -33,15 +34,15 @@ impl Coding {
     };
 }
 
-/// A frame and what it is decoded to: RGB, or one byte a pixel.
+/// A frame and the pixels that it decodes to: RGB, or one byte per pixel.
 pub(crate) struct Encoded {
     pub(crate) jpeg: Vec<u8>,
     pub(crate) pixels: Vec<u8>,
-    /// Where the coded image begins.
+    /// Offset of the coded image.
     pub(crate) scan: usize,
 }
 
-/// A JPEG of `image`'s encoder, which writes the usual Huffman tables.
+/// Encodes a JPEG with the `image` crate, which writes the standard Huffman tables.
 pub(crate) fn by_image(
     pixels: &[u8],
     [width, height]: [usize; 2],
@@ -60,7 +61,7 @@ pub(crate) fn by_image(
     jpeg
 }
 
-/// The segments up to the coded image: marker and all bytes with it.
+/// The segments before the coded image: marker, and all bytes including it.
 pub(crate) fn segments(jpeg: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     let mut at = 2;
     let mut last = 0;
@@ -75,7 +76,7 @@ pub(crate) fn segments(jpeg: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     })
 }
 
-/// The frame without its Huffman tables.
+/// Removes the Huffman tables from a frame.
 pub(crate) fn without_tables(jpeg: &[u8]) -> Vec<u8> {
     let kept = segments(jpeg).filter(|(marker, _)| *marker != 0xC4);
     let head: usize = 2 + segments(jpeg).map(|(_, bytes)| bytes.len()).sum::<usize>();
@@ -135,7 +136,7 @@ pub(crate) fn encode(rgb: &[u8], size: [usize; 2], coding: &Coding) -> Encoded {
     Encoded { jpeg, pixels, scan }
 }
 
-/// Encodes an RGB picture, of whole units, with a scan for each channel.
+/// Encodes an RGB picture of whole units with one scan per channel.
 pub(crate) fn encode_in_scans(rgb: &[u8], size: [usize; 2], factors: [[usize; 2]; 2]) -> Encoded {
     let coding = Coding {
         factors,
@@ -148,7 +149,7 @@ pub(crate) fn encode_in_scans(rgb: &[u8], size: [usize; 2], factors: [[usize; 2]
     let tables = by_image(&[0; 3], [1, 1], false, 50);
     let (quantization, codes) = ([2; 64], codes(&tables));
     let mut jpeg = head(&factors, size, &quantization, &coding, &tables);
-    // Without the scan of all channels.
+    // Remove the header of the scan of all channels.
     jpeg.truncate(jpeg.len() - 14);
     let scan = jpeg.len();
     let mut channels = Vec::new();
@@ -176,7 +177,7 @@ pub(crate) fn encode_in_scans(rgb: &[u8], size: [usize; 2], factors: [[usize; 2]
     Encoded { jpeg, pixels, scan }
 }
 
-/// All that stands before the coded image.
+/// Everything before the coded image.
 fn head(
     factors: &[[usize; 2]],
     [width, height]: [usize; 2],

@@ -1,7 +1,7 @@
 //! Requests from other processes to a running chain, and changes of settings.
 //!
-//! A change that restarts a stage is tried first. If the stage does not become ready, the previous settings apply again, the stage restarts
-//! with them, and the client learns the reason.
+//! A change that restarts a stage is tried first. If the stage does not become ready, the chain
+//! returns to the previous settings, restarts the stage with them, and tells the client the reason.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,15 +20,15 @@ const TRIED: [Part; 4] = [Part::Capture, Part::Extract, Part::Fit, Part::Sink];
 
 /// A change of settings that is being tried.
 pub(super) struct Trial {
-    /// Which of [`TRIED`] restart.
+    /// Marks the stages of [`TRIED`] that restart.
     again: [bool; 4],
     flags_before: Flags,
     before: Arc<Settings>,
     /// The client that asked for the change; `None` for an edited file.
     client: Option<Client>,
-    /// The answer if all of them start.
+    /// The answer if all of them become ready.
     answer: String,
-    /// Deadline for them to become ready.
+    /// Deadline for the stages to become ready.
     pub(super) until: Instant,
 }
 
@@ -40,8 +40,8 @@ impl Trial {
 }
 
 impl Chain {
-    /// Makes the socket, also where it was removed: all that was in the domain died at once, and what was left is removed by the
-    /// next that joins.
+    /// Creates the control socket, also if it was removed. When all processes in the domain die at
+    /// once, the next process to join removes what they left, including the socket.
     pub(super) fn listen_to_others(&mut self) {
         if self.control.as_ref().is_some_and(Control::is_there) {
             return;
@@ -54,7 +54,7 @@ impl Chain {
         }
     }
 
-    /// Does what others ask for.
+    /// Answers the requests of other processes.
     pub(super) fn answer_others(&mut self) {
         while self.trial.is_none()
             && let Some((client, asked)) = self.control.as_mut().and_then(Control::next_request)
@@ -79,7 +79,7 @@ impl Chain {
         !is_on_its_way && self.child(part).is_some_and(is_up)
     }
 
-    /// Accepts a change that is being tried once its stages are ready; takes it back when it takes too long.
+    /// Accepts the tried change once its stages are ready. Reverts it if they take too long.
     pub(super) fn judge_trial(&mut self) {
         let Some(trial) = &self.trial else { return };
         if trial.parts().all(|part| self.is_up(part)) {
@@ -96,14 +96,15 @@ impl Chain {
         }
     }
 
-    /// True if this part ended before it was ready, while a change that restarts it is being tried.
+    /// Returns true if this part ended before it was ready, while a change that restarts it is
+    /// being tried.
     pub(super) fn is_tried_in_vain(&self, part: Part) -> bool {
         let is_tried = |trial: &Trial| trial.parts().any(|tried| tried == part);
         let has_ended = |child: &Child| child.ending().is_some() && !child.is_ready();
         self.trial.as_ref().is_some_and(is_tried) && self.child(part).is_some_and(has_ended)
     }
 
-    /// Takes a change back: the previous settings apply again, and the stages restart with them.
+    /// Reverts a change: the previous settings apply again, and the stages restart with them.
     pub(super) fn take_back(&mut self) {
         let Some(trial) = self.trial.take() else {
             return;
@@ -147,27 +148,27 @@ impl Chain {
         }
     }
 
-    /// Where its settings file is, or would be.
+    /// Returns the path of the settings file, even if the file does not exist.
     fn file_path(&self) -> anyhow::Result<String> {
         let file = self.settings.file.as_deref();
         let path = std::path::absolute(file.unwrap_or(Path::new(FILE_NAME)))?;
         Ok(format!("{}\n", path.display()))
     }
 
-    /// Has settings hold from now on that are written as `section.name=value`.
+    /// Applies changes that are written as `section.name=value`.
     pub(super) fn set(&mut self, changes: &[String]) -> anyhow::Result<String> {
         let (mut flags, mut alone) = (self.flags.clone(), Flags::default());
         for change in changes {
             (flags, alone) = (flags.with_change(change)?, alone.with_change(change)?);
         }
-        // A file's name may be what it was, and the file another.
+        // A file may have changed although its name has not, so read it again.
         let is_read_again = alone.set_any_of("camera");
         let answer = self.change(self.settings.changed_by(&alone)?, is_read_again)?;
         self.flags = flags;
         Ok(answer)
     }
 
-    /// Takes the settings file as it is now, if it has changed.
+    /// Reads the settings file again if it has changed.
     pub(super) fn read_the_file(&mut self) {
         if self.trial.is_some() || !self.file.as_mut().is_some_and(Watch::has_changed) {
             return;
@@ -178,11 +179,12 @@ impl Chain {
         }
     }
 
-    /// Has other settings hold from now on: what changed, and when it holds, as lines. `is_read_again`: the files of `[camera]`
-    /// are, also where their names are what they were.
+    /// Applies other settings. Returns lines that say what changed and when it takes effect. If
+    /// `is_read_again` is set, the files of `[camera]` are read again even if their names are the
+    /// same.
     ///
     /// # Errors
-    /// A sentence why they cannot; nothing has changed then.
+    /// Returns the reason if the settings cannot be applied. Nothing has changed then.
     pub(super) fn change(
         &mut self,
         mut settings: Settings,
@@ -208,7 +210,7 @@ impl Chain {
                 named(concerned.again)
             );
         }
-        // What a stage could not make is said to who asks.
+        // Report errors that a stage would meet to the client.
         if concerned.live[Part::Extract as usize] {
             FrameExtractor::new(&settings.extract)?;
         }
@@ -267,18 +269,19 @@ impl Chain {
         Ok(format!("{name} is restarted\n"))
     }
 
-    /// Has a part end, to be restarted.
+    /// Ends a part so that it is restarted.
     pub(super) fn renew(&mut self, part: Part) {
         let Some(child) = self.children[part as usize].as_mut() else {
             return;
         };
         if child.ending().is_some() {
-            // It is about to be.
+            // It is restarted anyway.
             self.due[part as usize].get_or_insert_with(Instant::now);
             return;
         }
         self.renewed[part as usize] = true;
-        // A stage that reports would report now, and one that is still starting may miss the signal.
+        // The sink and the recorder would write their reports on a signal, and a part that is still
+        // starting may miss the signal. Kill them instead.
         match part.is_told_the_last_word() || !child.is_ready() {
             true => child.strike(),
             false => child.tell_to_stop(),

@@ -34,7 +34,7 @@ use crate::stop::{Stop, Stopper};
 pub(super) enum Ending {
     /// With exit code 0.
     Well,
-    /// With another exit code; it has said why.
+    /// With another exit code. The stage reported the reason.
     Failed(i32),
     /// By a signal.
     Killed(i32),
@@ -64,17 +64,17 @@ impl fmt::Display for Ending {
     }
 }
 
-/// What a stage does until it is told to stop.
+/// A stage's main function, which returns when a stop is requested.
 pub(super) type Run = fn(&Settings, Supervision) -> anyhow::Result<()>;
 
-/// What a stage runs in.
+/// How a stage is hosted.
 enum Host {
     Process {
         process: std::process::Child,
-        /// `None` once all that it said was taken in.
+        /// `None` once all its messages have been read.
         messages: Option<Intake>,
     },
-    /// A thread of this process. Its outcome is `None` once it was asked for.
+    /// A thread of this process. The outcome is `None` once it has been collected.
     Thread {
         outcome: Option<JoinHandle<anyhow::Result<()>>>,
         stopper: Stopper,
@@ -85,11 +85,11 @@ enum Host {
 pub(super) struct Child {
     pub(super) part: Part,
     host: Host,
-    /// What it says; `None` once it has ended.
+    /// The stage's status line. `None` once the stage has ended.
     line: Option<File>,
-    /// What it is told.
+    /// Pipe on which the stage receives changes of settings.
     orders: File,
-    /// The part of a line that has not ended yet.
+    /// The start of a line that is still incomplete.
     unread: Vec<u8>,
     ready: bool,
     lacks: Lacks,
@@ -102,17 +102,18 @@ pub(super) struct Child {
     depths: Option<DepthCounts>,
     taken: Option<Taken>,
     ending: Option<Ending>,
-    /// The last sentence that its process said.
+    /// The last message that the process printed.
     last_words: String,
     told_to_stop: bool,
     given_up: bool,
 }
 
 impl Child {
-    /// Starts a stage in a process group of its own, so that a Ctrl-C is the chain's to deal with. One alone may read
-    /// the chain's standard input.
+    /// Starts a stage in a process group of its own, so that only the chain receives Ctrl-C. With
+    /// `reads`, the stage inherits the chain's standard input; only one stage may.
     ///
-    /// `handover`: what its predecessor left, or none yet. `changed`: its settings, if they are others than the arguments say.
+    /// `handover` is the predecessor's handover state; it is empty at the first start. `changed`
+    /// holds the settings if they differ from the arguments.
     pub(super) fn start(
         part: Part,
         arguments: &[OsString],
@@ -129,11 +130,12 @@ impl Child {
         let settings = changed.map(in_memory).transpose().with_context(starting)?;
         let mut command = itself::command();
         command.arg(part.name()).args(arguments);
-        // The service manager hears of the chain from the chain.
+        // Only the chain talks to the service manager.
         for name in ["NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"] {
             command.env_remove(name);
         }
-        // Inherited by the child alone; nothing else starts a process here meanwhile.
+        // Only this child inherits the descriptors, because nothing else starts a process here
+        // meanwhile.
         let inherited = [
             (STATUS_FD, Some(its_end.as_fd())),
             (ORDERS_FD, Some(its_orders.as_fd())),
@@ -168,8 +170,8 @@ impl Child {
         Ok(Self::new(part, host, line, orders))
     }
 
-    /// Starts a stage as a thread of this process. It says what a process would, on a line of its own, and is told to stop
-    /// by itself, in its turn.
+    /// Starts a stage as a thread of this process. It reports on a status line of its own, like a
+    /// process, and is stopped individually.
     pub(super) fn start_here(
         part: Part,
         run: Run,
@@ -188,12 +190,12 @@ impl Child {
             stop,
             status: Status::on(its_end),
             orders: Orders::on(its_orders),
-            // It has no successor, but the chain sees how far it is.
+            // A thread is never restarted, but the chain reads its progress here.
             handover: handover.share(),
         };
         let outcome = std::thread::Builder::new()
             .name(part.name().to_owned())
-            // The end of the line is dropped with the supervision, also by a panic.
+            // The supervision drops its end of the line when the thread ends, also after a panic.
             .spawn(move || run(&settings, supervision))
             .with_context(starting)?;
         let outcome = Some(outcome);
@@ -229,7 +231,7 @@ impl Child {
         }
     }
 
-    /// The id of its process.
+    /// Returns the id of the stage's process.
     pub(super) fn id(&self) -> u32 {
         match &self.host {
             Host::Process { process, .. } => process.id(),
@@ -237,62 +239,63 @@ impl Child {
         }
     }
 
-    /// Whether it can receive.
+    /// Returns true if the stage can receive.
     pub(super) fn is_ready(&self) -> bool {
         self.ready
     }
 
-    /// What it does without.
+    /// Returns the resources that the stage runs without.
     pub(super) fn lacks(&self) -> Lacks {
         self.lacks
     }
 
-    /// Whether its work is done, rather than broken off.
+    /// Returns true if the stage finished its work rather than breaking it off.
     pub(super) fn is_done(&self) -> bool {
         self.done
     }
 
-    /// Whether a signal that was not the chain's is ending it.
+    /// Returns true if a signal that the chain did not send is ending the stage.
     pub(super) fn was_told_by_another(&self) -> bool {
         self.told_by_another
     }
 
-    /// Whether nobody reads any more what it prints.
+    /// Returns true if nobody reads the stage's output any more.
     pub(super) fn is_unread(&self) -> bool {
         self.unread_output
     }
 
-    /// What it said it sent in all, if it lived to say so.
+    /// Returns the totals of sent messages, if the stage lived to report them.
     pub(super) fn sent(&self) -> Option<Sent> {
         self.sent
     }
 
-    /// How many frames it said it skipped for want of a mask, if it waited for masks.
+    /// Returns how many frames the stage skipped because their masks were late, if it waits for
+    /// masks.
     pub(super) fn masks_late(&self) -> Option<u64> {
         self.masks_late
     }
 
-    /// How many frames it said had no depth image, if it waited for those.
+    /// Returns how many frames lacked a depth image, if the stage waits for depth images.
     pub(super) fn depthless(&self) -> Option<u64> {
         self.depthless
     }
 
-    /// What it said of its depth camera, if it has one.
+    /// Returns the counts of the stage's depth camera, if it has one.
     pub(super) fn depths(&self) -> Option<DepthCounts> {
         self.depths
     }
 
-    /// What it said of the frames that came to it from elsewhere, if they did.
+    /// Returns what the stage reported about frames from an external source, if it has one.
     pub(super) fn taken(&self) -> Option<Taken> {
         self.taken
     }
 
-    /// How it ended, if it has.
+    /// Returns how the stage ended, if it has.
     pub(super) fn ending(&self) -> Option<Ending> {
         self.ending
     }
 
-    /// Why it ended, if it has: in its own words, if it said any.
+    /// Returns why the stage failed, in its own words if it printed any.
     pub(super) fn reason(&self) -> String {
         match self.ending {
             Some(Ending::Failed(_)) if !self.last_words.is_empty() => self.last_words.clone(),
@@ -301,22 +304,23 @@ impl Child {
         }
     }
 
-    /// Whether its end was wished.
+    /// Returns true if the chain told the stage to stop.
     pub(super) fn was_told_to_stop(&self) -> bool {
         self.told_to_stop
     }
 
-    /// Whether it had to be killed.
+    /// Returns true if the stage had to be killed.
     pub(super) fn was_given_up(&self) -> bool {
         self.given_up
     }
 
-    /// Readable when it said something, or ended; `None` once it has.
+    /// Returns a descriptor that is readable when the stage reports something or ends. `None` once
+    /// it has ended.
     pub(super) fn line(&self) -> Option<BorrowedFd<'_>> {
         self.line.as_ref().map(AsFd::as_fd)
     }
 
-    /// Takes note of what it said, without waiting.
+    /// Reads what the stage reported, without blocking.
     pub(super) fn listen(&mut self) {
         let Some(line) = &mut self.line else { return };
         let mut buffer = [0; 256];
@@ -329,13 +333,13 @@ impl Child {
                 Err(_) => break,
             }
         }
-        // Its end of the line is closed: the process is gone, or will be in a moment.
+        // The stage's end of the line is closed: the process has ended or is about to.
         self.take_note();
         self.line = None;
         self.ending = Some(match &mut self.host {
             Host::Process { process, messages } => {
                 let ended = process.wait().map_or(Ending::Failed(-1), ending);
-                // Its own messages come before the message about its end.
+                // The stage's own messages are printed before the message about its end.
                 if let Some(messages) = messages.take() {
                     self.last_words = messages.finish();
                 }
@@ -364,39 +368,40 @@ impl Child {
         }
     }
 
-    /// Tells it that settings have changed; `false` if it does not listen.
+    /// Tells the stage that settings have changed. Returns `false` if it does not listen.
     pub(super) fn order(&mut self, settings: &str) -> bool {
         self.orders
             .write_all(orders::order(settings).as_bytes())
             .is_ok()
     }
 
-    /// How much of a core's time its process has used, in the kernel's ticks; `None` of a thread, and if the kernel does not say.
+    /// Returns the CPU time that the process has used, in clock ticks. `None` for a thread, or if
+    /// the kernel does not report it.
     pub(super) fn ticks(&self) -> Option<u64> {
         let Host::Process { process, .. } = &self.host else {
             return None;
         };
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id())).ok()?;
-        // The name, in parentheses, may hold anything.
+        // The name is in parentheses and may contain any character.
         let (_, rest) = stat.rsplit_once(')')?;
         let mut numbers = rest.split_ascii_whitespace().skip(11);
         let mut next = || numbers.next()?.parse::<u64>().ok();
         Some(next()? + next()?)
     }
 
-    /// Writes to its standard input and closes it.
+    /// Writes to the stage's standard input and closes it.
     pub(super) fn tell(&mut self, word: &str) {
         let Host::Process { process, .. } = &mut self.host else {
             return;
         };
         if let Some(mut stdin) = process.stdin.take() {
-            // If it is gone, its ending says so.
+            // If the stage is gone, its ending is reported anyway.
             let _ = stdin.write_all(word.as_bytes());
         }
     }
 
-    /// Asks it to work off what waits, and end. A process that somebody stopped (SIGSTOP) is continued for that, as systemd
-    /// does.
+    /// Asks the stage to process what is waiting and then end. A stopped process (SIGSTOP) is
+    /// continued so that it can, as systemd does.
     pub(super) fn tell_to_stop(&mut self) {
         self.told_to_stop |= self.ending.is_none();
         match &mut self.host {
@@ -408,12 +413,13 @@ impl Child {
         }
     }
 
-    /// Ends it at once, to be restarted.
+    /// Kills the stage at once so that it can be restarted.
     pub(super) fn strike(&self) {
         self.signal(Signal::KILL);
     }
 
-    /// Ends it at once. A thread cannot be: it is given up, and ends with this process.
+    /// Kills the stage at once. A thread cannot be killed: it is abandoned and ends with this
+    /// process.
     pub(super) fn kill(&mut self) {
         self.given_up = true;
         match &self.host {
@@ -426,7 +432,7 @@ impl Child {
         let Host::Process { process, .. } = &self.host else {
             return;
         };
-        // Not waited for yet, so the number is still this process's.
+        // The process has not been waited for yet, so the id is still valid.
         let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
         if let (None, Some(pid)) = (self.ending, pid) {
             let _ = kill_process(pid, signal);
@@ -434,14 +440,14 @@ impl Child {
     }
 }
 
-/// A text as a file in memory.
+/// Writes a text to a file in memory.
 fn in_memory(text: &str) -> std::io::Result<File> {
     let file: File = memfd_create("lariat-settings", MemfdFlags::CLOEXEC)?.into();
     file.write_all_at(text.as_bytes(), 0)?;
     Ok(file)
 }
 
-/// How a thread ended, said as its process would have.
+/// Describes the end of a thread as if it were a process.
 fn ending_of_thread(outcome: JoinHandle<anyhow::Result<()>>) -> Ending {
     match outcome.join() {
         Ok(Ok(())) => Ending::Well,
@@ -449,7 +455,7 @@ fn ending_of_thread(outcome: JoinHandle<anyhow::Result<()>>) -> Ending {
             eprintln!("lariat: {cause:#}");
             Ending::Failed(1)
         }
-        // The panic has said itself why.
+        // The panic message has given the reason.
         Err(_) => Ending::Failed(101),
     }
 }

@@ -1,20 +1,20 @@
-//! Stages that stand still while work waits for them.
+//! Detects and kills stages that make no progress while work waits for them.
 
 use std::time::Instant;
 
 use super::{Chain, Part};
 use crate::stages::handover::Progress;
 
-/// What is known of a stage that is watched.
+/// The last observed progress of a stage.
 #[derive(Clone, Copy)]
 pub(super) struct Watched {
     pub(super) progress: Progress,
-    /// Since when.
+    /// Start of the time without progress.
     pub(super) since: Instant,
 }
 
 impl Chain {
-    /// Kills the stages that stand still while work waits for them, if they are restarted then.
+    /// Kills stages that make no progress while work waits for them, if the settings restart them.
     pub(super) fn strike_the_hanging(&mut self) {
         let run = &self.settings.run;
         if !run.restarts_stages() || run.lossless {
@@ -32,7 +32,7 @@ impl Chain {
                 Some(before) if self.child(before).is_some() => {
                     progress[before as usize].sent.count > progress[at].taken
                 }
-                // Nobody knows what a writer of the user's sent.
+                // The number of frames that an external writer sent is unknown.
                 Some(_) => false,
                 None => true,
             };

@@ -1,29 +1,33 @@
-//! The whole chain: starts the four stages as processes, watches them, and stops them in order.
+//! The whole chain: starts the stages as processes, supervises them, and stops them in order.
 //!
-//! **`lariat run --fuse`** runs capture, extract and fit as threads of the chain's own process, and sink as ever. A stage is
-//! given its *supervision* (what ends it, and its status line) instead of taking it from the process: the same shells, channels,
-//! status lines and order of stopping, so that nothing else differs, and whoever reads the channels sees no difference. Threads
-//! rather than one loop: a frame can be made while the last is worked off, a slow stage loses frames exactly as in a process of its
-//! own, and cores and priorities are a thread's anyway. The three
-//! waits of separate processes and of threads, interleaved in one run, sum up to 109 : 92 µs at 30 frames/s, 73 : 62 at
-//! 120, 53 : 44 at 1000; with `--realtime` 84 : 70, 42 : 35, 33 : 24 (medians of three; 27 : 25 MB). Its price: a
-//! crash of one stage ends the others before they can report.
+//! **`lariat run --fuse`** runs capture, extract and fit as threads of the chain's own process; the
+//! sink remains a process. A stage receives its *supervision* (stop flag and status line) as an
+//! argument instead of taking it from the process. Stages, channels, status lines and the order of
+//! stopping are the same, so readers of the channels notice no difference. Separate threads keep
+//! the behavior of processes: the next frame is made while the last one is processed, and a slow
+//! stage loses the same frames. Cores and priorities belong to threads in any case. Waits between
+//! stages are shorter than between processes. The price: a crash of one stage ends the others
+//! before they can report.
 //!
-//! A stage is *fallen* if it ends unexpectedly: by itself, by a signal from elsewhere, or by a crash. The setting `restart` decides
-//! (`restarts`): the stage restarts while the other stages and all readers keep running, or the chain stops in order, prints its
-//! report, and exits with 1 and a sentence that names stage and cause. The chain keeps a handover state for each stage
-//! (`stages/handover/`), so that counts, track numbers and figures survive a restart. From this state the chain also detects a stage that
-//! makes no progress while work waits for it, and kills it.
+//! A stage is *fallen* if it ends unexpectedly: by itself, by a signal from elsewhere, or by a
+//! crash. The setting `restart` decides what follows (`restarts`). Either the stage restarts while
+//! the other stages and all readers keep running, or the chain stops in order. It then prints its
+//! report and exits with 1 and a sentence that names stage and cause. The chain keeps a handover
+//! state for each stage (`stages/handover/`), so that counts, track numbers and figures survive a
+//! restart. From this state the chain also detects a stage that makes no progress while work waits
+//! for it, and kills it.
 //!
-//! **Changes of settings** arrive through the socket of `lariat set` (`changes`, `control.rs`) or from the settings file (`--watch`). They are
-//! checked as a whole and sent to all parts (`stages/orders.rs`). Extract and fit apply theirs between two frames; other changes restart a
-//! stage. If that stage does not become ready, the previous settings apply again.
+//! **Changes of settings** arrive through the socket of `lariat set` (`changes`, `control.rs`) or
+//! from the settings file (`--watch`). They are checked as a whole and sent to all parts
+//! (`stages/orders.rs`). Extract and fit apply their changes between two frames; other changes
+//! restart a stage. If that stage does not become ready, the previous settings apply again.
 //!
-//! The chain keeps all other state in its children, which end with it. A new chain is ready after a quarter of a second, which is faster than
-//! it could take over running stages.
+//! The chain keeps all other state in its children, which end with it. Starting a new chain is
+//! faster than taking over running stages would be.
 //!
-//! Children ask the kernel for SIGTERM at their parent's death (`PR_SET_PDEATHSIG`, and a look whether it has died
-//! already), so that `kill -9` of the chain takes them along. A second Ctrl-C, 0.1 s later or more, ends at once.
+//! Children ask the kernel to send them SIGTERM when their parent dies (`PR_SET_PDEATHSIG`), and
+//! check whether it has died already. Therefore `kill -9` of the chain ends them, too. A second
+//! Ctrl-C, at least 0.1 s after the first, ends the chain at once.
 
 mod changes;
 mod child;
@@ -63,16 +67,19 @@ use restarts::{Restarts, Verdict};
 use status_notifier::{Signs, StatusNotifier};
 use watch::Watch;
 
-/// How often the chain looks whether a stage stands still.
+/// Interval at which the chain checks whether a stage makes progress.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
-/// Runs the chain until its source ends, a signal comes, or a stage falls for good.
+/// Runs the chain until its source ends, a signal arrives, or a stage falls for good.
 ///
-/// `flags` are those of `lariat run`, which with `words` go to every stage, which takes what concerns it; `settings` are theirs.
+/// `flags` are those of `lariat run`. They go to every stage together with `words`, and each stage
+/// uses what concerns it. `settings` are the settings that result from them.
 ///
-/// With `fuse`, the stages up to fit are threads of this process: the same code over the same channels.
+/// With `fuse`, the stages up to fit are threads of this process. They run the same code over the
+/// same channels.
 ///
-/// `stop` listens to signals since the process began, so that one that comes before the chain is up ends it in order, too.
+/// `stop` has recorded signals since the process began, so a signal that arrives during the start
+/// also stops the chain in order.
 pub fn run(
     flags: &Flags,
     words: &[OsString],
@@ -82,7 +89,7 @@ pub fn run(
     arrangement::check(&settings.run.arrangement)?;
     let _relay = Relay::start().context("the messages of the stages cannot be relayed")?;
     occupied::check(&settings, parts(&settings))?;
-    // Before anything is started: what cannot be written at the end is said now.
+    // Open the files before anything starts, so that a file that cannot be written is reported now.
     let _files = RunFiles::open_all(&settings)?;
     let mut chain = Chain::new(flags, words, settings)?;
     for part in parts(&chain.settings) {
@@ -112,7 +119,7 @@ pub fn run(
     Ok(chain.verdict())
 }
 
-/// The parts that a chain starts, in this order.
+/// Returns the parts that a chain starts, in the order of starting.
 fn parts(settings: &Settings) -> impl Iterator<Item = Part> + use<> {
     let has_recorder = settings.run.record.is_some();
     let is_external = settings.capture.is_external();
@@ -120,7 +127,7 @@ fn parts(settings: &Settings) -> impl Iterator<Item = Part> + use<> {
         .into_iter()
         .filter(move |part| match part {
             Part::Recorder => has_recorder,
-            // Frames are written by a process of the user's.
+            // An external process writes the frames.
             Part::Capture => !is_external,
             Part::Extract | Part::Fit | Part::Sink => true,
         })
@@ -133,25 +140,25 @@ struct Chain {
     children: [Option<Child>; Part::ALL.len()],
     handovers: [Handover; Part::ALL.len()],
     restarts: Restarts,
-    /// When a part that fell is restarted.
+    /// When a fallen part is restarted.
     due: [Option<Instant>; Part::ALL.len()],
-    /// Those that were told to end, to be restarted.
+    /// Parts that were told to end so that they restart.
     renewed: [bool; Part::ALL.len()],
     watched: [Watched; Part::ALL.len()],
-    /// When the chain was up.
+    /// When the chain was complete.
     began: Option<Instant>,
     control: Option<Control>,
     file: Option<Watch>,
-    /// Settings that are being tried.
+    /// The change of settings that is being tried.
     trial: Option<Trial>,
     /// Set once the user was warned that the executable was replaced.
     is_outdated: bool,
     status_notifier: StatusNotifier,
-    /// The first that ended when it should not have, for good.
+    /// The first part that fell for good.
     fallen: Option<Part>,
-    /// Nothing is restarted any more.
+    /// True if nothing is restarted any more.
     is_stopping: bool,
-    /// The recorder ended when it should not have, and the chain went on.
+    /// True if the recorder fell and the chain continues without it.
     recording_lost: bool,
 }
 
@@ -209,12 +216,12 @@ impl Chain {
         Ok(())
     }
 
-    /// The settings of a part that is restarted.
+    /// Returns the settings for a part that is restarted.
     fn settings_of(&self, part: Part, restarts: u64) -> Settings {
         let mut settings = Settings::clone(&self.settings);
         let run = &mut settings.run;
         match part {
-            // What its predecessor wrote stays.
+            // Keep the predecessor's file; continue in a new one.
             Part::Recorder => {
                 run.record = run
                     .record
@@ -230,7 +237,7 @@ impl Chain {
         settings
     }
 
-    /// All parts are up: from now on the chain can be told what to do.
+    /// Accepts requests from now on, because all parts are running.
     fn begin(&mut self) {
         self.began = Some(Instant::now());
         self.listen_to_others();
@@ -265,7 +272,7 @@ impl Chain {
         format!("lariat: {}{beside}", stages.join(" → "))
     }
 
-    /// `false` if the chain is to end before it began.
+    /// Waits until a part is ready. Returns `false` if the chain is to end before that.
     fn wait_until_ready(&mut self, part: Part, stop: &Stop) -> anyhow::Result<bool> {
         let begin = Instant::now();
         let limit = self.settings.run.start_limit;
@@ -291,16 +298,17 @@ impl Chain {
         }
     }
 
-    /// Watches until the source ends, a stage falls for good, or a signal comes.
+    /// Supervises the chain until the source ends, a stage falls for good, or a signal arrives.
     fn watch(&mut self, stop: &Stop) -> anyhow::Result<()> {
-        // Without a capture of its own, the chain ends when extract has taken what was asked for.
+        // Without a capture stage, the chain ends when extract has received all frames that were
+        // requested.
         let source_ended = |chain: &Self| {
             let first = chain.stages().next();
             first.is_some_and(|child| {
                 child.ending().is_some() && chain.due[child.part as usize].is_none()
             })
         };
-        // As after `| head`.
+        // For example after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
         while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
             let look = self.settings.run.restarts_stages().then_some(LOOK_EVERY);
@@ -325,9 +333,9 @@ impl Chain {
         Ok(())
     }
 
-    /// Sleeps until a stage says something or ends, and takes note of it.
+    /// Sleeps until a stage reports something or ends, and handles it.
     fn listen(&mut self, deadline: Option<Instant>, stop: Option<&Stop>) -> anyhow::Result<()> {
-        // Others wait until a change has been tried.
+        // Other requests wait until the current change has been tried.
         let control = self.control.as_ref();
         let control = control.filter(|_| stop.is_some() && self.trial.is_none());
         let deadline = deadline
@@ -360,7 +368,7 @@ impl Chain {
         Ok(())
     }
 
-    /// Hears what a part says, and sees whether it fell.
+    /// Reads what a part reports, and checks whether it fell.
     fn take_note(&mut self, part: Part) {
         let at = part as usize;
         let Some(child) = &mut self.children[at] else {
@@ -370,7 +378,7 @@ impl Chain {
         let (ending, is_done) = (child.ending(), child.is_done());
         let is_wished = match ending {
             Some(Ending::Well) => is_done || child.was_told_to_stop(),
-            // The signal reached it before its handler was registered.
+            // The signal arrived before the handler was registered.
             Some(Ending::Killed(15)) => child.was_told_to_stop() && !child.is_ready(),
             Some(_) => false,
             None => !child.was_told_by_another(),
@@ -386,7 +394,8 @@ impl Chain {
             return;
         }
         if ending.is_none() && self.settings.run.restarts_stages() {
-            // Told to end by another: it waits for the word that it would be given at the end.
+            // Another process told it to end. It waits for the last word that the chain would send
+            // at the end.
             if let Some(child) = &mut self.children[at] {
                 child.tell(&LastWord::Never.to_string());
             }
@@ -409,7 +418,8 @@ impl Chain {
         }
     }
 
-    /// Decides whether a part that fell restarts, and reports it: on standard error how it fell, to the service manager the reason.
+    /// Decides whether a fallen part restarts. Reports how it fell on standard error, and the
+    /// reason to the service manager.
     fn judge(
         &mut self,
         part: Part,
@@ -443,16 +453,16 @@ impl Chain {
         verdict
     }
 
-    /// A part has fallen for good.
+    /// Handles a part that has fallen for good.
     fn give_up(&mut self, part: Part, ending: Option<Ending>) {
         match ending {
-            // A chain is there for its robot: without a recording it goes on.
+            // The robot needs the chain, so it continues without a recording.
             Some(ending) if part == Part::Recorder && self.began.is_some() => {
                 if !std::mem::replace(&mut self.recording_lost, true) {
                     eprintln!("lariat: the recorder {ending}; the chain continues without it");
                 }
             }
-            // It wants no more than the word that it would be given at the end.
+            // The recorder only waits for the last word that the chain sends at the end.
             None if part == Part::Recorder => {
                 if let Some(recorder) = &mut self.children[part as usize] {
                     recorder.tell("");
@@ -482,7 +492,7 @@ impl Chain {
         }
     }
 
-    /// Treats a process that could not be started as a fault like any other.
+    /// Treats a process that could not be started like any other fault.
     fn judge_failed_start(&mut self, part: Part, cause: &anyhow::Error) {
         let ending = Some(Ending::Failed(1));
         let how = format!("could not be started: {}", cause.root_cause());
@@ -501,7 +511,7 @@ impl Chain {
         self.start(part)
     }
 
-    /// Tells the service manager, if there is one.
+    /// Reports the chain's state to the service manager, if there is one.
     fn say_how_it_is(&mut self) {
         let [capture, extract, fit] =
             [Part::Capture, Part::Extract, Part::Fit].map(|part| part as usize);
@@ -510,7 +520,7 @@ impl Chain {
             beats: self.handovers[capture].read().beats,
         };
         if self.children[capture].is_none() {
-            // Frames of another program come when they come.
+            // Frames from an external program have no fixed rate.
             signs.beats = self.began.map_or(0, |began| began.elapsed().as_secs());
         }
         let extract = &self.handovers[extract];
@@ -520,7 +530,8 @@ impl Chain {
     }
 }
 
-/// The name of the file that a recorder writes which was restarted: `run.mcap`, `run-2.mcap`, `run-3.mcap`.
+/// Returns the name of the file that a restarted recorder writes: `run.mcap`, `run-2.mcap`,
+/// `run-3.mcap`.
 fn numbered(file: &Path, number: u64) -> std::path::PathBuf {
     if file == Path::new("-") {
         return file.to_owned();

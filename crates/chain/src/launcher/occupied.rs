@@ -1,4 +1,4 @@
-//! A rig that another chain runs on: it is refused before anything is opened, be it a camera or a file.
+//! Refuses a rig that another chain uses, before any camera or file is opened.
 
 use std::fmt;
 use std::fs;
@@ -11,10 +11,11 @@ use rustix::param::clock_ticks_per_second;
 use super::Part;
 use crate::settings::Settings;
 
-/// Refuses a rig that has a writer of a channel that this chain is to write.
+/// Refuses the rig if one of the channels that this chain will write already has a writer.
 ///
 /// # Errors
-/// It has one: the sentence names the process and the time that it has run for. Or `LARIAT_DOMAIN` is invalid.
+/// Returns an error that names the process and its running time, or an error if `LARIAT_DOMAIN` is
+/// invalid.
 pub(super) fn check(settings: &Settings, parts: impl Iterator<Item = Part>) -> Result<()> {
     let rig = &settings.run.rig;
     let writers = [Part::Capture, Part::Extract, Part::Fit];
@@ -42,7 +43,8 @@ struct Process {
 }
 
 impl Process {
-    /// The chain that a stage belongs to: the parent if it is the same program, otherwise the stage.
+    /// Returns the chain that a stage belongs to: the parent if it is the same program, otherwise
+    /// the stage itself.
     fn that_started(stage: u32) -> Option<Self> {
         let stage = Self::read(stage)?;
         let parent = Self::read(stage.parent).filter(|parent| parent.name == stage.name);
@@ -55,13 +57,14 @@ impl Process {
         Self::of(&stat, &uptime, clock_ticks_per_second())
     }
 
-    /// Parses the text of its `stat` and of `/proc/uptime` (proc(5)).
+    /// Parses the process's `stat` file and `/proc/uptime` (proc(5)).
     fn of(stat: &str, uptime: &str, ticks_per_s: u64) -> Option<Self> {
-        // The name, in parentheses, may hold anything.
+        // The name is in parentheses and may contain any character.
         let (pid, rest) = stat.split_once(" (")?;
         let (name, rest) = rest.rsplit_once(") ")?;
         let mut fields = rest.split_ascii_whitespace();
-        // State, then parent; the moment of its start is the 22nd field of all, the 20th behind the name.
+        // The state, then the parent. The start time is field 22 of the file, which is number 20
+        // after the name.
         let parent = fields.nth(1)?.parse().ok()?;
         let started_ticks: u64 = fields.nth(17)?.parse().ok()?;
         let up_s: f64 = uptime.split_ascii_whitespace().next()?.parse().ok()?;
@@ -86,7 +89,7 @@ impl fmt::Display for Process {
     }
 }
 
-/// A time in its two largest units: `2 h 5 min`.
+/// A duration in its two largest units: `2 h 5 min`.
 struct Rough(Duration);
 
 impl fmt::Display for Rough {

@@ -1,22 +1,23 @@
-//! What a chain consists of.
+//! The parts of a chain.
 
 use super::child::Run;
 use crate::settings::Stage;
 use crate::stages;
 
-/// What the chain starts, in the order of the data. Beside the stages, if there is a recording, the recorder: it starts before
-/// those that send and ends after them, so that all is in it.
+/// A part of the chain, in the order of the data. In addition to the stages there is the recorder
+/// if a recording is made. It starts before the writers and ends after them, so that it records
+/// everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Sends frames.
     Capture,
     /// Finds centerlines in them.
     Extract,
-    /// Makes descriptors of those.
+    /// Fits descriptors to the centerlines.
     Fit,
-    /// Counts and times what arrives.
+    /// Counts and times the messages that arrive.
     Sink,
-    /// Writes what the others say to a file.
+    /// Records the messages of the others to a file.
     Recorder,
 }
 
@@ -25,14 +26,15 @@ impl Part {
         use Part::{Capture, Extract, Fit, Recorder, Sink};
         [Capture, Extract, Fit, Sink, Recorder]
     };
-    /// From the end to the beginning, so that every message finds its reader there. Readers of a channel are woken in the order
-    /// in which they came: the sink is not to wait for the recorder.
+    /// Starting order: from the last part to the first, so that every message finds its reader.
+    /// Readers of a channel are woken in the order in which they joined, so the sink comes before
+    /// the recorder.
     pub(super) const START_ORDER: [Self; Self::ALL.len()] = {
         use Part::{Capture, Extract, Fit, Recorder, Sink};
         [Sink, Recorder, Fit, Extract, Capture]
     };
 
-    /// As the command line names it.
+    /// Returns the name used on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Capture => Stage::Capture.name(),
@@ -43,7 +45,7 @@ impl Part {
         }
     }
 
-    /// The stage before it, if it is a stage.
+    /// Returns the stage before this one, if any.
     pub(super) fn before(self) -> Option<Self> {
         match self {
             Self::Capture | Self::Recorder => None,
@@ -53,7 +55,8 @@ impl Part {
         }
     }
 
-    /// What it does as a thread of the chain's own process, if it can be one: all can but those that report on the others.
+    /// Returns the stage's main function if the stage can run as a thread of the chain's process.
+    /// The sink and the recorder cannot, because they report on the others.
     pub(super) fn fused(self) -> Option<Run> {
         match self {
             Self::Capture => Some(stages::capture::run),
@@ -63,7 +66,7 @@ impl Part {
         }
     }
 
-    /// Whether it is told at its end what the others sent.
+    /// Returns true if the part receives the totals of the others at the end.
     pub fn is_told_the_last_word(self) -> bool {
         match self {
             Self::Capture | Self::Extract | Self::Fit => false,

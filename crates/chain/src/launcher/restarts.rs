@@ -1,34 +1,35 @@
-//! When a part that fell is restarted, and when the chain gives up.
+//! Decides when a fallen part restarts, and when the chain gives up.
 
 use std::time::{Duration, Instant};
 
 use super::child::Ending;
 use crate::settings::{Restart, Run};
 
-/// The first is started at once, each further one within the window after a pause that doubles.
+/// Pause before a restart. The first restart within the window is immediate; each further one
+/// doubles the pause.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 
-/// The parts that were restarted within the window.
+/// Restarts within the window.
 #[derive(Debug, Default)]
 pub(super) struct Restarts {
-    /// When each was.
+    /// Times of the restarts.
     recent: Vec<Instant>,
 }
 
-/// What becomes of a part that fell.
+/// The decision about a fallen part.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// It is restarted at this moment.
+    /// Restart the part at this time.
     Restart(Instant),
-    /// The chain ends with it.
+    /// End the chain.
     End,
-    /// The chain ends, as this many were restarted within the window.
+    /// End the chain, because this many parts were restarted within the window.
     TooMany(u32),
 }
 
 impl Restarts {
-    /// What becomes of a part that ended so. `is_done`: its work was done.
+    /// Decides about a part that ended in this way. `is_done` is true if its work was done.
     pub(super) fn judge(
         &mut self,
         run: &Run,
@@ -91,7 +92,7 @@ mod tests {
         }
         let verdict = restarts.judge(&run, killed, false, begin);
         assert_eq!(verdict, Verdict::TooMany(4));
-        // What was long ago does not count.
+        // An old restart does not count.
         let later = begin + Duration::from_secs(11);
         let verdict = restarts.judge(&run, killed, false, later);
         assert_eq!(verdict, Verdict::Restart(later));

@@ -1,26 +1,27 @@
-//! Tells the service manager how the chain is: that it is up, at work, and with how many frames a second and ropes.
+//! Notifies the service manager of the chain's state: ready, alive, frames per second and number of
+//! ropes.
 
 use std::time::{Duration, Instant};
 
 use crate::notify::Notify;
 
-/// How often it is told how the chain is.
+/// Interval between two status lines.
 const EVERY: Duration = Duration::from_secs(5);
 
-/// What of the chain's work is seen from outside.
+/// Signs of the chain's work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Signs {
-    /// How many descriptors were sent.
+    /// Number of descriptors sent.
     pub(super) fitted: u64,
-    /// How often capture said that it waits.
+    /// Number of times that capture reported that it is waiting.
     pub(super) beats: u64,
 }
 
-/// Who tells it.
+/// Sends the notifications.
 pub(super) struct StatusNotifier {
     notify: Notify,
     last: Option<(Signs, Instant)>,
-    /// At the last sign of life.
+    /// Signs and time of the last watchdog notification.
     fed: Option<(Signs, Instant)>,
 }
 
@@ -41,9 +42,9 @@ impl StatusNotifier {
         self.notify.ready();
     }
 
-    /// Reports a fault. The line stays until the next one reports the frame rate.
+    /// Reports a fault as the status line, which stays until the next report of the frame rate.
     ///
-    /// A chain that restarts its stages is alive, even while no frames come.
+    /// A chain that restarts its stages counts as alive, even while no frames come.
     pub(super) fn trouble(&mut self, line: &str) {
         self.notify.status(line);
         if self.notify.watchdog_period().is_some() {
@@ -55,13 +56,14 @@ impl StatusNotifier {
         self.notify.stopping();
     }
 
-    /// How soon it wants to be called again, if anybody listens.
+    /// Returns the time until the next call is needed, if there is a service manager.
     pub(super) fn wait(&self) -> Option<Duration> {
         let wait = self.notify.watchdog_period().unwrap_or(EVERY) / 2;
         self.notify.is_heard().then_some(wait)
     }
 
-    /// Tells how the chain is, if it is time. It lives as long as there are new signs: frames come, or a camera is waited for.
+    /// Reports the chain's state if it is due. The chain counts as alive while its signs change:
+    /// frames come, or capture waits for a camera.
     pub(super) fn tell(&mut self, signs: Signs, now: Instant, ropes: impl FnOnce() -> usize) {
         if let Some(period) = self.notify.watchdog_period() {
             let (last, at) = *self.fed.get_or_insert((signs, now));

@@ -1,4 +1,4 @@
-//! How a chain ends.
+//! Stops a chain in order.
 
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -11,22 +11,26 @@ use super::child::{Child, Ending};
 use super::{Chain, Part};
 use crate::stages::status::{LastWord, Sent};
 
-/// How long a stage may do nothing once it was told to end: what waits for it is worked off first.
+/// Time without work after which a stopping stage is killed. A stage first processes the messages
+/// that wait for it.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
-/// A lossless one waits so long itself for a reader that stands still.
+/// The same for a lossless stage, which itself waits for a reader that makes no progress.
 const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
-/// Core time that a stage may use to end.
+/// CPU time that a stage may use to end.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-/// Factor by which a stage that shares its core may take longer by the clock.
+/// Ratio between the limit of the elapsed time and [`STOP_TIMEOUT`], for a stage that shares its
+/// core.
 const STARVED: u32 = 10;
-/// How long the recorder may take: as long as the disk needs for all that waits, which may be slow.
+/// Time limit for the recorder, which must write everything that waits to a disk that may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
-/// How long one may take to be gone that was killed: what the kernel still waits for, a disk or a camera, is not waited for longer.
+/// Time limit for a killed process to disappear. The kernel may delay its end for a disk or a
+/// camera.
 const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 
 impl Chain {
-    /// Ends the stages from the beginning to the end, each when all before it have ended: so everything that was sent is
-    /// worked off. `never`: the chain never came up, and there is nothing to report.
+    /// Stops the stages from first to last, each after all stages before it have ended. So
+    /// everything that was sent is processed. `never` is true if the chain was never complete, so
+    /// that it cannot report.
     pub(super) fn stop_in_order(&mut self, never: bool) {
         self.status_notifier.stopping();
         self.control = None;
@@ -48,7 +52,7 @@ impl Chain {
         }
     }
 
-    /// Those that fell and are to report are still restarted; who else fell has ended.
+    /// Restarts fallen parts that must report at the end. Other fallen parts stay ended.
     fn start_those_that_report(&mut self) {
         for part in Part::ALL {
             if self.due[part as usize].is_none() || !part.is_told_the_last_word() {
@@ -69,7 +73,7 @@ impl Chain {
         }
     }
 
-    /// Waits for the end of a part that was told to end; one that does nothing for it, or takes too long, is killed.
+    /// Waits for the end of a stopping part. Kills it if it does no work or takes too long.
     pub(super) fn await_end(&mut self, part: Part) {
         let (patience, most) = match part {
             Part::Recorder => (RECORDER_STOP_TIMEOUT, RECORDER_STOP_TIMEOUT),
@@ -94,7 +98,8 @@ impl Chain {
         }
     }
 
-    /// Returns true once a part has ended or is missing; false after `most` of a core's time, or after `patience` without work.
+    /// Returns true once a part has ended or is missing. Returns false after `most` of CPU time, or
+    /// after `patience` without work.
     pub(super) fn ends_within(&mut self, part: Part, patience: Duration, most: Duration) -> bool {
         let begin = Instant::now();
         let (mut ticks, mut busy) = (None, begin);
@@ -111,7 +116,7 @@ impl Chain {
             let has_had = used.zip(ticks_before).map(|(used, before)| {
                 Duration::from_secs(used.saturating_sub(before)) / clock_ticks_per_second() as u32
             });
-            // The core time of a thread is unknown: the clock counts.
+            // The CPU time of a thread is unknown, so the elapsed time counts.
             let by_clock = match has_had {
                 Some(has_had) if has_had < most => most * STARVED,
                 _ => most,
@@ -127,11 +132,12 @@ impl Chain {
         }
     }
 
-    /// What each stage said it sent in all. Of frames from elsewhere, extract knows what capture would.
+    /// Returns the totals that each stage reported. For frames from an external source, extract
+    /// reports what capture otherwise would.
     pub(super) fn counts(&self) -> FinalCounts {
         let sent = |part| -> Option<Sent> {
             let child = self.child(part)?;
-            // One that was killed had noted what it was about to send.
+            // A stage that was killed had noted what it was about to send.
             let noted = || self.handovers[part as usize].read().sent;
             Some(child.sent().unwrap_or_else(noted))
         };
@@ -150,7 +156,7 @@ impl Chain {
         }
     }
 
-    /// How it went. Sweeps up after a stage that was killed.
+    /// Returns the chain's exit code. Cleans up shared memory after a stage that was killed.
     pub(super) fn verdict(&self) -> ExitCode {
         let is_good = self.fallen.is_none() && !self.recording_lost;
         let is_killed = |child: &Child| matches!(child.ending(), Some(Ending::Killed(_)));
@@ -166,7 +172,8 @@ impl Chain {
         let fallen = self.fallen.and_then(|part| self.child(part));
         if let Some(fallen) = fallen
             && let Some(ending) = fallen.ending()
-            // What fails in its turn at the end has stopped nothing, and what did not end has been said.
+            // A stage that failed during the stop did not cause it. A stage that did not end has
+            // been reported.
             && !(fallen.was_told_to_stop() && matches!(ending, Ending::Failed(_)))
             && !fallen.was_given_up()
         {

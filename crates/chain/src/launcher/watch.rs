@@ -1,4 +1,4 @@
-//! A settings file that is edited: the kernel tells when it was written, or another was put in its place.
+//! Watches a settings file: the kernel reports that it was written or replaced.
 
 use std::ffi::OsString;
 use std::mem::MaybeUninit;
@@ -8,15 +8,17 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
 
-/// The file's folder, watched: editors put another file in its place.
+/// A watch on the file's folder, because editors replace the file.
 pub(super) struct Watch {
     inotify: OwnedFd,
     name: OsString,
 }
 
 impl Watch {
+    /// Starts to watch a settings file.
+    ///
     /// # Errors
-    /// There is no file, or the kernel does not tell.
+    /// Returns an error without a file, or if the kernel cannot watch it.
     pub(super) fn of(file: Option<&Path>) -> Result<Self> {
         let file = file.context("there is none (lariat.toml here, or --config FILE)")?;
         let name = file.file_name().context("it has no name")?;
@@ -36,7 +38,7 @@ impl Watch {
         })
     }
 
-    /// Whether the file has changed since this was last asked.
+    /// Returns true if the file has changed since the last call.
     pub(super) fn has_changed(&mut self) -> bool {
         let mut buffer = [MaybeUninit::uninit(); 4096];
         let mut events = Reader::new(&self.inotify, &mut buffer);

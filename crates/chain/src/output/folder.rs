@@ -1,11 +1,11 @@
-//! A folder that several files go to: a report, or overlays.
+//! A folder for several output files: a report, or overlays.
 
 use super::{Existing, Output, begin_beside};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folder. One that was made in vain is taken away again.
+/// An output folder. A folder that was created and stays empty is removed again.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -14,11 +14,12 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder, and asks all that can be asked before anything is written. `names`: some of the files that are to be
-    /// written.
+    /// Creates the folder, and checks everything that can be checked before anything is written.
+    /// `names` are some of the files that will be written.
     ///
     /// # Errors
-    /// It cannot be made or written to, or there is one of the files already, and it is to be kept.
+    /// Returns an error if the folder cannot be created or written to. Also fails if it contains
+    /// one of the files and files are to be kept.
     pub fn new<'a>(
         path: &Path,
         existing: Existing,
@@ -49,17 +50,17 @@ impl OutputFolder {
     /// Writes one of the files.
     ///
     /// # Errors
-    /// It cannot be written, or there is one already.
+    /// Returns an error if the file cannot be written, or if it already exists.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
         Output::new(&self.path.join(name), self.existing, [])?.write(bytes)
     }
 
-    /// What is there from now on is this command's own, and newer ones take its place.
+    /// Allows replacing files from now on, because they are this command's own.
     pub fn replace_from_now_on(&mut self) {
         self.existing = Existing::Replace;
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -68,7 +69,7 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if self.is_new {
-            // Only an empty one can be taken away.
+            // This fails unless the folder is empty.
             let _ = fs::remove_dir(&self.path);
         }
     }

@@ -1,16 +1,16 @@
-//! Standard output. That nobody reads it any more, as after `| head`, ends a command and is no fault; that it cannot be written
-//! is one.
+//! Standard output. A closed pipe, as after `| head`, ends a command and is not a fault. Any other
+//! write error is one.
 
 use anyhow::{Context, Result};
 use std::fmt;
 use std::io::{self, Write};
 
-/// Nobody reads standard output any more.
+/// Error: nobody reads standard output any more.
 #[derive(Debug)]
 pub struct Unread;
 
 impl Unread {
-    /// Whether this is why something failed.
+    /// Returns true if this is the cause of an error.
     pub fn is_cause_of(error: &anyhow::Error) -> bool {
         let is_unread = |cause: &io::Error| cause.get_ref().is_some_and(|inner| inner.is::<Self>());
         error
@@ -28,10 +28,10 @@ impl fmt::Display for Unread {
 
 impl std::error::Error for Unread {}
 
-/// Prints, at once.
+/// Prints a text immediately.
 ///
 /// # Errors
-/// Standard output cannot be written, or [nobody reads it](Unread).
+/// Returns an error if standard output cannot be written, or if [nobody reads it](Unread).
 pub fn print(text: &str) -> Result<()> {
     if text.is_empty() {
         return Ok(());
@@ -41,7 +41,7 @@ pub fn print(text: &str) -> Result<()> {
     kept(written).context("cannot write to standard output")
 }
 
-/// What became of something that was written to standard output, which is told from other pipes so.
+/// Marks a broken pipe with [`Unread`], which distinguishes standard output from other pipes.
 pub(super) fn kept<T>(written: io::Result<T>) -> io::Result<T> {
     written.map_err(|cause| match cause.kind() {
         io::ErrorKind::BrokenPipe => io::Error::new(io::ErrorKind::BrokenPipe, Unread),

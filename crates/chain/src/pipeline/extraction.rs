@@ -1,4 +1,4 @@
-//! A frame's image → the centerlines of the ropes in it.
+//! Computes the centerlines of the ropes in a frame.
 
 use crate::bounded;
 use crate::doubts::Doubts;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::Warned;
 
-/// A frame, or its mask, wherever it lies: in shared memory or in a recording.
+/// A frame or its mask, in shared memory or in a recording.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameView<'a> {
     header: &'a FrameHeader,
@@ -22,25 +22,26 @@ pub struct FrameView<'a> {
 }
 
 impl<'a> FrameView<'a> {
-    /// `bytes` as the header describes them; none of a blank frame.
+    /// Creates a view of the bytes that the header describes. A blank frame is without bytes.
     pub fn new(header: &'a FrameHeader, bytes: &'a [u8]) -> Self {
         Self { header, bytes }
     }
 
-    /// What stands beside its bytes.
+    /// Returns the header.
     pub fn header(self) -> &'a FrameHeader {
         self.header
     }
 
-    /// Its bytes.
+    /// Returns the bytes.
     pub fn bytes(self) -> &'a [u8] {
         self.bytes
     }
 
-    /// The frame as the extractor takes it.
+    /// Returns the frame as input for the extractor.
     ///
     /// # Errors
-    /// A pixel format that is not known, or fewer bytes than the header says.
+    /// Returns an error if the pixel format is unknown, or if there are fewer bytes than the header
+    /// says.
     pub fn image(self) -> Result<Image<'a>> {
         let Self { header, bytes } = self;
         let Some(format) = header.format() else {
@@ -61,7 +62,7 @@ impl<'a> FrameView<'a> {
     }
 }
 
-/// The part of a frame that is read.
+/// The part of a frame that is processed.
 #[derive(Debug, Clone, Copy)]
 pub struct Part<'a> {
     whole: Image<'a>,
@@ -70,8 +71,10 @@ pub struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
+    /// Cuts a region out of a frame.
+    ///
     /// # Errors
-    /// Nothing of the frame lies in the region.
+    /// Returns an error if the region does not overlap the frame.
     fn of(whole: Image<'a>, region: Option<Region>) -> Result<Self> {
         let all = Region {
             x: 0,
@@ -99,16 +102,16 @@ impl<'a> Part<'a> {
         })
     }
 
-    /// Where in the frame it begins.
+    /// Returns the position of the part in the frame.
     pub fn origin(&self) -> [usize; 2] {
         [self.region.x, self.region.y]
     }
 
-    /// The same part of the frame's mask. Of a frame that is read whole the mask is as it came: the extractor says what is wrong
-    /// with it.
+    /// Returns the same part of the frame's mask. If the whole frame is processed, the mask is
+    /// returned unchanged and the extractor reports its errors.
     ///
     /// # Errors
-    /// Its size is not the frame's.
+    /// Returns an error if the mask and the frame differ in size.
     fn of_mask<'m>(&self, mask: Image<'m>) -> Result<Image<'m>> {
         let (width, height) = (self.whole.width(), self.whole.height());
         if (self.region.width, self.region.height) == (width, height) {
@@ -125,41 +128,41 @@ impl<'a> Part<'a> {
     }
 }
 
-/// What an extractor that goes on where another stopped needs to know beside what that one said last.
+/// State that a successor needs in addition to the last message.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Past {
-    /// When the last frame was exposed.
+    /// Exposure time of the last frame.
     pub exposed_ns: u64,
     /// Width and height of the last image, in pixels.
     pub size: [u32; 2],
-    /// How many numbers were given to ropes.
+    /// Number of track numbers that were assigned.
     pub tracks: u32,
 }
 
-/// Extracts the centerlines of one frame after the other.
+/// Extracts the centerlines of successive frames.
 pub struct FrameExtractor {
     extractor: Extractor,
-    /// When the last frame was exposed.
+    /// Exposure time of the last frame.
     exposed_ns: u64,
     /// Width and height of the last image.
     size: [u32; 2],
-    /// What of the frames is read, if not all.
+    /// The part of the frames that is processed, if not all.
     region: Option<Region>,
-    /// Where in the last frame the extractor looked.
+    /// Origin of the processed part in the last frame.
     origin: [usize; 2],
-    /// What the extractor's buffers were made for ahead of need.
+    /// Size for which the extractor's buffers were allocated in advance.
     prepared: Option<[usize; 2]>,
     unreadable: Warned,
     doubts: Doubts,
-    /// True if masks are cut by their own histograms.
+    /// True if the level of each mask is chosen from its own histogram.
     chooses_level: bool,
     relabelled: Warned,
 }
 
-/// The weights of a network take some hundred kilobytes.
+/// Size limit for a file of weights. A network takes a few hundred kilobytes.
 const LARGEST_WEIGHTS: u64 = 64 << 20;
 
-/// The network of a file.
+/// Reads a network from a file.
 fn network(file: &Path) -> Result<Arc<Network>> {
     let bytes = bounded::read(file, LARGEST_WEIGHTS)
         .with_context(|| format!("cannot read {}", file.display()))?;
@@ -168,10 +171,10 @@ fn network(file: &Path) -> Result<Arc<Network>> {
 }
 
 impl FrameExtractor {
-    /// One that makes its buffers as frames need them.
+    /// Creates an extractor that allocates its buffers when frames need them.
     ///
     /// # Errors
-    /// Options that make no sense.
+    /// Returns an error if options are invalid.
     pub fn new(settings: &settings::Extract) -> Result<Self> {
         let mut extractor = Extractor::new(settings.options())?;
         if let Some(file) = &settings.network {
@@ -191,11 +194,11 @@ impl FrameExtractor {
         })
     }
 
-    /// One whose buffers are made for the size that frames most likely have, so that none has to wait for them. Those of another
-    /// are made with its first frame.
+    /// Creates an extractor whose buffers are allocated for the most likely frame size, so that no
+    /// frame waits for them. Buffers for another size are allocated with its first frame.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Fails like [`new`](Self::new).
     pub fn prepared(settings: &Settings) -> Result<Self> {
         let mut made = Self::new(&settings.extract)?;
         let mut size = settings.capture.likely_size().map(|side| side as usize);
@@ -213,13 +216,13 @@ impl FrameExtractor {
         }
     }
 
-    /// Goes on where another extractor stopped, that of this chain until now: ropes keep their numbers and directions.
+    /// Continues from another extractor of this chain: ropes keep their numbers and directions.
     pub fn go_on_from(&mut self, other: &Self) {
         let curves: Vec<Curve> = other.extractor.scene().curves.to_vec();
         self.resume(other.past(), curves, other.origin);
     }
 
-    /// What a successor needs to know beside the last message.
+    /// Returns the state that a successor needs in addition to the last message.
     pub fn past(&self) -> Past {
         Past {
             exposed_ns: self.exposed_ns,
@@ -228,17 +231,17 @@ impl FrameExtractor {
         }
     }
 
-    /// Goes on where an extractor stopped that said this of the last frame.
+    /// Continues from the state and the last message of a predecessor.
     pub fn go_on_after(&mut self, past: Past, last: &Centerlines) {
         let curves = last.curves().iter().map(curve_of).collect();
         self.resume(past, curves, [0; 2]);
     }
 
-    /// The curves are measured from `origin` in the image.
+    /// Continues from curves that are measured from `origin` in the image.
     fn resume(&mut self, past: Past, mut curves: Vec<Curve>, origin: [usize; 2]) {
         let [width, height] = past.size.map(|side| side as usize);
         if width == 0 || height == 0 {
-            // There was no image yet.
+            // The predecessor had not received an image yet.
             return;
         }
         let all = Region {
@@ -264,29 +267,29 @@ impl FrameExtractor {
             .resume(size, past.exposed_ns, &curves, past.tracks);
     }
 
-    /// The sentence of a notice, with the command that helps.
+    /// Returns the text of a notice, including the command that helps.
     pub fn sentence(&self, notice: Notice) -> String {
         self.extractor.sentence(notice)
     }
 
-    /// The next frame is of another scene.
+    /// Resets the extractor, because the next frame shows another scene.
     pub fn forget(&mut self) {
         self.extractor.reset();
     }
 
-    /// What is read of a frame.
+    /// Returns the part of a frame that is processed.
     ///
     /// # Errors
-    /// Nothing of it.
+    /// Returns an error if that part is empty.
     pub fn part<'a>(&self, whole: Image<'a>) -> Result<Part<'a>> {
         Part::of(whole, self.region)
     }
 
-    /// Extracts the next frame of the scene, exposed at a moment of whatever clock, into a message; its trace is left as it is.
-    /// `after`: is called when a step is finished.
+    /// Extracts the next frame of the scene into a message. `exposed_ns` is the exposure time on
+    /// any clock. The message's trace is left unchanged. `after` is called at the end of each step.
     ///
     /// # Errors
-    /// The mask does not fit the frame.
+    /// Returns an error if the mask does not fit the frame.
     pub fn extract(
         &mut self,
         part: &Part,
@@ -311,8 +314,9 @@ impl FrameExtractor {
         Ok(scene)
     }
 
-    /// The same for a stage, which never goes silent while frames come in: a frame that cannot be read shows nothing, one without
-    /// an image what is known without. Warns of both what cannot be read and what is doubtful.
+    /// Extracts a frame for a stage, which must answer every frame. An unreadable frame yields no
+    /// curves; a blank frame yields what is known without an image. Warns of unreadable frames and
+    /// of doubtful results.
     pub fn answer(&mut self, frame: FrameView, mask: Option<FrameView>, message: &mut Centerlines) {
         let header = frame.header;
         (message.width, message.height) = (header.width, header.height);
@@ -357,7 +361,7 @@ impl FrameExtractor {
     }
 }
 
-/// A message's curve as the extractor has it.
+/// Converts a message's curve to the extractor's type.
 fn curve_of(curve: &lariat_wire::Curve) -> Curve {
     let mut to = Curve::default();
     to.track = curve.track;
@@ -379,7 +383,7 @@ fn curve_of(curve: &lariat_wire::Curve) -> Curve {
     to
 }
 
-/// The extractor's own name for a pixel format.
+/// Converts a pixel format to the extractor's type.
 pub fn pixel_format(format: lariat_wire::PixelFormat) -> PixelFormat {
     use lariat_wire::PixelFormat as Wire;
     match format {
@@ -398,7 +402,7 @@ pub fn pixel_format(format: lariat_wire::PixelFormat) -> PixelFormat {
     }
 }
 
-/// Writes what was seen into a message; `origin` is where in the frame it was looked for.
+/// Writes the scene into a message. `origin` is the position of the processed part in the frame.
 fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
     let origin = origin.map(|c| c as f32);
     let moved = |p: [f32; 2]| [p[0] + origin[0], p[1] + origin[1]];
@@ -426,7 +430,7 @@ fn fill(message: &mut Centerlines, scene: &Scene, origin: [usize; 2]) {
         }
         to.widths_px[..points].copy_from_slice(&from.widths_px[..points]);
     }
-    // A crossing may name a curve that had no room.
+    // A crossing may refer to a curve that did not fit.
     let known =
         |crossing: &&lariat_extract::Crossing| crossing.over < curves && crossing.under < curves;
     let crossings = scene.crossings.iter().filter(known).take(MAX_CROSSINGS);

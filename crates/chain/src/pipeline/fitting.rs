@@ -1,4 +1,4 @@
-//! Centerlines → the descriptors of their curves.
+//! Fits descriptors to the centerlines of a frame.
 
 mod filters;
 mod place;
@@ -23,8 +23,8 @@ pub use space::{Companion, SpaceFitter};
 
 use super::Warned;
 
-/// Fitters of open and closed curves for whatever number of points the centerlines have, the way to where those lie, and
-/// the filters of their ropes.
+/// Fits curves to the centerlines of successive frames. Holds the fitters of open and closed
+/// curves, the mapping to the curves' unit, and the filter of each rope.
 pub struct CurveFitter {
     settings: settings::Fit,
     placer: Option<Placer>,
@@ -38,7 +38,8 @@ pub struct CurveFitter {
 }
 
 impl CurveFitter {
-    /// Precomputes for the settings' number of points, and reads the calibration they name.
+    /// Precomputes the fit for the number of points in the settings, and reads the calibration that
+    /// they name.
     pub fn new(settings: &Settings) -> Result<Self> {
         let calibrated = Calibrated::load(&settings.camera)?;
         if let Some(notice) = calibrated.as_ref().and_then(Calibrated::notice) {
@@ -56,20 +57,21 @@ impl CurveFitter {
             coarse: Warned::default(),
         };
         fitter.make_filters()?;
-        // Most likely the size that is coming; another is told of with its first frame.
+        // Prepare for the most likely frame size. An error for another size is reported with its
+        // first frame.
         let _ = fitter.turn_to(settings.capture.likely_size());
         Ok(fitter)
     }
 
-    /// What descriptors come in.
+    /// Returns the unit of descriptors.
     pub fn unit(&self) -> Unit {
         self.placer.as_ref().map_or(Unit::Pixel, Placer::unit)
     }
 
-    /// Turns to frames of this size.
+    /// Prepares for frames of this size.
     ///
     /// # Errors
-    /// The calibration is for other images.
+    /// Returns an error if the calibration is for another image size.
     pub fn turn_to(&mut self, size: [u32; 2]) -> Result<()> {
         if let Some(placer) = &mut self.placer
             && placer.turn_to(size)?
@@ -79,7 +81,7 @@ impl CurveFitter {
         Ok(())
     }
 
-    /// The ropes that come are others.
+    /// Forgets all ropes, because the next frame shows others.
     pub fn forget(&mut self) {
         self.fitter.forget();
         if let Some(filters) = &mut self.filters {
@@ -87,7 +89,8 @@ impl CurveFitter {
         }
     }
 
-    /// The way from pixels to where the curves lie, if they do not lie in the image, for the size that was last turned to.
+    /// Returns the mapping from pixels to the curves' unit for the current frame size. Returns
+    /// `None` if curves stay in image pixels.
     pub fn mapping(&self) -> Option<&Mapping> {
         self.placer.as_ref().and_then(Placer::mapping)
     }
@@ -105,18 +108,20 @@ impl CurveFitter {
         Ok(())
     }
 
-    /// Extract was started with another number of points: its word counts, and the algebra is done again, once.
+    /// Repeats the precomputation for another number of points. Extract was started with other
+    /// settings, and its number counts.
     fn recount(&mut self, count: usize) -> Result<()> {
         self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()
     }
 
-    /// Writes the descriptors of a frame's curves into a message; its trace is left as it is. A curve that cannot be fitted is
-    /// left out, and warned of once, as what a user or a control loop should know of.
+    /// Writes the descriptors of a frame's curves into a message. The message's trace is left
+    /// unchanged. A curve that cannot be fitted is left out. The first such case is warned about,
+    /// as is everything else that a user or a control loop should know.
     pub fn answer(&mut self, seen: &Centerlines, message: &mut Descriptors) {
         (message.width, message.height, message.count) = (seen.width, seen.height, 0);
         message.unit = self.unit() as u32;
-        // Without an image the camera is the one of before.
+        // A frame without an image keeps the previous frame size.
         if seen.width > 0
             && let Err(cause) = self.turn_to([seen.width, seen.height])
         {
@@ -140,10 +145,10 @@ impl CurveFitter {
         message.count = count as u32;
     }
 
-    /// Describes one curve, of an image taken at `exposed_ns`.
+    /// Fits a descriptor to one curve of an image exposed at `exposed_ns`.
     ///
     /// # Errors
-    /// It cannot be fitted, or does not lie on the plane.
+    /// Returns an error if the curve cannot be fitted or does not lie on the plane.
     pub fn describe(
         &mut self,
         curve: &Curve,
@@ -182,12 +187,12 @@ impl CurveFitter {
         Ok(judged)
     }
 
-    /// The fit of this curve, the last that was described, before any filter.
+    /// Returns the unfiltered fit of this curve, which must be the last one described.
     pub fn last_fit(&mut self, curve: &Curve) -> &Fit {
         self.fitter.fitter(curve.closed != 0).last()
     }
 
-    /// Writes the points that this curve, the last that was described, was fitted to.
+    /// Writes the points to which this curve, the last one described, was fitted.
     fn write_points(&self, curve: &Curve, to: &mut CenterlinePoints) {
         let count = curve.points().len();
         (to.count, to.closed) = (count as u32, curve.closed);
@@ -204,7 +209,8 @@ impl CurveFitter {
         }
     }
 
-    /// Says what the user or a control loop should know of: each change of a size, and once that a curve does not fit.
+    /// Warns the user or a control loop of each change of size, and once of a curve that does not
+    /// fit.
     fn tell(&mut self, judged: Judged, descriptor: &Descriptor) {
         let Descriptor {
             track, count, max, ..
@@ -244,7 +250,7 @@ impl CurveFitter {
             width,
             unit_per_px,
             noise: 0.0,
-            // A lost rope is where it was then.
+            // A lost rope is shown as it was when last seen.
             seen_ns: exposed_ns.saturating_sub(curve.age_ns),
         };
         let line = Line {
@@ -256,11 +262,11 @@ impl CurveFitter {
     }
 }
 
-/// Whether a curve has as many points as its frame's first. Extract sends no others, and the algebra for each number of points
-/// takes milliseconds.
+/// Checks that a curve has as many points as the first curve of its frame. Extract sends no others,
+/// and the precomputation for each number of points takes milliseconds.
 ///
 /// # Errors
-/// It has not.
+/// Returns an error if the numbers differ.
 fn check_points(seen: &Centerlines, curve: &Curve) -> Result<()> {
     let first = seen
         .curves()
@@ -274,20 +280,20 @@ fn check_points(seen: &Centerlines, curve: &Curve) -> Result<()> {
     Ok(())
 }
 
-/// Replaces control points by the filtered ones.
+/// Replaces the control points by the filtered ones.
 fn write_filtered(now: &Prediction<2>, descriptor: &mut Descriptor) {
     let count = now.control_points.len();
     descriptor.filtered = 1;
     descriptor.control_points[..count].copy_from_slice(&now.control_points);
     descriptor.velocities[..count].copy_from_slice(&now.velocities_px_s);
     let variances = now.covariance_px2.iter().step_by(count + 1);
-    // The filter has one covariance for both axes.
+    // The filter uses the same covariance for both axes.
     for (to, &variance) in descriptor.covariances.iter_mut().zip(variances) {
         *to = [variance, 0.0, variance];
     }
 }
 
-/// A basis's number in messages.
+/// Converts a basis to the type of messages.
 fn basis(basis: lariat_fit::Basis) -> Basis {
     match basis {
         lariat_fit::Basis::BSpline { .. } => Basis::BSpline,
@@ -326,7 +332,7 @@ fn write_curve(fit: &Fit, descriptor: &mut Descriptor) {
     }
 }
 
-/// Carries over what is known of the rope itself.
+/// Copies the properties of the rope itself.
 fn write_rope(curve: &Curve, descriptor: &mut Descriptor) {
     let count = curve.points().len();
     descriptor.track = curve.track;

@@ -1,25 +1,26 @@
-//! When each frame of a source is due, and the header that it gets.
+//! Schedules the frames of a source and builds their headers.
 
 use crate::settings::{Capture, Fps};
 use lariat_capture::{Frame, PaceError, Pacer};
 use lariat_wire::{FrameHeader, SourceKind, Trace};
 
-/// The moments of a source's frames: those at which they were exposed, its own pace, or the pace that is set.
+/// The times at which a source's frames are due: their exposure times, the source's own pace, or
+/// the pace in the settings.
 pub struct Schedule {
     pacer: Pacer,
-    /// Whether frames that have a pace of their own come at it.
+    /// True if frames follow the source's own pace, if it has one.
     keeps_own_pace: bool,
-    /// Whether each frame has its moment, however late it is.
+    /// True if no frame is skipped, however late it is.
     lossless: bool,
-    /// Moments that passed without a frame, as the source was too slow.
+    /// Number of due times that passed without a frame because the source was too slow.
     missed: u64,
 }
 
 impl Schedule {
-    /// A schedule that begins with the first frame.
+    /// Creates a schedule that begins with the first frame.
     ///
     /// # Errors
-    /// The pace is zero or negative.
+    /// Returns an error if the pace is zero or negative.
     pub fn new(settings: &Capture, lossless: bool) -> Result<Self, PaceError> {
         Ok(Self {
             pacer: Pacer::new(settings.pace())?,
@@ -29,8 +30,9 @@ impl Schedule {
         })
     }
 
-    /// When the next frame is due, which was ready at a moment of the same clock. `exposed_ns`: when it was exposed, if it was
-    /// taken at a moment of its own; `after_ns`: how long after the first it is due at the source's own pace, if it has one.
+    /// Returns when the next frame is due. `ready_ns` is when it was ready, on the same clock.
+    /// `exposed_ns` is its exposure time, if it has one. `after_ns` is its time after the first
+    /// frame at the source's own pace, if the source has one.
     pub fn due_ns(&mut self, ready_ns: u64, exposed_ns: Option<u64>, after_ns: Option<u64>) -> u64 {
         if let Some(exposed_ns) = exposed_ns {
             return exposed_ns;
@@ -46,13 +48,14 @@ impl Schedule {
         self.pacer.next_due_ns(ready_ns)
     }
 
-    /// The number of a source's frame: a moment without one is a frame lost at the source.
+    /// Returns the number of a source's frame. A due time without a frame counts as a frame lost at
+    /// the source.
     pub fn sequence(&self, frame: &Frame) -> u64 {
         frame.sequence + self.missed
     }
 }
 
-/// The header of a source's frame.
+/// Returns the header of a source's frame.
 pub fn frame_header(frame: &Frame, source: SourceKind, trace: Trace) -> FrameHeader {
     FrameHeader {
         trace,

@@ -1,7 +1,8 @@
-//! A recording frame by frame: what the channels said of one frame, brought together.
+//! Gathers the messages of all channels about one frame of a recording.
 //!
-//! Each channel is recorded in its own order, but a frame's messages come some frames apart. A frame is complete when every
-//! channel that the recording has either told of it or has gone on to a later one.
+//! Each channel is recorded in its own order, and a frame's messages may be several frames apart. A
+//! frame is complete when every channel of the recording has a message about it or about a later
+//! frame.
 
 use super::pixels::Pixels;
 use anyhow::Result;
@@ -9,12 +10,12 @@ use lariat_record::{Entry, Frame, Messages, Recording, Span};
 use lariat_wire::{Centerlines, Descriptors, FrameHeader, Trace};
 use std::collections::VecDeque;
 
-/// So many bytes of frames that are not complete are kept at most.
+/// Maximum number of bytes kept for incomplete frames.
 const MOST_BYTES: usize = 1 << 30;
-/// And so many frames: more than the chain has under way, many times over.
+/// Maximum number of incomplete frames: many times more than a chain ever has in progress.
 const MOST_FRAMES: usize = 1024;
 
-/// Frames in the order in which they were captured: by time, and, for sources that have none, by number.
+/// Order in which frames were captured: by time, or by number for sources without time.
 type Key = (u64, u64);
 
 fn key(trace: &Trace) -> Key {
@@ -33,12 +34,12 @@ enum Channel {
 
 const CHANNELS: usize = 5;
 
-/// A frame's, or a mask's, header and bytes.
+/// Header and bytes of a frame or a mask.
 #[derive(Debug, Clone)]
 pub struct Copied {
-    /// What stood beside its bytes.
+    /// Header of the frame.
     pub header: FrameHeader,
-    /// How the bytes make its pixels.
+    /// Encoding of the bytes.
     pub pixels: Pixels,
     /// The bytes as they were recorded.
     pub bytes: Vec<u8>,
@@ -54,7 +55,8 @@ impl Default for Copied {
     }
 }
 
-/// What was recorded of one frame. What of it `has` does not tell of is stale.
+/// Everything that was recorded about one frame. Channels that `has` does not mark contain stale
+/// data.
 #[derive(Debug)]
 pub struct Gathered {
     key: Key,
@@ -83,27 +85,27 @@ impl Gathered {
         self.has[channel as usize].then_some(value)
     }
 
-    /// The frame itself.
+    /// Returns the frame itself.
     pub fn frame(&self) -> Option<&Copied> {
         self.told(Channel::Frames, &self.frame)
     }
 
-    /// Its mask, if it was made elsewhere.
+    /// Returns its mask, if an external process made it.
     pub fn mask(&self) -> Option<&Copied> {
         self.told(Channel::Masks, &self.mask)
     }
 
-    /// What extract said of it.
+    /// Returns its centerlines, from extract.
     pub fn centerlines(&self) -> Option<&Centerlines> {
         self.told(Channel::Centerlines, &*self.centerlines)
     }
 
-    /// What fit said of it.
+    /// Returns its descriptors, from fit.
     pub fn descriptors(&self) -> Option<&Descriptors> {
         self.told(Channel::Descriptors, &*self.descriptors)
     }
 
-    /// The true centerlines in it.
+    /// Returns its true centerlines.
     pub fn truth(&self) -> Option<&Centerlines> {
         self.told(Channel::Truth, &*self.truth)
     }
@@ -116,19 +118,21 @@ impl Gathered {
 /// A cursor over the frames of a recording.
 pub struct Gather {
     messages: Messages,
-    /// By key, ascending.
+    /// Incomplete frames, by ascending key.
     waiting: VecDeque<Gathered>,
-    /// Of each channel the last frame it told of; `None` if the recording does not have it.
+    /// The last frame in each channel; `None` if the recording does not have the channel.
     last: [Option<Key>; CHANNELS],
-    /// What was given out last.
+    /// The frame that was returned last.
     given: Gathered,
     spare: Vec<Gathered>,
     ended: bool,
 }
 
 impl Gather {
+    /// Starts at the beginning of a part of the recording.
+    ///
     /// # Errors
-    /// The recording cannot be read, or there is no such part of it.
+    /// Returns an error if the recording cannot be read, or if it does not have that part.
     pub fn new(recording: &Recording, span: Span) -> Result<Self> {
         let mut last = [None; CHANNELS];
         let topics = recording.topics()?;
@@ -157,10 +161,11 @@ impl Gather {
         })
     }
 
-    /// The next frame; `None` after the last. After an error the next call goes on behind it.
+    /// Returns the next frame, or `None` after the last. After an error, the next call continues
+    /// behind the damage.
     ///
     /// # Errors
-    /// The recording is damaged.
+    /// Returns an error if the recording is damaged.
     #[allow(
         clippy::should_implement_trait,
         reason = "an iterator could not lend what it gives"
@@ -177,7 +182,7 @@ impl Gather {
         Ok(Some(&self.given))
     }
 
-    /// Whether the first of those that wait is complete, or none will come.
+    /// Returns true if the first waiting frame is complete, or if there are no more frames.
     fn is_ready(&self) -> bool {
         let Some(first) = self.waiting.front() else {
             return self.ended;
@@ -215,7 +220,7 @@ impl Gather {
         };
         let key = key(trace);
         last[channel as usize] = last[channel as usize].max(Some(key));
-        // Too late for a frame that was given out already.
+        // The frame was already returned.
         if key <= given.key {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! A recorded frame's pixels, however they were recorded.
+//! Decodes the pixels of a recorded frame, whatever their encoding.
 
 use anyhow::{Context, Result, bail};
 use image::codecs::jpeg::JpegDecoder;
@@ -9,12 +9,12 @@ use lariat_record::{Pixels as Recorded, Recording};
 use lariat_wire::{FrameHeader, PixelFormat};
 use std::io::Cursor;
 
-/// How the bytes that are kept of a frame make its pixels.
+/// Encoding of the bytes of a recorded frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pixels {
     /// No bytes were kept.
     None,
-    /// As the header describes them.
+    /// Raw pixels as the header describes them.
     Raw,
     /// A PNG file.
     Png,
@@ -25,7 +25,7 @@ pub enum Pixels {
 }
 
 impl Pixels {
-    /// What it is, and its bytes.
+    /// Returns the encoding and the bytes.
     pub fn split(pixels: Recorded<'_>) -> (Self, &[u8]) {
         match pixels {
             Recorded::None => (Self::None, &[]),
@@ -37,16 +37,17 @@ impl Pixels {
     }
 }
 
-/// Decodes pictures into memory that it keeps.
+/// Decodes pictures into memory that is reused.
 #[derive(Debug, Default)]
 pub struct Decoder {
     pixels: Vec<u8>,
-    /// For recordings of other programs.
+    /// State for recordings of other programs.
     foreign: Option<ForeignFrames>,
 }
 
 impl Decoder {
-    /// One for this recording's frames. [`Decoder::default`] takes them to be lariat's own.
+    /// Creates a decoder for the frames of this recording. [`Decoder::default`] assumes that lariat
+    /// recorded them.
     pub fn of(recording: &Recording) -> Self {
         let is_own = recording.about().version().is_some();
         Self {
@@ -55,11 +56,12 @@ impl Decoder {
         }
     }
 
-    /// The frame's header and bytes as extraction takes them. A PNG of lariat's own gives back the frame to the bit (BGRA as
-    /// RGB), a JPEG becomes RGB or gray. Raw frames of another program are in full range afterwards.
+    /// Returns header and bytes as the extractor needs them. A PNG by lariat yields the exact frame
+    /// (BGRA as RGB), and a JPEG yields RGB or gray. Raw frames of another program are expanded to
+    /// full range.
     ///
     /// # Errors
-    /// There are no pixels, or the picture cannot be decoded.
+    /// Returns an error if the pixels are missing or cannot be decoded.
     pub fn decode<'a>(
         &'a mut self,
         header: &FrameHeader,
@@ -97,7 +99,7 @@ impl Decoder {
         }
     }
 
-    /// Conclusion about another program's frames, reported once.
+    /// Returns a conclusion about another program's frames, once.
     pub fn take_news(&mut self) -> Option<String> {
         self.foreign.as_mut()?.take_news()
     }
@@ -130,7 +132,7 @@ impl Decoder {
             ColorType::L8 => 1,
             ColorType::L16 if header.format() == Some(PixelFormat::Gray16) => 2,
             ColorType::Rgb8 => 3,
-            // Others' pictures.
+            // A picture from another program.
             _ => {
                 self.pixels = DynamicImage::from_decoder(decoder)?.into_rgb8().into_raw();
                 return Ok((self.header(header, width, height, 3), &self.pixels));

@@ -1,4 +1,5 @@
-//! The settings that a recording was made with, and the files that they name: all attached to it.
+//! The settings that a recording was made with, and the files that they name. All of them are
+//! attached to the recording.
 
 use std::path::PathBuf;
 
@@ -8,34 +9,34 @@ use tempfile::TempDir;
 
 use crate::settings::{Flags, Settings, renamed, version_of};
 
-/// The settings that a recording holds for.
+/// Name of the attached settings.
 pub const SETTINGS: &str = "lariat.toml";
-/// What the settings' `calibration` names.
+/// Name of the attached file that the settings call `calibration`.
 pub const CALIBRATION: &str = "calibration.yaml";
-/// What the settings' `plane` names.
+/// Name of the attached file that the settings call `plane`.
 pub const PLANE: &str = "plane.toml";
 
-/// The settings that a recording was made with, and the files they name.
+/// The settings that a recording was made with, and the files that they name.
 #[derive(Debug)]
 pub struct RecordedSettings {
-    /// All that held, with the paths of the files as they lie here until this is dropped.
+    /// All settings in force. The paths lead to temporary files that exist until this is dropped.
     pub settings: Settings,
     folder: TempDir,
 }
 
 impl RecordedSettings {
-    /// `None` if there are none in it.
+    /// Reads the settings at the start of a recording. Returns `None` if they are missing.
     ///
     /// # Errors
-    /// They make no sense to this release.
+    /// Returns an error if they are invalid in this release.
     pub fn of(recording: &Recording) -> Result<Option<Self>> {
         Self::named(recording, 0)
     }
 
-    /// Those of a later version; `None` if they are not in it.
+    /// Reads a later version of the settings. Returns `None` if the recording does not have it.
     ///
     /// # Errors
-    /// As [`of`](Self::of).
+    /// Fails like [`of`](Self::of).
     pub fn of_version(&self, recording: &Recording, version: u32) -> Result<Option<Self>> {
         if version == self.settings.version {
             return Self::of(recording);
@@ -51,7 +52,7 @@ impl RecordedSettings {
         let mut table: toml::Table = text.parse().with_context(about)?;
         let folder = tempfile::tempdir().with_context(about)?;
         renamed::renew(&mut table);
-        // Where these files were is not where they are now.
+        // Replace the original paths by those of the extracted files.
         if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
             let files = [
                 ("calibration", CALIBRATION),
@@ -76,7 +77,7 @@ impl RecordedSettings {
                 }
             }
         }
-        // They lay beside pictures or cameras, and the recording is neither.
+        // These settings apply to pictures or cameras, and a recording is neither.
         if let Some(capture) = table.get_mut("capture").and_then(toml::Value::as_table_mut) {
             capture.remove("depth_images");
             capture.remove("depth_source");
@@ -88,13 +89,13 @@ impl RecordedSettings {
         Ok(Some(Self { settings, folder }))
     }
 
-    /// As a settings file, to be overruled by flags.
+    /// Returns the path of the settings as a file. Flags can override them.
     pub fn file(&self) -> PathBuf {
         self.folder.path().join(SETTINGS)
     }
 
-    /// The settings that flags and, if one is named, a settings file ask for: in the stead of the file that may lie in this
-    /// folder, the recording's own.
+    /// Resolves flags against the recording's settings, which replace a `lariat.toml` in the
+    /// current folder. A settings file that the flags name takes precedence.
     pub fn changed(&self, flags: &Flags) -> Result<Settings> {
         let mut flags = flags.clone();
         flags.config.get_or_insert_with(|| self.file());
@@ -110,7 +111,7 @@ fn text_of(recording: &Recording, name: &str) -> Result<Option<String>> {
         .with_context(|| format!("{name} in the recording is not text"))
 }
 
-/// What a file of a later version of the settings is called: `lariat.toml`, `lariat.2.toml`.
+/// Returns the name of a file for a later version of the settings: `lariat.toml`, `lariat.2.toml`.
 pub fn versioned_name(name: &str, version: u32) -> String {
     match (version, name.rsplit_once('.')) {
         (0, _) | (_, None) => name.to_owned(),

@@ -1,24 +1,25 @@
-//! How the stages are arranged on the machine: their cores, their scheduling class, how they are woken.
+//! Arrangement of the stages on the machine: their cores, their scheduling class, and how they are
+//! woken.
 
 use crate::settings::meaning;
 use std::time::Duration;
 use toml::Value;
 
-/// A stage of the chain; in the order of the data.
+/// A stage of the chain, in the order of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Sends frames.
     Capture,
     /// Finds centerlines in them.
     Extract,
-    /// Makes descriptors of those.
+    /// Fits descriptors to the centerlines.
     Fit,
-    /// Counts and times what arrives.
+    /// Counts and times the messages that arrive.
     Sink,
 }
 
 impl Stage {
-    /// As the file, the command line and other processes name it.
+    /// Returns the name used in the file, on the command line and by other processes.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Capture => "capture",
@@ -29,7 +30,7 @@ impl Stage {
     }
 }
 
-/// The stages' names in the order of the data.
+/// Names of the stages, in the order of the data.
 pub const STAGES: [&str; 4] = [
     Stage::Capture.name(),
     Stage::Extract.name(),
@@ -37,29 +38,31 @@ pub const STAGES: [&str; 4] = [
     Stage::Sink.name(),
 ];
 
-/// The largest core number that Linux's own set of cores has room for.
+/// Largest core number that fits into Linux's own set of cores.
 const MAX_CORE: i64 = 1023;
-/// The priority of capture; extract's, fit's and sink's are one, two and three more, and the highest there is is 99.
+/// Maximum priority of capture. Extract, fit and sink have one, two and three more, and Linux's
+/// maximum is 99.
 pub(super) const MAX_PRIORITY: u8 = 96;
-/// The longest a reader looks before it sleeps: longer than any of a chain's waits, shorter than anything waits for it.
+/// Maximum time that a reader spins before it sleeps. It is longer than any wait in a chain, and
+/// too short to delay anything else.
 const MAX_SPIN: Duration = Duration::from_millis(10);
 
-/// `[run]`, as far as it is about the machine.
+/// The part of `[run]` that concerns the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrangement {
-    /// Realtime priority, locked memory and cores of their own, as far as they may be had.
+    /// Use realtime priority, locked memory and dedicated cores, as far as they are available.
     pub realtime: bool,
-    /// Which cores the stages run on.
+    /// Cores of the stages.
     pub cpus: Cpus,
-    /// Their scheduling class.
+    /// Scheduling class of the stages.
     pub scheduling: Scheduling,
     /// Capture's priority under FIFO scheduling; each later stage has one more.
     pub priority: u8,
-    /// Whether their memory stays in RAM.
+    /// True if the stages' memory is locked in RAM.
     pub lock_memory: bool,
     /// How a reader waits.
     pub wake: Wake,
-    /// How long a reader looks before it sleeps, with [`Wake::Spin`].
+    /// Time that a reader spins before it sleeps, with [`Wake::Spin`].
     pub spin: Duration,
 }
 
@@ -69,28 +72,29 @@ impl Default for Arrangement {
             realtime: false,
             cpus: Cpus::Auto,
             scheduling: Scheduling::Other,
-            // Below 50, the kernel's own for interrupt threads: a camera's interrupt goes before what waits for it.
+            // Below 50, the priority of the kernel's interrupt threads, so that a camera's
+            // interrupt comes before the stages that wait for it.
             priority: 40,
             lock_memory: false,
             wake: Wake::Event,
-            // What a wake across cores costs: who looks for longer than that has lost at most as much again.
+            // The cost of a wake across cores. Spinning for this long at most doubles that cost.
             spin: Duration::from_micros(50),
         }
     }
 }
 
 impl Arrangement {
-    /// Whether stages are to have realtime priority.
+    /// Returns true if stages should have realtime priority.
     pub fn is_fifo(&self) -> bool {
         self.realtime || self.scheduling == Scheduling::Fifo
     }
 
-    /// Whether stages are to keep their memory from being paged out.
+    /// Returns true if stages should lock their memory in RAM.
     pub fn locks_memory(&self) -> bool {
         self.realtime || self.lock_memory
     }
 
-    /// How long readers look before they sleep.
+    /// Returns the time that readers spin before they sleep.
     pub fn spin(&self) -> Duration {
         match self.wake {
             Wake::Event => Duration::ZERO,
@@ -98,7 +102,7 @@ impl Arrangement {
         }
     }
 
-    /// Why these settings do not go together, if so.
+    /// Returns the reason if these settings contradict each other.
     pub(super) fn contradiction(&self) -> Option<String> {
         let Cpus::Cores(cores) = &self.cpus else {
             return None;
@@ -117,18 +121,18 @@ impl Arrangement {
     }
 }
 
-/// Which stage runs on which core.
+/// Assignment of stages to cores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cpus {
-    /// As the kernel likes; with realtime priority, as was measured to be best.
+    /// The kernel chooses. With realtime priority, lariat uses the assignment that measured best.
     Auto,
-    /// As the kernel likes.
+    /// The kernel chooses.
     Anywhere,
-    /// The core of each stage; `None` is as the kernel likes.
+    /// The core of each stage. For `None` the kernel chooses.
     Cores([Option<usize>; STAGES.len()]),
 }
 
-/// The kernel's scheduling class of the stages.
+/// Scheduling class of the stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheduling {
     Other,
@@ -138,9 +142,9 @@ pub enum Scheduling {
 /// How a reader learns of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wake {
-    /// It sleeps, and is woken.
+    /// It sleeps until it is woken.
     Event,
-    /// It looks for a while, and then sleeps.
+    /// It spins for a while and then sleeps.
     Spin,
 }
 

@@ -1,4 +1,4 @@
-//! What is asked of a camera: `[capture]`'s pixel format and controls, and how it is read.
+//! Settings of a camera: the pixel format and controls of `[capture]`, and how frames are read.
 
 use std::collections::BTreeMap;
 
@@ -8,29 +8,30 @@ use toml::Value;
 /// A pixel format by name.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FormatName {
-    /// What a camera calls so.
+    /// The camera's code of that name.
     pub code: Option<FourCc>,
-    /// What raw frames may be.
+    /// The raw format of that name.
     pub raw: Option<RawFormat>,
 }
 
-/// What only cameras have, but for the pixel format, which frames in a pipe have too.
+/// Settings that apply only to cameras, except the pixel format, which also applies to frames from
+/// a pipe.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CameraSettings {
-    /// The pixel format; without it, the best that a camera has.
+    /// The pixel format. Without it, the best format that the camera offers.
     pub pixel_format: Option<FormatName>,
-    /// How frames come from its driver.
+    /// How frames are transferred from the driver.
     pub io: Io,
-    /// Names of controls, and what to set them to.
+    /// Names of controls and their values.
     pub controls: BTreeMap<String, String>,
-    /// Whether exposure, white balance, gain and focus stay as they are once the picture has settled.
+    /// True if exposure, white balance, gain and focus are locked once the picture has settled.
     pub lock: bool,
-    /// Whether controls are put back at the end.
+    /// True if controls are restored at the end.
     pub restore: bool,
 }
 
 impl CameraSettings {
-    /// What to do with the controls.
+    /// Returns the settings of the controls.
     pub fn controls(&self) -> ControlSettings {
         ControlSettings {
             values: self.controls.clone().into_iter().collect(),
@@ -40,7 +41,7 @@ impl CameraSettings {
     }
 }
 
-/// The words for how frames come from a camera's driver.
+/// Names of the transfer methods.
 pub(super) const IO: [(&str, Io); 3] = [
     ("auto", Io::Auto),
     ("userptr", Io::UserPointer),
@@ -66,7 +67,7 @@ pub(super) fn pixel_format(value: &Value) -> Result<Option<FormatName>, String> 
     Ok(Some(name))
 }
 
-/// What raw frames may be, as words of a sentence.
+/// Returns the names of the raw formats as part of a sentence.
 pub(super) fn raw_names() -> String {
     let names: Vec<_> = RawFormat::names().collect();
     match &names[..] {
@@ -78,7 +79,7 @@ pub(super) fn raw_names() -> String {
 pub(super) fn pixel_format_value(format: &Option<FormatName>) -> Value {
     let name = match format {
         None => "auto".to_owned(),
-        // A camera's code may be another name of raw frames, and be read back as both.
+        // The code of a camera format may also name a raw format, and is then read back as both.
         Some(FormatName {
             code: Some(code), ..
         }) => code.to_string(),
@@ -87,7 +88,7 @@ pub(super) fn pixel_format_value(format: &Option<FormatName>) -> Value {
     Value::String(name.to_ascii_lowercase())
 }
 
-/// Names of controls, and what to set them to.
+/// Reads names of controls and their values.
 pub(super) fn controls(value: &Value) -> Result<BTreeMap<String, String>, String> {
     let Some(table) = value.as_table() else {
         return Err("controls are names and values: { auto_exposure = 1, gain = 20 }".to_owned());
@@ -108,7 +109,7 @@ pub(super) fn controls(value: &Value) -> Result<BTreeMap<String, String>, String
     table.iter().map(text).collect()
 }
 
-/// The controls as the file has them; `None` if there are none.
+/// Returns the controls as they appear in the file, or `None` without controls.
 pub(super) fn controls_value(controls: &BTreeMap<String, String>) -> Option<Value> {
     let value = |text: &String| {
         text.parse()
@@ -121,7 +122,7 @@ pub(super) fn controls_value(controls: &BTreeMap<String, String>) -> Option<Valu
     (!table.is_empty()).then_some(Value::Table(table))
 }
 
-/// A flag's `NAME=VALUE`, as the file would have it.
+/// Converts a flag's `NAME=VALUE` to a value as in the file.
 pub(super) fn control(text: &str) -> Result<Value, String> {
     let named = text.split_once('=');
     let named = named.map(|(name, value)| (name.trim(), value.trim()));

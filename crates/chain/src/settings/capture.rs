@@ -1,4 +1,4 @@
-//! `[capture]`: where frames come from, and when.
+//! `[capture]`: source and pace of the frames.
 
 use crate::settings::CameraSettings;
 use lariat_capture::{
@@ -8,50 +8,54 @@ use lariat_capture::{
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// How fast frames are sent.
+/// Rate at which frames are sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fps {
-    /// At this many frames a second.
+    /// This many frames per second.
     PerSecond(f64),
-    /// As fast as they can be made.
+    /// As fast as frames can be made.
     Max,
-    /// As fast as a camera can, as a video or a recording was made; [`USUAL_FPS`] for all else.
+    /// The best rate of a camera, the original rate of a video or recording, and [`USUAL_FPS`]
+    /// otherwise.
     Auto,
 }
 
-/// Frames a second of what has no rate of its own.
+/// Frame rate of sources that have no rate of their own.
 pub const USUAL_FPS: f64 = 30.0;
 
-/// Where frames come from.
+/// Source and pace of the frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Capture {
-    /// `rendered`, `simulated` or `external` alone, `-` (standard input), or the paths of pictures, folders or a video.
+    /// `rendered`, `simulated` or `external` alone, `-` (standard input), or the paths of pictures,
+    /// folders or a video.
     pub source: Vec<PathBuf>,
     /// When frames are due.
     pub fps: Fps,
-    /// Width and height, px, of a camera's picture or the rendered one; without it, about or exactly the usual size.
+    /// Width and height of the camera's or the rendered picture, px. Without it, rendered pictures
+    /// have the usual size, and a camera's size is near it.
     pub size: Option<[u32; 2]>,
-    /// Which of all rendered or simulated ropes.
+    /// Seed of the rendered or simulated rope.
     pub seed: u64,
-    /// Whether files begin again after the last.
+    /// True if files start again after the last one.
     pub looped: bool,
-    /// Which part of files is shown.
+    /// The part of the files that is shown.
     pub range: Range,
-    /// Whether a folder is waited at for more.
+    /// True if the chain waits for more pictures in a folder.
     pub follow: bool,
-    /// Which of a recording's images are shown, if it has those of several cameras.
+    /// Topic of the images in a recording that has several cameras.
     pub topic: Option<String>,
-    /// Depth images beside pictures: a folder of them.
+    /// Folder of depth images that belong to the pictures.
     pub depth_images: Option<PathBuf>,
-    /// A depth camera beside a camera.
+    /// A depth camera in addition to the camera.
     pub depth_source: Option<PathBuf>,
-    /// How far in time a frame may be from its depth image, of that camera; if not set, by that camera's period.
+    /// Maximum time between a frame and its depth image from that camera. If not set, it follows
+    /// from the depth camera's period.
     pub depth_within: Option<Duration>,
-    /// What is asked of a camera.
+    /// Settings of the camera.
     pub camera: CameraSettings,
 }
 
-/// Width and height of the rendered picture if none are asked for, px.
+/// Default width and height of the rendered picture, px.
 const USUAL_SIZE: [u32; 2] = [640, 480];
 
 impl Default for Capture {
@@ -74,7 +78,7 @@ impl Default for Capture {
 }
 
 impl Capture {
-    /// The source itself, if it is not simulated; rendered ropes have a truth of `points` points.
+    /// Returns the source unless it is simulated. The truth of rendered ropes has `points` points.
     pub(super) fn source(&self, points: usize) -> Source {
         if self.is_camera() {
             return Source::Camera(CameraOptions {
@@ -104,7 +108,7 @@ impl Capture {
             seed: self.seed,
             width: self.likely_size()[0],
             height: self.likely_size()[1],
-            // The rope moves at its own speed, however often it is looked at.
+            // The rope moves at its own speed, regardless of the frame rate.
             frame_interval_s: match self.fps {
                 Fps::PerSecond(fps) => 1.0 / fps,
                 Fps::Max => defaults.frame_interval_s,
@@ -120,7 +124,7 @@ impl Capture {
         source
     }
 
-    /// Which part of files is shown, and how.
+    /// Returns the options for reading files.
     pub fn file_options(&self) -> FileOptions {
         FileOptions {
             range: self.range,
@@ -132,13 +136,13 @@ impl Capture {
         }
     }
 
-    /// What frames in a pipe are, if no video.
+    /// Returns the format of frames in a pipe, if it is not a video.
     fn raw_frames(&self) -> Option<RawFrames> {
         let (size, format) = (self.size?, self.camera.pixel_format?.raw?);
         Some(RawFrames { size, format })
     }
 
-    /// When frames are due.
+    /// Returns the pace of the frames.
     pub fn pace(&self) -> Pace {
         match self.fps {
             Fps::PerSecond(fps) => Pace::Fps(fps),
@@ -147,7 +151,7 @@ impl Capture {
         }
     }
 
-    /// Frames a second if nobody says how many: those of a video, as it was made.
+    /// Returns the default frame rate, which is that of the video for a video.
     pub(super) fn usual_fps(&self) -> f64 {
         let video = match &self.source[..] {
             [path] if path.is_file() => video_fps(path),
@@ -156,12 +160,12 @@ impl Capture {
         video.map_or(USUAL_FPS, |fps| fps / self.range.every.get() as f64)
     }
 
-    /// The size that frames most likely have, px.
+    /// Returns the size that frames most likely have, px.
     pub fn likely_size(&self) -> [u32; 2] {
         self.size.unwrap_or(USUAL_SIZE)
     }
 
-    /// Whether the source is a simulated rope.
+    /// Returns true if the source is a simulated rope.
     pub fn is_simulated(&self) -> bool {
         self.source[..] == [PathBuf::from("simulated")]
     }
@@ -171,36 +175,38 @@ impl Capture {
         self.source[..] == [PathBuf::from("rendered")]
     }
 
-    /// Whether the source is standard input.
+    /// Returns true if the source is standard input.
     pub fn is_piped(&self) -> bool {
         self.source[..] == [PathBuf::from("-")]
     }
 
-    /// Whether the source is a camera.
+    /// Returns true if the source is a camera.
     pub fn is_camera(&self) -> bool {
         matches!(&self.source[..], [path] if names_a_camera(path))
     }
 
-    /// Whether frames are pictures in files.
+    /// Returns true if frames are picture files.
     pub fn is_of_pictures(&self) -> bool {
         let is_drawn = self.is_simulated() || self.is_rendered();
         let is_video = |path: &PathBuf| names_a_video(path);
         !self.has_own_pace() && !is_drawn && !self.source.iter().any(is_video)
     }
 
-    /// Whether a process of the user's writes the frames.
+    /// Returns true if an external process writes the frames.
     pub fn is_external(&self) -> bool {
         self.source[..] == [PathBuf::from("external")]
     }
 
-    /// Whether frames come when they come, if nobody says otherwise: from a camera, into a folder, out of a recording or a pipe.
+    /// Returns true if frames arrive at their own pace by default: from a camera, a followed
+    /// folder, a recording or a pipe.
     pub fn has_own_pace(&self) -> bool {
         let is_recording = matches!(&self.source[..], [path] if names_a_recording(path));
         let is_live = self.is_camera() || self.is_piped() || self.is_external();
         is_live || self.follow || is_recording
     }
 
-    /// The depth camera beside the camera: asked for images of its calibration's size, as many as the other gives.
+    /// Returns the options of the depth camera. It should deliver images of its calibration's size,
+    /// at the rate of the other camera.
     pub(crate) fn depth_camera(&self, size: [u32; 2], fps: Option<f64>) -> Option<CameraOptions> {
         let path = self.depth_source.clone().filter(|_| self.is_camera())?;
         Some(CameraOptions {
@@ -216,7 +222,7 @@ impl Capture {
         })
     }
 
-    /// "max" is a camera's best rate, too.
+    /// Returns the requested frame rate. For a camera, "max" is the same as its best rate.
     fn asked_fps(&self) -> Option<f64> {
         match self.fps {
             Fps::PerSecond(fps) => Some(fps),
@@ -224,7 +230,7 @@ impl Capture {
         }
     }
 
-    /// What is asked of a camera.
+    /// Returns the request to a camera.
     fn request(&self) -> Request {
         Request {
             size: self.size,

@@ -1,4 +1,5 @@
-//! Settings that change while a chain runs: how a change is written, which stages it concerns, and how they come to know of it.
+//! Changes of settings while a chain runs: how a change is written, which stages it concerns, and
+//! how they receive it.
 
 use crate::exit::{WrongUse, wrong_use};
 use crate::settings::file;
@@ -13,10 +14,10 @@ use lariat_wire::Member;
 use std::path::Path;
 use toml::Value;
 
-/// What the first line of a versioned text begins with.
+/// Prefix of the first line of a versioned text.
 const VERSION: &str = "# lariat settings ";
 
-/// The line by which a text says which version of the settings it is.
+/// Returns the line with the version of a settings text.
 pub fn version_line(version: u32) -> String {
     match version {
         0 => String::new(),
@@ -24,31 +25,31 @@ pub fn version_line(version: u32) -> String {
     }
 }
 
-/// Which stages a change concerns, in the order of [`Stage`].
+/// Stages that a change concerns, in the order of [`Stage`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Concerned {
-    /// They take it between two frames.
+    /// Stages that apply the change between two frames.
     pub live: [bool; 4],
-    /// They are restarted.
+    /// Stages that restart.
     pub again: [bool; 4],
 }
 
-/// How a setting comes to hold.
+/// How a change of a setting takes effect.
 enum Way {
-    /// One stage takes it between two frames.
+    /// One stage applies it between two frames.
     Live(Stage),
-    /// Stages are restarted.
+    /// Stages restart.
     Restart(&'static [Stage]),
-    /// The chain itself goes by it.
+    /// Only the chain itself uses the setting.
     Chain,
-    /// It cannot change.
+    /// The setting cannot change.
     Fixed,
 }
 
 fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
     let all = [before, now];
     match (section, name) {
-        // A channel more, or less.
+        // A channel is added or removed.
         ("extract", "mask") if all.iter().any(|s| s.extract.mask == Mask::External) => {
             Way::Restart(&[Stage::Extract])
         }
@@ -56,7 +57,7 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
             Way::Restart(&[Stage::Capture, Stage::Extract])
         }
         ("extract", _) => Way::Live(Stage::Extract),
-        // Channels more, or less; and capture may know the depth camera's files by itself.
+        // Channels are added or removed. Capture may supply the depth camera's files itself.
         ("camera", "second" | "second_rig" | "second_within_us") => Way::Restart(&[Stage::Fit]),
         ("camera", "depth" | "depth_deadline_us") => Way::Restart(&[Stage::Capture, Stage::Fit]),
         ("fit" | "camera", _) => Way::Live(Stage::Fit),
@@ -74,7 +75,8 @@ fn way(section: &str, name: &str, [before, now]: [&Settings; 2]) -> Way {
     }
 }
 
-/// Whether the source says where its ropes truly are, by as many points as extract.
+/// Returns true if the source sends a truth, which must have as many points as extract's
+/// centerlines.
 fn knows_truth(settings: &Settings) -> bool {
     matches!(
         settings.source(),
@@ -83,10 +85,10 @@ fn knows_truth(settings: &Settings) -> bool {
 }
 
 impl Settings {
-    /// Which stages these settings concern where those before held.
+    /// Returns the stages that are concerned if these settings replace the previous ones.
     ///
     /// # Errors
-    /// What cannot change while a chain runs.
+    /// Returns an error that names the settings that cannot change while a chain runs.
     pub fn concerned(&self, before: &Self) -> Result<Concerned> {
         let mut concerned = Concerned::default();
         let mut fixed = Vec::new();
@@ -117,7 +119,8 @@ impl Settings {
         Ok(concerned)
     }
 
-    /// The settings that are not as they were: `section.name`, and the value as the file has it.
+    /// Returns the settings that differ from the previous ones: `section.name`, and the value as in
+    /// the file.
     pub fn differences(&self, before: &Self) -> impl Iterator<Item = (String, String)> {
         KEYS.iter().filter_map(move |key| {
             let value = (key.get)(self);
@@ -129,13 +132,14 @@ impl Settings {
         })
     }
 
-    /// These with changes, which are flags of [`Flags::with_change`].
+    /// Returns these settings with changes from [`Flags::with_change`].
     ///
     /// # Errors
-    /// What makes no sense in them, or of all settings together.
+    /// Returns an error if a change is invalid, alone or together with the other settings.
     pub fn changed_by(&self, changes: &Flags) -> Result<Self> {
         let mut before = self.clone();
-        // A basis or a number of control points from the user replaces the whole default of the drawn rope.
+        // If the user sets a basis or a number of control points, it replaces the whole default of
+        // the drawn rope.
         let has_curve_of_source = self.has_curve_of_source
             && !["basis", "control_points"]
                 .iter()
@@ -152,10 +156,11 @@ impl Settings {
         })
     }
 
-    /// The settings of a [`text`](Self::text): whether there is a fitter for them was seen by who wrote it.
+    /// Parses the settings from a [`text`](Self::text). The writer of the text has checked that a
+    /// fitter exists for them.
     ///
     /// # Errors
-    /// All that is wrong with it, a sentence each.
+    /// Returns all errors in the text, with a sentence for each.
     pub fn of_text(text: &str) -> Result<Self> {
         let mut problems = Problems::default();
         let entries = file::entries(Path::new(FILE_NAME), text, &mut problems);
@@ -165,10 +170,10 @@ impl Settings {
     }
 }
 
-/// The settings of a process, as it has announced them, with the files of its `[camera]` by their whole paths.
+/// Returns the settings that a process has announced. The files of `[camera]` have absolute paths.
 ///
 /// # Errors
-/// As [`Settings::of_text`].
+/// Fails like [`Settings::of_text`].
 pub fn settings_of(member: &Member) -> Result<Settings> {
     let mut table: toml::Table = member.settings.parse()?;
     if let Some(camera) = table.get_mut("camera").and_then(Value::as_table_mut) {
@@ -182,17 +187,18 @@ pub fn settings_of(member: &Member) -> Result<Settings> {
     Settings::of_text(&(version + &table.to_string()))
 }
 
-/// Which version of the settings a text is: 0 if it does not say.
+/// Returns the version of a settings text, or 0 if it contains none.
 pub fn version_of(text: &str) -> u32 {
     let line = text.lines().next().unwrap_or_default();
     let version = line.strip_prefix(VERSION).map(str::parse);
     version.and_then(Result::ok).unwrap_or(0)
 }
 
-/// A change as it is written, `section.name=value`: which of [`KEYS`], and the value as the file would have it.
+/// Parses a change written as `section.name=value`. Returns the index in [`KEYS`] and the value as
+/// in the file.
 ///
 /// # Errors
-/// A sentence on what is wrong with it.
+/// Returns a sentence that says what is wrong.
 pub(super) fn parse(text: &str) -> Result<(usize, Value)> {
     let Some((name, typed)) = text.split_once('=') else {
         wrong_use!("{text}: write SECTION.SETTING=VALUE, such as fit.control_points=7");

@@ -4,15 +4,18 @@ use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
 use lariat_wire::Basis as Sent;
 use std::fmt;
 
-/// Control points of a basis that is named without their number: those of the best of the paper's four orders, 8.
+/// Default number of control points of a named basis: that of order 8, the best of the paper's
+/// four.
 pub(super) const DEFAULT_CONTROL_POINTS: usize = 9;
 
 /// The family of an open rope's curve. A closed rope is always a Fourier series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// The fewest control points that keep the curve on the rope: a cubic Bezier curve or a cubic B-spline.
+    /// The curve with the fewest control points that stays on the rope: a cubic Bezier curve or a
+    /// cubic B-spline.
     Auto,
-    /// This one. A Fourier series is for lines of points that are all closed; in the chain an open rope is then a Bezier curve.
+    /// This basis. A Fourier series is for input in which all lines are closed; in the chain, an
+    /// open rope becomes a Bezier curve.
     Named(Sent),
 }
 
@@ -40,9 +43,9 @@ impl fmt::Display for Family {
 /// The number of control points of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ControlPoints {
-    /// This number.
+    /// This many.
     Named(usize),
-    /// As few as keep the curve on the rope.
+    /// As few as possible while the curve stays on the rope.
     Auto,
 }
 
@@ -51,32 +54,32 @@ pub enum ControlPoints {
 pub struct Fit {
     /// The family of curves.
     pub basis: Family,
-    /// Control points, if their number was named; 9 otherwise, but for the basis "auto", which chooses it. Named with that
-    /// basis they are a Bezier curve's.
+    /// The number of control points, if it was set. Otherwise the basis "auto" chooses it, and
+    /// other bases have 9. With the basis "auto" a number selects a Bezier curve.
     pub control_points: Option<ControlPoints>,
-    /// How near the curve has to be to the points, in widths of the rope, and at most in pixels.
+    /// Maximum distance of the curve from the points, in widths of the rope.
     pub tolerance: f64,
-    /// The most of that, in pixels.
+    /// Upper limit of the tolerance, in pixels.
     pub tolerance_px: f64,
-    /// The most that `control_points = "auto"` chooses.
+    /// Maximum number that `control_points = "auto"` chooses.
     pub max_control_points: usize,
     /// Degree of a B-spline's pieces.
     pub degree: usize,
-    /// Where a B-spline's pieces meet.
+    /// Placement of a B-spline's knots.
     pub knots: Knots,
     /// How the regression is solved.
     pub solver: Solver,
     /// Weight that keeps control points small.
     pub ridge: f64,
-    /// Whether the curve ends exactly where the rope's points do.
+    /// True if the curve ends exactly at the rope's end points.
     pub pin_ends: bool,
-    /// Where along the curve each point belongs.
+    /// How each point's position along the curve is determined.
     pub rho: Rho,
-    /// Whether outliers count less.
+    /// True if outliers have less weight.
     pub robust: bool,
-    /// Whether control points are filtered in time.
+    /// True if control points are filtered over time.
     pub filter: bool,
-    /// How strongly the filter thinks a rope accelerates.
+    /// Acceleration that the filter expects of a rope.
     pub acceleration_px_s2: f64,
 }
 
@@ -102,7 +105,7 @@ impl Default for Fit {
 }
 
 impl Fit {
-    /// Why curves of these settings cannot be filtered in time, if they cannot.
+    /// Returns the reason if these curves cannot be filtered over time.
     pub(super) fn unfilterable(&self) -> Option<&'static str> {
         match (self.filter, self.basis) {
             (true, Family::Named(Sent::RationalBezier)) => Some(
@@ -113,12 +116,13 @@ impl Fit {
         }
     }
 
-    /// How near a curve has to be to the points of a rope of this width, in whatever unit both are.
+    /// Returns the tolerance for a rope of this width. Width and tolerance have the same unit.
     pub fn tolerance(&self, width: f64, unit_per_px: f64) -> Tolerance {
         Tolerance::of_width(width, self.tolerance, self.tolerance_px * unit_per_px)
     }
 
-    /// What is said of a rope whose points are so far off the curve that these settings gave it, in widths.
+    /// Returns the warning for a rope whose curve is this far from its points, in widths of the
+    /// rope.
     pub fn coarse(&self, rms: f64, worst: f64, control_points: usize) -> String {
         let remedy = match self.family() {
             Family::Auto => "no curve here follows it better; steer by its centerline",
@@ -132,7 +136,8 @@ impl Fit {
         )
     }
 
-    /// The family, where a number of control points alone names the paper's.
+    /// Returns the family of the curve. A number of control points without a basis selects the
+    /// paper's Bezier curve.
     pub(super) fn family(&self) -> Family {
         match (self.basis, self.control_points) {
             (Family::Auto, Some(_)) => Family::Named(Sent::Bezier),
@@ -140,7 +145,7 @@ impl Fit {
         }
     }
 
-    /// The fitter's own options for centerlines of `points` points.
+    /// Returns the fitter's options for centerlines of `points` points.
     pub fn options(&self, points: usize, closed: bool) -> Options {
         let control_points = match self.control_points {
             Some(ControlPoints::Named(count)) => count,
@@ -153,7 +158,7 @@ impl Fit {
         let family = self.family();
         let basis = match family {
             Family::Auto => auto.basis,
-            // As many coefficients as an open curve has control points, or one fewer.
+            // The number of coefficients is that of an open curve's control points, or one less.
             _ if closed => Basis::Fourier {
                 harmonics: (order / 2).max(1),
             },

@@ -1,8 +1,8 @@
-//! Lengths of time as people write them: `10s`, `500ms`, `2m`, or plain seconds.
+//! Durations as people write them: `10s`, `500ms`, `2m`, or plain seconds.
 
 use std::time::Duration;
 
-/// The units, and how many of each make a second.
+/// The units and their lengths in seconds.
 const UNITS_S: [(&str, f64); 8] = [
     ("us", 1e-6),
     ("µs", 1e-6),
@@ -14,12 +14,12 @@ const UNITS_S: [(&str, f64); 8] = [
     ("", 1.0),
 ];
 
-/// A positive time, or why `text` is not one.
+/// Parses a positive duration, or returns why `text` is not one.
 pub fn parse(text: &str) -> Result<Duration, String> {
     from_s(seconds(text)?)
 }
 
-/// The seconds that `text` is, whether that makes sense or not.
+/// Parses a number of seconds, whether it is a valid duration or not.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let split = text
@@ -38,7 +38,8 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     Ok(number * unit_s)
 }
 
-/// A time of so many seconds: more than 0, at most a year, which is longer than any chain is meant to run.
+/// Converts seconds to a duration. It must be more than 0 and at most a year, which is longer than
+/// any chain is meant to run.
 pub(super) fn from_s(seconds: f64) -> Result<Duration, String> {
     const YEAR_S: f64 = 365.0 * 24.0 * 3600.0;
     if !(seconds > 0.0 && seconds <= YEAR_S) {

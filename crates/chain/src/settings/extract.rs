@@ -1,4 +1,4 @@
-//! `[extract]`: what is a rope, and how it is described.
+//! `[extract]`: how ropes are found and described.
 
 use lariat_extract::{Mask, Method, Region};
 use lariat_wire::MAX_CURVES;
@@ -6,32 +6,32 @@ use std::num::NonZeroU8;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What is a rope, and how it is described.
+/// How ropes are found and described.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extract {
-    /// Which pixels are rope.
+    /// How rope pixels are found.
     pub mask: Mask,
-    /// From which level on a mask made elsewhere is rope; without one, by its histogram.
+    /// Minimum level of rope in an external mask. Without it, the mask's histogram decides.
     pub mask_level: Option<NonZeroU8>,
-    /// Weights of the network, if not lariat's own.
+    /// File with the weights of the network, if not lariat's own.
     pub network: Option<PathBuf>,
-    /// How long after its capture a frame's mask is waited for, if masks are made elsewhere.
+    /// Maximum time from a frame's capture to the arrival of its external mask.
     pub mask_deadline: Duration,
-    /// How the mask becomes a centerline.
+    /// How a mask is converted to centerlines.
     pub method: Method,
-    /// Points of a centerline.
+    /// Number of points of a centerline.
     pub points: usize,
-    /// The most ropes reported.
+    /// Maximum number of ropes reported.
     pub ropes: usize,
-    /// The confidence below which a rope is warned of.
+    /// Confidence below which lariat warns of a rope.
     pub min_confidence: f64,
-    /// Near which position (px) the first point is, in the first frame.
+    /// Position (px) near the first point of the rope, in the first frame.
     pub start: Option<[f32; 2]>,
-    /// Positions on the ropes that are meant, in pixels; empty: all are.
+    /// Positions on the ropes to report, in pixels. If empty, all ropes are reported.
     pub at: Vec<[f32; 2]>,
-    /// For how long a rope that is out of sight is reported.
+    /// Time for which a rope that is out of sight is reported.
     pub keep_lost: Duration,
-    /// The part of the image that is read; without it, all.
+    /// Region of the image that is processed. Without it, the whole image.
     pub roi: Option<Region>,
 }
 
@@ -55,13 +55,13 @@ impl Default for Extract {
 }
 
 impl Extract {
-    /// A position in the image as the extractor sees it, which is the region alone.
+    /// Converts an image position to the extractor's coordinates, which are relative to the region.
     fn in_region(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [left, top] = self.roi.map_or([0; 2], |region| [region.x, region.y]);
         [x - left as f32, y - top as f32]
     }
 
-    /// The extractor's own options.
+    /// Returns the extractor's options.
     pub fn options(&self) -> lariat_extract::Options {
         lariat_extract::Options::default()
             .mask(self.mask.clone())

@@ -1,4 +1,4 @@
-//! Reading `lariat.toml`: which settings it has, on which lines, and what in it is no setting.
+//! Reads `lariat.toml`: its settings with their lines, and the entries that are not settings.
 
 use crate::exit::WrongUse;
 use crate::settings::keys::{self, KEYS};
@@ -10,15 +10,16 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
-/// A setting that the file has.
+/// A setting in the file.
 pub(super) struct Entry {
-    /// Which of [`KEYS`].
+    /// Index in [`KEYS`].
     pub(super) key: usize,
     pub(super) value: toml::Value,
     pub(super) origin: Origin,
 }
 
-/// Settings file to read: the named one, or `lariat.toml` in the current folder unless it belongs to another user.
+/// Returns the settings file to read: the named one, or `lariat.toml` in the current folder unless
+/// it belongs to another user.
 pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     if let Some(path) = named {
         return Some(path.to_owned());
@@ -28,7 +29,7 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     if is_trusted(owner) {
         return Some(path);
     }
-    // Settings name files that are written and programs that are reached.
+    // Settings name files to write and programs to connect to.
     tracing::warn!(
         "{FILE_NAME} in this folder belongs to {}, and is not read: if you trust it, name it (--config {FILE_NAME})",
         user_name(owner)
@@ -36,17 +37,18 @@ pub(super) fn path(named: Option<&Path>) -> Option<PathBuf> {
     None
 }
 
-/// True if a file of this owner is read without being named: our own, root's, and with sudo the caller's.
+/// Returns true if a file of this owner is read without being named: our own, root's, and with sudo
+/// the caller's.
 fn is_trusted(owner: u32) -> bool {
     let me = rustix::process::geteuid().as_raw();
     let caller = || std::env::var("SUDO_UID").ok()?.parse::<u32>().ok();
     owner == me || owner == 0 || me == 0 && caller() == Some(owner)
 }
 
-/// The settings in the file at `path`; what is not a valid setting goes to `problems`.
+/// Reads the settings from the file at `path`. Invalid entries are added to `problems`.
 ///
 /// # Errors
-/// The file cannot be read.
+/// Returns an error if the file cannot be read.
 pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
     let text = crate::bounded::read_text(path).with_context(|| {
         WrongUse(format!(
@@ -57,13 +59,13 @@ pub(super) fn read(path: &Path, problems: &mut Problems) -> Result<Vec<Entry>> {
     Ok(entries(path, &text, problems))
 }
 
-/// The settings in a file's text.
+/// Reads the settings from a file's text.
 pub(super) fn entries(path: &Path, text: &str, problems: &mut Problems) -> Vec<Entry> {
     let origin = |offset: usize| Origin::File {
         path: path.to_owned(),
         line: 1 + text[..offset.min(text.len())].matches('\n').count(),
     };
-    // The same text twice: once for the values, once for where they stand.
+    // Parse the text twice: once for the values, once for their positions.
     let (values, places) = match (text.parse::<toml::Table>(), DeTable::parse(text)) {
         (Ok(values), Ok(places)) => (values, places.into_inner()),
         (Err(error), _) | (_, Err(error)) => {
@@ -108,7 +110,7 @@ pub(super) fn entries(path: &Path, text: &str, problems: &mut Problems) -> Vec<E
     entries
 }
 
-/// About a value that stands before the first section.
+/// Returns the error for a value before the first section.
 fn outside(name: &str) -> String {
     match sections_with(name).first() {
         Some(section) => {

@@ -1,4 +1,5 @@
-//! The flags that overrule the file, as the table of settings has them: the command line, its help, and what was given.
+//! The command-line flags that override the file, built from the table of settings: their
+//! arguments, their help, and the flags that were given.
 
 use crate::settings::keys::{self, KEYS, Key};
 use crate::settings::kind::Takes;
@@ -11,20 +12,21 @@ use toml::Value;
 
 /// The flag of a setting.
 pub(super) struct Flag {
-    /// As the help shows it: `--rig NAME`.
+    /// The flag as the help shows it: `--rig NAME`.
     pub(super) usage: &'static str,
-    /// The commands that have it, beside `run` and those that take all that `run` does.
+    /// Commands that have the flag, in addition to `run` and the commands that take all flags of
+    /// `run`.
     pub(super) of: &'static str,
     /// One of [`HEADINGS`].
     pub(super) heading: &'static str,
-    /// A line for `-h`; `--help` has what the table of settings says.
+    /// One line for `-h`. For `--help`, the text comes from the table of settings.
     pub(super) help: &'static str,
 }
 
-/// Commands that take every flag: those that run a whole chain, and those that it starts.
+/// Commands that take every flag: those that run a whole chain, and those that a chain starts.
 const TAKE_ALL: [&str; 4] = ["run", "recorder", "controller", "show"];
 
-/// In the order of the help.
+/// Headings in the order of the help.
 const HEADINGS: [&str; 9] = [
     "Source",
     "Camera",
@@ -37,7 +39,7 @@ const HEADINGS: [&str; 9] = [
     "Real time",
 ];
 
-/// The flags that were given. Which there are depends on the command whose arguments they become, by its name.
+/// The flags that were given. The name of the command determines which flags exist.
 #[derive(Debug, Clone, Default)]
 pub struct Flags {
     /// Settings file (`--config`).
@@ -48,20 +50,20 @@ pub struct Flags {
 #[derive(Debug, Clone)]
 struct Given {
     flag: &'static str,
-    /// Which of [`KEYS`] it sets.
+    /// Index in [`KEYS`] of the setting.
     key: usize,
-    /// What was typed behind it; nothing behind a switch.
+    /// Text after the flag. Empty for a switch.
     typed: Vec<String>,
-    /// As the file would have it.
+    /// The value as in the file.
     value: Value,
 }
 
-/// What was typed behind a flag, and the value that it is.
+/// The text after a flag, and its value.
 #[derive(Clone)]
 struct Typed(String, Value);
 
 impl Flags {
-    /// Those of one settings file alone.
+    /// Creates flags that only name a settings file.
     pub fn of_file(path: PathBuf) -> Self {
         Self {
             config: Some(path),
@@ -69,17 +71,17 @@ impl Flags {
         }
     }
 
-    /// Whether there are any.
+    /// Returns true if any flags were given.
     pub fn is_given(&self) -> bool {
         self.config.is_some() || !self.given.is_empty()
     }
 
-    /// Whether this one is among them.
+    /// Returns true if this flag was given.
     pub fn has(&self, flag: &str) -> bool {
         self.given.iter().any(|given| given.flag == flag)
     }
 
-    /// All but these.
+    /// Returns the flags without these.
     pub fn without(&self, flags: &[&str]) -> Self {
         let given = self.given.iter();
         let others = given.filter(|given| !flags.contains(&given.flag));
@@ -89,7 +91,7 @@ impl Flags {
         }
     }
 
-    /// These, and a source.
+    /// Returns the flags with a source added.
     pub fn with_source(&self, path: &Path) -> Self {
         let mut flags = self.clone();
         let path = path.to_string_lossy().into_owned();
@@ -103,15 +105,15 @@ impl Flags {
         flags
     }
 
-    /// These, and a change that is written as `section.name=value`, which overrules them.
+    /// Returns the flags with a change written as `section.name=value`, which overrides them.
     ///
     /// # Errors
-    /// There is no such setting, or nothing that could be a value.
+    /// Returns an error if the setting does not exist or the value is invalid.
     pub fn with_change(&self, text: &str) -> anyhow::Result<Self> {
         let (key, value) = change::parse(text)?;
         let mut flags = self.clone();
         flags.given.push(Given {
-            // By what it is called there: it may have no flag.
+            // Use the name of the setting, which may lack a flag.
             flag: KEYS[key].name,
             key,
             typed: Vec::new(),
@@ -120,20 +122,20 @@ impl Flags {
         Ok(flags)
     }
 
-    /// Returns true if they set this.
+    /// Returns true if the flags set this setting.
     pub(super) fn set(&self, section: &str, name: &str) -> bool {
         let key = keys::position(section, name);
         self.given.iter().any(|given| Some(given.key) == key)
     }
 
-    /// Whether they set anything of a section.
+    /// Returns true if the flags set anything in a section.
     pub fn set_any_of(&self, section: &str) -> bool {
         self.given
             .iter()
             .any(|given| KEYS[given.key].section == section)
     }
 
-    /// As words of a command line, for the processes of a chain.
+    /// Returns the flags as command-line arguments for the processes of a chain.
     pub fn words(&self) -> Vec<OsString> {
         let mut words = Vec::new();
         if let Some(path) = &self.config {
@@ -148,7 +150,7 @@ impl Flags {
         words
     }
 
-    /// Each flag, with its setting's place in the table of settings.
+    /// Returns each flag with the index of its setting in the table.
     pub(super) fn given(&self) -> impl Iterator<Item = (&'static str, usize, &Value)> {
         self.given
             .iter()
@@ -165,7 +167,7 @@ impl Flags {
             });
         };
         let id = &flag.name()[2..];
-        // A command that has no such flag was not given it.
+        // The result is empty for a command without this flag.
         let of = |id| {
             let values = matches.try_get_many::<Typed>(id).ok().flatten();
             values.into_iter().flatten().cloned()
@@ -196,7 +198,7 @@ impl Flags {
     }
 }
 
-/// All flags in the order of the help, each with its setting's place in the table.
+/// Returns all flags in the order of the help, each with the index of its setting in the table.
 fn flags() -> Vec<(usize, &'static Flag)> {
     let keys = KEYS.iter().enumerate();
     let mut flags: Vec<_> = keys
@@ -206,10 +208,11 @@ fn flags() -> Vec<(usize, &'static Flag)> {
     flags
 }
 
-/// The sources that stand without a flag before them.
+/// Id of the positional arguments that name sources without a flag.
 const BARE_SOURCE: &str = "SOURCE";
 
-/// Whether a chain started this process: its stages are given all of the chain's flags, and take what concerns them.
+/// Returns true if a chain started this process. Its stages receive all flags of the chain and use
+/// those that concern them.
 fn is_started_by_a_chain() -> bool {
     std::env::var_os(crate::stages::status::STATUS_FD).is_some()
 }
@@ -277,7 +280,7 @@ impl FromArgMatches for Flags {
 }
 
 impl Flag {
-    /// With its dashes.
+    /// Returns the name with its dashes.
     fn name(&self) -> &'static str {
         self.usage.split(' ').next().unwrap_or_default()
     }
@@ -306,7 +309,7 @@ impl Flag {
     }
 }
 
-/// The flag that named a curve by its order: it says what to write now.
+/// The former flag that named a curve by its order. It tells the user what to write now.
 fn renamed_order() -> Arg {
     Arg::new(renamed::ORDER)
         .long(renamed::ORDER)
@@ -319,7 +322,8 @@ fn typed(takes: &Takes, text: &str) -> Result<Typed, String> {
     Ok(Typed(text.to_owned(), takes.value(text)?))
 }
 
-/// What the table of settings says: what it does, what it is if nobody says anything, what there is to choose from.
+/// Returns the help from the table of settings: the description, the default, and the possible
+/// values.
 fn long_help(key: &Key, takes: &Takes) -> String {
     let mut text = key.about.replace('\n', " ");
     match (key.get)(&Settings::default()) {
@@ -337,7 +341,7 @@ fn long_help(key: &Key, takes: &Takes) -> String {
 mod tests {
     use super::*;
 
-    /// The commands that take some of the flags, and ask for them by their own name.
+    /// Commands that take some of the flags, which name these commands.
     const TAKE_SOME: [&str; 8] = [
         "capture", "extract", "fit", "sink", "record", "snapshot", "trace", "replay",
     ];

@@ -1,4 +1,5 @@
-//! Changes written into a settings file, of which all else stays as its owner wrote it: order, comments, empty lines.
+//! Writes changes into a settings file. The order, the comments and the empty lines of its owner
+//! stay unchanged.
 
 use super::change;
 use super::keys::KEYS;
@@ -6,11 +7,12 @@ use anyhow::{Context, Result, bail};
 use std::fmt::Write as _;
 use toml::{Table, Value};
 
-/// The text of a settings file with changes in it, each written as `section.name=value`.
+/// Returns the text of a settings file with changes, each written as `section.name=value`.
 ///
 /// # Errors
-/// A change makes no sense, the text is no TOML, or it has the setting in a way that this cannot change. The sentence then has the
-/// lines to be written by hand.
+/// Returns an error if a change is invalid, or if the text is not TOML. A setting may also be
+/// written in a way that cannot be changed here; the error then contains the lines to write by
+/// hand.
 pub fn with_changes(text: &str, changes: &[String]) -> Result<String> {
     let mut meant: Table = text.parse().context("the settings file is not TOML")?;
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -65,7 +67,8 @@ fn put(lines: &mut Vec<String>, section: &str, name: &str, value: &Value) {
         lines.splice(place..place + length, [line + &comment]);
         return;
     }
-    // Beside the comment that shows how it is written, if there is one, else at the section's end.
+    // Insert after the comment that shows the setting, if there is one, otherwise at the end of the
+    // section.
     let shown = |line: &String| {
         let comment = line.trim().strip_prefix('#');
         comment.is_some_and(|line| names(&line.to_owned()))
@@ -77,7 +80,8 @@ fn put(lines: &mut Vec<String>, section: &str, name: &str, value: &Value) {
     lines.insert(place.unwrap_or(begin) + 1, line);
 }
 
-/// How many lines a setting takes that begins with the first of these, and the comment behind it.
+/// Returns the number of lines of a setting that starts on the first of these lines, and the
+/// comment after it.
 fn extent(lines: &[String]) -> (usize, String) {
     let is_whole = |text: &str| text.parse::<Table>().is_ok();
     let length = (1..=lines.len()).find(|&length| is_whole(&lines[..length].join("\n")));

@@ -1,4 +1,4 @@
-//! What a setting is, and what is asked of the table of all settings.
+//! Definition of a setting, and queries on the table of all settings.
 
 use crate::settings::Settings;
 use crate::settings::flags::Flag;
@@ -11,20 +11,20 @@ pub(super) use crate::settings::table::KEYS;
 pub(super) struct Key {
     pub(super) section: &'static str,
     pub(super) name: &'static str,
-    /// What it does, for the comment above it in a new file.
+    /// Description, used as the comment above the setting in a new file.
     pub(super) about: &'static str,
-    /// Takes a value over, or says why not.
+    /// Applies a value, or returns why it is invalid.
     pub(super) set: fn(&mut Settings, &Value) -> Result<(), String>,
-    /// The value, as the file has it; `None` where it is not set.
+    /// Returns the value as in the file, or `None` if it is not set.
     pub(super) get: fn(&Settings) -> Option<Value>,
-    /// What follows its flag.
+    /// Returns the kind of argument that the flag takes.
     pub(super) takes: fn() -> Takes,
-    /// A value to show where the default is to have none.
+    /// Returns a value to show if the setting is unset by default.
     pub(super) example: fn() -> &'static str,
     pub(super) flag: Option<Flag>,
 }
 
-/// What each section is about.
+/// Description of each section.
 const SECTIONS: [(&str, &str); 8] = [
     ("run", "The chain as a whole."),
     ("capture", "The source of frames."),
@@ -39,24 +39,25 @@ const SECTIONS: [(&str, &str); 8] = [
     ("record", "The contents and the format of recordings."),
 ];
 
-/// Which of [`KEYS`] are of this section.
+/// Returns the indices in [`KEYS`] of a section's settings.
 pub(super) fn of_section(section: &str) -> impl Iterator<Item = usize> {
     (0..KEYS.len()).filter(move |&index| KEYS[index].section == section)
 }
 
-/// Which of [`KEYS`] this is.
+/// Returns the index in [`KEYS`] of a setting.
 pub(super) fn position(section: &str, name: &str) -> Option<usize> {
     KEYS.iter()
         .position(|key| key.section == section && key.name == name)
 }
 
-/// The names of the sections.
+/// Returns the names of the sections.
 pub(super) fn sections() -> impl Iterator<Item = &'static str> + Clone {
     SECTIONS.iter().map(|(name, _)| *name)
 }
 
 impl Settings {
-    /// The settings that are other than the defaults: `section.name`, and the value as the file has it.
+    /// Returns the settings that differ from the defaults: `section.name`, and the value as in the
+    /// file.
     pub fn changed(&self) -> impl Iterator<Item = (String, String)> {
         let defaults = Settings::default();
         KEYS.iter().filter_map(move |key| {
@@ -68,7 +69,7 @@ impl Settings {
     }
 }
 
-/// The text of a file with every section and, for each of its settings, what `entry` writes.
+/// Returns the text of a file with all sections. `entry` writes each setting.
 pub(super) fn document(mut entry: impl FnMut(usize, &Key) -> String) -> String {
     let mut text = String::new();
     for (section, about) in SECTIONS {
@@ -85,7 +86,7 @@ pub(super) fn document(mut entry: impl FnMut(usize, &Key) -> String) -> String {
     text
 }
 
-/// A new settings file: every setting at its default, with its comment.
+/// Returns a new settings file: every setting at its default, with its comment.
 pub fn template() -> String {
     let defaults = Settings::default();
     let settings = document(|_, key| {

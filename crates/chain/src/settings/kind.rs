@@ -1,4 +1,4 @@
-//! The kinds of settings: how one is read, how it is shown, and what follows its flag.
+//! The kinds of settings: how they are read and shown, and which argument their flag takes.
 
 use crate::settings::meaning::{self, nearest, number, number_value};
 use crate::settings::{camera, duration, recording};
@@ -8,26 +8,26 @@ use std::path::PathBuf;
 use std::time::Duration;
 use toml::Value;
 
-/// What values of a setting there are.
+/// A kind of setting.
 pub(super) trait Kind {
-    /// Their type.
+    /// The type of the value.
     type Of;
 
-    /// What the file or a flag says; or a sentence that says what to write.
+    /// Reads a value from the file or a flag. The error is a sentence that says what to write.
     fn read(&self, value: &Value) -> Result<Self::Of, String>;
 
-    /// As the file has it; `None` where it is not set.
+    /// Returns the value as in the file, or `None` if it is not set.
     fn shown(&self, of: &Self::Of) -> Option<Value>;
 
-    /// What follows its flag.
+    /// Returns the kind of argument that the flag takes.
     fn takes(&self) -> Takes;
 
-    /// A value to show where the default is to have none.
+    /// Returns a value to show if the setting is unset by default.
     fn example(&self) -> &'static str {
         ""
     }
 
-    /// Takes a value over, or says why not.
+    /// Applies a value, or returns why it is invalid.
     fn set(&self, to: &mut Self::Of, value: &Value) -> Result<(), String> {
         *to = self.read(value)?;
         Ok(())
@@ -55,7 +55,7 @@ impl<T: Copy + TryFrom<i64> + TryInto<i64>> Kind for Whole<T> {
     }
 }
 
-/// A number as TOML has it, which ends sooner than `u64`.
+/// Converts to TOML's integer type, whose range is smaller than that of `u64`.
 fn integer(number: impl TryInto<i64>) -> i64 {
     number.try_into().unwrap_or(i64::MAX)
 }
@@ -82,7 +82,7 @@ impl Kind for Between {
     }
 }
 
-/// A time, which the file has in this unit, of which so many make a second.
+/// A duration. The fields are the name of the unit in the file, and how many of it make a second.
 pub(super) struct Time(&'static str, f64);
 
 pub(super) const SECONDS: Time = Time("seconds", 1.0);
@@ -104,7 +104,7 @@ impl Kind for Time {
     }
 }
 
-/// One of a few values that have names; first what they are called together.
+/// One of several named values. The first field is the plural that names them together.
 pub(super) struct Named<T: 'static>(
     pub(super) &'static str,
     pub(super) &'static [(&'static str, T)],
@@ -138,7 +138,8 @@ impl<T: Copy + PartialEq> Kind for Named<T> {
     }
 }
 
-/// Names of a camera's controls and their values, each overruling what its control was set to before.
+/// Names of a camera's controls and their values. A later value replaces an earlier one of the same
+/// control.
 pub(super) struct Controls;
 
 impl Kind for Controls {
@@ -166,7 +167,7 @@ impl Kind for Controls {
     }
 }
 
-/// What need not be set; with an example.
+/// A setting that may be unset, with an example.
 pub(super) struct Maybe<K>(pub(super) &'static str, pub(super) K);
 
 impl<K: Kind> Kind for Maybe<K> {
@@ -189,14 +190,15 @@ impl<K: Kind> Kind for Maybe<K> {
     }
 }
 
-/// What one setting alone is like: how it is read, how it is shown, and what follows its flag.
+/// A setting with its own functions to read and show it, and the kind of argument that its flag
+/// takes.
 pub(super) struct By<T>(
     pub(super) fn(&Value) -> Result<T, String>,
     pub(super) fn(&T) -> Value,
     pub(super) Takes,
 );
 
-/// Yes or no.
+/// A boolean.
 pub(super) const SWITCH: By<bool> = By(
     |value| {
         let yes = value.as_bool();
@@ -240,7 +242,7 @@ pub(super) const ABOVE_0: By<f64> = By(
     Takes::Number,
 );
 
-/// Bytes, which the file has in MB.
+/// A number of bytes, written in MB in the file.
 pub(super) const MEGABYTES: By<usize> = By(
     recording::megabytes,
     |bytes| recording::megabytes_value(*bytes),
@@ -263,35 +265,35 @@ impl<T> Kind for By<T> {
     }
 }
 
-/// What follows a flag.
+/// The argument of a flag.
 #[derive(Clone)]
 pub(super) enum Takes {
-    /// Nothing: the flag switches its setting on.
+    /// None: the flag switches its setting on.
     Nothing,
     Text,
     /// One of a few names.
     Name(Vec<&'static str>),
-    /// A whole number, or a word that the setting knows.
+    /// A whole number, or a word that the setting accepts.
     Whole,
-    /// A number, or a word that the setting knows.
+    /// A number, or a word that the setting accepts.
     Number,
-    /// Several numbers, with commas between them.
+    /// Several numbers, separated by commas.
     Numbers,
-    /// Positions `X,Y`, with commas between them or a flag for each.
+    /// Positions `X,Y`, separated by commas or given by repeating the flag.
     Positions,
-    /// A time, for a setting in this unit, of which so many make a second.
+    /// A duration. The field says how many of the setting's unit make a second.
     Time(f64),
-    /// Bytes, for a setting in MB.
+    /// A number of bytes, for a setting in MB.
     Size,
     Control,
-    /// A value as the file has it, or a word.
+    /// A value as in the file, or a word.
     Toml,
-    /// One path or more, which may also stand without the flag.
+    /// One or more paths, which can also be given without the flag.
     Paths,
 }
 
 impl Takes {
-    /// The value as the file would have it. What the setting itself refuses is not refused here.
+    /// Converts a text to a value as in the file. The setting itself checks its validity later.
     pub(super) fn value(&self, text: &str) -> Result<Value, String> {
         let word = || Value::String(text.to_owned());
         Ok(match self {
@@ -314,7 +316,7 @@ impl Takes {
         })
     }
 
-    /// A value as a flag has it.
+    /// Formats a value as the flag accepts it.
     pub(super) fn shown(&self, value: &Value) -> String {
         match (self, number(value)) {
             (Self::Time(per_s), Some(number)) if *per_s > 1.0 => format!("{number}us"),

@@ -1,4 +1,4 @@
-//! What a value means, or why it means nothing here: each answer is a sentence that says what to write.
+//! Interprets values, or explains in a sentence what to write instead.
 
 use crate::settings::curve::ControlPoints;
 use crate::settings::{Fps, duration};
@@ -11,7 +11,7 @@ use toml::Value;
 
 const NO_FPS: &str = "frames per second are a number such as 30, \"max\" or \"auto\"";
 
-/// More frames a second than any camera has.
+/// Upper limit of the frame rate, above that of any camera.
 const MAX_FPS: f64 = 1e6;
 
 pub(super) fn text(value: &Value) -> Result<&str, String> {
@@ -22,7 +22,7 @@ pub(super) fn text(value: &Value) -> Result<&str, String> {
     }
 }
 
-/// The number that a value is, be it written with a point or without.
+/// Returns the number of an integer or a float.
 pub(super) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Integer(n) => Some(*n as f64),
@@ -31,7 +31,7 @@ pub(super) fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// As few characters as say the number: `30`, not `30.0`.
+/// Returns the shortest value of the number: `30`, not `30.0`.
 pub(super) fn number_value(x: f64) -> Value {
     if x.fract() == 0.0 && x.abs() < 1e15 {
         Value::Integer(x as i64)
@@ -40,7 +40,7 @@ pub(super) fn number_value(x: f64) -> Value {
     }
 }
 
-/// A number as the file has it, to the last bit, with a point.
+/// Formats a number exactly, with a decimal point, as in the file.
 pub fn number_text(x: f64) -> String {
     Value::Float(x).to_string()
 }
@@ -60,7 +60,7 @@ pub(super) fn whole(value: &Value, low: i64, high: i64) -> Result<i64, String> {
     }
 }
 
-/// A time in `unit`, of which one lasts `unit_s`.
+/// Reads a duration given in `unit`, which lasts `unit_s` seconds.
 pub(super) fn time(value: &Value, unit_s: f64, unit: &str) -> Result<Duration, String> {
     if let Some(number) = number(value) {
         return duration::from_s(number * unit_s);
@@ -68,7 +68,7 @@ pub(super) fn time(value: &Value, unit_s: f64, unit: &str) -> Result<Duration, S
     let why = format!("it is a number of {unit}, without a unit");
     Err(match value.as_str().map(duration::parse) {
         Some(Ok(time)) => {
-            // Rounded to what a person would write.
+            // Round to what a person would write.
             let count = (time.as_secs_f64() / unit_s * 1e6).round() / 1e6;
             format!("{why}: write {}", number_value(count))
         }
@@ -200,7 +200,7 @@ pub(super) fn size_value(size: &Option<[u32; 2]>) -> Value {
     }
 }
 
-/// The size of images, as a flag has it.
+/// Parses the size of images as a flag gives it.
 pub fn image_size(text: &str) -> Result<[u32; 2], String> {
     size(&Value::String(text.to_owned()))?
         .ok_or_else(|| "a size of its own is needed, as 640x480".to_owned())
@@ -239,7 +239,7 @@ pub(super) fn positions(value: &Value) -> Result<Vec<[f32; 2]>, String> {
     })
 }
 
-/// Positions in an image, as a flag has them: `X,Y`, or several with commas between them.
+/// Parses positions in an image as a flag gives them: `X,Y`, or several separated by commas.
 pub fn image_positions(text: &str) -> Result<Vec<[f32; 2]>, String> {
     positions(&Value::String(text.to_owned()))
 }
@@ -248,7 +248,7 @@ pub(super) fn positions_value(positions: &[[f32; 2]]) -> Value {
     Value::Array(positions.iter().map(position_value).collect())
 }
 
-/// Two finite numbers.
+/// Returns two finite numbers.
 fn pair(value: &Value) -> Option<[f64; 2]> {
     match value.as_array().map(Vec::as_slice) {
         Some([a, b]) => Some([number(a)?, number(b)?]).filter(|p| p.iter().all(|x| x.is_finite())),
@@ -309,7 +309,7 @@ pub(super) fn mask_level_value(level: &Option<NonZeroU8>) -> Value {
     }
 }
 
-/// The parts of a range and where each one's scale ends.
+/// The channels of a range and the maxima of their scales.
 const CHANNELS: [(&str, f64); 3] = [("hue_deg", 360.0), ("saturation", 1.0), ("value", 1.0)];
 
 fn hsv_range(value: &Value) -> Result<HsvRange, String> {
@@ -326,7 +326,7 @@ fn hsv_range(value: &Value) -> Result<HsvRange, String> {
             "a range has no \"{unknown}\". {guess}It has hue_deg, saturation and value"
         ));
     }
-    // What is left out may be anything.
+    // A missing channel is unrestricted.
     let bounds = |index: usize| {
         let (name, limit) = CHANNELS[index];
         range
@@ -371,7 +371,7 @@ fn channel(index: usize, value: &Value) -> Result<[f32; 2], String> {
     Ok([a as f32, b as f32])
 }
 
-/// A mask as the file has it.
+/// Formats a mask setting as in the file.
 pub fn mask_text(mask: &Mask) -> String {
     mask_value(mask).to_string()
 }
@@ -383,7 +383,7 @@ pub(super) fn mask_value(mask: &Mask) -> Value {
         Mask::External => return Value::String("external".to_owned()),
         Mask::Hsv(ranges) => ranges,
     };
-    // Through decimal text, so that an f32's 0.3 is not shown with the digits it has as an f64.
+    // Convert through decimal text, so that 0.3 as f32 is not shown with its digits as f64.
     let shown = |x: f32| number_value(x.to_string().parse().unwrap_or(f64::from(x)));
     let bounds = |pair: [f32; 2]| Value::Array(pair.map(shown).into());
     let range = |range: &HsvRange| {
@@ -396,7 +396,8 @@ pub(super) fn mask_value(mask: &Mask) -> Value {
     Value::Array(ranges.iter().map(range).collect())
 }
 
-/// The name that was probably meant: one that begins alike, or differs by at most two letters.
+/// Returns the name that was probably meant: one with the same beginning, or with at most two
+/// different letters.
 pub fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let given = given.to_lowercase();
     known

@@ -1,10 +1,10 @@
-//! What is wrong with the settings, and where the user said it.
+//! Errors in the settings, and their origins.
 
 use crate::settings::keys::KEYS;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Where a setting came from; the later overrules the earlier.
+/// Origin of a setting. A later variant overrides an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Origin {
     Default,
@@ -23,7 +23,7 @@ impl fmt::Display for Origin {
 }
 
 impl Origin {
-    /// What the user wrote, as far as it is to be read in a sentence.
+    /// Quotes what the user wrote, in a form that fits into a sentence.
     pub(super) fn quote(&self, key: usize, value: &toml::Value) -> String {
         match self {
             Origin::Flag(_) => value
@@ -34,7 +34,7 @@ impl Origin {
     }
 }
 
-/// Sentences about what is wrong, one a line, in the order of the file's lines.
+/// Error messages, one per line, in the order of the file's lines.
 #[derive(Debug, Default)]
 pub struct Problems(Vec<(Origin, String)>);
 

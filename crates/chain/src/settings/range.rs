@@ -1,5 +1,5 @@
-//! Which part of a sequence of files is shown: `[capture]`'s `from`, `to` and `every`; and what of `[capture]` means nothing
-//! for the source that is named.
+//! The part of a file sequence that is shown: `from`, `to` and `every` in `[capture]`. Also detects
+//! settings of `[capture]` that do not apply to the source.
 
 use std::num::NonZeroU64;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use toml::Value;
 
 use crate::settings::{Capture, camera, duration, meaning};
 
-/// A place in a sequence: a frame's number, or a time from its beginning.
+/// Reads a position in a sequence: a frame number, or a time from the beginning.
 pub(super) fn position(value: &Value) -> Result<Position, String> {
     const WHY: &str = "a place is a frame's number, from 1, such as 120, or a time from the beginning, with its unit, \
                        such as \"2.5s\"";
@@ -21,11 +21,11 @@ pub(super) fn position(value: &Value) -> Result<Position, String> {
         Value::String(text) => text.trim(),
         _ => return Err(WHY.to_owned()),
     };
-    // A number without a unit is no time here.
+    // A number without a unit is not a time here.
     if !text.ends_with(char::is_alphabetic) {
         return Err(WHY.to_owned());
     }
-    // Nothing is a time too: that of the first frame.
+    // Zero is valid, too: the time of the first frame.
     let time = match duration::seconds(text)? {
         0.0 => Duration::ZERO,
         seconds => duration::from_s(seconds)?,
@@ -33,7 +33,7 @@ pub(super) fn position(value: &Value) -> Result<Position, String> {
     Ok(Position::Time(time))
 }
 
-/// The same, as a flag has it.
+/// Parses a position as a flag gives it.
 pub fn position_of_flag(text: &str) -> Result<Position, String> {
     let value = match text.parse() {
         Ok(number) => Value::Integer(number),
@@ -58,7 +58,7 @@ pub(super) fn every_value(every: &NonZeroU64) -> Value {
     Value::Integer(i64::try_from(every.get()).unwrap_or(i64::MAX))
 }
 
-/// What kinds of sources there are to a setting.
+/// Kinds of sources that settings distinguish.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Rendered,
@@ -98,7 +98,7 @@ impl Kind {
     }
 }
 
-/// The settings that are of one kind of source alone.
+/// Settings that apply to only one kind of source.
 const OF_ONE_KIND: [(&str, Kind); 12] = [
     ("from", Kind::Files),
     ("to", Kind::Files),
@@ -114,7 +114,7 @@ const OF_ONE_KIND: [(&str, Kind); 12] = [
     ("restore", Kind::Camera),
 ];
 
-/// The settings of `[capture]` that mean nothing for its source, each with a sentence.
+/// Returns the settings of `[capture]` that do not apply to its source, with a sentence for each.
 pub(super) fn meaningless(capture: &Capture) -> impl Iterator<Item = (&'static str, String)> {
     let kind = Kind::of(capture);
     let fits = move |name: &str, of| of == kind || (name == "pixel_format" && kind == Kind::Pipe);
@@ -127,7 +127,7 @@ pub(super) fn meaningless(capture: &Capture) -> impl Iterator<Item = (&'static s
     })
 }
 
-/// What cannot be had together: the setting, and a sentence.
+/// Returns a setting that contradicts another, with a sentence.
 pub(super) fn contradiction(capture: &Capture) -> Option<(&'static str, String)> {
     let is_recording = matches!(&capture.source[..], [path] if names_a_recording(path));
     if capture.topic.is_some() && !is_recording {

@@ -1,4 +1,4 @@
-//! `[record]`: what a recording keeps, and how.
+//! `[record]`: content and format of recordings.
 
 use crate::settings::meaning;
 use lariat_record::{Compression, Images};
@@ -8,26 +8,27 @@ use toml::Value;
 /// One million bytes.
 const MB: usize = 1_000_000;
 
-/// What a recording keeps, and how.
+/// Content and format of recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// How images are kept.
+    /// Format of images.
     pub images: ImageKind,
     /// Quality of JPEGs, 1 to 100.
     pub quality: u8,
-    /// How chunks are packed.
+    /// Compression of chunks.
     pub compression: Compression,
-    /// Memory for what waits for the disk.
+    /// Memory for messages that wait for the disk.
     pub queue_bytes: usize,
-    /// How much of the past is kept in memory until it is asked for; without it, all is written as it comes.
+    /// Duration of the past that is kept in memory until it is requested. Without it, everything is
+    /// written immediately.
     pub ring: Option<Duration>,
-    /// The most memory that this may take.
+    /// Maximum memory for the past.
     pub ring_bytes: usize,
-    /// Whether a recording, report or timeline that is there already makes room.
+    /// True if an existing recording, report or timeline is overwritten.
     pub replace: bool,
 }
 
-/// How frames' pixels are recorded.
+/// Format in which pixels are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageKind {
     Raw,
@@ -40,10 +41,11 @@ impl Default for Recording {
     fn default() -> Self {
         Self {
             images: ImageKind::Raw,
-            // Where the centerlines of JPEGs are those of the image itself to a few hundredths of a pixel.
+            // At this quality, the centerlines of JPEGs agree with those of the image to a few
+            // hundredths of a pixel.
             quality: 95,
             compression: Compression::None,
-            // A second of 640 × 480 RGB at 60 frames/s: what a disk may pause.
+            // One second of 640 × 480 RGB at 60 frames/s, for a disk that pauses.
             queue_bytes: 64 * MB,
             ring: None,
             ring_bytes: 512 * MB,
@@ -53,7 +55,7 @@ impl Default for Recording {
 }
 
 impl Recording {
-    /// As the recorder has it.
+    /// Returns the option for the recorder.
     pub fn images(&self) -> Images {
         match self.images {
             ImageKind::Raw => Images::Raw,
@@ -64,7 +66,7 @@ impl Recording {
     }
 }
 
-/// Names of the ways to keep images.
+/// Names of the image formats.
 pub const IMAGES: [(&str, ImageKind); 4] = [
     ("raw", ImageKind::Raw),
     ("png", ImageKind::Png),
@@ -72,14 +74,14 @@ pub const IMAGES: [(&str, ImageKind); 4] = [
     ("none", ImageKind::None),
 ];
 
-/// Names of the ways to pack chunks.
+/// Names of the compressions.
 pub const COMPRESSIONS: [(&str, Compression); 3] = [
     ("none", Compression::None),
     ("lz4", Compression::Lz4),
     ("zstd", Compression::Zstd),
 ];
 
-/// A size in MB: at least 1, and at most what memory may be.
+/// Reads a size in MB, from 1 up to a limit for memory.
 pub(super) fn megabytes(value: &Value) -> Result<usize, String> {
     const MOST_MB: i64 = 1 << 20;
     let whole = meaning::whole(value, 1, MOST_MB);
@@ -98,7 +100,7 @@ pub(super) fn megabytes_value(bytes: usize) -> Value {
     Value::Integer((bytes / MB) as i64)
 }
 
-/// A size as people write it: `128MB`, `1GB`, `64MiB`; in bytes.
+/// Parses a size as people write it, `128MB`, `1GB` or `64MiB`, to bytes.
 pub(super) fn size(text: &str) -> Result<usize, String> {
     const UNITS: [(&str, f64); 6] = [
         ("kb", 1e3),

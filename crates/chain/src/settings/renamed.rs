@@ -1,31 +1,31 @@
-//! Settings that had another name: what to write now, and old recordings' settings under the names of today.
+//! Renamed settings: tells the user what to write now, and renames the settings of old recordings.
 
 use std::borrow::Cow;
 use toml::{Table, Value};
 
-/// Settings of `[fit]` that named a curve by its order, each with the one that counts control points. A curve of order n has
-/// n + 1 control points.
+/// Settings of `[fit]` that gave a curve's order, and the settings that replace them by a number of
+/// control points. A curve of order n has n + 1 control points.
 const ORDERS: [(&str, &str); 2] = [
     ("order", "control_points"),
     ("max_order", "max_control_points"),
 ];
 
-/// The flag that was `--order`, without its dashes.
+/// The former flag `--order`, without its dashes.
 pub(super) const ORDER: &str = "order";
 
-/// What a settings file has instead of a setting that has been renamed: `control_points = 13`.
+/// Returns what to write instead of a renamed setting: `control_points = 13`.
 pub(super) fn instead(section: &str, name: &str, value: &Value) -> Option<String> {
     let now = renamed(section, name)?;
     Some(format!("{now} = {}", counted(value)))
 }
 
-/// The name that a setting of `[fit]` has now.
+/// Returns the new name of a setting of `[fit]`.
 fn renamed(section: &str, name: &str) -> Option<&'static str> {
     let known = ORDERS.iter().find(|(old, _)| *old == name);
     known.filter(|_| section == "fit").map(|(_, now)| *now)
 }
 
-/// Why a renamed setting of the file is refused.
+/// Returns why a renamed setting in the file is refused.
 pub(super) fn refusal(section: &str, name: &str, value: &Value) -> Option<String> {
     let instead = instead(section, name, value)?;
     Some(format!(
@@ -33,7 +33,7 @@ pub(super) fn refusal(section: &str, name: &str, value: &Value) -> Option<String
     ))
 }
 
-/// Why `--order` is refused.
+/// Returns why `--order` is refused.
 pub(super) fn refused_flag(typed: &str) -> String {
     let value = typed
         .parse()
@@ -47,7 +47,7 @@ pub(super) fn refused_flag(typed: &str) -> String {
     )
 }
 
-/// Gives the settings of an old recording the names of today.
+/// Renames the settings of an old recording.
 pub(crate) fn renew(settings: &mut Table) {
     let Some(fit) = settings.get_mut("fit").and_then(Value::as_table_mut) else {
         return;
@@ -59,7 +59,7 @@ pub(crate) fn renew(settings: &mut Table) {
     }
 }
 
-/// An order as a number of control points. What is not a number stays as it is.
+/// Converts an order to a number of control points. Anything but an integer stays unchanged.
 fn counted(order: &Value) -> Cow<'_, Value> {
     match order {
         Value::Integer(order) => Cow::Owned(Value::Integer(order.saturating_add(1))),

@@ -1,4 +1,4 @@
-//! Which settings hold: defaults, then the file, then the flags, and what of that makes no sense together.
+//! Resolves the settings from defaults, file and flags, and checks that they are consistent.
 
 use crate::settings::keys::{self, KEYS};
 use crate::settings::problem::Origin;
@@ -10,41 +10,45 @@ use file::Entry;
 use lariat_fit::Fitter;
 use std::path::PathBuf;
 
-/// Control points of the drawn rope's cubic B-spline. In 90 s of each of the seeds 1 to 7 no frame's curve lies off the rope
-/// with 20; with 16, up to 64 frames in a row do, which is a warning (`lariat run --lossless --fps max --frames 2700 --basis
-/// bspline --control-points 20 --seed SEED --record FILE --images none`, then `lariat export --format csv`: column `fit`).
+/// Number of control points of the drawn rope's cubic B-spline. With 20, the curve stays on the
+/// rope in every frame of 90 s for each of the seeds 1 to 7. With 16, up to 64 consecutive frames
+/// miss the rope, which causes a warning. Command:
+/// `lariat run --lossless --fps max --frames 2700 --basis bspline --control-points 20 --seed SEED
+/// --record FILE --images none`, then `lariat export --format csv`, column `fit`.
 const DRAWN_CONTROL_POINTS: usize = 20;
 
-/// Settings, and where each of them came from.
+/// Settings and the origin of each.
 pub struct Resolved {
-    /// All of them.
+    /// All settings.
     pub settings: Settings,
-    /// In the order of [`KEYS`].
+    /// Origins in the order of [`KEYS`].
     origins: Vec<Origin>,
 }
 
 impl Resolved {
-    /// Of flags, file and defaults.
+    /// Resolves flags, file and defaults.
     ///
     /// # Errors
-    /// What is wrong with each of them.
+    /// Returns all errors in them.
     pub fn new(flags: &Flags) -> Result<Self> {
         Self::read(flags)?.with_a_fitter()
     }
 
-    /// Resolves the settings of a whole chain: as [`new`](Self::new), with the curve that suits the source.
+    /// Resolves the settings of a whole chain, like [`new`](Self::new), with the curve that suits
+    /// the source.
     ///
     /// # Errors
-    /// As there.
+    /// Fails like [`new`](Self::new).
     pub fn of_chain(flags: &Flags) -> Result<Self> {
         Ok(Self::new(flags)?.with_curve_of_source())
     }
 
-    /// Gives the drawn rope, which is the same on every machine, a curve of a fixed size that fits it wherever it moves. Its
-    /// descriptor then has the same length in every frame. A curve that the user chooses is kept.
+    /// Gives the drawn rope, which is the same on every machine, a curve of a fixed size that fits
+    /// all its motions. Its descriptor then has the same length in every frame. A curve that the
+    /// user chooses is kept.
     ///
-    /// Only a chain may call this: the settings of `lariat trace` and others name the drawn rope by default, too, and do not
-    /// read it.
+    /// Only a chain may call this. The settings of `lariat trace` and other commands also name the
+    /// drawn rope by default, but do not use it.
     pub(super) fn with_curve_of_source(mut self) -> Self {
         let keys = ["basis", "control_points"].map(|name| keys::position("fit", name));
         let Settings {
@@ -54,7 +58,7 @@ impl Resolved {
             ..
         } = &mut self.settings;
         let is_flag = |key: usize| matches!(self.origins[key], Origin::Flag(_));
-        // A new file contains the basis "auto", and nobody chose it.
+        // A new file contains the basis "auto", which is not the user's choice.
         let is_asked_for = keys.into_iter().flatten().any(is_flag)
             || fit.basis != Family::Auto
             || fit.control_points.is_some()
@@ -67,7 +71,8 @@ impl Resolved {
         self
     }
 
-    /// As [`new`](Self::new), but for whether curves can be fitted so: who makes the fitter is told.
+    /// Resolves settings like [`new`](Self::new), but does not check that a fitter exists. Whoever
+    /// creates the fitter gets the error.
     pub(super) fn read(flags: &Flags) -> Result<Self> {
         let mut problems = Problems::default();
         let path = file::path(flags.config.as_deref());
@@ -78,7 +83,7 @@ impl Resolved {
         Self::of(entries, path, flags, problems)
     }
 
-    /// Of a file's entries, and flags; as [`read`](Self::read).
+    /// Resolves the entries of a file and flags, like [`read`](Self::read).
     pub(super) fn of(
         entries: Vec<Entry>,
         file: Option<PathBuf>,
@@ -103,7 +108,7 @@ impl Resolved {
         }
         resolved.settle_daemon();
         resolved.settle_fit(&mut problems);
-        // What depends on several settings is judged only where each of them makes sense.
+        // Check the combination of settings only if each of them is valid.
         if problems.is_empty() {
             resolved.check_arrangement(&mut problems);
             resolved.check_depth_source(&mut problems);
@@ -122,8 +127,8 @@ impl Resolved {
         }
     }
 
-    /// Ignores `record.replace` of a file that was found in the current folder. It may have come with somebody's data, and must
-    /// not overwrite the user's files.
+    /// Ignores `record.replace` in a file that was found in the current folder. The file may have
+    /// come with somebody else's data and must not cause the user's files to be overwritten.
     fn keep_existing_files(&mut self) {
         let Some(key) = keys::position("record", "replace") else {
             return;
@@ -138,7 +143,7 @@ impl Resolved {
         }
     }
 
-    /// What is meant where nobody looks on, if nothing else is said.
+    /// Applies the defaults of an unattended chain, unless the user chose otherwise.
     fn settle_daemon(&mut self) {
         if !self.settings.run.daemon {
             return;
@@ -156,8 +161,8 @@ impl Resolved {
         }
     }
 
-    /// Which of basis and control points holds, where one of them leaves no room for the other: what was said later. A flag is later
-    /// than the file.
+    /// Resolves a conflict between basis and control points in favor of the one set last. A flag
+    /// counts as later than the file.
     fn settle_fit(&mut self, problems: &mut Problems) {
         let keys = ["basis", "control_points"].map(|name| keys::position("fit", name));
         let [Some(basis_key), Some(count_key)] = keys else {
@@ -186,7 +191,8 @@ impl Resolved {
         self.check_degree(problems);
     }
 
-    /// Refuses a degree on the command line without a B-spline: the user may mean a Bezier curve's.
+    /// Refuses a degree on the command line without a B-spline, because the user may mean the
+    /// degree of a Bezier curve.
     fn check_degree(&self, problems: &mut Problems) {
         let Some(key) = keys::position("fit", "degree") else {
             return;
@@ -206,8 +212,8 @@ impl Resolved {
         }
     }
 
-    /// Sees to it that there are fitters, of open and of closed curves, for these settings and number of points. It costs
-    /// what making them does, 10 ms.
+    /// Checks that fitters for open and closed curves exist for these settings and this number of
+    /// points. This takes as long as creating them, which is milliseconds.
     pub(super) fn with_a_fitter(self) -> Result<Self> {
         let fit = &self.settings.fit;
         let error = [false, true].into_iter().find_map(|closed| {
@@ -217,7 +223,7 @@ impl Resolved {
         let Some(error) = error.or(fit.unfilterable().map(str::to_owned)) else {
             return Ok(self);
         };
-        // Blamed on what the user has said last, of all that together make it impossible.
+        // Attribute the error to the last of the settings that together cause it.
         let said = keys::of_section("fit")
             .chain(keys::position("extract", "points"))
             .map(|key| &self.origins[key])
@@ -229,7 +235,7 @@ impl Resolved {
         Ok(self)
     }
 
-    /// Whether the calibration that is named is one.
+    /// Checks that the calibration is valid.
     fn check_camera(&self, problems: &mut Problems) {
         if let Some(why) = (self.settings.camera).problem(self.settings.capture.likely_size()) {
             let said = keys::of_section("camera")
@@ -239,13 +245,13 @@ impl Resolved {
         }
     }
 
-    /// Whether what is asked of the source can be asked of it. What stands in the file for another source than the one that a
-    /// flag names is no fault.
+    /// Checks that the settings apply to the source. Settings in the file for another source are
+    /// allowed if a flag changes the source.
     fn check_source(&self, problems: &mut Problems) {
         let origin = |name: &str| {
             keys::position("capture", name).map_or(&Origin::Default, |key| &self.origins[key])
         };
-        // A new file names the rendered rope, which is no wish.
+        // A new file names the rendered rope, which is not the user's choice.
         let source_is_in_file = matches!(origin("source"), Origin::File { .. })
             && !self.is_default("capture", "source");
         let capture = &self.settings.capture;
@@ -266,7 +272,7 @@ impl Resolved {
         }
     }
 
-    /// Whether a setting is what it is if nobody says anything.
+    /// Returns true if a setting has its default value.
     fn is_default(&self, section: &str, name: &str) -> bool {
         keys::position(section, name).is_none_or(|key| {
             let get = KEYS[key].get;
@@ -274,7 +280,7 @@ impl Resolved {
         })
     }
 
-    /// Whether it is known what a depth camera is.
+    /// Checks that a depth camera has a calibration.
     fn check_depth_source(&self, problems: &mut Problems) {
         let Settings {
             capture, camera, ..
@@ -289,7 +295,7 @@ impl Resolved {
         }
     }
 
-    /// Whether it is known which rig a second camera's is.
+    /// Checks that a second camera has a rig.
     fn check_second_rig(&self, problems: &mut Problems) {
         let Settings { camera, run, .. } = &self.settings;
         let (name, why) = match (&camera.second, &camera.second_rig) {
@@ -312,7 +318,7 @@ impl Resolved {
         }
     }
 
-    /// Whether the stages can be arranged so.
+    /// Checks that the arrangement of the stages is possible.
     fn check_arrangement(&self, problems: &mut Problems) {
         if let Some(why) = self.settings.run.arrangement.contradiction() {
             let said = ["cpus", "wake"].into_iter();
@@ -322,7 +328,7 @@ impl Resolved {
         }
     }
 
-    /// All settings as the text of a `lariat.toml`, each with where it came from.
+    /// Returns all settings as the text of a `lariat.toml`, each with its origin.
     pub fn show(&self) -> String {
         keys::document(|index, key| {
             let origin = &self.origins[index];

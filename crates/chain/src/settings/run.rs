@@ -4,14 +4,14 @@ use crate::settings::Arrangement;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// When to restart a stage in its place while the others continue.
+/// When to restart a stage while the others continue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Restart {
-    /// Never: the chain ends with it.
+    /// Never: the chain ends with the stage.
     Never,
-    /// When it died, hangs, or was told to end by another than its chain.
+    /// If the stage died, hangs, or was ended by another process than its chain.
     OnFailure,
-    /// Also when its source has ended.
+    /// Also if its source has ended.
     Always,
 }
 
@@ -24,49 +24,49 @@ pub(super) const RESTARTS: [(&str, Restart); 3] = [
 /// The chain as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The name of the camera chain: 1 to 32 of a–z, 0–9, `_` and `-`.
+    /// Name of the camera chain: 1 to 32 of a–z, 0–9, `_` and `-`.
     pub rig: String,
-    /// Whether capture waits for slow readers, so that no frame is lost.
+    /// True if capture waits for slow readers, so that no frame is lost.
     pub lossless: bool,
-    /// How long to run; without it, until the source ends or the user says so.
+    /// Running time. Without it, the chain runs until its source ends or it is stopped.
     pub duration: Option<Duration>,
-    /// How many frames to capture at most.
+    /// Maximum number of frames to capture.
     pub frames: Option<u64>,
-    /// The folder for the report; without it, none is written.
+    /// Folder for the report. Without it, no report is written.
     pub out: Option<PathBuf>,
-    /// The file for the timeline of the last frames; without it, none is written.
+    /// File for the timeline of the last frames. Without it, no timeline is written.
     pub trace: Option<PathBuf>,
-    /// The latency that counts as a miss; without it, the frame period.
+    /// Latency above which a frame is late. Without it, the frame period.
     pub deadline: Option<Duration>,
-    /// The recording; without it, none is made.
+    /// File for the recording. Without it, no recording is made.
     pub record: Option<PathBuf>,
-    /// Whether capture, extract and fit are threads of one process.
+    /// True if capture, extract and fit are threads of one process.
     pub fuse: bool,
-    /// Runs unattended: no live line, and stages are restarted unless `restart` says otherwise.
+    /// True to run unattended: no live line, and stages restart unless `restart` says otherwise.
     pub daemon: bool,
     /// When to restart a stage.
     pub restart: Restart,
-    /// How often at most within the window before the chain gives up.
+    /// Maximum number of restarts within the window before the chain gives up.
     pub max_restarts: u32,
-    /// The window.
+    /// Length of the window for `max_restarts`.
     pub restart_window: Duration,
-    /// How long a stage may stand still while work waits for it, before it is taken to hang.
+    /// Time without progress, while work waits, after which a stage counts as hanging.
     pub hang: Duration,
     /// Time limit for a stage to become ready.
     pub start_limit: Duration,
-    /// Whether a change of the settings file is taken while the chain runs.
+    /// True if changes of the settings file are applied while the chain runs.
     pub watch: bool,
-    /// How the stages are arranged on the machine.
+    /// Arrangement of the stages on the machine.
     pub arrangement: Arrangement,
 }
 
 impl Run {
-    /// True if stages are restarted. Threads of one process are not.
+    /// Returns true if stages are restarted. Threads of one process are not.
     pub fn restarts_stages(&self) -> bool {
         self.restart != Restart::Never && !self.fuse
     }
 
-    /// How long to run, in nanoseconds.
+    /// Returns the running time in nanoseconds.
     pub fn duration_ns(&self) -> Option<u64> {
         self.duration.map(nanoseconds)
     }

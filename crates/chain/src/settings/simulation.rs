@@ -1,4 +1,4 @@
-//! `[simulation]`: the rope that is simulated, and what disturbs its picture.
+//! `[simulation]`: the simulated rope, and disturbances of its picture.
 
 use crate::settings::Capture;
 use lariat_capture::{HandOptions, SimulatedOptions};
@@ -6,19 +6,20 @@ use lariat_capture::{HandOptions, SimulatedOptions};
 /// The simulated rope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulation {
-    /// How many grippers hold it: 1 or 2.
+    /// Number of grippers that hold the rope: 1 or 2.
     pub grippers: usize,
-    /// Its length in px.
+    /// Length of the rope in px.
     pub length_px: f64,
-    /// Bending stiffness by mass of length, in m⁴/s² with a pixel as a millimetre.
+    /// Bending stiffness divided by mass per length, in m⁴/s², where a pixel is a millimeter.
     pub stiffness: f64,
     /// Coefficient of friction with the table.
     pub friction: f64,
-    /// Standard deviation of the camera's noise, in steps of a byte.
+    /// Standard deviation of the camera noise, in steps of 8-bit levels.
     pub noise: f64,
-    /// From when on a hand rests on the rope, in seconds from the first frame on; without it, none does.
+    /// Time at which a hand covers the rope, in seconds from the first frame. Without it, no hand
+    /// appears.
     pub hand_at_s: Option<f64>,
-    /// For how long.
+    /// Time for which the hand stays, in seconds.
     pub hand_for_s: f64,
 }
 
@@ -38,8 +39,8 @@ impl Default for Simulation {
 }
 
 impl Simulation {
-    /// The source's own options, with seed, size and rate of `[capture]`, and a truth of `points` points. `lifted`: whether a depth camera
-    /// sees it.
+    /// Returns the options of the source, with seed, size and rate from `[capture]` and a truth of
+    /// `points` points. `lifted` is true if a depth camera sees the rope.
     pub(super) fn options(
         &self,
         capture: &Capture,

@@ -1,4 +1,4 @@
-//! The table of all settings: the file, the command line and their helps are made of it.
+//! The table of all settings. It defines the file, the command line and their help.
 
 use crate::settings::curve::Family;
 use crate::settings::flags::Flag;
@@ -14,10 +14,12 @@ use lariat_fit::{Knots, MAX_CONTROL_POINTS, MAX_ORDER, MAX_POINTS, Rho, Solver};
 use lariat_wire::MAX_CURVES;
 use toml::Value;
 
-// A row is a setting: its field in `Settings`, which begins with its section; `as` its name, if the field's is another;
-// its kind; and its description, which `--help` and new settings files show. A setting with a flag also has: the flag as the
-// help shows it; the commands that have it besides `run` and commands that take all of `run`'s; the heading in the help; and a
-// line for `-h`.
+// Each row is a setting. It starts with the field in `Settings`, whose first part is the section,
+// and `as` with the name if it differs from the field's. The kind and the description follow;
+// `--help` and new settings files show the description. A setting with a flag continues with the
+// flag as the help shows it, then the commands that have it. `run`, and commands that take all
+// flags of `run`, are not listed. The last two items are its heading in the help and the line for
+// `-h`.
 macro_rules! keys {
     ($($section:ident $(.$field:ident)+ $(as $name:ident)?: $kind:expr, $about:literal $(, $flag:literal, $of:expr, $heading:literal, $help:literal)?;)*) => {
         &[$(Key {

@@ -1,4 +1,5 @@
-//! `[camera]`: where what a camera sees lies; and which part of its images is looked at.
+//! `[camera]`: mapping from the camera's images to the world. Also the region of the images that is
+//! processed.
 
 use crate::calibrated::Calibrated;
 use crate::exit::wrong_use;
@@ -13,12 +14,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Value;
 
-/// What descriptors are to come in.
+/// Unit of descriptors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
-    /// Pixels of the image; with a lens calibration, of one without distortion.
+    /// Pixels of the image or, with a lens calibration, of the undistorted image.
     Px,
-    /// Millimetres on the plane.
+    /// Millimeters on the plane.
     Mm,
 }
 
@@ -39,23 +40,24 @@ impl fmt::Display for Unit {
 /// `[camera]`: lens and plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// The lens's calibration.
+    /// Calibration file of the lens.
     pub calibration: Option<PathBuf>,
-    /// The plane that the rope lies on.
+    /// File with the plane on which the rope lies.
     pub plane: Option<PathBuf>,
-    /// Millimetres where a plane is named, if the user says nothing.
+    /// Unit of descriptors. By default, millimeters if a plane is named.
     pub unit: Option<Unit>,
-    /// The depth camera beside it.
+    /// Calibration file of the depth camera.
     pub depth: Option<PathBuf>,
-    /// The second colour camera beside it, and its rig.
+    /// Calibration file of the second color camera.
     pub second: Option<PathBuf>,
-    /// The rig that this one runs on.
+    /// Rig of the second color camera.
     pub second_rig: Option<String>,
-    /// How far from a frame what it saw may be; `None`: three fifths of its period.
+    /// Maximum time between a frame and the second camera's view. `None` means three fifths of that
+    /// camera's period.
     pub second_within: Option<Duration>,
-    /// Its pose before a robot.
+    /// File with the camera's pose relative to a robot.
     pub pose: Option<PathBuf>,
-    /// How long after its capture a frame's depth image, or what the second camera saw, is waited for.
+    /// Maximum time from a frame's capture to the arrival of its depth image or second view.
     pub depth_deadline: Duration,
 }
 
@@ -76,12 +78,12 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Whether the cameras are those that stand before the simulated rope.
+    /// Returns true if the cameras are those of the simulated rope.
     pub fn is_simulated(&self) -> bool {
         self.depth.as_deref() == Some(Path::new("simulated"))
     }
 
-    /// What is wrong with the files it names, for pictures of this size.
+    /// Returns an error in the files that the settings name, for pictures of this size.
     pub(super) fn problem(&self, picture: [u32; 2]) -> Option<String> {
         let load = Calibrated::load(self).map(|_| ());
         let error = load
@@ -92,11 +94,12 @@ impl Camera {
 }
 
 impl Settings {
-    /// Whether calibration and region are for the frames of the source, as far as those are known before they come. For a chain
-    /// that is started whole: a stage by itself does not know the source.
+    /// Checks that calibration and region fit the source's frames, as far as their size is known in
+    /// advance. This is for a chain that is started as a whole, because a single stage does not
+    /// know the source.
     ///
     /// # Errors
-    /// They are not.
+    /// Returns an error if they do not fit.
     pub fn check_frames(&self) -> Result<()> {
         if self.camera == Camera::default() && self.extract.roi.is_none() {
             return Ok(());
@@ -126,14 +129,14 @@ impl Settings {
     }
 }
 
-/// The frames' size, where it is known before they come: drawn ones', and the first picture's. What cannot be read is told of
-/// elsewhere.
+/// Returns the frame size if it is known in advance: that of a drawn rope, or of the first picture.
+/// Another check reports an unreadable picture.
 fn known_size(settings: &Settings) -> Option<[u32; 2]> {
     let source = &settings.capture.source;
     if source[..] == [PathBuf::from("rendered")] || settings.capture.is_simulated() {
         return Some(settings.capture.likely_size());
     }
-    // A camera has the size that was asked for, or refuses it.
+    // A camera delivers the requested size or refuses it.
     if settings.capture.is_camera() {
         return settings.capture.size;
     }
@@ -143,7 +146,7 @@ fn known_size(settings: &Settings) -> Option<[u32; 2]> {
     Some([picture.width(), picture.height()])
 }
 
-/// A region: `[x, y, width, height]`, or `x,y,width,height`.
+/// Reads a region: `[x, y, width, height]`, or `x,y,width,height`.
 pub(super) fn region(value: &Value) -> Result<Region, String> {
     let numbers: Vec<Option<usize>> = match value {
         Value::Array(numbers) => numbers

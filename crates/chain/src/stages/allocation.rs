@@ -1,8 +1,10 @@
-#![allow(unsafe_code)] // Naming the domain in the environment is unsafe.
-//! The four stages as they are, each in a thread here: once warm, none of them allocates per frame.
+#![allow(unsafe_code)] // Setting the domain in the environment is unsafe.
+//! Test that none of the four stages allocates per frame once warm. The real stages run as threads
+//! of the test.
 //!
-//! The transport does: iceoryx2 0.10 keeps each slot that it lends in a small box of its own, one a message, made when
-//! the slot is lent and freed when it is sent. Those are told apart by their size, and counted too.
+//! The transport does allocate: iceoryx2 0.10 keeps each slot that it lends in a small box, created
+//! with the loan and freed on sending. There is one box per message. They are recognized by their
+//! size and counted separately.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -24,20 +26,20 @@ const STAGES: [(&str, Stage); 4] = [
     ("capture", capture::run),
 ];
 
-/// Messages that a stage sends for each frame: capture's second is the truth.
+/// Messages that a stage sends per frame. The second message of capture is the truth.
 const MESSAGES: [u64; STAGES.len()] = [0, 1, 1, 2];
 
-/// Whether allocations are counted now.
+/// True while allocations are counted.
 static WARM: AtomicBool = AtomicBool::new(false);
-/// Bytes of the box that the transport makes for a slot; measured.
+/// Measured size of the box that the transport allocates for a slot, in bytes.
 static LENT: AtomicUsize = AtomicUsize::new(0);
 static ALLOCATIONS: [AtomicU64; STAGES.len()] = [const { AtomicU64::new(0) }; STAGES.len()];
 static LOANS: [AtomicU64; STAGES.len()] = [const { AtomicU64::new(0) }; STAGES.len()];
 
 thread_local! {
-    /// Which stage this thread is.
+    /// Stage that runs on this thread.
     static STAGE: Cell<Option<usize>> = const { Cell::new(None) };
-    /// Whether this thread measures what a slot costs.
+    /// True while this thread measures the allocation of a slot.
     static MEASURES: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -52,7 +54,7 @@ fn count(bytes: usize) {
     }
 }
 
-/// Lends a slot, to see what the transport allocates for it.
+/// Lends a slot to measure what the transport allocates for it.
 fn measure_a_loan() {
     let domain = Domain::open().expect("a domain");
     let rig = "measured".parse().expect("a plain name");
@@ -68,14 +70,15 @@ fn measure_a_loan() {
 #[test]
 fn no_stage_allocates_per_frame_once_warm() {
     let domain = format!("a{}", std::process::id());
-    // SAFETY: nothing but the standard library, which locks it, looks at this process's environment.
+    // SAFETY: Only the standard library accesses the environment of this process, and it locks it.
     unsafe { std::env::set_var("LARIAT_DOMAIN", &domain) };
     lariat_test_support::watch(count);
     measure_a_loan();
     let mut settings = Settings::default();
     settings.sink.live = false;
     settings.capture.fps = Fps::PerSecond(100.0);
-    // Sink also keeps a report up to date, by a thread of its own, and each stage leaves to a successor what it knows.
+    // The sink also keeps a report up to date from a separate thread, and each stage writes its
+    // handover state.
     let report = tempfile::tempdir().expect("a folder");
     settings.run.out = Some(report.path().join("report"));
     let mut frames = 0;
@@ -93,7 +96,7 @@ fn no_stage_allocates_per_frame_once_warm() {
         }
         let domain = Domain::open().expect("a domain");
         let reader = Receiver::descriptors(&domain, &Rig::default()).expect("a reader");
-        // Waits for a frame, and says how many capture had sent by then.
+        // Waits for a frame, and returns how many frames capture had sent by then.
         let wait_for = |fitted: u64| loop {
             let message = reader.wait(Instant::now() + Duration::from_secs(60));
             let message = message.expect("readable").expect("a descriptor");
@@ -101,7 +104,8 @@ fn no_stage_allocates_per_frame_once_warm() {
                 break message.trace.captured;
             }
         };
-        // The rope first crosses itself while allocations are counted: 5 s into its motion.
+        // The rope crosses itself for the first time while allocations are counted, 5 s into its
+        // motion.
         let begin = wait_for(200);
         WARM.store(true, Ordering::SeqCst);
         let end = wait_for(900);
@@ -117,8 +121,8 @@ fn no_stage_allocates_per_frame_once_warm() {
             "{name} allocated"
         );
         let loans = LOANS[stage].load(Ordering::SeqCst);
-        // Capture is some frames ahead of what this reader has seen when counting begins and ends, more on a busy
-        // machine; a second box a message would still show.
+        // Capture is some frames ahead of this reader when counting starts and ends, and further
+        // ahead on a loaded machine. A second box per message would still be noticed.
         let most = MESSAGES[stage] * frames * 3 / 2;
         assert!(loans <= most, "{name}: {loans} for {frames} frames");
     }

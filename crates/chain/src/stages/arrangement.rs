@@ -1,62 +1,45 @@
-//! How a stage arranges itself on the machine before it says that it is ready: its core, its memory, its priority.
-//!
-//! All three are of the thread that asks, so that threads made before (those that decode pictures) stay as they were, and
-//! stages make none later. What a user may not have is no fault: it is said, once for the whole chain, and the stage runs
-//! without it. Only a core that is not there is one.
-//!
-//! A stage of realtime priority must not take the machine away. It never waits by looking for longer than
-//! `spin_us`; with more work than it can do it rests a hundredth of the time ([`Rest`]); and if a fault of lariat makes it
-//! run on and on, the kernel ends it (`RLIMIT_RTTIME`), which needs nothing of the stage.
+//! Arranges a stage on the machine before it reports that it is ready: core, scheduling class and
+//! locked memory.
 //!
 //! # How it works
 //!
-//! Each stage takes its place on the machine by itself, before it says `ready` (`src/stages/arrangement.rs`): core,
-//! scheduling class, locked memory. All three are of the one thread that asks, and stages make no thread later, so that the
-//! thread that decodes pictures stays an ordinary one. A core that is not there is an error before anything starts; what the
-//! user may not have is not: stages say `lacks …` on their status line, and the chain says it in one sentence.
+//! All three belong to the calling thread. Stages start no thread later, and threads that were
+//! started before, such as those that decode pictures, are unaffected. A core that does not exist
+//! is an error before anything starts. Missing permissions are not: stages report `lacks …` on
+//! their status line, the chain prints one sentence, and the stages run without the resource.
 //!
-//! *The default* is the kernel's own choice of cores, ordinary scheduling, waking by event. *`--realtime`* is FIFO, memory
-//! locked as it is touched, and, where FIFO is granted, all four stages on one core: the last isolated one, or the last. Why,
-//! from one interleaved run on two cores that others used too (µs, medians of two to three rounds of 2 s; only the ratios
-//! count, and p99 of the default is mostly the other programs'):
+//! *By default*, the kernel chooses the cores, scheduling is ordinary, and readers are woken by
+//! events. *`--realtime`* selects FIFO scheduling and locks memory as it is touched. If FIFO is
+//! granted, all four stages share one core: the last isolated one, or the last one. `lariat bench`
+//! measures four processes in each arrangement. The reasons for these choices:
 //!
-//! | p50 / p99, 640×480 | anywhere | all on one core | capture / the rest | FIFO anywhere | FIFO, one core | FIFO, capture / the rest |
-//! |---|---:|---:|---:|---:|---:|---:|
-//! | 30 frames/s | 293 / 4743 | 285 / 4825 | 347 / 3293 | 331 / 1320 | **212 / 683** | 269 / 1014 |
-//! | 120 | 163 / 1707 | 153 / 1039 | 186 / 1044 | 196 / 699 | **149 / 603** | 162 / 630 |
-//! | 500 | 109 / 687 | 108 / 1114 | 149 / 697 | 222 / 734 | **118 / 650** | 146 / 629 |
-//! | 1000 | 131 / 751 | 109 / 964 | 146 / 638 | 172 / 608 | **96 / 610** | 147 / 688 |
-//! | `max` | 87 / 1127 | 50 / 794 | 102 / 1114 | 118 / 704 | **43 / 484** | 83 / 876 |
-//! | 120, both cores busy | 398 / 16099 | 120 / 15348 | 2340 / 10658 | 182 / 627 | **87 / 496** | 135 / 536 |
-//! | 1000, both cores busy | falls behind | falls behind | falls behind, loses 22 % | 150 / 528 | **84** / 3017 | 108 / **963** |
+//! - A wake on one core costs about half of a wake across cores, and a message finds its data in
+//!   the cache. One core is therefore best wherever the stages are sure to get it. Overlapping work
+//!   gains less.
+//! - Without FIFO, a pinned stage waits behind any other program on its core and cannot move. If
+//!   the waker's core is idle, the kernel places the woken thread there anyway, which is as good as
+//!   pinning on an idle machine. Therefore nothing is pinned by default, and `--realtime` pins only
+//!   stages that have FIFO.
+//! - FIFO without pinning has a worse median than neither, because the kernel spreads FIFO threads,
+//!   so that every wake crosses cores.
+//! - Priorities increase along the chain (40, 41, 42, 43), so a frame in progress comes before the
+//!   next one. They are below the kernel's 50 for interrupt threads.
+//! - If the stages' work fills most of the period (`--fps max`, or 1000 frames/s under load), a
+//!   single core is too little. Use `cpus = [0, 1, 1, 1]`.
+//! - `wake = "spin"` polls before it sleeps and before it clears the notifier. A pending
+//!   notification need not be sent again, so writer and reader both avoid the kernel. This mode
+//!   needs a core for each stage. With fewer cores the chain warns; it refuses two neighboring
+//!   stages on one core.
 //!
-//! - A wake on one core costs half of a wake across cores, and a message finds its data in the cache: one core wins wherever
-//!   the stages are sure to have it. Work that overlaps is worth less: at `max` two cores do 30 % more frames.
-//! - Without FIFO a pinned stage waits behind whatever program is on its core, and cannot flee. The kernel's own choice puts
-//!   the woken on the waker's core anyway where that is idle, and is as good as any pinning of an idle machine. So nothing is
-//!   pinned by default, and by `--realtime` only what has FIFO.
-//! - FIFO without a core is worse at the median than neither: the kernel pushes FIFO threads apart, so that every wake
-//!   crosses cores.
-//! - Priorities rise along the chain (40, 41, 42, 43): a frame on its way goes before the making of the next. They are below
-//!   the kernel's 50 for interrupt threads.
-//! - Where the stages' work fills most of the period (`--fps max`, 1000 frames/s under load), one core has no room left:
-//!   `cpus = [0, 1, 1, 1]`.
-//! - `wake = "spin"` looks before it sleeps, before the bell is emptied: a bell that is still rung need not be rung again, so
-//!   that writer and reader are both spared the kernel. It wants a core for each stage, is said to where there are fewer, and
-//!   refused for neighbours on one core.
+//! **A stage never takes over the machine.** Under FIFO it rests for 1 ms when it has not slept for
+//! 100 ms ([`Rest`]). With too many frames it would otherwise never sleep. It spins for at most 10
+//! ms before it sleeps. In addition, `RLIMIT_RTTIME` makes the kernel end a stage that runs for 2 s
+//! without sleeping, whatever the fault, and the chain reports it. The kernel's own reserve for
+//! other programs (`sched_rt_runtime_us`) is left unchanged; `lariat doctor` checks it.
 //!
-//! **A stage never takes the machine away.** Under FIFO it rests 1 ms when it has not slept for 100 ms (with more frames
-//! than it can do, it would not otherwise); it looks for at most 10 ms before it sleeps; and beside that `RLIMIT_RTTIME` has
-//! the kernel end a stage that ran for 2 s without sleeping, whatever fault of lariat's it was, which the chain then says. The
-//! kernel's own share for others (`sched_rt_runtime_us`) is left as it is; `lariat doctor` looks at it.
-//!
-//! Locked is what is touched (`MCL_ONFAULT`): locking all that is mapped would make 71 MB of 26. Locking is left alone
-//! where the limit is too near: a later mapping that fails is worse than a page that is not locked.
-//!
-//! | measured | |
-//! |---|---|
-//! | resident, five processes, shared memory once, 640×480 | 27 MB; with every slot of every channel, used or not, 50 MB |
-//! | from `exec` of `lariat run` to all stages ready | 57 ms (56 ms with `--realtime`; 135 ms at 1920×1080); the first descriptor comes with the first frame, a latency later |
+//! Memory is locked when it is touched (`MCL_ONFAULT`), because locking everything that is mapped
+//! would multiply the memory in use. Memory is not locked if the limit is too close: a later
+//! mapping that fails is worse than an unlocked page.
 
 use std::fmt;
 use std::fs;
@@ -74,31 +57,32 @@ use thread_priority::{
 
 use crate::settings::{Arrangement, Cpus, STAGES, Stage, Wake};
 
-/// Memory that a stage may come to map after it has locked what it has: the channels of readers yet to come, other sizes
-/// of frames. With a limit below that a later mapping would fail, which is worse than a page that is not locked.
+/// Memory that a stage may map after locking: channels of future readers, or frames of other sizes.
+/// With a limit below that, a later mapping would fail, which is worse than an unlocked page.
 const ROOM_BYTES: u64 = 256 << 20;
 
-/// A stage that has run for so long without sleeping rests …
+/// Time without sleep after which a stage rests.
 const LONGEST_RUN: Duration = Duration::from_millis(100);
-/// … for so long: enough for what waits on its core to be run, and a hundredth of the time.
+/// Length of a rest: long enough for the programs that wait for the core to run, and a hundredth of
+/// the time.
 const REST: Duration = Duration::from_millis(1);
-/// The kernel ends a stage of realtime priority that has run for so long without sleeping: twenty of its own rests were
-/// missed then, and no frame takes as long.
+/// Time without sleep after which the kernel ends a stage of realtime priority. It spans twenty
+/// missed rests, and no frame takes as long.
 const KILLED_AFTER: Duration = Duration::from_secs(2);
 
-/// What a stage does not have of what was wanted.
+/// Requested resources that a stage does not have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Lacks {
     /// FIFO scheduling.
     pub priority: bool,
     /// Locked memory.
     pub memory: bool,
-    /// The core that was chosen for it.
+    /// The chosen core.
     pub core: bool,
 }
 
 impl Lacks {
-    /// What either lacks.
+    /// Returns what is missing in either.
     pub fn and(self, other: Self) -> Self {
         Self {
             priority: self.priority || other.priority,
@@ -107,12 +91,12 @@ impl Lacks {
         }
     }
 
-    /// Whether anything is lacking.
+    /// Returns true if anything is missing.
     pub fn any(self) -> bool {
         self != Self::default()
     }
 
-    /// As it stands on the status line.
+    /// Returns the words for the status line.
     pub fn words(self) -> String {
         let named = [
             (self.priority, "priority"),
@@ -125,7 +109,7 @@ impl Lacks {
         words.collect::<Vec<_>>().join(" ")
     }
 
-    /// As [`words`](Self::words) says it; none of other words.
+    /// Parses [`words`](Self::words). Returns `None` for other words.
     pub fn of_words(words: &str) -> Option<Self> {
         let mut lacks = Self::default();
         for word in words.split_ascii_whitespace() {
@@ -140,7 +124,7 @@ impl Lacks {
     }
 }
 
-/// One sentence.
+/// A single sentence.
 impl fmt::Display for Lacks {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let limit = |resource| match getrlimit(resource).current {
@@ -171,13 +155,13 @@ impl fmt::Display for Lacks {
     }
 }
 
-/// Whether the cores that the settings name are there, for the chain to know before it starts its stages.
+/// Checks that the cores in the settings exist, before the chain starts its stages.
 pub fn check(wanted: &Arrangement) -> anyhow::Result<()> {
     let before =
         sched_getaffinity(None).context("the kernel did not name the cores that lariat may use")?;
     if let Cpus::Cores(cores) = wanted.cpus {
         let outcome = cores.into_iter().flatten().try_for_each(pin);
-        // As it was: the stages are children, and would have it from here.
+        // Restore the cores, because the stages inherit them.
         sched_setaffinity(None, &before).context("the kernel does not give a core back")?;
         outcome?;
     }
@@ -192,10 +176,10 @@ pub fn check(wanted: &Arrangement) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Arranges this thread as a stage; says what it does not have of it.
+/// Arranges this thread as a stage, and returns the resources that it does not get.
 ///
 /// # Errors
-/// The settings name a core that is not there.
+/// Returns an error if the settings name a core that does not exist.
 pub fn apply(wanted: &Arrangement, stage: Stage) -> anyhow::Result<Lacks> {
     let mut lacks = Lacks {
         priority: wanted.is_fifo() && !run_before_others(wanted.priority + stage as u8),
@@ -216,7 +200,8 @@ pub fn apply(wanted: &Arrangement, stage: Stage) -> anyhow::Result<Lacks> {
     Ok(lacks)
 }
 
-/// Keeps this thread, and all that it starts, from the cores that the stages may have to themselves, if it is left others.
+/// Keeps this thread and all threads that it starts off the cores that the stages use, if other
+/// cores are left.
 pub fn keep_apart(wanted: &Arrangement) {
     let theirs: Vec<usize> = match wanted.cpus {
         Cpus::Cores(cores) => cores.into_iter().flatten().collect(),
@@ -230,18 +215,19 @@ pub fn keep_apart(wanted: &Arrangement) {
     };
     theirs.into_iter().for_each(|core| left.unset(core));
     if count(&left) > 0 {
-        // Not to be had is no fault: an ordinary thread makes way for one of realtime priority anyway.
+        // A failure is harmless: an ordinary thread gives way to realtime priority anyway.
         let _ = sched_setaffinity(None, &left);
     }
 }
 
-/// Has this thread, of realtime priority, run on the core of all stages, where a wake costs half of one across cores; whether that was to be had.
-/// Without the priority another program on that core would hold it up.
+/// Moves this realtime thread to the core of all stages, where a wake costs half of one across
+/// cores. Returns true on success. Without the priority, other programs on that core would delay
+/// the thread.
 pub fn join_stages() -> bool {
     chosen_core().is_none_or(|core| pin(core).is_ok())
 }
 
-/// The core that was measured to be best for the stages: one for all (see above).
+/// Returns the core that all stages share (see above).
 fn chosen_core() -> Option<usize> {
     let isolated = fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
     let usable = match sched_getaffinity(None) {
@@ -253,12 +239,13 @@ fn chosen_core() -> Option<usize> {
     last_core(&core_list(&isolated), &usable)
 }
 
-/// The last core that is kept from others, or the last there is: the first serves interrupts unless told otherwise.
+/// Returns the last isolated core, or the last core of all. The first core serves interrupts by
+/// default.
 fn last_core(isolated: &[usize], usable: &[usize]) -> Option<usize> {
     isolated.last().or(usable.last()).copied()
 }
 
-/// Core numbers as the kernel writes them: `0-2,5`.
+/// Parses core numbers as the kernel writes them: `0-2,5`.
 pub fn core_list(text: &str) -> Vec<usize> {
     let range = |range: &str| {
         let (first, last) = range.split_once('-').unwrap_or((range, range));
@@ -271,7 +258,7 @@ fn count(cores: &CpuSet) -> usize {
     cores.count() as usize
 }
 
-/// Keeps this thread on a core.
+/// Pins this thread to a core.
 pub fn pin(core: usize) -> anyhow::Result<()> {
     let mut only = CpuSet::new();
     only.set(core);
@@ -284,7 +271,7 @@ pub fn pin(core: usize) -> anyhow::Result<()> {
     })
 }
 
-/// Keeps all memory of this process from being paged out, now and later.
+/// Locks all present and future memory of this process.
 fn lock_memory() -> bool {
     let unbounded = capabilities(None)
         .is_ok_and(|of_this_thread| of_this_thread.effective.contains(CapabilitySet::IPC_LOCK));
@@ -299,25 +286,27 @@ fn lock_memory() -> bool {
             return false;
         }
     }
-    // What is never touched stays unmade: with it the chain would be half as large again. What a stage works with it has
-    // touched in its rehearsal, and the pages of channels were made with them.
+    // Untouched memory stays unallocated; allocating it would make the chain half as large again.
+    // The stage has touched its working memory in its rehearsal, and the pages of channels were
+    // allocated when they were created.
     let wanted = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT;
     mlockall(wanted).is_ok()
 }
 
-/// Lets a wait end when it is due: the kernel otherwise takes 50 µs of leeway. Not to be had is no fault.
+/// Makes waits end on time. By default the kernel may delay them by 50 µs. Errors are ignored.
 pub fn precise_timer() {
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
 
-/// Has this thread, which makes pictures to look at, give its core to whoever wakes, within a tenth of a millisecond, and yet have some of it on a busy machine.
+/// Lowers the priority of this thread, which renders pictures for display. A thread that wakes gets
+/// its core within a tenth of a millisecond, but some time remains for it on a loaded machine.
 pub fn give_way() {
-    // Without it others are only later. `nice` is of Linux a thread's own.
+    // Without this, others are only delayed. On Linux, `nice` affects a single thread.
     let _ = rustix::process::nice(15);
     take_short_slices();
 }
 
-/// Gives this thread realtime priority, and no more of it at a time than the kernel ends it for.
+/// Gives this thread realtime priority, and limits the time that it may run without sleeping.
 pub fn run_before_others(priority: u8) -> bool {
     let before = getrlimit(Resource::Rttime);
     let most = KILLED_AFTER.as_micros() as u64;
@@ -329,7 +318,7 @@ pub fn run_before_others(priority: u8) -> bool {
     let Ok(priority) = priority.try_into().map(ThreadPriority::Crossplatform) else {
         return false;
     };
-    // Without the bound it is not wanted.
+    // Without the limit, realtime priority is too dangerous.
     setrlimit(Resource::Rttime, bounded).is_ok()
         && set_thread_priority_and_policy(
             thread_native_id(),
@@ -339,28 +328,28 @@ pub fn run_before_others(priority: u8) -> bool {
         .is_ok()
 }
 
-/// Has a stage of realtime priority sleep now and then when it has no reason to: with more frames than it can work off it
-/// would keep its core from all else.
+/// Makes a realtime stage sleep from time to time. With more frames than it can process, it would
+/// never release its core.
 #[derive(Debug)]
 pub struct Rest {
     is_needed: bool,
-    /// A wait that lasts longer than this was a sleep, and not a look.
+    /// A longer wait included a sleep; a shorter one was only spinning.
     looks_ns: u64,
     awake_since_ns: u64,
 }
 
 impl Rest {
-    /// As the stages are arranged.
+    /// Creates a rest for this arrangement.
     pub fn new(wanted: &Arrangement) -> Self {
         Self {
             is_needed: wanted.is_fifo(),
-            // To be put to sleep and woken again takes some microseconds.
+            // Falling asleep and waking up takes some microseconds.
             looks_ns: wanted.spin().as_nanos() as u64 + 20_000,
             awake_since_ns: now_ns(),
         }
     }
 
-    /// Waits, and sees whether that was a sleep.
+    /// Waits, and notes whether the thread slept.
     pub fn while_waiting<T>(&mut self, wait: impl FnOnce() -> T) -> T {
         if !self.is_needed {
             return wait();
@@ -371,18 +360,18 @@ impl Rest {
         outcome
     }
 
-    /// A wait has just ended that lasted so long: whether that was a sleep.
+    /// Notes that a wait of this duration has just ended.
     pub fn has_waited(&mut self, waited_ns: u64) {
         if self.is_needed && waited_ns > self.looks_ns {
             self.awake_since_ns = now_ns();
         }
     }
 
-    /// The stage has work at hand, at this moment of [`now_ns`]: it rests if it is time.
+    /// Rests if it is time. The stage has work to do; `now_ns` is the current time.
     pub fn if_due(&mut self, now_ns: u64) {
         let run_ns = now_ns.saturating_sub(self.awake_since_ns);
         if self.is_needed && u128::from(run_ns) > LONGEST_RUN.as_nanos() {
-            // Nothing is waited for: an ordinary program gets the core for so long.
+            // Sleep without a reason, so that ordinary programs get the core.
             self.while_waiting(|| std::thread::sleep(REST));
         }
     }

@@ -1,4 +1,4 @@
-//! Capture as a process: a source's frames, written into shared memory and sent when they are due.
+//! The capture process: writes a source's frames to shared memory and sends them when they are due.
 
 mod depths;
 mod punctual;
@@ -22,12 +22,12 @@ use crate::settings::{Fps, Settings, Stage};
 use depths::{DepthSlot, Depths};
 use punctual::Punctuality;
 
-/// How often it says that it lives, if nothing else does.
+/// Interval at which capture shows that it is alive if nothing else does.
 const BEAT_NS: u64 = 1_000_000_000;
-/// Interval between two looks for a camera that is missing when capture is restarted.
+/// Interval at which a restarted capture looks for a missing camera.
 const LOOK_AGAIN_NS: u64 = 200_000_000;
 
-/// Sends frames until the source or its time ends, or a signal comes.
+/// Sends frames until the source ends, the running time is over, or a signal arrives.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Capture, supervision)?;
     let before = station.handover.progress();
@@ -40,13 +40,13 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         return Ok(());
     };
     let goes_on = before.restarts > 0 && source.pass_over(before.taken)?;
-    // What the numbers from here on are ahead of the source's own.
+    // Offset from the source's own frame numbers to those sent.
     let ahead = match goes_on {
         true => before.sent.last_sequence - before.taken,
         false => before.sent.last_sequence,
     };
     let first = match source.largest_frame_bytes() {
-        // What room the frames need is known with the first.
+        // The size of the frames is known when the first one arrives.
         0 => {
             station.ready()?;
             let Some(first) = wait_for_first(settings, source.as_mut(), &mut station)? else {
@@ -93,7 +93,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         end_ns: None,
         punctuality: (!settings.run.arrangement.realtime).then(Punctuality::default),
     };
-    // A change for capture restarts it; of other changes it takes the version.
+    // A change of capture's settings restarts it. Other changes only update the version.
     let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     if let Some(first) = first {
         sender.send(&first, &mut station, &mut |_, _| true)?;
@@ -104,7 +104,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let outcome = sender.send_all(&mut station, &changes, most);
     let sent = sender.sent;
     let depths = sender.depths.take();
-    // A camera is stopped, a thread joined, before the last word.
+    // Stop the camera and join the thread before the last status message.
     drop(sender);
     let ended = depths.map_or(Ok(None), Depths::end);
     let outcome = outcome.and_then(|()| {
@@ -120,11 +120,11 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     outcome.and_then(|()| station.assert_all_delivered())
 }
 
-/// A source, and the depth camera beside it, if there is one.
+/// A source, and its depth camera if there is one.
 type Sources = (Box<dyn FrameSource>, Option<Box<dyn FrameSource>>);
 
-/// Opens the source. A camera that a predecessor had is waited for, as after an unplug; `None` if a signal came
-/// first, or the chain's time was over.
+/// Opens the source. If a predecessor used a camera, waits for it, for example after it was
+/// unplugged. Returns `None` if a signal arrives or the running time ends first.
 fn open_again(
     settings: &Settings,
     station: &mut Station,
@@ -151,7 +151,7 @@ fn open_again(
     Ok(None)
 }
 
-/// Opens the source, and the depth camera that is to have as many images a second.
+/// Opens the source, and a depth camera at the same frame rate.
 fn open_both(settings: &Settings, station: &Station) -> anyhow::Result<Sources> {
     let source = open(settings, station)?;
     let options = depths::camera_options(settings, source.native_fps())?;
@@ -159,7 +159,7 @@ fn open_both(settings: &Settings, station: &Station) -> anyhow::Result<Sources> 
     Ok((source, depth.transpose()?))
 }
 
-/// Opens the source; a simulated robot takes its rig's commands.
+/// Opens the source. A simulated robot reads the commands of its rig.
 fn open(settings: &Settings, station: &Station) -> anyhow::Result<Box<dyn FrameSource>> {
     let source = settings.source();
     let Source::Simulated(options) = &source else {
@@ -185,20 +185,21 @@ struct Sender<'w> {
     depths: Option<Depths>,
     schedule: Schedule,
     sent: Sent,
-    /// What its numbers are ahead of the source's.
+    /// Offset from the source's frame numbers to those sent.
     ahead: u64,
     /// Number of restarts of capture.
     restarts: u64,
-    /// How long frames are sent, from the first one's moment on, or from the beginning if none comes.
+    /// Time for which frames are sent, counted from when the first one is due, or from the start if
+    /// none arrives.
     lasts_ns: Option<u64>,
-    /// When that is over.
+    /// End of that time.
     end_ns: Option<u64>,
     /// Late wake-ups of a source without realtime priority.
     punctuality: Option<Punctuality>,
 }
 
 impl Sender<'_> {
-    /// Sends up to so many frames.
+    /// Sends up to `most` frames.
     fn send_all(
         &mut self,
         station: &mut Station,
@@ -212,7 +213,7 @@ impl Sender<'_> {
             rest.if_due(now_ns());
             let latest_ns = self.lasts_ns.map(|lasts_ns| began_ns + lasts_ns);
             let deadline_ns = self.end_ns.or(latest_ns);
-            // Whoever watches over it sees that it lives.
+            // Show the supervisor that capture is alive.
             let beat_ns = station.handover.is_held().then(|| now_ns() + BEAT_NS);
             let until_ns = deadline_ns.into_iter().chain(beat_ns).min();
             let until = Until::new(until_ns, station.stop.as_fd());
@@ -236,16 +237,16 @@ impl Sender<'_> {
         Ok(())
     }
 
-    /// Sends one frame; `false` when its time is over, or a signal came.
+    /// Sends one frame. Returns `false` when the running time is over or a signal arrives.
     ///
-    /// `wait`: sleeps until the frame is due; `false` if a signal came.
+    /// `wait` sleeps until the frame is due. It returns `false` if a signal arrives.
     fn send(
         &mut self,
         frame: &Frame,
         station: &mut Station,
         wait: &mut impl FnMut(&mut Station, u64) -> bool,
     ) -> anyhow::Result<bool> {
-        // Everything is in its place before the frame is due: then only the sending is left.
+        // Prepare everything before the frame is due, so that only the sending is left.
         let mut slot = self.lender.slot_of(frame)?;
         let truth_slot = match self.truth {
             None => None,
@@ -265,7 +266,7 @@ impl Sender<'_> {
             None => None,
             Some(depths) => depths.slot(frame.sequence, self.lender.source.as_mut())?,
         };
-        // A frame that was taken at a moment of its own is not waited for.
+        // A frame with its own exposure time is sent immediately.
         let is_live = frame.exposed_ns.is_some();
         let after_ns = self.lender.source.due_after_ns();
         let ready_ns = now_ns();
@@ -300,7 +301,7 @@ impl Sender<'_> {
         station.handover.note(self.sent, frame.sequence);
         let header = frame_header(frame, self.lender.source.kind(), trace);
         *slot.header_mut() = header;
-        // Whoever has the frame finds its depth.
+        // Send the depth image first, so that it is there when the frame arrives.
         if let Some(DepthSlot { size, mut slot }) = depth_slot {
             *slot.header_mut() = header.of_depth(size);
             station.note(slot.send()?);
@@ -317,15 +318,16 @@ impl Sender<'_> {
             slot.trace = trace;
             station.note(slot.send()?);
         }
-        // The kernel takes the waking of a socket's reader as a sign that the waker is about to sleep, and puts the reader
-        // on the waker's core; but capture goes on to make the next frame. So it lets the reader go first.
+        // The kernel assumes that a thread that wakes a socket's reader is about to sleep, and puts
+        // the reader on its core. Capture continues with the next frame instead, so it yields to
+        // the reader.
         std::thread::yield_now();
         self.lender.lend()?;
         Ok(true)
     }
 }
 
-/// Sleeps until a frame is due; `false` if a signal came.
+/// Sleeps until a frame is due. Returns `false` if a signal arrives.
 fn wait_until(station: &mut Station, due_ns: u64) -> bool {
     while station.handover.is_held() && due_ns > now_ns() + BEAT_NS {
         if !station.stop.sleep_until(now_ns() + BEAT_NS) {
@@ -336,7 +338,8 @@ fn wait_until(station: &mut Station, due_ns: u64) -> bool {
     station.stop.sleep_until(due_ns)
 }
 
-/// The first frame of a source that has none yet; none if the chain's time is over or it is stopped before.
+/// Waits for the first frame of a source. Returns `None` if the running time ends or the chain is
+/// stopped before.
 fn wait_for_first(
     settings: &Settings,
     source: &mut dyn FrameSource,
@@ -363,7 +366,7 @@ fn wait_for_first(
     }
 }
 
-/// Says what the source has to say.
+/// Logs the warnings and news of the source.
 fn tell(source: &mut dyn FrameSource) {
     while let Some(warning) = source.take_warning() {
         tracing::warn!("{warning}");
@@ -373,7 +376,8 @@ fn tell(source: &mut dyn FrameSource) {
     }
 }
 
-/// A video that was made for another rate is shown at the one that is set; the user may not have known.
+/// Reports that a video was made for another frame rate than the one in the settings, as the user
+/// may not know.
 fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
     if let (Some(native), Fps::PerSecond(fps), SourceKind::Video) =
         (source.native_fps(), settings.capture.fps, source.kind())

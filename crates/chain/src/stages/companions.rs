@@ -1,17 +1,21 @@
-//! Images that come beside frames: masks that another process makes, and depth. Each is paired with its frame, and not waited for when
-//! the frame is too old.
+//! Images that accompany frames: masks from another process, and depth images. Each is paired with
+//! its frame. A frame that is too old is not paired.
 //!
-//! Each carries its frame's trace, as capture made it. It is waited for until a deadline after the frame's capture, so that frames that
-//! wait behind each other do not add up their waits; earlier it is given up when a later frame's comes. Waiting counts as waiting,
-//! not as a stage's work.
+//! Each image carries its frame's trace as capture made it. It is awaited until a deadline after
+//! the frame's capture, so that the waits of queued frames do not add up. The wait ends early if
+//! the image of a later frame arrives. This time counts as waiting, not as a stage's work.
 //!
-//! `mask = "external"`: a mask is a `Gray8` image of its frame's size (`FrameHeader::of_mask`), the higher the likelier rope. Who makes masks
-//! reads the newest frame (`wire::FrameReader`, `MaskWriter`; `examples/mask_network.rs`), and may be slower than the camera: then extract's own buffer
-//! overflows meanwhile, by the backlog rule it goes to the newest frame when the mask comes, and that is the one the other
-//! has just taken up. A `--lossless` chain needs a `--lossless` maker of masks. A frame without its mask is skipped, and counted.
+//! `mask = "external"`: a mask is a `Gray8` image of its frame's size (`FrameHeader::of_mask`),
+//! with higher levels where rope is more likely. The maker of masks reads the newest frame
+//! (`wire::FrameReader`, `MaskWriter`; `examples/mask_network.rs`) and may be slower than the
+//! camera. Extract's own buffer then overflows. When the mask arrives, the backlog rule makes
+//! extract continue with the newest frame, which the mask maker has just taken. A `--lossless`
+//! chain needs a `--lossless` maker of masks. A frame without its mask is skipped and counted.
 //!
-//! `[camera] depth`: a depth image is a `Gray16` of its own size (`FrameHeader::of_depth`), which fit reads. A frame without one has its
-//! curves in the image, and in space the word that there was none. One of 0 × 0 pixels says that none will come, so that it is not waited for.
+//! `[camera] depth`: a depth image is a `Gray16` image of its own size (`FrameHeader::of_depth`),
+//! which fit reads. A frame without one has its curves in the image only, and its 3-D message says
+//! that the depth image is missing. A depth image of 0 × 0 pixels says that none will come, so that
+//! fit does not wait.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -21,30 +25,31 @@ use lariat_wire::{Channel, Message, Receiver, Trace, WireError, now_ns};
 use super::Station;
 use crate::stop::Stop;
 
-/// Told to stop, a frame's mask is waited for no longer than this: the few frames that are left then end in time.
+/// Maximum wait for a mask after a stop was requested, so that the few frames that are left end in
+/// time.
 const AFTER_STOP: Duration = Duration::from_secs(1);
 
-/// Frames in a row without a companion after which the warning repeats.
+/// Number of consecutive frames without a companion after which the warning repeats.
 const IN_A_ROW: u64 = 10;
 
-/// How they are spoken of.
+/// Words for the warnings.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words {
-    /// What one of them is called.
+    /// Name of a companion.
     pub(super) what: &'static str,
-    /// What becomes of a frame that has none.
+    /// Consequence for a frame without a companion.
     pub(super) without: &'static str,
-    /// The setting that says how long one is waited for.
+    /// Name of the setting for the deadline.
     pub(super) setting: &'static str,
 }
 
-/// What a rig has beside its frames.
+/// Reads the companions of a rig's frames.
 pub(super) struct Companions {
     reader: Receiver<[u8]>,
     channel: String,
     words: Words,
     deadline: Duration,
-    /// The newest that came. It may be for a frame that is still to come.
+    /// The newest companion. Its frame may still be to come.
     held: Option<Message<[u8]>>,
     late: u64,
     in_a_row: u64,
@@ -52,7 +57,7 @@ pub(super) struct Companions {
 }
 
 impl Companions {
-    /// Becomes a reader of them.
+    /// Opens a reader of the companions.
     pub(super) fn open(
         channel: &'static Channel<[u8]>,
         words: Words,
@@ -77,8 +82,8 @@ impl Companions {
         })
     }
 
-    /// That of the frame, waited for if need be; `None`, and the frame is counted, if it does not come in
-    /// time after the frame was captured, or if one for a later frame comes instead.
+    /// Returns the companion of a frame, waiting for it if necessary. Counts the frame and returns
+    /// `None` if it is late, or if the companion of a later frame arrives first.
     pub(super) fn of(
         &mut self,
         frame: &Trace,
@@ -89,7 +94,7 @@ impl Companions {
         let found = came && self.held.as_ref().is_some_and(is_image);
         self.late += u64::from(!found);
         self.in_a_row = if came { 0 } else { self.in_a_row + 1 };
-        // A fault of every frame would fill the screen.
+        // Warn only once, because a fault in every frame would fill the screen.
         let is_first = !came && !std::mem::replace(&mut self.is_told, true);
         if is_first || self.in_a_row == IN_A_ROW {
             let row = match is_first {
@@ -112,12 +117,12 @@ impl Companions {
         Ok(self.held.as_ref().filter(|_| found))
     }
 
-    /// How many frames had none.
+    /// Returns the number of frames without a companion.
     pub(super) fn late(&self) -> u64 {
         self.late
     }
 
-    /// Whether the held one is now the frame's.
+    /// Waits for the frame's companion. Returns true if it is held now.
     fn wait_for(&mut self, frame: &Trace, stop: &Stop) -> Result<bool, WireError> {
         let age = Duration::from_nanos(now_ns().saturating_sub(frame.captured_ns));
         let deadline = Instant::now() + self.deadline.saturating_sub(age);
@@ -125,7 +130,7 @@ impl Companions {
         loop {
             if let Some(held) = &self.held {
                 let held = &held.header().trace;
-                // A restarted capture counts from 1 again; its clock continues.
+                // A restarted capture counts from 1 again, but its clock continues.
                 if held.captured_ns > frame.captured_ns {
                     return Ok(false);
                 }
@@ -145,14 +150,14 @@ impl Companions {
             if Instant::now() >= until {
                 return Ok(false);
             }
-            // Once the signal has come, its pipe would wake again and again.
+            // After the signal, its pipe would cause a wake-up again and again.
             let also = last.is_none().then(|| stop.as_fd());
             self.reader.sleep(Some(until), also)?;
         }
     }
 }
 
-/// Whether both are of one frame, whatever stages have added since.
+/// Returns true if both traces belong to the same frame, whatever later stages have added.
 fn is_of(held: &Trace, frame: &Trace) -> bool {
     let of = |trace: &Trace| {
         [

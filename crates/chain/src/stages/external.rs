@@ -1,11 +1,14 @@
-//! Frames that a process of the user's writes: what capture would see to is extract's then, as there is no capture.
+//! Frames from an external process. The chain then lacks a capture stage, so extract performs its
+//! duties.
 //!
-//! It knows when the chain has had what was asked for, where the writer's numbers stood when the chain began and when it ended,
-//! and says when no frames come. It makes no frames of its own then: the channel has one writer, and readers see by themselves
-//! how old what they know is (`Stale`). A writer that knows that its camera is blind says so with blank frames.
+//! Extract knows when the chain has had the requested number of frames. It ends with `--frames` and
+//! `--duration`, and after a signal it ignores frames that were captured later. It warns when no
+//! frames arrive. It does not create blank frames, because the channel has only one writer and
+//! readers detect stale data themselves (`Stale`). A writer that knows that its camera is blind
+//! sends blank frames.
 //!
-//! Extract ends with `--frames` and `--duration`, takes nothing after a signal that was captured after it, and says where the writer's numbers stood
-//! when the chain began and ended (`taken` on its status line), so that the ledger begins there.
+//! Extract also reports the writer's counters at the start and the end of the chain (`taken` on its
+//! status line). The loss accounting starts there.
 
 use std::time::{Duration, Instant};
 
@@ -15,31 +18,32 @@ use super::status::{Sent, Taken};
 use crate::settings::Settings;
 use crate::stop::Stop;
 
-/// A camera may pause for an exposure in the dark, a program for a garbage collector.
+/// Minimum silence before a warning. A camera may pause for an exposure in the dark, and a program
+/// for garbage collection.
 const SHORTEST_SILENCE: Duration = Duration::from_secs(2);
-/// A slow source is silent when so many of its periods are over.
+/// A slow source counts as silent after this many of its periods.
 const PERIODS: u32 = 3;
 
-/// What is known of the writer.
+/// State of the writer.
 pub(super) struct External {
     channel: String,
-    /// How many frames are asked for.
+    /// Number of frames requested.
     most: u64,
-    /// For how long.
+    /// Running time requested.
     lasts: Option<Duration>,
-    /// When that is over.
+    /// End of the running time.
     end: Option<Instant>,
     before_first: Option<[u64; 2]>,
     last: Trace,
-    /// How many frames the writer sent, as far as its count says.
+    /// Number of frames that the writer sent, according to its counter.
     published: u64,
-    /// When a silence is to be told; `None` once it was.
+    /// When to warn of a silence; `None` after the warning.
     silent: Option<Instant>,
     stopped_ns: Option<u64>,
 }
 
 impl External {
-    /// If that is where frames come from.
+    /// Returns the state if frames come from an external process.
     pub(super) fn of(settings: &Settings) -> Option<Self> {
         let now = Instant::now();
         settings.capture.is_external().then(|| Self {
@@ -62,12 +66,12 @@ impl External {
         })
     }
 
-    /// When to ask [`wait_on`](Self::wait_on).
+    /// Returns when to call [`wait_on`](Self::wait_on).
     pub(super) fn deadline(&self) -> Option<Instant> {
         [self.end, self.silent].into_iter().flatten().min()
     }
 
-    /// No frame came until then. Whether one is still waited for.
+    /// Handles a deadline without a frame. Returns true if frames are still awaited.
     pub(super) fn wait_on(&mut self) -> bool {
         let now = Instant::now();
         if self.silent.is_some_and(|silent| now >= silent) {
@@ -88,9 +92,10 @@ impl External {
         self.end.is_none_or(|end| now < end)
     }
 
-    /// Whether this frame is one of those that were asked for.
+    /// Returns true if this frame is one of those requested.
     pub(super) fn takes(&mut self, trace: &Trace, stop: &Stop) -> bool {
-        // A writer that is not the chain's goes on: frames that were made after the signal are not waited for.
+        // An external writer does not stop with the chain, so ignore frames that were captured
+        // after the signal.
         if stop.asked() && trace.captured_ns > *self.stopped_ns.get_or_insert_with(now_ns) {
             return false;
         }
@@ -120,12 +125,12 @@ impl External {
         true
     }
 
-    /// Whether as many frames were sent as were asked for.
+    /// Returns true if as many frames were sent as requested.
     pub(super) fn has_all(&self) -> bool {
         self.published >= self.most
     }
 
-    /// What capture would say at the end.
+    /// Returns what capture would report at the end.
     pub(super) fn taken(&self) -> Taken {
         Taken {
             before_first: self.before_first.unwrap_or_default(),

@@ -1,4 +1,4 @@
-//! Extract as a process: frames in, centerlines out.
+//! The extract process: reads frames and sends centerlines.
 
 use lariat_extract::Mask;
 use lariat_wire::{CENTERLINES, Centerlines, FRAMES, MASKS, Writer, now_ns};
@@ -12,7 +12,7 @@ use super::{Inbox, Received, Station, Supervision};
 use crate::pipeline::{FrameExtractor, FrameView};
 use crate::settings::{Settings, Stage};
 
-/// Extracts until a signal comes.
+/// Extracts until a signal arrives.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Extract, supervision)?;
     let changes = station.listen(settings, |before, now| {
@@ -57,15 +57,15 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         }
         let mask = match &mut masks {
             None => None,
-            // Nobody makes a mask of nothing.
+            // A blank frame has no mask.
             Some(_) if header.is_blank() => None,
             Some(masks) => match masks.of(&header.trace, &station.stop)? {
                 Some(mask) => {
-                    // Waiting for it was no work.
+                    // Waiting for the mask was not work.
                     started_ns = now_ns();
                     Some(mask)
                 }
-                // Its mask came too late: the frame is not sent on, and counted.
+                // The mask was too late. The frame is counted and not sent on.
                 None => continue,
             },
         };
@@ -76,7 +76,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         slot.trace.set_restarts(1, restarts);
         let mask = mask.map(|mask| FrameView::new(mask.header(), mask));
         extractor.answer(FrameView::new(header, &frame), mask, &mut slot);
-        // Read, the frame makes room for another.
+        // Release the frame to make room for another.
         let trace = header.trace;
         drop(frame);
         sent.count += 1;
@@ -109,7 +109,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     station.assert_all_delivered()
 }
 
-/// The masks of the frames, if the settings ask for masks from elsewhere.
+/// Opens the reader of masks, if the settings select external masks.
 fn masks(settings: &Settings, station: &Station) -> anyhow::Result<Option<Companions>> {
     if settings.extract.mask != Mask::External {
         return Ok(None);

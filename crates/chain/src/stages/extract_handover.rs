@@ -1,4 +1,5 @@
-//! What extract leaves to its successor: what it said last, as a recording has it, and what it knew beside.
+//! Extract's handover state: its last message, encoded as in a recording, and the state that goes
+//! with it.
 
 use lariat_record::Record;
 use lariat_wire::{Centerlines, Status};
@@ -6,16 +7,16 @@ use lariat_wire::{Centerlines, Status};
 use super::handover::{DoubleBuffer, Handover};
 use crate::pipeline::Past;
 
-/// Bytes before the message.
+/// Number of bytes before the message.
 const HEAD: usize = 20;
 
-/// What was left.
+/// The state of a predecessor.
 pub(super) struct Restored {
     pub(super) past: Past,
     pub(super) last: Box<Centerlines>,
 }
 
-/// What the extract before left, if there was one and it is whole.
+/// Reads the state that the previous extract process left, if there is one and it is complete.
 pub(super) fn read(handover: &Handover) -> Option<Restored> {
     let bytes = handover.state()?.newest_first().next()?;
     let (&moment, rest) = bytes.split_first_chunk()?;
@@ -34,7 +35,7 @@ pub(super) fn read(handover: &Handover) -> Option<Restored> {
     Some(Restored { past, last })
 }
 
-/// How many ropes the last message has that are seen.
+/// Returns the number of visible ropes in the last message.
 pub(crate) fn ropes_seen(handover: &Handover) -> usize {
     let left = read(handover);
     let last = left.as_ref().map(|left| left.last.curves());
@@ -43,7 +44,8 @@ pub(crate) fn ropes_seen(handover: &Handover) -> usize {
         .count()
 }
 
-/// How it is written: the message is copied while it is here, and the rest is done when it was sent, out of its way.
+/// Writes the state. The message is copied while it exists; the rest happens after it was sent, so
+/// that sending is not delayed.
 pub(super) struct HandoverWriter {
     last: Box<Centerlines>,
     message: Vec<u8>,
@@ -52,7 +54,7 @@ pub(super) struct HandoverWriter {
 
 impl Default for HandoverWriter {
     fn default() -> Self {
-        // As large as a message can be: nothing is allocated later.
+        // Reserve room for the largest message, so that nothing is allocated later.
         let room = HEAD + 2 * size_of::<Centerlines>();
         Self {
             last: Box::new(Centerlines::EMPTY),
@@ -67,7 +69,7 @@ impl HandoverWriter {
         self.last.copy_meant(last);
     }
 
-    /// Leaves what was kept.
+    /// Writes the state that was kept.
     pub(super) fn leave(&mut self, past: Past, left: &DoubleBuffer) {
         self.last.encode(&mut self.message);
         self.bytes.clear();
@@ -76,7 +78,7 @@ impl HandoverWriter {
             self.bytes.extend(number.to_le_bytes());
         }
         self.bytes.extend(&self.message);
-        // One that is too large for it leaves the one before.
+        // If the state is too large, the previous one remains.
         let _ = left.write(&self.bytes);
     }
 }

@@ -1,4 +1,5 @@
-//! Fit as a process: centerlines in, descriptors out; with depth images or a second rig, descriptors in space, too.
+//! The fit process: reads centerlines and sends descriptors. With depth images or a second rig it
+//! also sends 3-D descriptors.
 
 use std::panic::resume_unwind;
 
@@ -16,10 +17,10 @@ use crate::calibrated::Calibrated;
 use crate::pipeline::{Companion, CurveFitter, FrameView, SpaceFitter};
 use crate::settings::{Settings, Stage};
 
-/// Fits until a signal comes.
+/// Fits until a signal arrives.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
     let mut station = Station::open(settings, Stage::Fit, supervision)?;
-    // Its tables take 8 ms, in which the channels are opened.
+    // Computing the tables takes milliseconds. Open the channels meanwhile.
     let made = settings.clone();
     let curves = std::thread::spawn(move || CurveFitter::new(&made));
     let read = |settings: &Settings| {
@@ -28,7 +29,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     };
     let mut calibrated = read(settings)?;
     let changes = station.listen(settings, move |before, now| {
-        // The files that `[camera]` names may be others under the same names.
+        // The files of `[camera]` may have changed under the same names.
         let calibrated_now = read(now)?;
         let is_ours = before.fit != now.fit || calibrated != calibrated_now;
         let made = is_ours
@@ -58,7 +59,7 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
                 space.fitter = fitter;
             }
         }
-        // Before the descriptors, so that who has those finds these.
+        // Sent before the descriptors, so that they are there when the descriptors arrive.
         if let Some(space) = &mut space {
             space.answer(&message, started_ns, sent.count + 1, &station)?;
         }
@@ -83,21 +84,21 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     station.assert_all_delivered()
 }
 
-/// The ropes in space, where there is a depth camera or a second one.
+/// Fits ropes in 3-D, if there is a depth camera or a second color camera.
 struct Space {
     fitter: SpaceFitter,
     beside: Beside,
     writer: Writer<Descriptors3>,
 }
 
-/// What comes beside centerlines.
+/// Reader of the companions of centerlines.
 enum Beside {
     Depths(Box<Companions>),
     Second(Box<SecondView>),
 }
 
 impl Space {
-    /// `None` if the settings name neither.
+    /// Returns `None` if the settings name neither camera.
     fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
         let Some(fitter) = SpaceFitter::new(settings)? else {
             return Ok(None);
@@ -130,7 +131,8 @@ impl Space {
         }))
     }
 
-    /// Says how many frames had no depth image or second view: to the chain, for its report; by hand, if there are any.
+    /// Reports how many frames lacked a depth image or second view. The chain needs the number for
+    /// its report; without a chain, a warning is printed if there were any.
     fn tell_of_missing(&self, station: &mut Station) {
         let (missing, what) = match &self.beside {
             Beside::Depths(depths) => (depths.late(), "depth image"),
@@ -149,7 +151,7 @@ impl Space {
         fitted: u64,
         station: &Station,
     ) -> anyhow::Result<()> {
-        // There is none beside a frame without an image.
+        // A frame without an image does not get a companion.
         let companion = match &mut self.beside {
             _ if seen.width == 0 => None,
             Beside::Depths(depths) => {

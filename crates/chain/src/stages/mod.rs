@@ -31,51 +31,52 @@ use handover::Handover;
 use orders::{Changes, Orders};
 use status::{Status, Word};
 
-/// What every stage has: its place on the wire, the signal that ends it, the line to the chain that started it.
+/// The environment of a stage: its channels, the stop flag, and the status line to the chain that
+/// started it.
 pub struct Station {
-    /// Where the rig lives.
+    /// The rig's domain.
     pub domain: Domain,
-    /// Its channels.
+    /// The rig, which names the channels.
     pub rig: Rig,
-    /// Whether senders wait for readers.
+    /// Delivery mode: whether senders wait for readers.
     pub delivery: Delivery,
-    /// What ends it.
+    /// Flag that ends the stage.
     pub stop: Stop,
-    /// Whom it tells how it is.
+    /// Status line to the chain.
     pub status: Status,
-    /// What it leaves to its successor.
+    /// Handover state for the successor.
     pub handover: Handover,
-    /// By which settings it goes.
+    /// Version of the settings in force.
     pub version: u32,
     orders: Orders,
     arrangement: Arrangement,
-    /// Which stage it is, if it is one.
+    /// The stage, if it is one.
     stage: Option<Stage>,
-    /// What it is called among those that run on a rig.
+    /// Name under which it is announced on the rig.
     name: &'static str,
-    /// What it says of itself to others on the machine.
+    /// Settings that it announces to other processes.
     settings: String,
-    /// The channel that it was made a reader of.
+    /// The channel that it reads.
     reads: Cell<Option<&'static str>>,
-    /// Messages that did not reach a reader although this stage waited for it.
+    /// Number of messages that did not reach a reader although this stage waited for it.
     undelivered: Cell<u64>,
     announcement: Option<Announcement>,
 }
 
-/// What joins a stage to the chain that started it, and what ends it.
+/// Connection of a stage to the chain that started it, and the stop flag.
 pub struct Supervision {
-    /// What ends it.
+    /// Flag that ends the stage.
     pub stop: Stop,
-    /// Whom it tells how it is.
+    /// Status line to the chain.
     pub status: Status,
-    /// What it is told.
+    /// Settings from the chain.
     pub orders: Orders,
-    /// What it leaves to its successor.
+    /// Handover state for the successor.
     pub handover: Handover,
 }
 
 impl Supervision {
-    /// Of a stage that is this process.
+    /// Returns the supervision of a stage that is this process.
     pub fn of_this_process() -> anyhow::Result<Self> {
         Ok(Self {
             stop: Stop::on_signals()?,
@@ -87,7 +88,7 @@ impl Supervision {
 }
 
 impl Station {
-    /// Of a stage.
+    /// Opens the station of a stage.
     pub fn open(
         settings: &Settings,
         stage: Stage,
@@ -100,16 +101,16 @@ impl Station {
         })
     }
 
-    /// Notes whether a message that was sent reached all readers.
+    /// Notes whether a message reached all readers.
     pub fn note(&self, is_delivered: bool) {
         let undelivered = self.undelivered.get() + u64::from(!is_delivered);
         self.undelivered.set(undelivered);
     }
 
-    /// The last word of a stage that sends.
+    /// Checks at the end that all messages of a sending stage were delivered.
     ///
     /// # Errors
-    /// A reader did not get all that was sent, because it stood still while this stage ended.
+    /// Returns an error if a reader missed messages because it did not read while this stage ended.
     pub fn assert_all_delivered(&self) -> anyhow::Result<()> {
         match self.undelivered.get() {
             0 => Ok(()),
@@ -121,7 +122,8 @@ impl Station {
         }
     }
 
-    /// Of what stands beside the stages, under a name, and has no place of its own on the machine.
+    /// Opens a station for a program alongside the stages. It has a name, but no arrangement on the
+    /// machine.
     pub fn beside(
         settings: &Settings,
         name: &'static str,
@@ -160,7 +162,8 @@ impl Station {
         })
     }
 
-    /// It can receive, and all its threads are there: it takes its place on the machine, if it has one, and says so.
+    /// Reports that the stage can receive. All its threads exist by now, so it first applies its
+    /// arrangement on the machine, if it has one.
     pub fn ready(&mut self) -> anyhow::Result<()> {
         if let Some(stage) = self.stage {
             let lacks = arrangement::apply(&self.arrangement, stage)?;
@@ -182,11 +185,12 @@ impl Station {
         Ok(())
     }
 
-    /// Listens for settings that change: [`Orders::listen`]. Before it is [ready](Self::ready), so that the thread that does has no
-    /// part in the stage's place on the machine.
+    /// Listens for changes of settings: [`Orders::listen`]. Must be called before
+    /// [`ready`](Self::ready), so that the stage's arrangement does not apply to the listening
+    /// thread.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// Returns an error if the thread cannot be started.
     pub fn listen<T: Send + 'static>(
         &mut self,
         settings: &Settings,
@@ -195,8 +199,8 @@ impl Station {
         std::mem::take(&mut self.orders).listen(settings, make)
     }
 
-    /// Settings that have changed since it was last asked hold from now on, and others see it. What the stage made of them is
-    /// returned, if they concern it.
+    /// Applies settings that have changed since the last call and announces them. Returns the
+    /// objects that the stage prepared from them, if they concern it.
     pub fn change<T>(&mut self, changes: &Changes<T>) -> Option<T> {
         let change = changes.take()?;
         self.version = change.version;
@@ -209,12 +213,12 @@ impl Station {
         change.made
     }
 
-    /// Has the stage rest when it must.
+    /// Returns the rest that a realtime stage must take.
     pub fn rest(&self) -> Rest {
         Rest::new(&self.arrangement)
     }
 
-    /// Becomes a reader that is woken as the settings say.
+    /// Opens a reader that is woken as the settings say.
     pub fn reader<P: Payload + ?Sized>(
         &self,
         channel: &Channel<P>,
@@ -225,7 +229,7 @@ impl Station {
         Ok(reader)
     }
 
-    /// Started by hand, whoever waits says for what.
+    /// If the stage was started by hand, prints what it is waiting for.
     pub fn say_who_is_missing(&self, channel: &str) {
         let state = self.domain.channel(&self.rig, channel);
         let ends = state.and_then(|state| state.ends);
@@ -238,17 +242,17 @@ impl Station {
     }
 }
 
-/// Watches the counter of the stage before for gaps.
+/// Detects gaps in the counter of the previous stage.
 ///
-/// A backlog is worked off in order. But a gap says that the backlog overflowed: what still waits is old then, and the
-/// newest message is worth more than the rest.
+/// A backlog is processed in order. A gap means that the backlog overflowed: the waiting messages
+/// are old, and the newest one is worth more than the rest.
 #[derive(Default)]
 pub struct Backlog {
     last: Option<u64>,
 }
 
 impl Backlog {
-    /// Takes the counter of a message just received; `true` if messages before it were lost.
+    /// Takes the counter of a message just received. Returns true if messages before it were lost.
     pub fn overflowed(&mut self, count: u64) -> bool {
         let gap = self.last.is_some_and(|last| count > last + 1);
         self.last = Some(count);
@@ -256,23 +260,23 @@ impl Backlog {
     }
 }
 
-/// What a wait for a message ended with.
+/// Result of waiting for a message.
 pub enum Received<P: Payload + ?Sized> {
-    /// A message, and the moment it was in hand.
+    /// A message, and the time of its arrival at the stage.
     Message(Message<P>, u64),
-    /// The deadline.
+    /// The deadline has passed.
     Nothing,
-    /// The stage is to end, and nothing waits.
+    /// The stage is to end, and no message is waiting.
     End,
 }
 
-/// Where a stage's messages come in.
+/// Receives a stage's messages.
 pub struct Inbox<P: Payload + ?Sized> {
     reader: Receiver<P>,
     channel: &'static str,
     backlog: Backlog,
     rest: Rest,
-    /// The counter of the stage before, in a message.
+    /// Returns the previous stage's counter in a message.
     count: fn(&Message<P>) -> u64,
 }
 
@@ -280,7 +284,7 @@ impl<P: Payload + ?Sized> Inbox<P> {
     /// Opens the channel.
     ///
     /// # Errors
-    /// The transport refuses.
+    /// Returns an error if the transport fails.
     pub fn open(
         station: &Station,
         channel: &Channel<P>,
@@ -295,9 +299,8 @@ impl<P: Payload + ?Sized> Inbox<P> {
         })
     }
 
-    /// Receives the next message, sleeping until there is one; `None` when the stage is to end and nothing waits.
-    ///
-    /// Returns the message with the moment it was in hand.
+    /// Receives the next message and the time of its arrival at the stage. Sleeps until there is
+    /// one. Returns `None` when the stage is to end and no message is waiting.
     pub fn receive(&mut self, stop: &Stop) -> Result<Option<(Message<P>, u64)>, WireError> {
         Ok(match self.receive_by(stop, None)? {
             Received::Message(message, now_ns) => Some((message, now_ns)),
@@ -305,14 +308,15 @@ impl<P: Payload + ?Sized> Inbox<P> {
         })
     }
 
-    /// The same, but no later than the deadline.
+    /// Receives like [`receive`](Self::receive), but no later than the deadline.
     pub fn receive_by(
         &mut self,
         stop: &Stop,
         deadline: Option<Instant>,
     ) -> Result<Received<P>, WireError> {
         loop {
-            // Asked before looking: what was sent before the signal is still received.
+            // Check this before reading, so that messages sent before the signal are still
+            // received.
             let last_look = stop.asked();
             if let Some(mut message) = self.reader.next()? {
                 if self.backlog.overflowed((self.count)(&message)) {

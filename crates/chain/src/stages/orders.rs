@@ -1,8 +1,9 @@
-//! What the chain tells a stage while it runs: settings that have changed.
+//! Changes of settings that the chain sends to a running stage.
 //!
-//! They come as text on a pipe whose number stands in `LARIAT_ORDERS_FD`: a line `settings BYTES`, and so many bytes of
-//! a [`Settings::text`], which says its version. A thread that sleeps at the pipe makes what the stage needs of them,
-//! so that the stage itself looks at a flag between two frames, and takes what is ready.
+//! They arrive as text on a pipe, whose descriptor number is in `LARIAT_ORDERS_FD`. Each starts
+//! with a line `settings BYTES`, followed by this many bytes of a [`Settings::text`] that contains
+//! its version. A thread sleeps on the pipe and prepares what the stage needs. The stage itself
+//! only checks a flag between two frames and takes what is ready.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -14,41 +15,41 @@ use anyhow::{Context, Result, bail};
 
 use crate::settings::Settings;
 
-/// The variable that holds the pipe's number.
+/// Environment variable with the number of the pipe's descriptor.
 pub const ORDERS_FD: &str = "LARIAT_ORDERS_FD";
-/// A settings file takes a few kilobytes.
+/// Size limit of a settings text, in bytes. It takes a few kilobytes.
 const LARGEST: u64 = 1 << 20;
 
-/// The stage's end of the pipe; none if it was started by hand.
+/// The stage's end of the pipe. `None` if the stage was started by hand.
 #[derive(Default)]
 pub struct Orders(Option<File>);
 
-/// Settings that hold from now on.
+/// New settings.
 pub struct Change<T> {
-    /// Their version.
+    /// Version of the settings.
     pub version: u32,
-    /// All of them, as a `lariat.toml`.
+    /// All settings as the text of a `lariat.toml`.
     pub text: String,
-    /// What the stage made of them, if they concern it.
+    /// Objects that the stage prepared from them, if they concern it.
     pub made: Option<T>,
 }
 
-/// Where the newest change is found.
+/// Holds the newest change.
 pub struct Changes<T> {
     is_there: Arc<AtomicBool>,
     next: Arc<Mutex<Option<Change<T>>>>,
 }
 
 impl Orders {
-    /// Of a stage that is a thread of the chain's own process.
+    /// Creates the orders of a stage that is a thread of the chain's own process.
     pub fn on(pipe: OwnedFd) -> Self {
         Self(Some(pipe.into()))
     }
 
-    /// Of this process.
+    /// Opens the pipe of this process.
     ///
     /// # Errors
-    /// The variable names no pipe.
+    /// Returns an error if the variable does not name a pipe.
     pub fn of_the_chain() -> Result<Self> {
         let Ok(number) = std::env::var(ORDERS_FD) else {
             return Ok(Self(None));
@@ -58,11 +59,11 @@ impl Orders {
         Ok(Self(Some(pipe)))
     }
 
-    /// Has a thread make of each change what the stage needs: nothing, if it does not concern it. `make` is given the settings
-    /// before and now.
+    /// Starts a thread that prepares what the stage needs for each change. `make` receives the
+    /// previous and the new settings, and returns `None` if the change does not concern the stage.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// Returns an error if the thread cannot be started.
     pub fn listen<T: Send + 'static>(
         self,
         settings: &Settings,
@@ -79,7 +80,7 @@ impl Orders {
         let mut before = settings.clone();
         let work = move || {
             let mut pipe = BufReader::new(pipe);
-            // The end is the chain's, or a fault of its: nothing more is changed.
+            // If the chain ends or fails, no more changes follow.
             while let Ok(text) = next_text(&mut pipe) {
                 let change =
                     Settings::of_text(&text).and_then(|now| Ok((make(&before, &now)?, now)));
@@ -111,7 +112,7 @@ impl Orders {
 }
 
 impl<T> Changes<T> {
-    /// The newest change since it was last asked. Looks at a flag, if there is none.
+    /// Returns the newest change since the last call. Without a change, this only reads a flag.
     pub fn take(&self) -> Option<Change<T>> {
         if !self.is_there.load(Ordering::Acquire) {
             return None;
@@ -122,7 +123,7 @@ impl<T> Changes<T> {
     }
 }
 
-/// What the chain writes.
+/// Returns the bytes that the chain writes for a change.
 pub fn order(settings: &str) -> String {
     format!("settings {}\n{settings}", settings.len())
 }

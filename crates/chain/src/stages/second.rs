@@ -1,8 +1,9 @@
-//! What a second rig's camera saw: of its centerlines those nearest in time to a frame.
+//! The view of a second rig's camera: of its centerlines, those nearest in time to a frame.
 //!
-//! The other rig runs by itself and knows nothing of this one, which is a reader of its channel. A frame's partner is known as soon as
-//! one is there that was taken later than the frame, or no more than half a period before it; else it is waited for until a deadline after
-//! the frame's capture. Once nothing has come until then, nobody is waited for until something comes again.
+//! The other rig runs independently and knows nothing of this one, which reads its channel. A
+//! frame's partner is known once a view has arrived that is later than the frame, or at most half a
+//! period earlier. Until then, fit waits up to a deadline after the frame's capture. If nothing
+//! arrives by then, later frames do not wait until something arrives again.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -14,20 +15,21 @@ use super::Station;
 use crate::settings::Camera;
 use crate::stop::Stop;
 
-/// How far from a frame its partner may be while nothing is known of the other's period.
+/// Maximum time between a frame and its partner while the other camera's period is unknown.
 const WITHIN: Duration = Duration::from_millis(20);
 
-/// A reader of what the second camera saw.
+/// Reads the second camera's centerlines.
 pub(super) struct SecondView {
     reader: Receiver<Centerlines>,
     rig: Rig,
     within: Option<Duration>,
     deadline: Duration,
-    /// The last two that came, the newest first.
+    /// The last two views, newest first.
     seen: [Box<Centerlines>; 2],
-    /// How many of them there are.
+    /// Number of views received, up to two.
     count: usize,
-    /// From one to the next; where some are lost it is longer, so that the shorter of two counts.
+    /// The last two time steps between views. Lost views make a step longer, so the shorter one is
+    /// used.
     steps_ns: [Option<u64>; 2],
     is_silent: bool,
     alone: u64,
@@ -35,13 +37,13 @@ pub(super) struct SecondView {
 }
 
 impl SecondView {
-    /// Becomes a reader of the second rig that the settings name.
+    /// Opens a reader on the second rig that the settings name.
     pub(super) fn open(settings: &Camera, station: &Station) -> anyhow::Result<Self> {
         let rig = settings.second_rig.as_deref();
         let rig: Rig = (rig
             .context("a second camera has a rig of its own: say which (--second-rig NAME)")?)
         .parse()?;
-        // Whether its sender waits is the other's to say.
+        // The other rig decides whether its sender waits.
         let reader = Receiver::create(&station.domain, &rig, &CENTERLINES, None)?;
         Ok(Self {
             reader,
@@ -57,8 +59,8 @@ impl SecondView {
         })
     }
 
-    /// What the second camera saw when the frame was taken, waited for if need be; `None`, and the frame is counted, if nothing was seen
-    /// near enough to it.
+    /// Returns the second camera's view at the time of the frame, waiting for it if necessary. If
+    /// no view is near enough, counts the frame and returns `None`.
     pub(super) fn of(
         &mut self,
         frame: &Trace,
@@ -74,7 +76,7 @@ impl SecondView {
         };
         let found = nearest.filter(|&at| apart_ns(&self.seen[at]) <= within_ns);
         self.alone += u64::from(found.is_none());
-        // Said once: a fault of every frame would fill the screen.
+        // Warn only once, because a fault in every frame would fill the screen.
         if found.is_none() && !std::mem::replace(&mut self.is_told, true) {
             let why = match nearest {
                 Some(at) => format!(
@@ -96,7 +98,7 @@ impl SecondView {
         Ok(found.map(|at| &*self.seen[at]))
     }
 
-    /// How many frames had no partner.
+    /// Returns the number of frames without a partner.
     pub(super) fn alone(&self) -> u64 {
         self.alone
     }

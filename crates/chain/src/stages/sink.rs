@@ -1,7 +1,8 @@
-//! Sink as a process: reads what the chain made, counts it, and says how it went.
+//! The sink process: reads the output of the chain, counts it, and reports.
 //!
-//! It may be killed: of what it knows its files have what was 10 s before, whole (`keeper`), and a chain that keeps a file
-//! for it (`handover`) can start another, which goes on where it stopped.
+//! The sink may be killed. Its files then contain the complete state of at most 10 s before
+//! (`keeper`). A chain that holds its handover state (`handover`) can start another sink, which
+//! continues where it stopped.
 
 pub(crate) mod handover;
 mod keeper;
@@ -25,14 +26,14 @@ use crate::settings::{Settings, Stage};
 use handover::HandoverWriter;
 use keeper::Keeper;
 
-/// How often the live line is renewed in place on a terminal.
+/// Interval at which the live line is updated in place on a terminal.
 const ON_TERMINAL: Duration = Duration::from_millis(100);
-/// How often it is written elsewhere.
+/// Interval at which it is written elsewhere.
 const ELSEWHERE: Duration = Duration::from_secs(1);
 
-/// Counts until a signal comes, then reports.
+/// Counts until a signal arrives, then reports.
 pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> {
-    // Before this process is kept to some of the cores.
+    // Read this before the process is restricted to some of the cores.
     let machine = Machine::this();
     let is_successor = handover::is_inherited(&supervision.handover);
     let files = match is_successor {
@@ -40,10 +41,10 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
         true => RunFiles::reopen(settings)?,
     };
     let mut station = Station::open(settings, Stage::Sink, supervision)?;
-    // A change for sink restarts it.
+    // A change of the sink's settings restarts it.
     let changes = station.listen(settings, |_, _| Ok(None::<()>))?;
     let supervised = station.status.is_supervised();
-    // Frames from elsewhere may have begun long before the chain.
+    // An external writer may have started long before the chain.
     let from_start = supervised && !settings.capture.is_external();
     let options = settings.sink_options(from_start);
     let mut sink = Sink::of(handover::tally(&station.handover, options));
@@ -52,13 +53,13 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     let channels = Channels::open(&station)?;
     station.ready()?;
     let mut rest = station.rest();
-    // A chain ends its sink itself, when all before it has ended.
+    // A chain ends its sink when all stages before it have ended.
     let run = Some(&settings.run).filter(|_| !supervised);
     let end = run.and_then(|run| Some(Instant::now() + run.duration?));
     let most = run.and_then(|run| run.frames).unwrap_or(u64::MAX);
     let (mut frames, mut taken) = (0, 0);
     loop {
-        // That nobody reads it any more is the wish that it end: the chain ends in order.
+        // If nobody reads the live line any more, the sink ends, or its chain ends in order.
         let last_look = station.stop.asked()
             || (line.unread && !supervised)
             || end.is_some_and(|end| Instant::now() >= end);
@@ -92,7 +93,8 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     if line.wanted && line.in_place {
         line.say(format_args!("\n"));
     }
-    // If the signal was not the chain's, the chain learns of it here, and gives its word all the same.
+    // If the chain did not send the signal, it learns of the end here and still sends its last
+    // word.
     station.status.say(Word::Ending);
     let files = checkpoints.end()?;
     let counts = match supervised.then(LastWord::of_the_chain) {
@@ -108,20 +110,22 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
     said
 }
 
-/// How many bytes there may be of what was counted.
+/// Capacity for the counts, in bytes.
 const MOST_COUNTS: usize = 4 << 10;
 
-/// What is kept of what the sink knows, in case that it is killed.
+/// Saves the sink's state in case it is killed.
 struct Checkpoints {
     files: Option<RunFiles>,
     keeper: Option<Keeper>,
-    /// Where a successor finds what was counted.
+    /// Memory for the counts, which a successor continues.
     counts: Option<HandoverWriter>,
 }
 
 impl Checkpoints {
+    /// Starts to save the state of a sink.
+    ///
     /// # Errors
-    /// There is no thread to be had.
+    /// Returns an error if the thread cannot be started.
     fn new(
         sink: &Sink,
         files: RunFiles,
@@ -150,7 +154,7 @@ impl Checkpoints {
         }
     }
 
-    /// Writes what was counted. Messages of which it is not written are lost with the sink.
+    /// Saves the counts. Messages that are not saved are lost if the sink is killed.
     fn save_counts(&mut self, sink: &Sink) {
         if let Some(counts) = &mut self.counts
             && let Err(cause) = counts.write(|into| sink.tally().save_counts(into))
@@ -170,10 +174,10 @@ impl Checkpoints {
         self.keeper.as_ref().and_then(Keeper::due)
     }
 
-    /// Keeps no more. Returns the files, for the last word.
+    /// Stops saving, and returns the files for the final report.
     ///
     /// # Errors
-    /// The report's thread panicked.
+    /// Returns an error if the report's thread panicked.
     fn end(self) -> anyhow::Result<RunFiles> {
         match (self.keeper, self.files) {
             (Some(keeper), _) => keeper.end(),
@@ -199,8 +203,8 @@ impl Channels {
             ..
         } = station;
         let lossless = matches!(delivery, lariat_wire::Delivery::Lossless { .. });
-        // Every frame ends in a descriptor, and one wake a frame is enough. But a lossless writer waits for each of
-        // its readers, so there the sink listens to all.
+        // Every frame ends in a descriptor, so one wake per frame is enough. A lossless writer,
+        // however, waits for each of its readers, so the sink then listens to all channels.
         let open = |channel| {
             if lossless {
                 Receiver::create(domain, rig, channel, Some(delivery))
@@ -216,8 +220,8 @@ impl Channels {
         })
     }
 
-    /// Takes in all that waits, of descriptors at most so many, and hands on what was counted of each; returns how many of them
-    /// there were.
+    /// Processes all waiting messages, but at most `most` descriptors. Passes the receipt of each
+    /// descriptor to `counted` and returns their number.
     fn drain(
         &self,
         sink: &mut Sink,
@@ -255,18 +259,19 @@ impl Channels {
     }
 }
 
-/// What is said while it runs and at its end: a line of figures, in place on a terminal, a line a second elsewhere; the report.
+/// The output of the sink: the live line and the final report. The live line is updated in place on
+/// a terminal; elsewhere a line is written every second.
 struct LiveLine {
     wanted: bool,
     in_place: bool,
-    /// Standard output is one of the files.
+    /// True if one of the files goes to standard output.
     on_stderr: bool,
     due: Instant,
-    /// How often it was shown since a message came.
+    /// Number of times that the line was shown since the last message.
     stale: u32,
-    /// Nobody reads it any more.
+    /// True if nobody reads the output any more.
     unread: bool,
-    /// Why something could not be written. A full disk under its log does not stop a robot's chain.
+    /// The first write error. A full disk for the log must not stop a robot's chain.
     fault: Option<io::Error>,
 }
 
@@ -291,14 +296,15 @@ impl LiveLine {
         }
     }
 
-    /// Something to show has come.
+    /// Notes that a message has arrived.
     fn has_news(&mut self) {
         self.stale = 0;
     }
 
-    /// When it is to be renewed. Without frames it soon says so, and then there is nothing to say until one comes.
+    /// Returns when to update the line. Without frames, it is updated until it shows that, and then
+    /// not until a frame arrives.
     fn due(&self) -> Option<Instant> {
-        // Its figures are of the last second: two seconds on, they are of no frame.
+        // Its figures cover the last second, so two seconds without a frame leave them empty.
         let is_stale = self.interval() * self.stale > 2 * ELSEWHERE;
         (self.wanted && !is_stale && !self.unread).then_some(self.due)
     }
@@ -320,7 +326,7 @@ impl LiveLine {
         self.due = now + self.interval();
         let line = sink.live_line(now_ns());
         if self.in_place {
-            // A line that is wider than the terminal could not be written over.
+            // A line wider than the terminal could not be overwritten.
             let columns = layout::width().saturating_sub(1);
             let shown: String = line.chars().take(columns).collect();
             self.say(format_args!("\r{shown}\x1b[K"));
@@ -330,7 +336,7 @@ impl LiveLine {
     }
 
     fn say(&mut self, text: fmt::Arguments) {
-        // In one piece, so that no message of another process comes between.
+        // Write it as a whole, so that no message of another process comes between.
         let text = text.to_string();
         if self.on_stderr {
             messages::show(&text);
@@ -346,10 +352,10 @@ impl LiveLine {
         }
     }
 
-    /// Says the last word.
+    /// Prints the report.
     ///
     /// # Errors
-    /// Something could not be written, now or before.
+    /// Returns an error if anything could not be written, now or before.
     fn end(mut self, report: &Report) -> anyhow::Result<()> {
         self.say(format_args!("{report}\n"));
         match self.fault {

@@ -1,6 +1,6 @@
-#![allow(unsafe_code)] // Slots of shared memory are lent to a source, whose thread or driver fills them.
-//! A source and the slots of shared memory that its frames are written into: lent ahead of need if it fills them by
-//! itself, else when a frame is ready.
+#![allow(unsafe_code)] // A source's thread or driver fills slots of shared memory.
+//! A source and the slots of shared memory for its frames. Slots are lent in advance if the source
+//! fills them itself, otherwise taken when a frame is ready.
 
 use std::ptr::NonNull;
 
@@ -10,7 +10,7 @@ use lariat_wire::{Slot, WireError, Writer};
 
 use super::Station;
 
-/// The writer of a source's frames: with a slot to spare beside those that the source is lent.
+/// Creates the writer of a source's frames. It has one slot more than those lent to the source.
 pub(super) fn writer(
     station: &Station,
     source: &dyn FrameSource,
@@ -25,17 +25,18 @@ pub(super) fn writer(
     Writer::frames_ahead(domain, rig, delivery, largest, wanted + 1)
 }
 
-/// A source with what it is lent.
+/// A source and the slots lent to it.
 pub(super) struct SlotLender<'w> {
-    /// Dropped first: it lets go of the slots.
+    /// Dropped first, so that the source releases the slots.
     pub(super) source: Box<dyn FrameSource>,
-    /// Those in the source's hands, each under its number; none where one was given back and not yet replaced.
+    /// Slots that the source holds, by their number. `None` for a slot that was returned and not
+    /// yet replaced.
     lent: Vec<Option<Slot<'w, [u8]>>>,
     writer: &'w Writer<[u8]>,
 }
 
 impl<'w> SlotLender<'w> {
-    /// Lends the source what it wants. `writer`: made for this source.
+    /// Lends the source as many slots as it wants. `writer` must have been made for this source.
     pub(super) fn new(
         source: Box<dyn FrameSource>,
         writer: &'w Writer<[u8]>,
@@ -51,7 +52,8 @@ impl<'w> SlotLender<'w> {
         Ok(lender)
     }
 
-    /// Replaces the slots that were given back. Only when those are sent: the writer borrows no more than there are.
+    /// Replaces the slots that were returned. Call this only after those were sent, because the
+    /// writer lends no more slots than there are.
     pub(super) fn lend(&mut self) -> Result<(), WireError> {
         for index in 0..self.lent.len() {
             if self.lent[index].is_none() {
@@ -65,13 +67,15 @@ impl<'w> SlotLender<'w> {
     fn lend_one(&mut self, index: usize, mut slot: Slot<'w, [u8]>) {
         let memory = NonNull::from(&mut *slot);
         self.lent[index] = Some(slot);
-        // SAFETY: the memory is the writer's, who is borrowed for longer than the source lives, and stays where it is. It
-        // is nobody else's until the slot is sent or dropped: here it is only kept, until the source has given it back or
-        // is gone itself, as the first field that is dropped. It held bytes before, whichever.
+        // SAFETY: The memory belongs to the writer, whose borrow outlives the source, and does not
+        // move. It belongs to nobody else until the slot is sent or dropped. Here it is only kept
+        // until the source has returned it or is gone; the source is the first field that is
+        // dropped. The memory always contains initialized bytes.
         self.source.lend(unsafe { LentSlot::new(index, memory) });
     }
 
-    /// The slot that holds the frame just made ready: the source's own, or one that it is written into now.
+    /// Returns the slot of the frame that is ready: the source's own, or a new one into which it is
+    /// written now.
     pub(super) fn slot_of(&mut self, frame: &Frame) -> anyhow::Result<Slot<'w, [u8]>> {
         match frame.slot {
             Some(key) => self.take_back(key),

@@ -1,14 +1,20 @@
-//! What a stage and the chain that started it say to each other: a line a word, here as one type in each direction.
+//! Messages between a stage and the chain that started it, one per line, with one type for each
+//! direction.
 //!
-//! The stage says [`Word`]s on a pipe whose number stands in `LARIAT_STATUS_FD`; its own end says that the process is gone,
-//! however it went. The chain says its [`LastWord`] on the standard input of sink and recorder.
+//! A stage writes [`Word`]s to a pipe, whose descriptor number is in `LARIAT_STATUS_FD`. The end of
+//! the pipe means that the process is gone, for whatever reason. The chain writes its [`LastWord`]
+//! to the standard input of the sink and the recorder. A stage without the variable was started by
+//! hand and otherwise behaves the same.
 //!
-//! Each stage writes `ready` once, and `lacks` before
-//! it with what it may not have of `priority`, `memory` and `core` (see `arrangement`). Capture writes
-//! `done` when its source has ended; sink `ending` when a signal has ended its work, so that a chain that did not send it
-//! still tells it the counts, and `unread` when nobody reads standard output any more, which ends the chain like Ctrl-C; the other three `sent COUNT LAST_SEQUENCE` last, and extract before it `late COUNT` if it
-//! waited for masks, fit `depthless COUNT` if it waited for depth images, and capture `depths IMAGES LOST UNPAIRED` if it had a depth camera. The pipe's end says that the process is gone, however it went. A stage without the variable was
-//! started by hand, and behaves the same but for that.
+//! * Each stage writes `ready` once. Before that it writes `lacks` with those of `priority`,
+//!   `memory` and `core` that it does not get (see `arrangement`).
+//! * Capture writes `done` when its source has ended.
+//! * The sink writes `ending` when a signal has ended its work, so that the chain tells it the
+//!   counts even if another process sent the signal. It writes `unread` when nobody reads standard
+//!   output any more, which ends the chain like Ctrl-C.
+//! * The other three write `sent COUNT LAST_SEQUENCE` at the end. Before that, extract writes
+//!   `late COUNT` if it waits for masks, and fit `depthless COUNT` if it waits for depth images.
+//!   Capture writes `depths IMAGES LOST UNPAIRED` if it has a depth camera.
 
 use std::fmt;
 use std::fs::File;
@@ -21,51 +27,51 @@ use anyhow::Context;
 use lariat_sink::{DepthCounts, FinalCounts};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
-/// The variable that holds the pipe's number.
+/// Environment variable with the number of the pipe's descriptor.
 pub const STATUS_FD: &str = "LARIAT_STATUS_FD";
-/// The variable that holds the process id of the chain.
+/// Environment variable with the process id of the chain.
 pub const CHAIN_PID: &str = "LARIAT_CHAIN_PID";
 
-/// How many frames a stage sent, and the number the source gave to the last of them.
+/// Number of frames that a stage sent, and the source's number of the last one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sent {
-    /// How many.
+    /// Number of frames.
     pub count: u64,
-    /// The source's number of the last.
+    /// The source's number of the last frame.
     pub last_sequence: u64,
 }
 
-/// What extract knows of frames that come from elsewhere.
+/// Extract's record of frames from an external source.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Taken {
     /// The source's number and the writer's count before the first frame.
     pub before_first: [u64; 2],
-    /// What its writer had sent in all when the last one came.
+    /// The writer's totals in the last frame.
     pub last: Sent,
 }
 
-/// What a stage says of itself.
+/// A message from a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Word {
-    /// It may not have all that was wanted of the machine, and does without this.
+    /// The stage runs without these requested resources.
     Lacks(Lacks),
-    /// It can receive: what is sent to it from now on arrives.
+    /// The stage can receive: whatever is sent to it from now on arrives.
     Ready,
-    /// The source has ended, or as much of it was sent as was asked.
+    /// The source has ended, or the requested number of frames was sent.
     Done,
-    /// A signal has ended its work, and its last word is to come.
+    /// A signal has ended the stage's work, and it waits for the last word.
     Ending,
-    /// Nobody reads any more what it prints.
+    /// Nobody reads the stage's output any more.
     Unread,
-    /// So many frames were skipped, as their masks came too late.
+    /// Number of frames that were skipped because their masks were late.
     Late(u64),
-    /// So many frames had no depth image.
+    /// Number of frames without a depth image.
     Depthless(u64),
-    /// What became of the depth camera's images.
+    /// Counts of the depth camera's images.
     Depths(DepthCounts),
-    /// Frames came from elsewhere: where its writer's numbers stood before the first and at the last.
+    /// The external writer's counters before the first frame and at the last.
     Taken(Taken),
-    /// Its last word: what it sent in all.
+    /// The last message: totals of sent messages.
     Sent(Sent),
 }
 
@@ -107,14 +113,14 @@ fn depths([images, lost, unpaired]: [u64; 3]) -> DepthCounts {
     }
 }
 
-/// What another release may say.
+/// Error for a message that is unknown, possibly from another release.
 fn unknown(line: &str) -> anyhow::Error {
     anyhow::anyhow!(
         "`{line}` is not a message between a stage and its chain: use the same release for all stages"
     )
 }
 
-/// A line's name, and the whole numbers behind it.
+/// Splits a line into its name and the whole numbers that follow.
 fn parts(line: &str) -> anyhow::Result<(&str, Vec<u64>)> {
     let (name, rest) = line.split_once(' ').unwrap_or((line, ""));
     let numbers = rest.split_ascii_whitespace().map(str::parse);
@@ -153,18 +159,18 @@ impl FromStr for Word {
     }
 }
 
-/// What the chain says at its end: what each stage sent, a line for each number that is known.
+/// The chain's message at its end: the totals of each stage, with one line for each known number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LastWord {
-    /// It never came up.
+    /// The chain was never complete.
     Never,
-    /// What was sent.
+    /// The totals.
     Counts(FinalCounts),
 }
 
 impl LastWord {
-    /// The word of the chain that started this process, read from standard input to its end. A chain that was killed knows
-    /// nothing.
+    /// Reads the message of the chain that started this process from standard input. If the chain
+    /// was killed, the totals are unknown.
     pub fn of_the_chain() -> Self {
         let mut text = String::new();
         let _ = std::io::stdin().lock().read_to_string(&mut text);
@@ -226,16 +232,16 @@ impl FromStr for LastWord {
     }
 }
 
-/// The stage's end of the line. Says nothing if the stage was started by hand.
+/// The stage's end of the status line. Writes nothing if the stage was started by hand.
 pub struct Status(Option<File>);
 
 impl Status {
-    /// The line of a stage that is a thread of the chain's own process.
+    /// Creates the status of a stage that is a thread of the chain's own process.
     pub fn on(line: OwnedFd) -> Self {
         Self(Some(line.into()))
     }
 
-    /// Takes up the line, and asks the kernel to end this process with the chain's.
+    /// Opens the status line, and asks the kernel to end this process together with the chain.
     pub fn of_the_chain() -> anyhow::Result<Self> {
         let Ok(number) = std::env::var(STATUS_FD) else {
             return Ok(Self(None));
@@ -243,7 +249,7 @@ impl Status {
         set_parent_process_death_signal(Some(Signal::TERM))
             .context("the kernel was asked to end this stage with its chain, and refused")?;
         let chain = std::env::var(CHAIN_PID).unwrap_or_default();
-        // The chain may have died before the kernel was asked.
+        // The chain may have died before this request.
         let parent = getppid().map(|pid| pid.as_raw_nonzero().to_string());
         anyhow::ensure!(
             parent.as_deref() == Some(chain.as_str()),
@@ -256,16 +262,16 @@ impl Status {
         Ok(Self(Some(pipe)))
     }
 
-    /// Whether a chain started this stage.
+    /// Returns true if a chain started this stage.
     pub fn is_supervised(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Says a word. What a stage lacks is for the user, whom a stage that was started by hand tells itself; else the chain does,
-    /// for all of them.
+    /// Sends a message. A stage that was started by hand tells the user itself which resources it
+    /// lacks. Otherwise the chain does this for all stages.
     pub fn say(&mut self, word: Word) {
         match (&mut self.0, word) {
-            // A chain that is gone cannot be told; its death signal is on the way.
+            // If the chain is gone, its death signal is on the way.
             (Some(pipe), _) => drop(pipe.write_all(format!("{word}\n").as_bytes())),
             (None, Word::Lacks(lacks)) => tracing::warn!("{lacks}"),
             (None, _) => {}

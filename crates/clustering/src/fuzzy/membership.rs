@@ -6,41 +6,42 @@
 //!   for each center:           u² = (w/s)²,   sums += u² · (1, x, y)
 //! ```
 //!
-//! One division for two centers keeps the divider no busier than the multipliers are beside it.
+//! With one division for two centers, the divider is no busier than the multipliers.
 
 use lariat_portable::{Simd, WithSimd};
 
 use super::Pixels;
 use crate::aligned::{Aligned, LINE};
 
-/// Registers of pixels in a block: their coordinates and sums stay in registers, and the weights of 120 centers in the
-/// nearest cache.
+/// Registers of pixels per block. Their coordinates and sums stay in registers, and the weights of
+/// 120 centers fit in the first-level cache.
 const REGISTERS: usize = 4;
-/// Blocks after which floats are added up as doubles.
+/// Number of blocks after which float sums are added to doubles.
 const FLUSH: usize = 32;
-/// Least square of a distance, in px²: a pixel so near to a center belongs to it alone, to a float's last bit, as long
-/// as no other is within a pixel. scikit-fuzzy has such a floor as well.
+/// Floor of squared distances, in px². A pixel this near to a center belongs to it alone, to a
+/// float's last bit, unless another center is within a pixel. scikit-fuzzy has such a floor as
+/// well.
 const LEAST_SQUARE: f32 = 1e-8;
 
-/// Numbers summed up for each center: Σu², Σu²x, Σu²y.
+/// Sums of each center: Σu², Σu²x, Σu²y.
 const MOMENTS: usize = 3;
 
-/// The pixels from the middle of them all, filled up to whole blocks with such that do not count; and room to work in.
+/// Pixels relative to the middle of their bounding box, padded to whole blocks, and scratch memory.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     middle: [f32; 2],
     x: Aligned,
     y: Aligned,
     counts: Aligned,
-    /// For each center, of a block's pixels; twice.
+    /// Weights of a block's pixels for each center, in two slots.
     weights: [Aligned; 2],
-    /// For each center, a register for each moment; and their sums.
+    /// Moments of each center, one register per moment, and their totals.
     moments: Aligned,
     sums: Vec<[f64; MOMENTS]>,
 }
 
 impl Memory {
-    /// Takes up the pixels, and makes room for as many centers.
+    /// Stores the pixels and allocates for this many centers.
     pub(super) fn take(&mut self, pixels: &Pixels, middle: [f32; 2], centers: usize) {
         let padded = pixels.len().next_multiple_of(REGISTERS * LINE);
         self.middle = middle;
@@ -64,7 +65,7 @@ impl Memory {
         self.sums.resize(centers, [0.0; MOMENTS]);
     }
 
-    /// The pixels and room to work in, in registers.
+    /// Returns the pixels and the scratch memory as registers.
     #[inline(always)]
     fn split<S: Simd>(&mut self, simd: S) -> (Blocks<'_, S>, Room<'_, S>) {
         let [first, second] = &mut self.weights;
@@ -96,7 +97,7 @@ impl Memory {
     }
 }
 
-/// As many pixels as are taken at a time.
+/// The pixels processed at a time.
 type Block<S> = [<S as Simd>::f32s; REGISTERS];
 
 struct Blocks<'a, S: Simd> {
@@ -142,7 +143,8 @@ impl WithSimd for Round<'_> {
         }
         room.flush(count);
         for (center, [weight, x, y]) in self.centers.iter_mut().zip(&*room.sums) {
-            // So far from everything that floats cannot tell how little belongs to it: it stays.
+            // A center with weight 0 is so far away that floats cannot represent its share. It
+            // stays.
             if *weight > 0.0 {
                 *center = [
                     (x / weight + f64::from(room.middle[0])) as f32,
@@ -153,8 +155,8 @@ impl WithSimd for Round<'_> {
     }
 }
 
-/// Whether the memberships to the centers now and before differ by the tolerance or more; which mostly is known after
-/// a few blocks.
+/// Returns whether the memberships to the current and the previous centers differ by at least the
+/// tolerance. A few blocks are usually enough to know.
 pub(super) struct Moved<'a> {
     pub(super) memory: &'a mut Memory,
     pub(super) centers: [&'a [[f32; 2]]; 2],
@@ -193,7 +195,7 @@ impl WithSimd for Moved<'_> {
     }
 }
 
-/// J.
+/// Computes J.
 pub(super) struct Distortion<'a> {
     pub(super) memory: &'a mut Memory,
     pub(super) centers: &'a [[f32; 2]],
@@ -220,7 +222,8 @@ impl WithSimd for Distortion<'_> {
 }
 
 impl<S: Simd> Room<'_, S> {
-    /// The weights of a block's pixels to all centers, kept at `place`; returns their sums.
+    /// Computes the weights of a block's pixels for all centers and stores them in slot `place`.
+    /// Returns their sums.
     #[inline(always)]
     fn weigh(
         &mut self,
@@ -245,7 +248,7 @@ impl<S: Simd> Room<'_, S> {
                 sums[v] = simd.add_f32s(sums[v], simd.add_f32s(to_a[v], to_b[v]));
             }
         }
-        // An odd one.
+        // The last center of an odd number.
         for (center, to) in last.iter().zip(last_weights) {
             let center = seen_from(simd, middle, center);
             for v in 0..REGISTERS {
@@ -272,7 +275,7 @@ impl<S: Simd> Room<'_, S> {
         }
     }
 
-    /// Adds the moments to the sums, and begins again.
+    /// Adds the moments to the totals and clears them.
     #[inline(always)]
     fn flush(&mut self, count: usize) {
         for (sums, moments) in self.sums.iter_mut().zip(&mut self.moments[..count]) {
@@ -284,7 +287,7 @@ impl<S: Simd> Room<'_, S> {
     }
 }
 
-/// Where a center is, from the middle.
+/// Position of a center relative to the middle.
 #[inline(always)]
 fn seen_from<S: Simd>(simd: S, middle: [f32; 2], center: &[f32; 2]) -> [S::f32s; 2] {
     [
@@ -293,7 +296,7 @@ fn seen_from<S: Simd>(simd: S, middle: [f32; 2], center: &[f32; 2]) -> [S::f32s;
     ]
 }
 
-/// The squares of some pixels' distances from a center.
+/// Squared distances of pixels from a center, no less than the floor.
 #[inline(always)]
 fn square<S: Simd>(simd: S, x: S::f32s, y: S::f32s, center: [S::f32s; 2]) -> S::f32s {
     let (dx, dy) = (simd.sub_f32s(x, center[0]), simd.sub_f32s(y, center[1]));
@@ -308,7 +311,8 @@ mod tests {
     use lariat_portable::Arch;
     use proptest::prelude::*;
 
-    /// The definition of one round, in doubles: the memberships and J before it, and the centers after it.
+    /// The definition of a round, in doubles: the memberships and J before it, and the centers
+    /// after it.
     fn defined(pixels: &Pixels, centers: &[[f32; 2]]) -> (Vec<Vec<f64>>, f64, Vec<[f64; 2]>) {
         let mut memberships = Vec::new();
         let mut objective = 0.0;
@@ -368,7 +372,7 @@ mod tests {
                 let (now, _, _) = defined(&pixels, &after);
                 let changes = now.iter().flatten().zip(before.iter().flatten());
                 let change: f64 = changes.map(|(a, b)| (a - b) * (a - b)).sum();
-                // Below that, rounding of all memberships together is a part of it.
+                // Smaller changes are dominated by the rounding of all memberships.
                 let change = change.sqrt().max(3e-3);
                 for (tolerance, moved) in [(0.99 * change, change > 3e-3), (1.01 * change, false)] {
                     let found = arch.dispatch(Moved {

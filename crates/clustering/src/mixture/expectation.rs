@@ -1,4 +1,5 @@
-//! The pass over all pixels of a round: what belongs to each Gaussian, and how likely it all is.
+//! The pass of a round over all pixels. It computes the moments of each Gaussian and the total
+//! log-likelihood.
 //!
 //! ```text
 //! for each tile
@@ -7,8 +8,8 @@
 //!                    sums of candidate k += eₖ/s · (1, x, y, |x|²),   log-likelihood += m + log₂ s
 //! ```
 //!
-//! Each Gaussian left out has less than 2⁻ᵀ of the density of any pixel there. With T = 24 + log₂ K all of them together
-//! have less than 2⁻²⁴, which is where a float's 24 bits end.
+//! Each Gaussian left out contributes less than 2⁻ᵀ of the density of any pixel in the tile. With T
+//! = 24 + log₂ K, all of them together contribute less than 2⁻²⁴, the precision of a float.
 
 use lariat_portable::{Simd, WithSimd};
 
@@ -16,7 +17,8 @@ use super::super::exponential::{logarithm, power_of_two};
 use super::super::tiles::Tile;
 use super::{Gaussian, LANES, Sums, Tiles};
 
-/// Of each Gaussian, in lists filled up to whole registers with such that are nowhere, and room to work in.
+/// The Gaussians' parameters, in lists padded to whole registers with Gaussians of density 0, and
+/// scratch memory.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     x: Vec<f32>,
@@ -26,12 +28,12 @@ pub(super) struct Memory {
     /// The largest log-density in the tile.
     most: Vec<f32>,
     candidates: Vec<Candidate>,
-    /// A register for each candidate, and four.
+    /// One register per candidate, and then four per candidate.
     densities: Vec<f32>,
     moments: Vec<f32>,
 }
 
-/// A Gaussian as seen from a tile's middle.
+/// A Gaussian relative to a tile's middle.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     index: usize,
@@ -41,11 +43,11 @@ struct Candidate {
     fall: f32,
 }
 
-/// Numbers kept of each candidate: Σr, Σrx, Σry, Σr|x|².
+/// Sums of each candidate: Σr, Σrx, Σry, Σr|x|².
 const MOMENTS: usize = 4;
 
 impl Memory {
-    /// Takes up the Gaussians of this round.
+    /// Stores the Gaussians of this round.
     pub(super) fn take(&mut self, gaussians: &[Gaussian]) {
         let padded = gaussians.len().next_multiple_of(LANES);
         for list in [&mut self.x, &mut self.y, &mut self.level, &mut self.fall] {
@@ -70,7 +72,7 @@ impl Memory {
     }
 }
 
-/// The pass; returns the log-likelihood of all pixels, to base 2.
+/// The pass. Returns the base-2 log-likelihood of all pixels.
 pub(super) struct Expectation<'a> {
     pub(super) tiles: &'a Tiles,
     pub(super) gaussians: &'a [Gaussian],
@@ -88,7 +90,8 @@ impl WithSimd for Expectation<'_> {
         let lists = self.tiles.lists();
         for tile in self.tiles.tiles() {
             let best = self.memory.bound(simd, tile);
-            // Where all are very narrow, the bounds themselves are rounded by more than T.
+            // If all Gaussians are very narrow, the rounding error of the bounds themselves exceeds
+            // T.
             let least = best - margin - 4.0 * f32::EPSILON * best.abs();
             self.memory.choose(self.gaussians, tile, least);
             let memory = &mut *self.memory;
@@ -123,7 +126,8 @@ impl WithSimd for Expectation<'_> {
 }
 
 impl Memory {
-    /// Notes the largest log-density of each Gaussian in the tile's box; returns the best one's least.
+    /// Stores the largest log-density of each Gaussian in the tile's box. Returns the best
+    /// Gaussian's least log-density there.
     #[inline(always)]
     fn bound<S: Simd>(&mut self, simd: S, tile: &Tile) -> f32 {
         let mut best = simd.splat_f32s(f32::NEG_INFINITY);
@@ -147,12 +151,12 @@ impl Memory {
         simd.reduce_max_f32s(best)
     }
 
-    /// Those that reach `least` in the tile.
+    /// Selects the Gaussians that reach `least` in the tile.
     #[inline(always)]
     fn choose(&mut self, gaussians: &[Gaussian], tile: &Tile, least: f32) {
         self.candidates.clear();
         for (index, gaussian) in gaussians.iter().enumerate() {
-            // The one whose bound it is reaches it, whatever the rounding.
+            // The Gaussian that set the bound always reaches it, whatever the rounding.
             if self.most[index] >= least && self.level[index] > f32::NEG_INFINITY {
                 self.candidates.push(Candidate {
                     index,
@@ -166,7 +170,7 @@ impl Memory {
     }
 }
 
-/// How far a place is at least and at most from where it may be between `low` and `high`, along one axis.
+/// Minimum and maximum distance along one axis between `c` and the interval from `low` to `high`.
 #[inline(always)]
 fn reach<S: Simd>(simd: S, c: S::f32s, low: S::f32s, high: S::f32s) -> (S::f32s, S::f32s) {
     let (below, above) = (simd.sub_f32s(low, c), simd.sub_f32s(c, high));
@@ -175,7 +179,7 @@ fn reach<S: Simd>(simd: S, c: S::f32s, low: S::f32s, high: S::f32s) -> (S::f32s,
     (near, far)
 }
 
-/// What is at hand for the pixels of one tile.
+/// State for the pixels of one tile.
 struct Work<'a, S: Simd> {
     simd: S,
     candidates: &'a [Candidate],
@@ -184,7 +188,8 @@ struct Work<'a, S: Simd> {
 }
 
 impl<S: Simd> Work<'_, S> {
-    /// Adds a register of pixels to the moments; returns the logarithms of their densities, of those that count.
+    /// Adds a register of pixels to the moments. Returns the logarithms of the densities, and 0 for
+    /// padding.
     #[inline(always)]
     fn pixels(&mut self, [x, y]: [S::f32s; 2], count: S::f32s) -> S::f32s {
         let simd = self.simd;
@@ -216,7 +221,7 @@ impl<S: Simd> Work<'_, S> {
 }
 
 impl Sums {
-    /// Adds what was summed up from a tile's middle.
+    /// Adds sums that are relative to a tile's middle.
     fn add(&mut self, [count, x, y, second]: [f64; MOMENTS], middle: [f32; 2]) {
         let [middle_x, middle_y] = middle.map(f64::from);
         self.count += count;
@@ -235,8 +240,8 @@ mod tests {
     use lariat_portable::Arch;
     use proptest::prelude::*;
 
-    /// The definition: every pixel asked about every Gaussian, in doubles. The log-likelihood, the largest logarithm of a
-    /// density in it, and the sums.
+    /// The definition: evaluates every pixel for every Gaussian, in doubles. Returns the
+    /// log-likelihood, the largest absolute log-density of a pixel, and the sums.
     fn defined(pixels: &Pixels, gaussians: &[Gaussian]) -> (f64, f64, Vec<Sums>) {
         let (mut likelihood, mut largest) = (0.0, 0.0f64);
         let mut sums = vec![Sums::default(); gaussians.len()];
@@ -296,7 +301,8 @@ mod tests {
                     memory: &mut memory,
                     sums: &mut sums,
                 });
-                // A logarithm's last bits are what is off, of narrow Gaussians far away by much.
+                // The error is in a logarithm's last bits, which is large for narrow Gaussians far
+                // away.
                 let off = 5e-7 * (20.0 + largest) * pixels.len() as f64;
                 prop_assert!((found - likelihood).abs() < off, "{} {}", found, likelihood);
                 for (found, expected) in sums.iter().zip(&expected) {

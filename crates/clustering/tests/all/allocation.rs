@@ -1,4 +1,4 @@
-//! A clustering allocates nothing once it has seen pixels of a size.
+//! A clustering does not allocate once it has seen pixels of a size.
 
 use lariat_clustering::{FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
 use lariat_test_support::allocations;
@@ -25,7 +25,7 @@ fn no_clustering_allocates_once_warm() {
         for pixels in &frames {
             kmeans.run(pixels, Start::Seeded(1), &mut centers);
         }
-        // Where all are on one place, the others are empty.
+        // With all centers in one place, all but one have no pixels.
         centers.fill([100.0, 100.0]);
         for pixels in &frames {
             kmeans.run(pixels, Start::Given, &mut centers);

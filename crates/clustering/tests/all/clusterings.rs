@@ -1,4 +1,4 @@
-//! What may be relied on from a self-organizing map, a mixture and fuzzy c-means, whatever they are given.
+//! Guarantees of the self-organizing map, the mixture and fuzzy c-means for any input.
 
 use lariat_clustering::{FuzzyMeans, Mixture, Outcome, Pixels, Run, Som, Start};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn pixels_of(runs: impl IntoIterator<Item = (u16, u16, u16)>) -> Pixels {
     pixels
 }
 
-/// Half of a ring of 55 to 65 px around (100 + `right`, 100).
+/// Half of a ring with radii of 55 to 65 px around (100 + `right`, 100).
 fn arc(right: u16) -> Pixels {
     pixels_of((35..=100u16).flat_map(move |y| {
         let half = |radius: i32| {
@@ -77,7 +77,7 @@ fn two_patches_have_a_center_in_the_middle_of_each() {
             .map(|y| (y, 0, 9))
             .chain((200..209).map(|y| (y, 100, 109))),
     );
-    // Not the map, whose two nodes are neighbors and draw each other.
+    // The map is skipped, because its two nodes are neighbors and pull each other.
     for (name, mut run) in methods().into_iter().skip(1) {
         let mut centers = [[0.0; 2]; 2];
         run(&patches, Start::Seeded(5), &mut centers);
@@ -103,7 +103,7 @@ fn the_maps_line_runs_along_the_rope() {
     let rope = std::f32::consts::PI * 60.0;
     for seed in 0..10 {
         Som::default().run(&arc(0), Start::Seeded(seed), &mut centers);
-        // In no order it would be some thousands. Where the line was folded it may have to come back.
+        // An unordered line would be several thousand pixels long. A folded line may double back.
         assert!(length(&centers) < 4.0 * rope, "{} {rope}", length(&centers));
     }
 }
@@ -122,14 +122,14 @@ fn centers_lie_on_the_rope_and_follow_it() {
             "{name}: {}",
             off(&centers, 100.0)
         );
-        // From one frame to the next by 3 px.
+        // The rope moves by 3 px between the frames.
         let warm = run(&arc(3), Start::Given, &mut centers);
         assert!(
             off(&centers, 103.0) < 2.0,
             "{name}: {}",
             off(&centers, 103.0)
         );
-        // All but the mixture make theirs small.
+        // All methods but the mixture minimize their objective.
         let worse = match name {
             "mixture" => cold.objective - warm.objective,
             _ => warm.objective - cold.objective,
@@ -164,7 +164,7 @@ fn the_same_start_ends_the_same_whatever_was_before() {
 
 #[test]
 fn a_gaussian_that_is_nearest_to_no_pixel_stays() {
-    // A row, a center on each of its pixels, and one above them all.
+    // A row with a center above each of its pixels, and one above them all.
     let row = pixels_of([(0, 0, 1), (9, 0, 20)]);
     let mut centers: Vec<[f32; 2]> = (0..20).map(|x| [x as f32, 9.0]).collect();
     centers.extend([[0.0, 0.0], [19.0, 4.0]]);

@@ -1,5 +1,5 @@
-//! k-means against scikit-learn's from the same start (the script beside the fixture says how it was made), and what it
-//! makes of input that is no rope.
+//! Compares k-means with scikit-learn's from the same start, and checks its results on input that
+//! is not a rope. The script next to the fixture, `tests/kmeans.py`, made the fixture.
 
 use lariat_clustering::{KMeans, Pixels, Run, Start};
 use proptest::prelude::*;
@@ -27,7 +27,7 @@ fn centers(listed: &Value) -> Vec<[f32; 2]> {
         .collect()
 }
 
-/// The sum of the squares of the distances from the nearest centers, pixel by pixel.
+/// Sum over all pixels of the squared distance from the nearest center.
 fn inertia(pixels: &Pixels, centers: &[[f32; 2]]) -> f64 {
     let places = pixels.xs().iter().zip(pixels.ys());
     let squares = places.map(|(&x, &y)| {
@@ -55,7 +55,7 @@ fn from_the_same_start_it_ends_as_scikit_learn() {
         assert!((0.98..1.02).contains(&ratio), "{name}: {ratio}");
         let by_pixels = inertia(&pixels, &found);
         assert!((outcome.objective / by_pixels - 1.0).abs() < 1e-5, "{name}");
-        // With empty cells scikit-learn's order among the farthest pixels is nobody's business.
+        // With empty cells, the rounds depend on scikit-learn's order among the farthest pixels.
         if !name.as_str().expect("a name").contains("far off") {
             assert_eq!(
                 Some(u64::from(outcome.rounds)),

@@ -1,4 +1,4 @@
-//! All tests of the crate's public face in one program, which is built and linked once.
+//! All tests of the public interface in one binary, which is built and linked once.
 
 mod allocation;
 mod clusterings;

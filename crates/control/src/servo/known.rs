@@ -1,4 +1,4 @@
-//! What a servo knows, told to others, and what others know, told to it.
+//! Exchange of knowledge with the caller: poses of the grippers, and the Jacobian.
 
 use super::Phase;
 use super::Servo;
@@ -7,12 +7,14 @@ use crate::INPUTS;
 use crate::error::ServoError;
 use crate::estimator::NONE;
 
-/// A Jacobian that is handed over is right to a fifth: of a rope that is held a little otherwise.
+/// Variance of a Jacobian that the caller provides. It is accurate to a fifth, as for a rope that
+/// is held slightly differently.
 const KNOWN_VARIANCE: f64 = 0.04;
 
 impl<const A: usize> Servo<A> {
-    /// The robot says where its grippers were at a moment of the last second or so: what was commanded since then counts from
-    /// there. Without it they are where the commands have led them. Values that are not finite, and moments that are not yet, are passed over.
+    /// Reports where the grippers were at a time within the last second or so. The servo adds the
+    /// commands given since then. Without this report, it assumes that the grippers have followed
+    /// the commands. It ignores values that are not finite and times in the future.
     pub fn robot_is_at(&mut self, poses: &[[f64; A]; 2], at_ns: u64) {
         let near = |c: &f64| c.abs() <= FARTHEST_PX;
         if !poses.as_flattened().iter().all(near) {
@@ -29,14 +31,16 @@ impl<const A: usize> Servo<A> {
         }
     }
 
-    /// Where the grippers are by the commands so far: x px, y px, θ rad; in space mm, and turns.
+    /// Returns the grippers' poses according to the commands so far: x px, y px, θ rad; in 3-D, mm
+    /// and turns.
     pub fn poses(&self, now_ns: u64) -> [[f64; A]; 2] {
         let at_ns = now_ns.saturating_sub(self.delay_ns());
         self.limits.spread(&self.history.at(at_ns).unwrap_or(NONE))
     }
 
-    /// What is known of `∂s/∂r`: the answer of coordinate `feature` of the shape to each coordinate of each gripper, in px/px, px/px,
-    /// px/rad, of a row of `A`. `None` while it is explored, and for a coordinate that is not there.
+    /// Returns the known row of `∂s/∂r` for coordinate `feature` of the shape: its answer to each
+    /// coordinate of each gripper, in px/px, px/px, px/rad. Returns `None` during exploration, and
+    /// if there is no such coordinate.
     pub fn jacobian(&self, feature: usize) -> Option<[[f64; A]; 2]> {
         if self.phase == Phase::Exploring || feature >= self.size {
             return None;
@@ -45,11 +49,13 @@ impl<const A: usize> Servo<A> {
         Some(self.limits.spread_row(&row))
     }
 
-    /// Takes `∂s/∂r` for known, of another run with the same rope held alike: a row for each coordinate of the shape, as
-    /// [`jacobian`](Self::jacobian) has them. It steers from the first image on.
+    /// Sets `∂s/∂r` from another run with the same rope, held alike. There is one row for each
+    /// coordinate of the shape, as returned by [`jacobian`](Self::jacobian). The servo then steers
+    /// from the first image on.
     ///
     /// # Errors
-    /// Another number of rows than the target has coordinates, or entries that are no numbers.
+    /// Fails if the number of rows is not the number of the target's coordinates, or if an entry is
+    /// not finite.
     pub fn know(&mut self, rows: &[[[f64; A]; 2]]) -> Result<(), ServoError> {
         let finite = rows
             .as_flattened()

@@ -1,4 +1,4 @@
-//! Whether an image can be gone by, and what of it the rest asks for.
+//! Checks an image and extracts what the servo needs from it.
 
 use super::{Phase, Servo};
 use crate::command::{Observation, Why};
@@ -6,21 +6,21 @@ use crate::error::ServoError;
 use crate::pairs::Frame;
 use crate::{Features, MAX_FEATURES};
 
-/// Beyond there is no picture, px.
+/// Largest valid coordinate, px.
 pub(super) const FARTHEST_PX: f64 = 1e6;
 
-/// An image that can be gone by.
+/// A usable image.
 pub(super) struct Sight {
     pub(super) frame: Frame,
     pub(super) is_new: bool,
     pub(super) partial: bool,
-    /// From the shape to the target.
+    /// Target minus shape.
     pub(super) error: Features,
     pub(super) error_px: f64,
 }
 
 impl<const A: usize> Servo<A> {
-    /// The image, or why it cannot be gone by: nothing has then changed.
+    /// Checks an image. If it is unusable, returns the reason and changes nothing.
     pub(super) fn sight(&mut self, seen: &Observation, now_ns: u64) -> Result<Sight, Why> {
         let (given, expected) = (seen.features.len(), self.size);
         if given != expected {
@@ -81,11 +81,11 @@ impl<const A: usize> Servo<A> {
     }
 }
 
-/// A shape whose coordinates are all places in a picture.
+/// Copies a shape whose coordinates are all valid.
 pub(super) fn checked(shape: &[f64]) -> Result<Features, ServoError> {
     let mut features = [0.0; MAX_FEATURES];
     for (index, (place, &value)) in features.iter_mut().zip(shape).enumerate() {
-        // NaN is within no range.
+        // Also rejects NaN.
         if !(-FARTHEST_PX..=FARTHEST_PX).contains(&value) {
             return Err(ServoError::NotATarget { index, value });
         }

@@ -1,4 +1,4 @@
-//! A servo allocates nothing once made, whatever it is at.
+//! A servo does not allocate after its construction, in any state.
 
 use crate::support::{World, linear};
 use lariat_control::{Doing, Observation, Options, Servo, Why};

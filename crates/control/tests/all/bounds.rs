@@ -1,4 +1,4 @@
-//! No command is above the robot's limits, whatever the servo is fed.
+//! No command exceeds the robot's limits, whatever the servo receives.
 
 use crate::support;
 
@@ -8,7 +8,7 @@ use lariat_control::{
 use proptest::prelude::*;
 use support::{World, bent, linear};
 
-/// Numbers as they come from elsewhere.
+/// Numbers as they may come from other software, including invalid ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         8 => -500.0..500.0f64,
@@ -28,7 +28,7 @@ enum Event {
         late_ms: u64,
         partial: bool,
     },
-    /// A shape that is possible, so that the servo gets somewhere.
+    /// A possible shape, so that the servo makes progress.
     Believe {
         by: [f64; 6],
     },
@@ -122,7 +122,7 @@ fn feed(servo: &mut Servo, event: &Event, now_ns: &mut u64) -> Option<lariat_con
             let _ = servo.aim(target);
             None
         }
-        // Time that goes back, and is as late as ever the next time.
+        // Time goes back once, and the next event is on time again.
         Event::Clock(t) => Some(servo.hold(Why::Stale, *now_ns - t % 100_000_000)),
     }
 }
@@ -159,7 +159,8 @@ proptest! {
             if holds {
                 prop_assert_eq!(command.velocities, [[0.0; 3]; 2]);
             }
-            // Faster only by what the acceleration allows; slower by whatever a border asks for.
+            // Speed increases at most by the acceleration limit. It decreases by as much as a
+            // border demands.
             if let (Some(limits), Some((velocities, then_ns))) = (robot.accelerations, before) {
                 let step_s = ((now_ns - then_ns) as f64 * 1e-9).min(0.1);
                 let pairs = command.velocities.as_flattened().iter().zip(velocities.as_flattened());
@@ -175,7 +176,7 @@ proptest! {
     }
 }
 
-/// The same servo with limits a hundredth of another's wants the same direction.
+/// A servo with limits a hundredth of another's moves in the same direction.
 #[test]
 fn a_saturated_velocity_keeps_its_direction() {
     let commands = [1.0, 100.0].map(|times: f64| {
@@ -220,7 +221,8 @@ fn grippers_stay_in_their_workspaces_and_slide_along_the_border() {
         .grippers(2)
         .start(start)
         .workspaces([border; 2]);
-    // The second gripper would have to leave by 40 px upwards, and is wanted 20 px to the right as well.
+    // The second gripper would have to leave the workspace by 40 px upwards, and also move 20 px to
+    // the right.
     let goal = [[170.0, 230.0, 0.5], [440.0, 320.0, 0.0]];
     let mut world = World::new(bent, start, 16);
     let mut servo =

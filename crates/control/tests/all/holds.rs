@@ -1,4 +1,4 @@
-//! When a servo stands still, and how it goes on.
+//! When a servo holds, and how it resumes.
 
 use crate::support;
 
@@ -12,7 +12,7 @@ fn servo(options: Options) -> Servo {
     Servo::new(options, &linear(&GOAL)).expect("good options")
 }
 
-/// Past its exploring, at speed.
+/// Runs until exploration is over and the servo moves at speed.
 fn steering(world: &mut World, servo: &mut Servo) {
     for _ in 0..2000 {
         let command = world.turn(servo);
@@ -40,7 +40,7 @@ fn a_lost_rope_is_held_in_the_very_call_and_steered_to_its_end_when_it_comes_aga
         assert!(command.error_px.is_some());
         world.obey(&command);
     }
-    // Back by a ramp: of 0.3 s, so that no frame adds more than 16/300 of the full speed.
+    // The speed returns over 0.3 s, so no frame adds more than 16/300 of the full speed.
     let mut before = 0.0;
     for _ in 0..15 {
         let now = speed(&world.turn(&mut servo).velocities);
@@ -69,7 +69,7 @@ fn an_image_too_old_is_held_by_in_the_very_call() {
 fn exploring_goes_on_where_a_hold_broke_it_off() {
     let mut world = World::new(linear, START, 16);
     let mut servo = servo(Options::default());
-    // A third of the time it sees, and mostly within the ramp after a hold.
+    // The rope is visible a third of the time, mostly within the ramp after a hold.
     for turn in 0..6000 {
         if turn % 30 < 20 {
             world.image();
@@ -89,7 +89,7 @@ fn a_covered_rope_is_steered_at_half_the_speed_or_held_and_never_explored() {
         let mut servo = servo(
             Options::default()
                 .hold_on_partial(hold_on_partial)
-                // Full speed all the way.
+                // Commands full speed all the way.
                 .gain(100.0),
         );
         let (exposed_ns, shape) = world.image();
@@ -158,7 +158,7 @@ fn what_is_no_shape_is_held_by_with_its_reason() {
         assert_eq!(command.doing, Doing::Holding { why: Why::Clock });
         assert_eq!(command.velocities, [[0.0; 3]; 2]);
     }
-    // None of it has done harm.
+    // The invalid shapes have done no harm.
     assert_eq!(world.run(&mut servo, 30).doing, Doing::Arrived);
 }
 
@@ -194,12 +194,12 @@ fn an_arrived_servo_stands_until_the_shape_has_left_the_tolerance_by_half() {
         (3.1, Doing::Steering),
         (2.1, Doing::Steering),
     ];
-    // 0.2 s are a dozen images at 16 ms; until then it stands and waits.
+    // 0.2 s are a dozen images at 16 ms. Until then, the servo stands and waits.
     offs.extend([(1.9, Doing::Steering); 13]);
     offs.push((2.9, Doing::Arrived));
     for (off, doing) in offs {
         let (exposed_ns, _) = world.image();
-        // Every point by as much, along x.
+        // Shifts every point by the same amount along x.
         let shape: Vec<f64> = target
             .iter()
             .enumerate()
@@ -238,7 +238,7 @@ fn a_robot_that_says_where_it_is_is_believed() {
     let robot = Robot::default().start(START);
     let mut world = World::new(linear, START, 16);
     let mut servo = servo(Options::default().robot(robot));
-    // It goes only half as far as it is told to.
+    // The robot moves only half as far as commanded.
     for _ in 0..2000 {
         servo.robot_is_at(&world.poses, world.now_ns());
         let mut command = world.turn(&mut servo);
@@ -261,7 +261,8 @@ fn a_robot_that_says_where_it_is_is_believed() {
     panic!("it never arrives");
 }
 
-/// 15 images/s and 1000 commands/s: between two images it goes by what should be now, and learns nothing twice.
+/// With 15 images/s and 1000 commands/s, the servo uses the predicted shape between two images, and
+/// learns from each image once.
 #[test]
 fn a_robot_with_a_faster_beat_than_the_camera_is_given_commands_between_images() {
     let mut world = World::new(linear, START, 1);

@@ -1,4 +1,4 @@
-//! Closed loops: a servo, a rope, and a camera that is late.
+//! Closed loops: a servo, a rope, and a camera with a delay.
 
 use crate::support;
 
@@ -6,7 +6,7 @@ use lariat_control::{Doing, Estimator, Metric, Options, Robot, Servo};
 use lariat_portable::SplitMix64;
 use support::{Fit, Poses, World, bent, distance, linear};
 
-/// A rope of 400 px on the table, each gripper somewhere, its ends 200 to 320 px apart.
+/// A rope of 400 px on the table, with random gripper poses 200 to 320 px apart.
 fn held(random: &mut SplitMix64) -> Poses {
     let apart = random.uniform(200.0, 320.0);
     let turn = random.uniform(-0.3, 0.3);
@@ -23,7 +23,8 @@ fn options(grippers: usize, estimator: Estimator) -> Options {
         .estimator(estimator)
 }
 
-/// 60 images/s, 35 ms late, of a curve fitted to 60 points with noise of 0.3 px in each coordinate, on a rope that lags 0.1 s behind.
+/// Runs at 60 images/s, 35 ms late. The shape is a curve fitted to 60 points with noise of 0.3 px
+/// per coordinate, and the rope lags by 0.1 s.
 fn reaches(seed: u64, grippers: usize, estimator: Estimator) {
     let mut random = SplitMix64::new(seed);
     let start = held(&mut random);
@@ -38,12 +39,12 @@ fn reaches(seed: u64, grippers: usize, estimator: Estimator) {
     let mut servo = Servo::new(options(grippers, estimator), &target).expect("good options");
     let command = world.run(&mut servo, 20);
     assert_eq!(command.doing, Doing::Arrived, "seed {seed}: {command:?}");
-    // It stands at 3 px of the curve at most.
+    // The servo stops within 3 px of the curve.
     let left_px = distance(&points(&bent(&world.poses)), &points(&target));
     assert!(left_px < 4.0, "seed {seed}: {left_px}");
 }
 
-/// Of the curve of seven control points.
+/// Points of the curve of seven control points.
 fn points(shape: &[f64]) -> Vec<f64> {
     let (points, _) = shape.as_chunks::<2>();
     let at = |rho: f64| {
@@ -75,7 +76,7 @@ fn two_grippers_drive_a_bent_rope_to_its_target_from_twenty_starts() {
     }
 }
 
-/// How the rope answers, by differences of the formula.
+/// The rope's Jacobian, by differences of the formula.
 fn by_differences(poses: &Poses) -> Vec<[[f64; 3]; 2]> {
     let size = bent(poses).len();
     let mut rows = vec![[[0.0; 3]; 2]; size];
@@ -95,7 +96,7 @@ fn by_differences(poses: &Poses) -> Vec<[[f64; 3]; 2]> {
     rows
 }
 
-/// The mean square of all entries, turns by their lever of 100 px.
+/// Root sum of squares of all entries, with turns scaled by their lever of 100 px.
 fn size(rows: &[[[f64; 3]; 2]]) -> f64 {
     let scaled = rows
         .iter()
@@ -104,7 +105,8 @@ fn size(rows: &[[[f64; 3]; 2]]) -> f64 {
     scaled.sum::<f64>().sqrt()
 }
 
-/// On the way nothing but the way itself is seen; what is held against the formula is the answer to the motion that is made.
+/// While steering, only the current motion is observed. The test therefore compares the answer to
+/// that motion with the formula.
 #[test]
 fn on_the_way_the_jacobian_is_that_of_the_rope() {
     for estimator in [Estimator::default(), Estimator::BROYDEN] {
@@ -156,7 +158,8 @@ fn on_the_way_the_jacobian_is_that_of_the_rope() {
     }
 }
 
-/// Explored at one place, without noise: what is left is the bend of the answer over 15 px and 0.15 rad.
+/// Explores at one place without noise. The remaining error is the nonlinearity of the answer over
+/// 15 px and 0.15 rad.
 #[test]
 fn exploring_finds_the_jacobian_of_a_bent_rope() {
     let mut random = SplitMix64::new(9);
@@ -182,7 +185,7 @@ fn exploring_finds_the_jacobian_of_a_bent_rope() {
     assert!(error < 0.1, "{error}");
 }
 
-/// How far beyond the target a loop goes, as a share of its way, and where it ends after 5 s.
+/// Returns the overshoot of a loop as a share of its way, and the final distance after 5 s.
 fn overshoot(look_ahead: bool) -> (f64, f64) {
     let mut world = World::new(linear, [[100.0, 50.0, 0.0]; 2], 10);
     world.delay_ms = 100;
@@ -191,7 +194,7 @@ fn overshoot(look_ahead: bool) -> (f64, f64) {
     let options = Options::default()
         .robot(
             Robot::default()
-                // Nothing saturates: it is the law alone.
+                // No limit saturates, so only the law acts.
                 .speeds([1e5; 3]),
         )
         .gain(8.0)
@@ -199,7 +202,7 @@ fn overshoot(look_ahead: bool) -> (f64, f64) {
         .tolerance_px(1e-3)
         .ramp_s(0.0)
         .look_ahead(look_ahead)
-        // What is known stays as it is.
+        // Keeps the known Jacobian.
         .estimator(Estimator::Kalman { drift: 0.0 });
     let mut servo = Servo::new(options, &target).expect("good options");
     let origin = linear(&[[0.0; 3]; 2]);
@@ -221,7 +224,7 @@ fn overshoot(look_ahead: bool) -> (f64, f64) {
     (beyond, distance(&linear(&world.poses), &target))
 }
 
-/// ė = −λe(t − T), by steps of T/10⁴: how far it goes beyond 0, from 1.
+/// Overshoot beyond 0 of ė = −λe(t − T), starting from 1, in steps of T/10⁴.
 fn overshoot_of_a_delay(lambda_t: f64) -> f64 {
     let steps = 10_000;
     let mut e = vec![1.0; steps + 1];
@@ -231,7 +234,8 @@ fn overshoot_of_a_delay(lambda_t: f64) -> f64 {
     e.iter().fold(0.0, |beyond, e| beyond.max(-e))
 }
 
-/// T is 100 ms and half a period of 10 ms, for which a command lasts: λT = 0.84, of which theory makes 34 %.
+/// T is 100 ms plus half of a command's period of 10 ms, so λT = 0.84, for which theory predicts an
+/// overshoot of 34 %.
 #[test]
 fn looking_ahead_takes_away_the_overshoot_of_a_delay() {
     let theory = overshoot_of_a_delay(8.0 * 0.105);

@@ -1,4 +1,4 @@
-//! What makes no sense is refused before anything moves, in a sentence that says what to do.
+//! Invalid requests are refused before anything moves, with a message that says what to do.
 
 use lariat_control::{Estimator, Metric, Options, Robot, Servo, ServoError, Workspace};
 

@@ -1,4 +1,5 @@
-//! All of the loop but processes and images: the simulated rope, noise in its points, a curve fitted to them, the servo, and the grippers.
+//! The control loop without processes and images: the simulated rope, noise in its points, a curve
+//! fitted to them, the servo, and the grippers.
 
 use std::collections::VecDeque;
 
@@ -7,17 +8,17 @@ use lariat_fit::{Fitter, bernstein};
 use lariat_portable::SplitMix64;
 use lariat_simulation::{STEP_NS, Simulation, TargetShape, at_equal_steps};
 
-/// Points that a camera gives, and that shapes are judged by.
+/// Number of points from the camera, and of points that shapes are compared by.
 pub(crate) const POINTS: usize = 120;
 
-/// How the rope is seen.
+/// Properties of the camera.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sight {
     pub(crate) order: usize,
     pub(crate) frames_per_s: f64,
-    /// From an exposure to the command that goes by it.
+    /// Time from an exposure to the command based on it.
     pub(crate) delay_ms: u64,
-    /// Of each coordinate of each point.
+    /// Standard deviation of each coordinate of each point.
     pub(crate) noise_px: f64,
 }
 
@@ -32,7 +33,7 @@ impl Default for Sight {
     }
 }
 
-/// A rope in its start, and where it is to go.
+/// A rope in its start position, and its target.
 #[derive(Clone)]
 pub(crate) struct Case {
     pub(crate) seed: u64,
@@ -56,7 +57,7 @@ impl Case {
         }
     }
 
-    /// These, with the case's robot, and the metric of a curve.
+    /// Adds the case's robot and the metric of a curve to these options.
     pub(crate) fn options(&self, sight: &Sight, options: Options) -> Options {
         let simulated = self.simulation.options();
         let margin_px = simulated.limits.margin_px;
@@ -87,14 +88,14 @@ impl Case {
     }
 }
 
-/// A shape as a message tells it, and when it was exposed.
+/// A shape as in a message, and its exposure time.
 struct Image {
     exposed_ns: u64,
     features: Vec<f64>,
     covariances: Vec<[f64; 3]>,
 }
 
-/// A loop, closed.
+/// A closed loop.
 pub(crate) struct Chain {
     pub(crate) simulation: Simulation,
     pub(crate) servo: Servo,
@@ -131,7 +132,7 @@ impl Chain {
         self.now_ns() as f64 * 1e-9
     }
 
-    /// One step of the rope; with the command that an image has led to, if one was due.
+    /// Advances the rope by one step. Returns the command of an image if one was due.
     pub(crate) fn step(&mut self) -> Option<Command> {
         let now_ns = self.now_ns();
         let exposed_ns = (self.exposures as f64 * 1e9 / self.sight.frames_per_s) as u64;
@@ -176,7 +177,8 @@ impl Chain {
         distances.sum::<f64>() / POINTS as f64
     }
 
-    /// Until it has stood at its target for a second, or so many have passed.
+    /// Runs until the rope has been at rest in its target for a second, or this many seconds have
+    /// passed.
     pub(crate) fn run(&mut self, seconds: f64) -> Outcome {
         let mut outcome = Outcome::default();
         let mut arrived_s = None;
@@ -208,17 +210,17 @@ impl Chain {
     }
 }
 
-/// A rope this near, in the mean, has reached its target.
+/// Maximum mean distance at which a rope has reached its target.
 pub(crate) const NEAR_PX: f64 = 5.0;
 
-/// How a run went.
+/// Result of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Outcome {
-    /// Since when it has been near and has stayed so.
+    /// Time since which the rope has stayed near the target.
     pub(crate) reached_s: Option<f64>,
-    /// Since when it has been at rest in its target.
+    /// Time since which the rope has been at rest in its target.
     pub(crate) arrived_s: Option<f64>,
-    /// When it last explored.
+    /// Time of the last exploration.
     pub(crate) explored_s: f64,
     pub(crate) final_px: f64,
 }
@@ -227,7 +229,7 @@ pub(crate) fn fitter(order: usize) -> Fitter {
     Fitter::new(lariat_fit::Options::bezier(order)).expect("a fitter")
 }
 
-/// A curve's control points, and the covariance of each.
+/// Returns a curve's control points, and the covariance of each.
 pub(crate) fn describe(fitter: &mut Fitter, points: &[[f64; 2]]) -> (Vec<f64>, Vec<[f64; 3]>) {
     let fit = fitter.fit(points).expect("a curve");
     let count = fit.control_points.len();

@@ -23,7 +23,7 @@ fn options(estimator: Estimator) -> Options {
         .estimator(estimator)
 }
 
-/// Within 12 s, all of them with exploring; and it comes to rest nearer than 2 px.
+/// The servo reaches the target within 12 s, including exploration, and comes to rest within 2 px.
 fn reaches(shape: TargetShape, seed: u64, sight: Sight, estimator: Estimator) {
     let case = Case::new(shape, seed);
     let mut chain = Chain::new(&case, sight, options(estimator));
@@ -75,7 +75,8 @@ fn so_do_few_images_that_come_late() {
     }
 }
 
-/// Where the curve goes when the grippers do: a rope at rest, each gripper moved by so much either way and waited for.
+/// Derivatives of the control points by the grippers' poses, from central differences: the rope is
+/// at rest, and each gripper moves by a fixed amount either way.
 fn by_differences(simulation: &Simulation, order: usize) -> Vec<[[f64; 3]; 2]> {
     const MOVED_PX: f64 = 5.0;
     let mut fitter = fitter(order);
@@ -111,7 +112,7 @@ fn by_differences(simulation: &Simulation, order: usize) -> Vec<[[f64; 3]; 2]> {
     rows
 }
 
-/// How far the curve goes, root mean square over its points, for motions of the grippers: of `J` and of the difference of two.
+/// Displacement of 50 points of the curve for a motion of the grippers.
 fn curve_of(order: usize, rows: &[[[f64; 3]; 2]], motion: &[[f64; 3]; 2]) -> Vec<f64> {
     let answer: Vec<f64> = rows
         .iter()
@@ -140,7 +141,7 @@ fn size(curve: &[f64]) -> f64 {
     curve.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
-/// How far `J` is off for a motion, as a share of what the rope does.
+/// Relative error of `J` for a motion.
 fn off(chain: &Chain, truth: &[[[f64; 3]; 2]], motion: &[[f64; 3]; 2]) -> f64 {
     let known: Vec<_> = (0..truth.len())
         .map(|feature| chain.servo.jacobian(feature).expect("steering"))
@@ -150,9 +151,10 @@ fn off(chain: &Chain, truth: &[[[f64; 3]; 2]], motion: &[[f64; 3]; 2]) -> f64 {
     size(&rest) / size(&truth)
 }
 
-/// The table rubs: a rope that has turned around sticks before it follows, and where it comes to rest depends on the way there. Over 13 px
-/// out and back that is a tenth of the answer. On the way, where `J` also lags behind what it is learnt from, it may be a half. Nearer than 5 px
-/// to the target it is not asked: steps of 2 px are learnt from there, where friction counts for more, and `J` was seen to be off by four fifths.
+/// The table has friction. A rope that reverses sticks before it follows, and where it comes to
+/// rest depends on its path. Over 13 px out and back, that is a tenth of the answer. While
+/// steering, `J` also lags behind, and the error may be a half. Within 5 px of the target, `J` is
+/// not checked: it is learned there from steps of 2 px, where friction matters more.
 #[test]
 fn the_jacobian_is_that_of_the_rope_after_exploring_and_on_the_way() {
     let (mut explored, mut on_the_way) = (Vec::new(), Vec::new());

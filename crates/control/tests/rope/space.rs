@@ -1,4 +1,5 @@
-//! The same with a lifted rope: its points in space with noise, a curve fitted to them, a servo in space, grippers with six coordinates.
+//! The same loop with a lifted rope: noisy points in 3-D, a curve fitted to them, a 3-D servo, and
+//! grippers with six coordinates.
 
 use lariat_control::{
     Doing, Metric, Observation, Options, Robot, SpaceServo, Tool, Weights, Workspace,
@@ -9,10 +10,10 @@ use lariat_simulation::{STEP_NS, SpaceSimulation, TargetShape, at_equal_steps};
 
 const POINTS: usize = 120;
 const ORDER: usize = 8;
-/// What a depth camera leaves in each coordinate of each point, mm.
+/// Noise of a depth camera in each coordinate of each point, mm.
 const NOISE_MM: f64 = 0.5;
 
-/// Control points, and the covariance of each.
+/// Returns control points, and the covariance of each.
 fn describe(fitter: &mut Fitter<3>, points: &[[f64; 3]]) -> (Vec<f64>, Vec<[f64; 6]>) {
     let fit = fitter.fit(points).expect("a curve");
     let count = fit.control_points.len();
@@ -24,7 +25,7 @@ fn describe(fitter: &mut Fitter<3>, points: &[[f64; 3]]) -> (Vec<f64>, Vec<[f64;
     (features, covariances.collect())
 }
 
-/// How far the rope is from its target in the end, mm, and whether it has arrived.
+/// Returns the final distance of the rope from its target, mm, and whether it has arrived.
 fn drive(shape: TargetShape, seed: u64) -> (f64, bool) {
     let simulated = lariat_simulation::Options {
         seed,

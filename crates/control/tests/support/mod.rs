@@ -1,5 +1,5 @@
-//! Ropes that answer to grippers by a formula, and a camera that is late: what a servo is tried on.
-#![allow(dead_code)] // Each test binary takes what it needs.
+//! Test ropes that answer to grippers by a formula, and a camera with a delay.
+#![allow(dead_code)] // Each test binary uses a part.
 
 use std::collections::VecDeque;
 
@@ -8,8 +8,9 @@ use lariat_portable::SplitMix64;
 
 pub(crate) type Poses = [[f64; 3]; 2];
 
-/// A rope of 400 px between two grippers, as the seven control points of a Bezier curve: a cubic whose arms lengthen with its slack,
-/// raised to order 6. Smooth, and far from linear in everything but a shift.
+/// A rope of 400 px between two grippers, as the seven control points of a Bezier curve: a cubic
+/// whose arms lengthen with the slack, raised to order 6. It is smooth, and far from linear in
+/// everything but translation.
 pub(crate) fn bent(poses: &Poses) -> Vec<f64> {
     const LENGTH_PX: f64 = 400.0;
     let [[ax, ay, at], [bx, by, bt]] = *poses;
@@ -34,7 +35,7 @@ pub(crate) fn bent(poses: &Poses) -> Vec<f64> {
     points.into_flattened()
 }
 
-/// Three points, each moved by the first gripper in its own way.
+/// Three points that the first gripper moves linearly, each in its own way.
 pub(crate) fn linear(poses: &Poses) -> Vec<f64> {
     let [x, y, t] = poses[0];
     vec![
@@ -64,7 +65,7 @@ impl Fit {
             (0..count).map(function).collect()
         };
         let b: Vec<_> = (0..samples).map(row).collect();
-        // Gauss and Jordan on [BᵀB | I | Bᵀ].
+        // Gauss-Jordan elimination on [BᵀB | I | Bᵀ].
         let mut rows: Vec<Vec<f64>> = (0..count)
             .map(|j| {
                 let gram = (0..count).map(|k| b.iter().map(|row| row[j] * row[k]).sum());
@@ -91,7 +92,7 @@ impl Fit {
         }
     }
 
-    /// What noise in every point makes of the control points.
+    /// Adds to the control points the effect of noise in every point.
     fn disturb(&self, shape: &mut [f64], noise_px: f64, random: &mut SplitMix64) {
         let noise: Vec<[f64; 2]> = self.inverse[0]
             .iter()
@@ -111,10 +112,11 @@ pub(crate) struct World {
     pub(crate) poses: Poses,
     pub(crate) period_ms: u64,
     pub(crate) delay_ms: u64,
-    /// Standard deviation of each coordinate of what the camera sees: of the points of `seen_by`, or of the shape's own.
+    /// Standard deviation of each coordinate that the camera sees: of the points of `seen_by`, or
+    /// of the shape itself.
     pub(crate) noise_px: f64,
     pub(crate) seen_by: Option<Fit>,
-    /// The rope follows its grippers by so long, s: at first order.
+    /// Time constant of the rope's first-order lag behind its grippers, s.
     pub(crate) lag_s: f64,
     followed: Poses,
     pub(crate) random: SplitMix64,
@@ -147,7 +149,7 @@ impl World {
         self.ms * 1_000_000
     }
 
-    /// Goes on until the next image is there: when it was exposed, and its shape.
+    /// Advances until the next image. Returns its exposure time and its shape.
     pub(crate) fn image(&mut self) -> (u64, Vec<f64>) {
         loop {
             if self.ms == self.next_ms {
@@ -187,7 +189,7 @@ impl World {
         self.velocities = command.velocities;
     }
 
-    /// The next image, and what the servo makes of it.
+    /// Passes the next image to the servo and executes its command.
     pub(crate) fn turn(&mut self, servo: &mut Servo) -> Command {
         let (exposed_ns, shape) = self.image();
         let gains = self.seen_by.as_ref().map(|fit| fit.gains.clone());
@@ -206,7 +208,7 @@ impl World {
         command
     }
 
-    /// Until it has arrived, or so many seconds have passed.
+    /// Runs until the servo has arrived, or this many seconds have passed.
     pub(crate) fn run(&mut self, servo: &mut Servo, seconds: u64) -> Command {
         loop {
             let command = self.turn(servo);
@@ -217,7 +219,7 @@ impl World {
     }
 }
 
-/// The root mean square over points.
+/// Root mean square over points.
 pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
     (2.0 * sum / a.len() as f64).sqrt()

@@ -1,4 +1,4 @@
-//! What the ropes of a film lie on, as a camera sees it that may move.
+//! Ground under the ropes of a film, as seen by a camera that may move.
 
 use super::Story;
 use crate::RenderOptions;
@@ -6,11 +6,13 @@ use crate::rendered::portable::sin_turns;
 use crate::rendered::table::{lit_table, to_byte};
 use crate::scenes::{self, Class};
 
-/// How far a camera moves to either side, as a share of the picture's shorter side, and how long it takes there and back.
+/// Range of a moving camera to either side, as a share of the picture's shorter side, and the
+/// periods of its motion.
 const SWAY: f64 = 0.07;
 const PERIODS_S: [f64; 2] = [4.7, 3.6];
 
-/// Colors that ropes are sold in, and among how many of those that a picture has least of one is drawn.
+/// Colors of ropes on the market. One of the [`CLEAREST`] colors that are rarest in the picture is
+/// used.
 const ROPES: [[u8; 3]; 8] = [
     [40, 90, 190],
     [200, 40, 40],
@@ -22,21 +24,22 @@ const ROPES: [[u8; 3]; 8] = [
     [200, 60, 150],
 ];
 const CLEAREST: usize = 3;
-/// Pixels of a picture, of which one is looked at, and the share of those that may be like the rope.
+/// Stride of the sampled pixels, and the inverse of the share of samples that may resemble the
+/// rope.
 const EVERY: usize = 7;
 const ALIKE: usize = 20;
 
-/// A surface, as large as all that a camera gets to see of it.
+/// A surface, as large as everything that the camera sees of it.
 #[derive(Debug)]
 pub(super) struct Ground {
     rgb: Vec<u8>,
-    /// Pixels of it beyond the picture on every side.
+    /// Number of pixels beyond the picture on every side.
     margin: usize,
     size: [usize; 2],
 }
 
 impl Ground {
-    /// The ground of a story; one that is no plain table says the rope's color.
+    /// Makes the ground of a story. A cluttered ground also sets the rope's color.
     pub(super) fn of(story: Story, options: &mut RenderOptions) -> Self {
         let size = [options.width, options.height].map(|side| side as usize);
         let (margin, sides) = (margin(story, size), sides(story, size));
@@ -56,7 +59,8 @@ impl Ground {
         Self { rgb, margin, size }
     }
 
-    /// A picture as the ground of a story, of [`sides`]; the ropes' color is one that it has little of.
+    /// Uses a picture of size [`sides`] as the ground of a story. The ropes get a color that is
+    /// rare in it.
     pub(super) fn pictured(story: Story, options: &mut RenderOptions, mut rgb: Vec<u8>) -> Self {
         rgb.iter_mut()
             .for_each(|level| *level = to_byte(f32::from(*level)));
@@ -71,7 +75,8 @@ impl Ground {
         }
     }
 
-    /// Fills `out` with what a camera sees at a moment; returns how far it has moved, in pixels.
+    /// Fills `out` with the camera's view at this time. Returns the camera's displacement in
+    /// pixels.
     pub(super) fn film(&self, time_s: f64, out: &mut Vec<u8>) -> [f64; 2] {
         if self.margin == 0 {
             out.clone_from(&self.rgb);
@@ -99,7 +104,7 @@ impl Ground {
     }
 }
 
-/// Width and height of all that a story's camera gets to see.
+/// Width and height of everything that a story's camera sees.
 pub(super) fn sides(story: Story, size: [usize; 2]) -> [usize; 2] {
     size.map(|side| side + 2 * margin(story, size))
 }
@@ -112,7 +117,7 @@ fn margin(story: Story, size: [usize; 2]) -> usize {
     }
 }
 
-/// How far a color is from all but a few of a picture's pixels.
+/// Distance of a color from all but a few of a picture's pixels.
 fn clearance(rgb: &[u8], color: [u8; 3]) -> u32 {
     let off = |pixel: &[u8]| -> u32 {
         (pixel.iter().zip(color))
@@ -145,7 +150,7 @@ mod tests {
         }
     }
 
-    /// Where a picture is overexposed, noise is not added beyond white.
+    /// Noise is not added beyond white where a picture is overexposed.
     #[test]
     fn what_is_white_in_a_picture_stays_white() {
         let size = [160, 160];
@@ -153,7 +158,7 @@ mod tests {
         let white = vec![255; (3 * width * height) as usize];
         let mut rgb = Vec::new();
         Film::on(Story::Clutter, 1, size, white).next(&mut rgb);
-        // The first pixel lies far from the rope and its shadow.
+        // The first pixel is far from the rope and its shadow.
         assert!(rgb[..3].iter().all(|&level| level > 220), "{:?}", &rgb[..3]);
     }
 
@@ -170,7 +175,7 @@ mod tests {
             let gray = |pixel: &[u8]| pixel.iter().all(|&c| c.abs_diff(120) < 40);
             let beside = rgb.chunks_exact(3).zip(&mask).filter(|&(_, &m)| m == 0);
             let shown = beside.clone().filter(|(pixel, _)| gray(pixel)).count();
-            // Beside it lies its shadow, too.
+            // The rope's shadow is next to it, too.
             assert!(shown as f64 > 0.8 * beside.count() as f64, "{story:?}");
         }
     }

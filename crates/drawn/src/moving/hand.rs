@@ -1,28 +1,29 @@
-//! A hand over the ropes: a forearm that comes in from below, and what it ends in.
+//! A hand over the ropes: a forearm that comes in from below, with a round end.
 
 use super::TrueRope;
 use crate::rendered::portable::smoothstep;
 
-/// Light, and dark.
+/// Skin colors: light and dark.
 const SKINS: [[f64; 3]; 2] = [[206.0, 158.0, 132.0], [120.0, 86.0, 66.0]];
-/// It passes every so many seconds, and takes so many for it.
+/// Period of the passes, and duration of one.
 const EVERY_S: f64 = 6.0;
 const PASSES_S: f64 = 3.0;
 
-/// It comes to rest every so many seconds, and takes so many to come, stays for so many, and goes as it came.
+/// Period of the visits at which the hand rests; durations of coming in, which is also that of
+/// leaving, and of resting.
 const RESTS_EVERY_S: f64 = 5.0;
 const COMES_S: f64 = 0.4;
 const STAYS_S: f64 = 2.5;
-/// Where it comes to rest, in turn, as shares of the picture's sides.
+/// Resting places, in turn, as shares of the picture's sides.
 const RESTS: [[f64; 2]; 3] = [[0.5, 0.45], [0.36, 0.6], [0.64, 0.55]];
 
-/// Of a film made elsewhere: frames from one visit to the next, of which so many show no hand, and frames that it takes to come and
-/// to go.
+/// Visits in a film from elsewhere: frames from one visit to the next, frames of those without a
+/// hand, and frames for coming and for leaving.
 const VISITS_EVERY: u64 = 120;
 const AWAY: u64 = 25;
 const COMES: f64 = 8.0;
-/// Where it reaches to in one visit after the other, as shares of the picture's sides, and half of how wide it is, in widths of the rope:
-/// a finger, and an arm.
+/// Positions of the fingertip in successive visits, as shares of the picture's sides; and half
+/// widths of a finger and of an arm, in rope widths.
 const VISITED: [[f64; 2]; 7] = [
     [0.5, 0.45],
     [0.36, 0.6],
@@ -34,7 +35,7 @@ const VISITED: [[f64; 2]; 7] = [
 ];
 const HALVES: [f64; 2] = [1.7, 3.0];
 
-/// A hand at a moment: all that lies within a radius of a line.
+/// A hand at one moment: everything within a radius around a line segment.
 #[derive(Debug)]
 pub struct Hand {
     ends: [[f64; 2]; 2],
@@ -43,13 +44,13 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// Where a hand is that passes from one side to the other, if it is there.
+    /// Position of a hand that passes from one side to the other, if it is in the picture.
     pub(super) fn passing(time_s: f64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
         let share = (time_s % EVERY_S - (EVERY_S - PASSES_S)) / PASSES_S;
         let radius_px = 3.0 * rope_px;
         (share > 0.0).then(|| {
             let x = share * (size_px[0] + 2.0 * radius_px) - radius_px;
-            // In over the middle, and out again.
+            // It moves in over the middle and out again.
             let reach = smoothstep(4.0 * share.min(1.0 - share));
             let tip = [x, size_px[1] * (1.1 - 0.7 * reach)];
             Self {
@@ -60,7 +61,7 @@ impl Hand {
         })
     }
 
-    /// Where a hand is that comes to rest at a place, if it is there.
+    /// Position of a hand that comes to rest at a place, if it is in the picture.
     pub(super) fn resting(time_s: f64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
         let begun_s = time_s % RESTS_EVERY_S - (RESTS_EVERY_S - STAYS_S - 2.0 * COMES_S);
         let gone_s = STAYS_S + 2.0 * COMES_S - begun_s;
@@ -77,8 +78,9 @@ impl Hand {
         })
     }
 
-    /// The hand in frame number `frame` of a film made elsewhere, in pictures of this size with a rope of this width, if there is one:
-    /// from above and from below, thin and wide, light and dark in turn. Films of other seeds begin with other visits.
+    /// Returns the hand in frame number `frame` of a film from elsewhere, if there is one, for
+    /// pictures of this size and a rope of this width. Hands come from above and from below, thin
+    /// and wide, light and dark in turn. Films with other seeds begin with other visits.
     pub fn visiting(frame: u64, seed: u64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {
         let visit = (frame / VISITS_EVERY + 7 * seed) as usize;
         let here = (frame % VISITS_EVERY).checked_sub(AWAY)? as f64;
@@ -99,7 +101,7 @@ impl Hand {
         })
     }
 
-    /// How far within it a place lies.
+    /// Depth of a point inside the hand.
     fn within_px(&self, p: [f64; 2]) -> f64 {
         let [a, b] = self.ends;
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -110,12 +112,13 @@ impl Hand {
         self.radius_px - (off[0] * off[0] + off[1] * off[1]).sqrt()
     }
 
-    /// Draws it over a picture, three bytes a pixel without padding, and hides what is under it.
+    /// Draws the hand over a picture (three bytes per pixel without padding) and marks the points
+    /// under it as hidden.
     pub fn draw(&self, pixels: &mut [u8], width: usize, truth: &mut [TrueRope]) {
         for (i, pixel) in pixels.chunks_exact_mut(3).enumerate() {
             let within_px = self.within_px([(i % width) as f64, (i / width) as f64]);
             let share = (within_px + 0.5).clamp(0.0, 1.0);
-            // Round, so that it darkens toward its rim.
+            // A round surface darkens toward its rim.
             let light = 0.75 + 0.25 * smoothstep(within_px / self.radius_px);
             for (level, skin) in pixel.iter_mut().zip(self.skin) {
                 let old = f64::from(*level);

@@ -1,58 +1,62 @@
-//! Follows what an extractor says of a film and counts what it says wrong.
+//! Compares an extractor's answers to a film with the truth and counts the errors.
 
 use super::TrueRope;
 
-/// What is said of a rope's state.
+/// Reported state of a rope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeenStatus {
-    /// Seen whole.
+    /// Completely visible.
     Ok,
-    /// Seen in part.
+    /// Partly visible.
     Partial,
-    /// Not seen now.
+    /// Not visible now.
     Lost,
 }
 
-/// A curve as an extractor gives it.
+/// A curve from an extractor.
 #[derive(Debug, Clone, Copy)]
 pub struct SeenCurve<'a> {
-    /// The rope's number.
+    /// Track number.
     pub track: u32,
-    /// Its state.
+    /// State of the rope.
     pub status: SeenStatus,
     /// Its points at equal steps of arc length.
     pub points: &'a [[f32; 2]],
-    /// Which of them are marked as hidden.
+    /// True for each point that is marked as hidden.
     pub hidden: &'a [bool],
 }
 
-/// What was wrong, in frames (of each rope).
+/// Error counts, in frames (per rope).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Verdict {
-    /// Ropes that were there, a frame each: at least half of a rope seen.
+    /// Number of ropes with at least half of their points visible, summed over the frames.
     pub shown: u64,
-    /// Of those, ropes that no curve lay on.
+    /// Number of these ropes without a curve on them.
     pub missed: u64,
-    /// Frames whose number of curves was not that of the ropes.
+    /// Number of frames with a wrong number of curves.
     pub miscounted: u64,
-    /// Times that a rope's direction turned around.
+    /// Number of times that a rope's direction turned around.
     pub flips: u64,
-    /// Times that a rope's number changed.
+    /// Number of times that a rope's track number changed.
     pub swaps: u64,
-    /// Curves that lay on their rope but not in its order: strands exchanged, loops left out.
+    /// Number of curves that are on their rope but not in its order: strands exchanged, loops left
+    /// out.
     pub exchanged: u64,
-    /// Curves said to be seen that lay on no rope.
+    /// Number of curves reported as visible that are not on a rope.
     pub invented: u64,
-    /// Ropes seen whole that were not said to be `Ok`, or with a part hidden that were.
+    /// Number of completely visible ropes not reported as `Ok`, and of partly hidden ones reported
+    /// as `Ok`.
     pub misjudged: u64,
-    /// Points of curves on their rope that were hidden and not marked, or marked and seen.
+    /// Number of points of curves on their rope that were hidden but not marked, or marked but
+    /// visible.
     pub mismarked: u64,
-    /// Points asked for that.
+    /// Number of points that were checked for such marks.
     pub marked: u64,
 }
 
 impl Verdict {
-    /// What was wrong of the ropes' places, numbers and directions: missed, miscounted, turned, renamed, exchanged, invented.
+    /// Errors in the ropes' positions, numbers and directions: missed, miscounted, turned, renamed,
+    /// exchanged, invented.
     pub fn places(&self) -> [u64; 6] {
         [
             self.missed,
@@ -65,7 +69,7 @@ impl Verdict {
     }
 }
 
-/// Follows one film.
+/// Judges the answers to one film.
 #[derive(Debug, Default)]
 pub struct Judge {
     known: Vec<Identity>,
@@ -73,30 +77,30 @@ pub struct Judge {
     verdict: Verdict,
 }
 
-/// What was said of a rope when it was last seen.
+/// Last answer for a visible rope.
 #[derive(Debug, Clone, Copy)]
 struct Identity {
     identity: u32,
     track: u32,
-    /// Whether the curve ran against the truth.
+    /// True if the curve ran against the truth.
     reversed: bool,
     frame: u64,
 }
 
-/// Frames after which a rope that was gone may have any number.
+/// Number of frames after which an absent rope may return with any number.
 const FORGOTTEN: u64 = 30;
 
-/// How a curve lies to a rope.
+/// Position of a curve relative to a rope.
 struct Fit {
-    /// Mean distance of its points from the rope's line, in widths.
+    /// Mean distance of its points from the rope's centerline, in widths.
     beside: f64,
-    /// 95th percentile of the distance of points of one number, in widths.
+    /// 95th percentile of the distance between points of the same index, in widths.
     order: f64,
     reversed: bool,
 }
 
 impl Judge {
-    /// Takes one frame's truth and answer; returns what was wrong in it, in words.
+    /// Judges one frame's answer by its truth. Returns the errors in words.
     pub fn look(&mut self, truth: &[TrueRope], curves: &[SeenCurve]) -> Vec<String> {
         self.frame += 1;
         let mut wrong = Vec::new();
@@ -107,7 +111,7 @@ impl Judge {
         let share = |rope: &TrueRope| {
             rope.seen.iter().filter(|&&s| s).count() as f64 / rope.seen.len() as f64
         };
-        // A rope that is just coming in or going is neither missed nor wrong.
+        // A rope that is just coming in or leaving counts neither as missed nor as wrong.
         let sure: Vec<_> = truth.iter().filter(|rope| share(rope) >= 0.5).collect();
         if seen.len() < sure.len()
             || seen.len() > truth.iter().filter(|rope| share(rope) > 0.0).count()
@@ -151,7 +155,7 @@ impl Judge {
         wrong: &mut Vec<String>,
     ) {
         let inside = rope.seen[0] && rope.seen[rope.seen.len() - 1];
-        // With an end out of sight points of one number are not one place.
+        // If an end is out of view, points of the same index are not at the same place.
         if inside && fit.order > 2.0 {
             self.verdict.exchanged += 1;
             wrong.push(format!(
@@ -201,7 +205,7 @@ impl Judge {
         }
     }
 
-    /// Compares the points marked as hidden, but within two widths of where that changes.
+    /// Compares the hidden marks, except within two widths of a change.
     fn mark(&mut self, rope: &TrueRope, fit: &Fit, curve: &SeenCurve) {
         let (n, m) = (curve.points.len(), rope.points.len());
         let length: f64 = rope.points.windows(2).map(|p| distance(p[0], p[1])).sum();
@@ -217,7 +221,7 @@ impl Judge {
         }
     }
 
-    /// What was wrong until now.
+    /// Returns the error counts so far.
     pub fn verdict(&self) -> Verdict {
         self.verdict
     }

@@ -1,8 +1,8 @@
-//! The true mask of a frame: what one would say who knows the ropes.
+//! The true mask of a frame, drawn from the known ropes.
 
 use super::TrueRope;
 
-/// Fills `out` with how much of each pixel is a rope that is seen, a byte a pixel.
+/// Fills `out` with the share of each pixel that visible rope covers, one byte per pixel.
 pub(super) fn draw(ropes: &[TrueRope], [width, height]: [usize; 2], out: &mut Vec<u8>) {
     out.clear();
     out.resize(width * height, 0);
@@ -28,7 +28,7 @@ pub(super) fn draw(ropes: &[TrueRope], [width, height]: [usize; 2], out: &mut Ve
     }
 }
 
-/// How far a place lies from the piece between two others; far off, beyond an end that is a tip.
+/// Distance of a point from the segment between two others; infinite beyond an end that is a tip.
 fn off_px(p: [f64; 2], [a, b]: [[f64; 2]; 2], is_tip: [bool; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let from = [p[0] - a[0], p[1] - a[1]];

@@ -1,17 +1,18 @@
-//! A rope that writhes: its heading is a ring's, more or less closed, plus bending modes, each swinging at its own pace.
+//! A writhing rope. Its heading is that of a ring, more or less closed, plus bending modes that
+//! swing at different rates.
 //!
-//! The centerline is the integral of the heading: its length never changes, and equal steps along it are equal arc
-//! lengths.
+//! The centerline is the integral of the heading. Its length never changes, and equal steps along
+//! it are equal arc lengths.
 
 use crate::rendered::portable::{cos_turns, sin_turns};
 use lariat_portable::SplitMix64;
 
-/// Bending modes, and how far each swings, in turns.
+/// Amplitudes of the bending modes, in turns.
 const MODE_TURNS: [f64; 4] = [0.14, 0.12, 0.08, 0.04];
-/// Segments of the centerline.
+/// Number of segments of the centerline.
 const SEGMENTS: usize = 240;
 
-/// One swing.
+/// A periodic swing.
 #[derive(Debug, Clone, Copy)]
 struct Wave {
     amplitude: f64,
@@ -33,16 +34,16 @@ impl Wave {
     }
 }
 
-/// The motion of one rope.
+/// Motion of one rope.
 #[derive(Debug)]
 pub(super) struct Writhe {
     heading: f64,
     sway: Wave,
-    /// Turns of the ring, and how they swing.
+    /// Turns of the ring, and their swing.
     curl: f64,
     curling: Wave,
     modes: [Wave; 4],
-    /// How far each mode bends each segment.
+    /// Bending of each segment by each mode.
     shapes: Vec<[f64; 4]>,
     centre_px: [f64; 2],
     drift_px: [Wave; 2],
@@ -50,7 +51,7 @@ pub(super) struct Writhe {
 }
 
 impl Writhe {
-    /// A rope that stays within an image of this size.
+    /// Makes a rope that stays within an image of this size.
     pub(super) fn new(random: &mut SplitMix64, size_px: [f64; 2], rope_px: f64) -> Self {
         let side_px = size_px[0].min(size_px[1]);
         let curl = random.sign() * random.uniform(0.7, 1.0);
@@ -65,7 +66,8 @@ impl Writhe {
             drift_px: [0, 1].map(|axis| Wave::new(random, 0.05 * size_px[axis], [6.0, 14.0])),
             length_px: 1.0,
         };
-        // As long as it can be and stay inside; tried at more moments than any swing has.
+        // The rope is as long as it can be and stay inside. More moments are tried than the periods
+        // have.
         let mut points = Vec::new();
         let mut farthest = [0.0f64; 2];
         for trial in 0..2000 {
@@ -88,7 +90,8 @@ impl Writhe {
         self.length_px
     }
 
-    /// The centerline at a moment, moved by `offset`: points at equal steps from tip to tip.
+    /// Computes the centerline at this time, moved by `offset`: points at equal steps from tip to
+    /// tip.
     pub(super) fn centerline(&self, time_s: f64, offset: [f64; 2], points: &mut Vec<[f64; 2]>) {
         let heading = self.heading + self.sway.at(time_s);
         let curl = self.curl + self.curling.at(time_s);
@@ -120,12 +123,12 @@ impl Writhe {
     }
 }
 
-/// Where along the rope the middle of a segment is, from 0 to 1.
+/// Position of a segment's middle along the rope, from 0 to 1.
 fn middle(segment: usize) -> f64 {
     (segment as f64 + 0.5) / SEGMENTS as f64
 }
 
-/// How far the modes bend a segment.
+/// Bending of a segment by each mode.
 fn shape(segment: usize) -> [f64; 4] {
     let sigma = middle(segment);
     std::array::from_fn(|k| cos_turns((k + 1) as f64 * sigma / 2.0))

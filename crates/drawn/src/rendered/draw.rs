@@ -1,10 +1,12 @@
 //! Draws the rope along its centerline: round, twisted, lit from the side, with soft edges and a faint shadow.
 //!
-//! The normals at the centerline's points cut the rope's surroundings into slabs, one for each segment; a pixel lies
-//! in one slab of a strand, so a strand never covers itself, and where the rope crosses itself the slabs drawn later
-//! lie over the earlier ones, shadow and all. The ends are cut flat, their corners a little rounded.
+//! The normals at the centerline's points divide the rope's surroundings into slabs, one per
+//! segment. A pixel is in one slab of a strand, so a strand never covers itself. Where the rope
+//! crosses itself, slabs drawn later cover earlier ones, including the shadow. The ends are cut
+//! flat with slightly rounded corners.
 //!
-//! All arithmetic is IEEE +, −, ×, ÷ and √ in a fixed order: every bit is the same on every machine.
+//! All arithmetic is IEEE +, −, ×, ÷ and √ in a fixed order, so every bit is the same on every
+//! machine.
 
 use std::ops::Range;
 
@@ -12,44 +14,45 @@ use super::RenderOptions;
 use super::table::{to_byte, whole_part};
 use lariat_portable::{Arch, Simd, WithSimd};
 
-/// Half the distance over which the rope's edge goes from cover to none: the blur of a good lens.
+/// Half the distance over which the coverage falls from 1 to 0 at the rope's edge: the blur of a
+/// good lens.
 const SOFT_PX: f32 = 0.9;
-/// How much the shadow takes from the light at the rope's edge.
+/// Share of the light that the shadow takes at the rope's edge.
 const SHADOW: f32 = 0.22;
-/// Towards the lamp: from the upper left, and from above.
+/// Direction to the lamp: from the upper left, and from above.
 const LAMP: [f32; 3] = [-0.40, -0.52, 0.755];
 
-/// Pixels of a row that are drawn at once.
+/// Number of pixels of a row that are drawn at once.
 const LANES: usize = 8;
 
-/// How far each of them is from the first.
+/// Offset of each of these pixels from the first.
 const OFFSETS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// An image of three bytes a pixel, without padding, at least [`LANES`] pixels wide. Its values are such as [`to_byte`] makes: what is
-/// not drawn on is written back as it is.
+/// An image of three bytes per pixel, without padding, at least [`LANES`] pixels wide. Its values
+/// are as [`to_byte`] makes them, so pixels outside the drawing are written back unchanged.
 pub(crate) struct Canvas<'a> {
     pub(crate) pixels: &'a mut [u8],
     pub(crate) width: usize,
     pub(crate) height: usize,
 }
 
-/// Rows and columns that were drawn on; the ends are excluded.
+/// Rows and columns that were drawn on; the upper bounds are excluded.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Area {
     pub(crate) x: [usize; 2],
     pub(crate) y: [usize; 2],
 }
 
-/// The rope's looks.
+/// Appearance of the rope.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Brush {
     half_px: f32,
-    /// From the centerline to the end of the shadow.
+    /// Distance from the centerline to the end of the shadow.
     reach_px: f32,
-    /// Radius of the ends' corners.
+    /// Radius of the corners at the ends.
     corner_px: f32,
-    /// One over the half width, over the width of the shadow, and over the length along the rope from one strand of
-    /// the twist to the next.
+    /// Inverses of the half width, of the width of the shadow, and of the twist's pitch from strand
+    /// to strand along the rope.
     per_half: f32,
     per_shadow: f32,
     per_pitch: f32,
@@ -57,7 +60,7 @@ pub(crate) struct Brush {
     length_px: f32,
 }
 
-/// The brush at work along a line.
+/// Application of the brush to a line.
 struct Drawing<'a, 'b>(&'a Brush, &'a [[f64; 2]], &'a mut Canvas<'b>);
 
 impl WithSimd for Drawing<'_, '_> {
@@ -65,13 +68,15 @@ impl WithSimd for Drawing<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        // A copy: what is behind a reference might be what is drawn on, and would be read again for each pixel.
+        // A copy: with a reference, the compiler must assume that drawing changes the brush, and
+        // would read it again for each pixel.
         let brush = *self.0;
         brush.draw_slabs(self.1, self.2);
     }
 }
 
-/// Where the centerline passes a point: the point, and the direction of the normal's plane.
+/// A point of the centerline, with the direction of the plane through it that is normal to the
+/// line.
 #[derive(Clone, Copy)]
 struct Gate {
     at: [f32; 2],
@@ -79,8 +84,8 @@ struct Gate {
 }
 
 impl Gate {
-    /// How far a pixel lies beyond the gate, along the rope. The two slabs at a gate get the very same value, so that
-    /// every pixel is in exactly one of them.
+    /// Distance of a pixel beyond the gate, along the rope. Both slabs at a gate compute exactly
+    /// the same value, so every pixel is in exactly one of them.
     #[inline(always)]
     fn beyond(&self, x: f32, y: f32) -> f32 {
         (x - self.at[0]) * self.along[0] + (y - self.at[1]) * self.along[1]
@@ -93,14 +98,15 @@ struct Slab {
     to: Gate,
     /// Unit normal of the segment.
     normal: [f32; 2],
-    /// Arc length at `from`, and of the segment.
+    /// Arc length at `from`, and length of the segment.
     start_px: f32,
     step_px: f32,
-    /// Whether the rope's end may be within.
+    /// True if the rope's end may be inside.
     is_at_tip: bool,
-    /// Within which distances of the gates pixels belong to the slab: [0, 0] but at the tips.
+    /// Distances beyond the gates within which pixels belong to the slab: [0, 0] except at the
+    /// tips.
     overhang_px: [f32; 2],
-    /// The lamp's direction across the rope.
+    /// Component of the lamp's direction across the rope.
     lamp_across: f32,
 }
 
@@ -120,7 +126,7 @@ impl Brush {
         }
     }
 
-    /// Draws the rope; later points of the line lie over earlier ones.
+    /// Draws the rope; later points of the line cover earlier ones.
     pub(crate) fn draw(&self, line: &[[f64; 2]], canvas: &mut Canvas) {
         Arch::new().dispatch(Drawing(self, line, canvas));
     }
@@ -129,7 +135,7 @@ impl Brush {
     fn draw_slabs(&self, line: &[[f64; 2]], canvas: &mut Canvas) {
         let segments = line.len() - 1;
         let step_px = self.length_px / segments as f32;
-        // A pixel more than enough, whatever is rounded.
+        // One pixel more than needed covers any rounding.
         let near_px = self.tip_px() + 1.0;
         let mut from = gate(line, 0, step_px);
         for i in 0..segments {
@@ -160,12 +166,12 @@ impl Brush {
         }
     }
 
-    /// The part of the canvas that [`draw`](Self::draw) can touch.
+    /// Returns the part of the canvas that [`draw`](Self::draw) can touch.
     pub(crate) fn area(&self, line: &[[f64; 2]], width: usize, height: usize) -> Area {
         let span = |axis: usize, size: usize| {
             let low = line.iter().map(|p| p[axis]).fold(f64::MAX, f64::min);
             let high = line.iter().map(|p| p[axis]).fold(f64::MIN, f64::max);
-            // A tip's corner is farther than the reach, by √2.
+            // A tip's corner is √2 times as far as the reach.
             let reach = 1.5 * f64::from(self.reach_px) + 2.0;
             [
                 ((low - reach).max(0.0) as usize).min(size),
@@ -196,8 +202,8 @@ impl Brush {
         }
     }
 
-    /// Shadow, then rope, over what is there, in pixels from column `first` on: in those of the columns that lie in the slab.
-    /// Without a branch, so that the compiler makes vectors of it.
+    /// Draws shadow, then rope, in the pixels from column `first` on that are in the slab. There is
+    /// no branch, so that the compiler can vectorize it.
     #[inline(always)]
     fn draw_pixels<const IS_AT_TIP: bool>(
         &self,
@@ -208,7 +214,7 @@ impl Brush {
         pixels: &mut [u8; 3 * LANES],
     ) {
         let (low, high) = (columns.start as f32, columns.end as f32);
-        // For each byte, as a pixel has three.
+        // One value per byte, because a pixel has three.
         let [mut under, mut light, mut shine] = [[[0.0; 3]; LANES]; 3];
         for i in 0..LANES {
             let x = first as f32 + OFFSETS[i];
@@ -223,7 +229,7 @@ impl Brush {
             };
             let away = across_px * self.per_half;
             let cover = edge(outside_px);
-            // The side away from the lamp lies in the deeper shadow.
+            // The side away from the lamp has the deeper shadow.
             let side = (0.6 - 0.6 * slab.lamp_across * away).clamp(0.1, 1.2);
             let near = 1.0 - outside_px.max(0.0) * self.per_shadow;
             let shadow = if cover < 1.0 {
@@ -237,7 +243,7 @@ impl Brush {
                 & (outside_px < self.reach_px - self.half_px)
                 & (x >= low)
                 & (x < high);
-            // Of the others nothing is covered, and their light is whole: they stay what they are.
+            // Pixels outside get no coverage and full light, so they remain unchanged.
             let of_drawn = |value: f32, other: f32| [if is_drawn { value } else { other }; 3];
             under[i] = of_drawn((1.0 - shadow) * (1.0 - cover), 1.0);
             light[i] = of_drawn(shade[0] * cover, 0.0);
@@ -254,7 +260,8 @@ impl Brush {
         }
     }
 
-    /// Distance from the rope's outline, negative inside: a band, cut at its ends with rounded corners.
+    /// Distance from the rope's outline, negative inside. The outline is a band, cut at its ends
+    /// with rounded corners.
     #[inline(always)]
     fn outside_px(&self, along_px: f32, across_px: f32) -> f32 {
         let beside = across_px.abs() - self.half_px;
@@ -270,17 +277,18 @@ impl Brush {
         }
     }
 
-    /// How far from its ends the rope's outline is more than a band's.
+    /// Distance from the ends within which the outline differs from a band.
     fn tip_px(&self) -> f32 {
         self.corner_px + SOFT_PX
     }
 
-    /// How bright the rope's colour is where it is seen, and how much white light it throws back.
+    /// Brightness of the rope's color at a point, and the amount of white light that it reflects.
     #[inline(always)]
     fn shade(&self, lamp_across: f32, along_px: f32, away: f32) -> [f32; 2] {
         let up = (1.0 - away * away).sqrt();
         let facing = (lamp_across * away + LAMP[2] * up).max(0.0);
-        // Strands wind around the rope: seen from above they lean, and curve at the sides.
+        // Strands wind around the rope: seen from above they are oblique, and they curve at the
+        // sides.
         let phase = along_px * self.per_pitch + 0.55 * away + 0.15 * away * away * away + 64.0;
         let within = phase - whole_part(phase);
         let strand = 4.0 * within * (1.0 - within);
@@ -292,14 +300,14 @@ impl Brush {
     }
 }
 
-/// How much of a pixel the rope covers whose centre is so far outside.
+/// Share of a pixel that the rope covers, from the distance of its center from the outline.
 #[inline(always)]
 fn edge(outside_px: f32) -> f32 {
     let x = (0.5 - outside_px * (0.5 / SOFT_PX)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
 
-/// The gate at a point: across the mean direction of the two segments that meet there.
+/// Gate at a point, normal to the mean direction of the two segments that meet there.
 fn gate(line: &[[f64; 2]], i: usize, step_px: f32) -> Gate {
     let (before, after) = (line[i.saturating_sub(1)], line[(i + 1).min(line.len() - 1)]);
     let segments = if i == 0 || i + 1 == line.len() {
@@ -324,7 +332,8 @@ impl Slab {
         (x - self.from.at[0]) * self.normal[0] + (y - self.from.at[1]) * self.normal[1]
     }
 
-    /// The rows between the slab's corners: the gates, moved by their overhang, out to the reach.
+    /// Rows between the slab's corners, which are at the gates, moved by their overhang, at the
+    /// reach on both sides.
     #[inline(always)]
     fn rows(&self, reach_px: f32, height: usize) -> Range<usize> {
         let ys = |gate: &Gate, overhang_px: f32| {
@@ -341,7 +350,7 @@ impl Slab {
         span(a.min(b).min(c).min(d), a.max(b).max(c).max(d), height)
     }
 
-    /// The slab's outline: behind the one gate, before the other, within reach on both sides.
+    /// Outline of the slab: beyond one gate, before the other, and within reach on both sides.
     #[inline(always)]
     fn bounds(&self, reach_px: f32) -> [Bound; 4] {
         let bound = |at: [f32; 2], normal: [f32; 2], offset: f32| Bound {
@@ -368,12 +377,12 @@ struct Bound {
     slope: f32,
     offset: f32,
     is_upper: bool,
-    /// Whether the edge crosses rows at all; a level one bounds the rows alone.
+    /// True if the edge crosses rows at all; a horizontal edge bounds only the rows.
     is_steep: bool,
 }
 
 impl Bound {
-    /// The columns of a row that can be within all bounds.
+    /// Columns of a row that can be within all bounds.
     #[inline(always)]
     fn columns(bounds: &[Self; 4], y: f32, width: usize) -> Range<usize> {
         let [mut low, mut high] = [0.0f32, width as f32];
@@ -389,10 +398,10 @@ impl Bound {
     }
 }
 
-/// The pixels from the lower value to the higher, within the image. A tenth of a pixel more on either side: more than is lost
-/// by rounding.
+/// Pixels between the two values, within the image. A tenth of a pixel is added on either side,
+/// which is more than rounding loses.
 fn span(low: f32, high: f32, size: usize) -> Range<usize> {
-    // `as usize` takes negative numbers to 0.
+    // `as usize` turns negative numbers into 0.
     let (low, high) = ((low + 0.9) as usize, ((high + 1.1) as usize).min(size));
     low.min(high)..high
 }
@@ -410,7 +419,7 @@ mod tests {
             rope_px: 3.5,
             ..RenderOptions::default()
         };
-        // Over the right border and the bottom, and twice across itself.
+        // The line goes over the right border and the bottom, and crosses itself twice.
         let line: Vec<[f64; 2]> = (0..=200)
             .map(|i| {
                 let turns = f64::from(i) / 80.0;

@@ -1,27 +1,28 @@
-//! How the rope lies at each moment: its heading as a function of arc length, a sum of a few slow bending modes and of
-//! one turn that now and then closes to a loop.
+//! Motion of the rope. Its heading as a function of arc length is a sum of a few slow bending modes
+//! and one turn that now and then closes to a loop.
 //!
-//! The centerline is the integral of the heading, so its length never changes and equal steps along it are equal arc
-//! lengths by construction. Everything repeats after [`PERIOD_S`], so how much room the motion needs can be tried
-//! before the first frame and the rope made as long as the image allows.
+//! The centerline is the integral of the heading, so its length never changes and equal steps along
+//! it are equal arc lengths by construction. The motion repeats after [`PERIOD_S`]. The room that
+//! it needs is therefore measured before the first frame, and the rope is made as long as the image
+//! allows.
 
 use super::RenderOptions;
 use super::portable::{cos_turns, sin_turns, smoothstep};
 use lariat_portable::SplitMix64;
 
-/// The motion repeats after this time, in seconds.
+/// Period of the motion, in seconds.
 const PERIOD_S: f64 = 60.0;
-/// Bending modes beside the loop.
+/// Number of bending modes in addition to the loop.
 const MODES: usize = 4;
-/// Largest swing of the heading in each mode, in turns: together mild enough that the rope bends no tighter than a
-/// few times its width.
+/// Largest amplitude of the heading in each mode, in turns. Their sum is small enough that the rope
+/// bends no tighter than a few times its width.
 const MODE_TURNS: [f64; MODES] = [0.08, 0.07, 0.04, 0.02];
-/// What the rope is bent in each mode at rest, in turns, to one side or the other.
+/// Bend at rest in each mode, in turns, to one side or the other.
 const REST_TURNS: [f64; MODES] = [0.06, 0.13, 0.0, 0.0];
-/// Moments of the period at which the room is tried, one every 50 ms.
+/// Number of moments at which the room is measured, one every 50 ms of the period.
 const TRIALS: u32 = 1200;
 
-/// One slow oscillation that fits the period a whole number of times.
+/// A slow oscillation with a whole number of cycles per period.
 #[derive(Debug, Clone, Copy)]
 struct Wave {
     amplitude: f64,
@@ -44,7 +45,7 @@ impl Wave {
     }
 }
 
-/// The rope's motion.
+/// Motion of the rope.
 #[derive(Debug)]
 pub(super) struct Motion {
     /// Heading of the rope as a whole, in turns.
@@ -52,18 +53,19 @@ pub(super) struct Motion {
     sway: Wave,
     modes: [Wave; MODES],
     rest: [f64; MODES],
-    /// How far the loop is closed swings about ½; outside of [0, 1] it rests.
+    /// Degree to which the loop is closed; swings about ½ and saturates outside [0, 1].
     closing: Wave,
-    /// For each segment: the shape of each mode, and last the heading that the whole loop adds, in turns.
+    /// Shape of each mode for each segment, followed by the heading that the complete loop adds, in
+    /// turns.
     basis: Vec<[f64; MODES + 1]>,
-    /// Where the centroid is, on average.
+    /// Mean position of the centroid.
     centre_px: [f64; 2],
     drift_px: [Wave; 2],
     length_px: f64,
 }
 
 impl Motion {
-    /// The motion of these options' seed, in an image of their size.
+    /// Makes the motion for the options' seed, in an image of their size.
     pub(super) fn new(options: &RenderOptions) -> Self {
         let random = &mut SplitMix64::of_stream(options.seed, 1);
         let size_px = [f64::from(options.width), f64::from(options.height)];
@@ -80,7 +82,7 @@ impl Motion {
             closing: Wave {
                 amplitude: 0.7,
                 cycles: 2.0,
-                // The rope begins open, and crosses itself after some six seconds.
+                // The rope begins open and crosses itself after about six seconds.
                 phase: random.uniform(0.78, 0.86),
             },
             basis: Vec::new(),
@@ -90,7 +92,7 @@ impl Motion {
         };
         let loop_turns = random.sign() * random.uniform(0.82, 0.92);
         let loop_at = random.uniform(0.6, 0.66);
-        // Some three pixels each: no corner shows at their joints.
+        // About three pixels per segment, so that no corner is visible at their joints.
         let segments = (((size_px[0] + size_px[1]) / 6.0) as usize).max(96);
         motion.set_basis(segments, loop_at, loop_turns);
         motion.fit(options, size_px);
@@ -98,7 +100,7 @@ impl Motion {
     }
 
     fn set_basis(&mut self, segments: usize, loop_at: f64, loop_turns: f64) {
-        /// The part of the rope that the loop takes.
+        /// Share of the rope that the loop takes.
         const LOOP_SHARE: f64 = 0.46;
         self.basis = (0..segments)
             .map(|i| {
@@ -113,7 +115,7 @@ impl Motion {
             .collect();
     }
 
-    /// Makes the rope as long as the image allows at every moment, and centres its motion.
+    /// Makes the rope as long as the image allows at every moment, and centers its motion.
     fn fit(&mut self, options: &RenderOptions, size_px: [f64; 2]) {
         let mut low = [f64::MAX; 2];
         let mut high = [f64::MIN; 2];
@@ -134,12 +136,12 @@ impl Motion {
         });
         self.length_px = fits_px[0].min(fits_px[1]);
         self.centre_px = [0, 1].map(|axis| {
-            // The centre of the top-left pixel is (0, 0).
+            // The center of the top-left pixel is (0, 0).
             (size_px[axis] - 1.0) / 2.0 - self.length_px * (low[axis] + high[axis]) / 2.0
         });
     }
 
-    /// The rope of length 1 around its centroid.
+    /// Computes a rope of length 1 around its centroid.
     fn shape(&self, time_s: f64, points: &mut Vec<[f64; 2]>) {
         let heading = self.heading + self.sway.at(time_s);
         let closed = smoothstep(0.5 + self.closing.at(time_s));
@@ -174,12 +176,12 @@ impl Motion {
         self.length_px
     }
 
-    /// How many points [`centerline`](Self::centerline) makes.
+    /// Number of points that [`centerline`](Self::centerline) makes.
     pub(super) fn point_count(&self) -> usize {
         self.basis.len() + 1
     }
 
-    /// The centerline at a moment, in pixels: points at equal steps from tip to tip.
+    /// Computes the centerline at this time, in pixels: points at equal steps from tip to tip.
     pub(super) fn centerline(&self, time_s: f64, points: &mut Vec<[f64; 2]>) {
         self.shape(time_s, points);
         let offset = [0, 1].map(|axis| self.centre_px[axis] + self.drift_px[axis].at(time_s));

@@ -1,8 +1,8 @@
-//! Value noise: random heights on a grid, smoothly joined, as the mottling of a table.
+//! Value noise: random heights on a grid with smooth interpolation, as the mottling of a table.
 
 use lariat_portable::SplitMix64;
 
-/// Heights between −1 and 1 on a grid of `GRID` × `GRID` places, repeated without end.
+/// Heights between −1 and 1 on a grid of `GRID` × `GRID` points that repeats without end.
 #[derive(Debug, Clone)]
 pub(crate) struct Mottling<const GRID: usize> {
     heights: Vec<f64>,
@@ -17,8 +17,8 @@ impl<const GRID: usize> Mottling<GRID> {
         }
     }
 
-    /// Two octaves at a position that is not negative, the second half as high: `scales` says how many places a unit is
-    /// in each.
+    /// Sum of two octaves at a position that is not negative, the second with half the amplitude.
+    /// `scales`: grid points per unit in each octave.
     pub(crate) fn at(&self, at: [f64; 2], scales: [f64; 2]) -> f64 {
         self.octave(at.map(|c| c * scales[0])) + 0.5 * self.octave(at.map(|c| c * scales[1]))
     }

@@ -1,9 +1,9 @@
-//! Arithmetic whose every bit is the same on every machine: a sine made of IEEE basic operations (the platform's own
-//! may differ in its last bit) and a small random generator.
+//! Arithmetic that gives the same bits on every machine: a sine from IEEE basic operations (the
+//! platform's own may differ in its last bit) and a small random generator.
 
 /// Sine of an angle in turns, |turns| < 2⁵¹, to 2·10⁻⁹.
 pub(crate) fn sin_turns(turns: f64) -> f64 {
-    // To [−½, ½], then folded about ±¼ to the half wave around zero.
+    // Reduced to [−½, ½], then folded about ±¼ to the half wave around zero.
     let rest = turns - (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i64 as f64;
     let x = if rest > 0.25 {
         0.5 - rest
@@ -12,7 +12,7 @@ pub(crate) fn sin_turns(turns: f64) -> f64 {
     } else {
         rest
     };
-    // Taylor about 0 at |angle| ≤ π/2: the first term left out is (π/2)¹⁵ / 15! < 7·10⁻¹⁰.
+    // Taylor series about 0 for |angle| ≤ π/2: the first term left out is (π/2)¹⁵ / 15! < 7·10⁻¹⁰.
     let angle = x * std::f64::consts::TAU;
     let square = angle * angle;
     let mut sum = 0.0;
@@ -22,12 +22,12 @@ pub(crate) fn sin_turns(turns: f64) -> f64 {
     angle * (1.0 + sum)
 }
 
-/// Cosine of an angle in turns, likewise.
+/// Cosine of an angle in turns, with the range and accuracy of [`sin_turns`].
 pub(crate) fn cos_turns(turns: f64) -> f64 {
     sin_turns(turns + 0.25)
 }
 
-/// The step 0 → 1 over x in [0, 1] with level ends: 3x² − 2x³.
+/// Smooth step from 0 to 1 over x in [0, 1], with horizontal ends: 3x² − 2x³.
 pub(crate) fn smoothstep(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

@@ -1,15 +1,18 @@
-//! The table under the rope, drawn once: a plain, faintly mottled surface in uneven light; and the camera's noise.
+//! The table under the rope, drawn once as a plain, faintly mottled surface in uneven light; and
+//! the camera's noise.
 
 use super::RenderOptions;
 use super::mottling::Mottling;
 use lariat_portable::SplitMix64;
 
-/// No noise is larger: what is drawn stays this far from 0 and 255, so that noise is added without a saturation.
+/// Largest noise value. Drawn values stay this far from 0 and 255, so that noise needs no
+/// saturation.
 pub(crate) const LARGEST_NOISE: u8 = 10;
-/// Bytes of the noise table: small enough to stay in a core's cache, large enough that no pattern shows.
+/// Size of the noise table in bytes: small enough for a core's cache, large enough that no pattern
+/// shows.
 const NOISE_BYTES: usize = 1 << 16;
 
-/// A value as a byte that noise cannot push over an edge.
+/// Converts a value to a byte that noise cannot push out of range.
 #[inline(always)]
 pub(crate) fn to_byte(value: f32) -> u8 {
     let low = f32::from(LARGEST_NOISE);
@@ -17,11 +20,11 @@ pub(crate) fn to_byte(value: f32) -> u8 {
     (whole + FRACTIONLESS).to_bits() as u8
 }
 
-/// From here on floats have no fractions, and the lowest bits of one are those of the whole number that it is.
+/// From this value on, floats have no fraction, and their lowest bits are those of the integer.
 const FRACTIONLESS: f32 = (1 << 23) as f32;
 
-/// The whole part of a number from 0 to 2²²: what conversions to whole numbers give, which care for numbers that fit in none,
-/// lane by lane.
+/// Whole part of a number from 0 to 2²². Conversions to integers give the same, but handle numbers
+/// out of range lane by lane.
 #[inline(always)]
 pub(crate) fn whole_part(value: f32) -> f32 {
     let nearest = (value + FRACTIONLESS) - FRACTIONLESS;
@@ -32,11 +35,12 @@ pub(crate) fn whole_part(value: f32) -> f32 {
     }
 }
 
-/// The empty table, three bytes a pixel.
+/// The empty table, three bytes per pixel.
 pub(crate) fn lit_table(options: &RenderOptions) -> Vec<u8> {
     let random = &mut SplitMix64::of_stream(options.seed, 2);
     let (width, height) = (options.width as usize, options.height as usize);
-    // Where the lamp stands: near an upper corner; its light falls off with the square of the distance.
+    // Position of the lamp near an upper corner; its light falls off with the square of the
+    // distance.
     let lamp = [random.uniform(0.1, 0.9), random.uniform(0.0, 0.3)];
     let mottling = Mottling::<64>::new(random);
     let mut pixels = Vec::with_capacity(3 * width * height);
@@ -64,7 +68,8 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// The camera's noise: a table of normal-like values, of which every row of every frame takes another stretch.
+/// The camera's noise: a table of approximately normal values. Each row of each frame uses another
+/// section of it.
 #[derive(Debug)]
 pub(crate) struct SensorNoise {
     table: Vec<u8>,
@@ -72,24 +77,25 @@ pub(crate) struct SensorNoise {
 }
 
 impl SensorNoise {
-    /// Noise for rows of at most `row_bytes`.
+    /// Makes noise for rows of at most `row_bytes`.
     pub(crate) fn new(seed: u64, sigma: f64, row_bytes: usize) -> Self {
         let random = &mut SplitMix64::of_stream(seed, 3);
         let limit = f64::from(LARGEST_NOISE);
-        // A sum of four uniforms in [−½, ½) has a variance of ⅓.
+        // A sum of four uniform numbers in [−½, ½) has a variance of ⅓.
         let scale = sigma * 3f64.sqrt();
         let table = (0..NOISE_BYTES + row_bytes)
             .map(|_| {
                 let sum: f64 = (0..4).map(|_| random.uniform(-0.5, 0.5)).sum();
                 let value = (scale * sum).clamp(-limit, limit);
-                // As two's complement: a wrapping byte addition adds it, whatever its sign.
+                // Stored in two's complement, so that a wrapping byte addition works for either
+                // sign.
                 (value + if value < 0.0 { -0.5 } else { 0.5 }) as i8 as u8
             })
             .collect();
         Self { table, seed }
     }
 
-    /// `noisy = clean + noise`, row by row, for rows of `row_bytes`.
+    /// Computes `noisy = clean + noise`, row by row, for rows of `row_bytes`.
     pub(crate) fn add(&self, sequence: u64, row_bytes: usize, clean: &[u8], noisy: &mut [u8]) {
         let random = &mut SplitMix64::of_stream(self.seed ^ 0x5EED, sequence);
         let rows = clean

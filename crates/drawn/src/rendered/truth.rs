@@ -1,9 +1,9 @@
-//! The message that says where the drawn rope truly lies.
+//! Message with the true position of the drawn rope.
 
 use lariat_message::{Centerlines, Crossing, MAX_CROSSINGS, Status};
 
-/// Writes the drawn centerline (equal steps from tip to tip) as `count` points at equal arc lengths, with its
-/// crossings with itself, of which the later strand is the upper one.
+/// Writes the drawn centerline (equal steps from tip to tip) as `count` points at equal arc
+/// lengths, with its self-crossings. The later strand of a crossing is the upper one.
 pub(crate) fn fill(
     line: &[[f64; 2]],
     length_px: f64,
@@ -50,10 +50,11 @@ pub(crate) fn fill(
     });
 }
 
-/// Calls back for each place where the line meets itself, with the earlier and the later position in segments.
+/// Calls back for each self-crossing of the line, with the earlier and the later position in
+/// segments.
 ///
-/// Two segments a distance D apart cannot meet before the line has gone on by D less their own lengths: most pairs are
-/// never looked at.
+/// Two segments at a distance D cannot meet before the line has advanced by D minus their own
+/// lengths, so most pairs are skipped.
 fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64; 2], f64, f64)) {
     let segments = line.len() - 1;
     let step_px = length_px / segments as f64;
@@ -74,7 +75,8 @@ fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64;
     }
 }
 
-/// Where segments pq and rs meet, as shares of each; the ends q and s belong to the next segments.
+/// Intersection of the segments pq and rs, as a share of each. The ends q and s belong to the next
+/// segments.
 pub(crate) fn meet([p, q]: [[f64; 2]; 2], [r, s]: [[f64; 2]; 2]) -> Option<(f64, f64)> {
     let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];

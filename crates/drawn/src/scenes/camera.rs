@@ -1,4 +1,5 @@
-//! From the light on the table and the ropes to the bytes of a picture: shadow, light, blur, motion, noise.
+//! Converts the light from the table and the ropes to the bytes of a picture: shadow, light, blur,
+//! motion, noise.
 
 use super::ground::Ground;
 use super::paint::Painted;
@@ -6,10 +7,10 @@ use super::style::Style;
 use crate::rendered::mottling::Mottling;
 use lariat_portable::SplitMix64;
 
-/// The table's pattern is of 35 and of 11 px.
+/// Scales of the table's pattern: 35 and 11 px.
 const OCTAVES: [f64; 2] = [1.0 / 35.0, 1.0 / 11.0];
 
-/// The picture, three bytes a pixel.
+/// Exposes the picture, three bytes per pixel.
 pub(super) fn expose(
     painted: &Painted,
     look: &Style,
@@ -58,7 +59,8 @@ pub(super) fn expose(
     bytes
 }
 
-/// Noise that the lens blurs, of so many levels when it has.
+/// Adds noise that the lens will blur. `look.grain`: its standard deviation after the blur, in
+/// levels.
 fn add_grain(picture: &mut [[f32; 3]], look: &Style, random: &mut SplitMix64) {
     // A Gaussian blur leaves 1 / (2 √π σ) of white noise.
     let sigma = look.grain * 2.0 * std::f32::consts::PI.sqrt() * look.blur_px;
@@ -67,7 +69,8 @@ fn add_grain(picture: &mut [[f32; 3]], look: &Style, random: &mut SplitMix64) {
     }
 }
 
-/// About normal, of variance 1: a sum of four uniform numbers in [−½, ½) has a variance of ⅓.
+/// Approximately normal number with variance 1: a sum of four uniform numbers in [−½, ½) has a
+/// variance of ⅓.
 fn normal(random: &mut SplitMix64) -> f32 {
     let bits = random.next_u64();
     let sum: f32 = (0..4)
@@ -76,9 +79,9 @@ fn normal(random: &mut SplitMix64) -> f32 {
     sum * 3f32.sqrt()
 }
 
-/// Gaussian blur; the border's pixels stand for what is outside.
+/// Gaussian blur; pixels outside the image equal those at the border.
 fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
-    // The Gaussian is below 2 % of its middle beyond 2.8 σ.
+    // The Gaussian is below 2 % of its peak beyond 2.8 σ.
     let reach = (2.8 * sigma_px).ceil().max(1.0) as isize;
     let mut kernel: Vec<f32> = (-reach..=reach)
         .map(|d| libm::expf(-0.5 * (d as f32 / sigma_px).powi(2)))
@@ -86,7 +89,7 @@ fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|weight| *weight /= sum);
     let reach = kernel.len() / 2;
-    // A row, and as often as the blur reaches its first and its last pixel.
+    // A row, extended on both sides by the reach of the blur with its first and its last pixel.
     let mut row = vec![[0.0; 3]; width + 2 * reach];
     for blurred in picture.chunks_exact_mut(width) {
         let (first, last) = (blurred[0], blurred[width - 1]);
@@ -108,7 +111,7 @@ fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
     }
 }
 
-/// Adds some pixels, times a weight.
+/// Adds pixels, multiplied by a weight.
 #[inline]
 fn add(sums: &mut [[f32; 3]], weight: f32, values: &[[f32; 3]]) {
     let sums = sums.as_flattened_mut().iter_mut();
@@ -117,7 +120,7 @@ fn add(sums: &mut [[f32; 3]], weight: f32, values: &[[f32; 3]]) {
     }
 }
 
-/// The picture moved by less than a whole number of pixels, by linear interpolation.
+/// The picture moved by a fraction of a pixel, by linear interpolation.
 fn moved(picture: &[[f32; 3]], [width, height]: [usize; 2], by: [f32; 2]) -> Vec<[f32; 3]> {
     let value = |x: isize, y: isize| {
         let x = x.clamp(0, width as isize - 1) as usize;
@@ -141,10 +144,10 @@ fn moved(picture: &[[f32; 3]], [width, height]: [usize; 2], by: [f32; 2]) -> Vec
         .collect()
 }
 
-/// The mean of what is seen while the picture moves: from half of `by` behind to half ahead, so that the truth is the
-/// middle of the motion.
+/// Averages the picture while it moves, from half of `by` backward to half of it forward, so that
+/// the truth is at the middle of the motion.
 fn smear(picture: &mut [[f32; 3]], size: [usize; 2], by: [f32; 2]) {
-    // Steps of less than half a pixel.
+    // Each step is less than half a pixel.
     let steps = ((by[0] * by[0] + by[1] * by[1]).sqrt() / 0.4)
         .ceil()
         .max(1.0) as usize;

@@ -1,11 +1,11 @@
-//! What can make a picture of ropes hard, one thing at a time.
+//! Difficulties in pictures of ropes, one at a time.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A kind of picture. Unless its own matter says otherwise, a picture shows one rope of 7 to 14 px with up to two
-/// crossings above 35°, bends of a radius of at least 1.5 widths, strands at least two widths apart (between their
-/// centres), a camera's blur of 0.6 px and noise of 2 levels.
+/// Kind of picture. Unless its class says otherwise, a picture shows one rope of 7 to 14 px. It has
+/// up to two crossings above 35°, bends with a radius of at least 1.5 widths, and strands at least
+/// two widths apart (between their centers). The camera has a blur of 0.6 px and noise of 2 levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Class {
     /// A rope of 4 to 6 px.
@@ -16,17 +16,17 @@ pub enum Class {
     Thick,
     /// Sensor noise of 6 to 14 levels.
     Noise,
-    /// Out of focus: a Gaussian of 1.2 to 3 px, at most a third of the rope's width.
+    /// Out of focus: a Gaussian of 1.2 to 3 px, but at most a third of the rope's width.
     Blur,
-    /// A shutter open while the camera moves 3 to 10 px, at most ¾ of the rope's width.
+    /// The camera moves 3 to 10 px while the shutter is open, but at most ¾ of the rope's width.
     MotionBlur,
-    /// The light falls to 35–60 % from one side to the other, with a lamp's spot.
+    /// The light falls to 35–60 % from one side to the other, with the spot of a lamp.
     UnevenLight,
-    /// A rope that shines like plastic: a highlight near white along it.
+    /// A rope that shines like plastic, with a near-white highlight along it.
     Shine,
-    /// A coarse twist and dashes on the rope, a mottled table.
+    /// A coarse twist and dashes on the rope, and a mottled table.
     Texture,
-    /// A soft shadow beside the rope.
+    /// A soft shadow next to the rope.
     Shadow,
     /// No crossing.
     Crossings0,
@@ -42,13 +42,14 @@ pub enum Class {
     Crossings5,
     /// One or two crossings, at least one of 20° to 30°.
     FlatCrossings,
-    /// Two strands (of one rope, or of two) run side by side in contact for 1 to 4 widths and part again, uncrossed.
+    /// Two strands (of one rope or of two) run side by side in contact for 1 to 4 widths and part
+    /// again without crossing.
     Touch,
-    /// A tip beside a strand, or pointing at it, 0.3 to 2 widths from its edge (1.5 px at least).
+    /// A tip next to a strand, or pointing at it, 0.3 to 2 widths from its edge (at least 1.5 px).
     EndsNear,
-    /// A tip that touches a strand's edge, or lies on it by up to 0.3 widths.
+    /// A tip that touches a strand's edge, or overlaps it by up to 0.3 widths.
     EndsTouching,
-    /// One end or both leave the image.
+    /// One end or both ends leave the image.
     Border,
     /// A closed loop with up to two crossings.
     Closed,
@@ -56,52 +57,59 @@ pub enum Class {
     DarkOnLight,
     /// A light rope on a dark table.
     LightOnDark,
-    /// Two to four ropes of different colours, with up to three crossings in all.
+    /// Two to four ropes of different colors, with up to three crossings in all.
     SeveralColors,
-    /// Seeds 2k and 2k + 1 show the same, the second in half the light.
+    /// Seeds 2k and 2k + 1 show the same scene, the second in half the light.
     LightChange,
-    /// The rope's own shadow on a light table, sharp, half a width to four widths beside it: of seeds 4k to 4k + 3 it takes
-    /// 15, 30, 45 and 60 % of the light.
+    /// The rope's own shadow on a light table, sharp, half a width to four widths from it. For
+    /// seeds 4k to 4k + 3 it takes 15, 30, 45 and 60 % of the light.
     HardShadow,
-    /// The same shadow, as soft as a wide lamp makes it.
+    /// The same shadow as [`HardShadow`](Class::HardShadow), soft as from a wide lamp.
     SoftShadow,
-    /// Something beside the rope that is not a rope: of seeds 5k to 5k + 4 a pen, a marker, a board's edge, a cup's rim, letters.
+    /// An object next to the rope that is not a rope: for seeds 5k to 5k + 4 a pen, a marker, a
+    /// board's edge, a cup's rim, letters.
     Things,
-    /// A white rope that shines, on a light gray table: its dark rim is as light as that.
+    /// A white, shining rope on a light gray table: the dark rim of the rope is as light as the
+    /// table.
     WhiteShine,
-    /// A table that passes from one color to a darker one.
+    /// A table whose color changes to a darker one.
     Gradient,
     /// A rope of two colors, twisted.
     Twisted,
-    /// One to three ropes with a soft shadow on a plain surface: of seeds 4k to 4k + 3 with the usual noise, with noise of 8
-    /// to 14 levels, of 14 to 20, and with as much grain of a pixel or two.
+    /// One to three ropes with a soft shadow on a plain surface. Seeds 4k to 4k + 3 have the usual
+    /// noise, noise of 8 to 14 levels, of 14 to 20 levels, and the same amount as grain of a pixel
+    /// or two.
     OnNoise,
-    /// The same ropes on a texture: of seeds 4k to 4k + 3 wood, cloth, print, gravel.
+    /// The ropes of [`OnNoise`](Class::OnNoise) on a texture: for seeds 4k to 4k + 3 wood, cloth,
+    /// print, gravel.
     OnTexture,
-    /// The same ropes on a desk with boxes, text, pens, cups.
+    /// The ropes of [`OnNoise`](Class::OnNoise) on a desk with boxes, text, pens, cups.
     OnClutter,
-    /// A rope that is pulled tight through the image, straight or a little bent, on such surfaces: of seeds 4k to 4k + 3 plain, wood
-    /// and the like, and twice a desk.
+    /// A rope pulled tight through the image, straight or slightly bent, on such surfaces: for
+    /// seeds 4k to 4k + 3 plain, a texture, and twice a desk.
     Taut,
-    /// The picture of a figure-eight knot of four crossings above 20°, drawn together until there are 2.5 to 5 widths of rope between
-    /// two of them. Half of them are knots; of the others strands lie on top as chance has it.
+    /// The picture of a figure-eight knot with four crossings above 20°. It is drawn together until
+    /// there are 2.5 to 5 widths of rope between two of them. Half of the pictures are knots; in
+    /// the others, chance decides which strands are on top.
     Eights,
-    /// A coil of three to five loops, which cross their neighbors at flat angles, so that the crossings merge.
+    /// A coil of three to five loops, which cross their neighbors at such flat angles that the
+    /// crossings merge.
     Coils,
-    /// Two ropes run side by side in contact for 10 to 25 widths, and part at both ends.
+    /// Two ropes that run side by side in contact for 10 to 25 widths and part at both ends.
     Parallel,
     /// Three or four ropes of one color, with two to six crossings above 20° in all.
     OneColor,
-    /// A hand from beyond the picture, or a gripper, lies over a rope.
+    /// A hand from outside the picture, or a gripper, covers part of a rope.
     Covered,
-    /// The picture was kept as a JPEG of quality 30, its color at half the resolution.
+    /// The picture was stored as a JPEG of quality 30, with color at half the resolution.
     Jpeg,
-    /// A bend of the rope, by up to 90°, lies outside of the picture: by one to 3.5 widths, over up to 14.
+    /// A bend of the rope, by up to 90°, is outside the picture: by one to 3.5 widths, over up to
+    /// 14 widths.
     Returning,
 }
 
 impl Class {
-    /// Every class whose ropes stand out from a plain table, in the order of the table.
+    /// All classes whose ropes stand out from a plain table, in the order of the table.
     pub const ALL: [Self; 30] = [
         Self::Thin,
         Self::Medium,
@@ -135,7 +143,7 @@ impl Class {
         Self::Jpeg,
     ];
 
-    /// The classes in which a rope is not just what differs from the table.
+    /// Classes in which a difference from the table does not identify a rope.
     pub const HARD: [Self; 10] = [
         Self::HardShadow,
         Self::SoftShadow,
@@ -149,7 +157,7 @@ impl Class {
         Self::Things,
     ];
 
-    /// The classes in which ropes are hard to tell apart, or not all there, however well their pixels are known.
+    /// Classes in which ropes are hard to tell apart, or incomplete, even with a perfect mask.
     pub const SHAPES: [Self; 6] = [
         Self::Eights,
         Self::Coils,
@@ -159,7 +167,7 @@ impl Class {
         Self::Returning,
     ];
 
-    /// Whether its ropes lie on a surface as they do in photographs.
+    /// Returns whether the ropes are on a surface as in photographs.
     pub fn is_composed(self) -> bool {
         matches!(
             self,
@@ -167,7 +175,7 @@ impl Class {
         )
     }
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Thin => "thin",

@@ -1,4 +1,4 @@
-//! A hand or a gripper that lies over a rope.
+//! A hand or a gripper that covers part of a rope.
 
 use super::layout::Layout;
 use super::line::{Line, Vec2, cross, dot, minus, mix, norm};
@@ -7,16 +7,16 @@ use super::style::{Rgb, Style};
 use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
 use lariat_portable::SplitMix64;
 
-/// Places that are tried on a rope.
+/// Number of places that are tried on a rope.
 const TRIES: usize = 40;
-/// The longest stretch that is hidden, in widths, and the most by which the rope turns on it.
+/// Longest hidden stretch, in widths, and the largest turn of the rope on it.
 const LONGEST_WIDTHS: f64 = 12.0;
 const MOST_TURN: f64 = 0.7;
-/// Between what is hidden and a tip or a crossing, in widths.
+/// Distance between the hidden stretch and a tip or a crossing, in widths.
 const CLEAR_WIDTHS: f64 = 4.0;
 const SKIN: Rgb = [206.0, 158.0, 132.0];
 
-/// All that lies within half a width of the line between two points.
+/// The covered region: everything within half a width of the segment between two points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Covering {
     ends: [Vec2; 2],
@@ -25,7 +25,7 @@ pub(super) struct Covering {
 }
 
 impl Covering {
-    /// One that hides a stretch of the first rope and nothing else, if there is room.
+    /// Makes a covering that hides a stretch of the first rope and nothing else, if there is room.
     pub(super) fn over(layout: &Layout, random: &mut SplitMix64, size_px: Vec2) -> Option<Self> {
         let line = &layout.lines[0];
         let width_px = layout.width_px;
@@ -57,10 +57,10 @@ impl Covering {
         })
     }
 
-    /// Whether it hides a short stretch about this place, and nothing else of the rope.
+    /// Returns whether it hides a short stretch around this position and no other part of the rope.
     fn is_apt(&self, layout: &Layout, along_px: f64) -> bool {
         let (line, width_px): (&Line, f64) = (&layout.lines[0], layout.width_px);
-        // The rope's own half width, and a rim in which the table shows.
+        // The rope's half width, plus a rim in which the table is visible.
         let is_under = |px: f64| self.within_px(line.at(px)) > -1.5 * width_px;
         let walk = |sign: f64| {
             let steps = 0..(LONGEST_WIDTHS * width_px) as usize;
@@ -84,7 +84,7 @@ impl Covering {
                 .all(|px| !is_under(px))
     }
 
-    /// How far within it a place lies.
+    /// Depth of a point inside the covering.
     fn within_px(&self, p: Vec2) -> f64 {
         let [a, b] = self.ends;
         let along = minus(b, a);
@@ -93,13 +93,13 @@ impl Covering {
         if self.is_hand {
             return round_px;
         }
-        // A box: straight at its ends.
+        // A box, with straight ends.
         let length_px = norm(along);
         let across_px = self.half_px - (cross(minus(p, a), along) / length_px).abs();
         across_px.min(length_px * share.min(1.0 - share))
     }
 
-    /// Draws it over the ropes, of which so much of each pixel is still `seen` then.
+    /// Draws it over the ropes, and reduces `seen`, the visible share of each pixel.
     pub(super) fn paint(
         &self,
         painted: &mut Painted,
@@ -107,13 +107,13 @@ impl Covering {
         width: usize,
         look: &Style,
     ) {
-        // A gripper is as gray as the table is not.
+        // The gripper's gray contrasts with the table.
         let gray = if look.table[0] > 115.0 { 50.0 } else { 165.0 };
         let color = if self.is_hand { SKIN } else { [gray; 3] };
         for (i, seen) in seen.iter_mut().enumerate() {
             let within_px = self.within_px([(i % width) as f64, (i / width) as f64]);
             let share = (within_px + 0.5).clamp(0.0, 1.0) as f32;
-            // A hand is round, and darkens toward its rim.
+            // A hand is round and darkens toward its rim.
             let light = match self.is_hand {
                 true => 0.75 + 0.25 * smoothstep(within_px / self.half_px) as f32,
                 false => 1.0,

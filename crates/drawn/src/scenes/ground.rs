@@ -1,4 +1,4 @@
-//! What ropes lie on: the table's own color, or a surface that has more to show.
+//! Ground under the ropes: the table's own color, or a surface with more detail.
 
 use super::Class;
 use super::line::{Vec2, dot};
@@ -10,21 +10,21 @@ use lariat_portable::SplitMix64;
 
 /// A surface.
 pub(super) enum Ground {
-    /// Of one color, with things on it.
+    /// A single color, with objects on it.
     Things(Vec<Thing>),
-    /// From the table's color to another, across a line.
+    /// A transition from the table's color to another, across a line.
     Gradient {
         to: Rgb,
         at: Vec2,
-        /// Across the line, and of such a length that the passage is of length 1.
+        /// Direction across the line, scaled so that the transition has length 1.
         across: Vec2,
     },
-    /// Lighter and darker in a direction's waves, that are bent.
+    /// Lighter and darker waves in one direction, with bends.
     Texture(Texture),
 }
 
 impl Ground {
-    /// The surface that a class asks for.
+    /// Makes the surface of a class.
     pub(super) fn of(
         class: Class,
         seed: u64,
@@ -51,7 +51,7 @@ impl Ground {
         }
     }
 
-    /// Its color at a place, where the table's is `table`.
+    /// Color at a point, for a table of color `table`.
     pub(super) fn at(&self, table: Rgb, at: Vec2) -> Rgb {
         match self {
             Self::Things(things) => things
@@ -72,20 +72,20 @@ impl Ground {
 }
 
 enum Kind {
-    /// Rings that were cut along: waves across a direction, bent and torn along it.
+    /// Cut growth rings: waves across a direction, bent and torn along it.
     Wood,
     /// Threads over and under each other.
     Cloth,
-    /// Shapes of a few inks, with sharp edges.
+    /// Shapes in a few inks, with sharp edges.
     Print([Rgb; 3]),
-    /// Stones of many sizes, each of its own light.
+    /// Stones of many sizes and brightnesses.
     Gravel,
 }
 
-/// A surface's pattern.
+/// Pattern of a surface.
 pub(super) struct Texture {
     kind: Kind,
-    /// How much of the light it takes or gives at most.
+    /// Largest change of the light.
     strength: f32,
     period_px: f64,
     along: Vec2,
@@ -122,7 +122,7 @@ impl Texture {
 
     fn on(&self, table: Rgb, at: Vec2) -> Rgb {
         let [cos, sin] = self.along;
-        // Far from the origin on either side, where a pattern has no seam.
+        // An offset far from the origin on both axes, where the pattern has no seam.
         let turned = [
             at[0] * cos + at[1] * sin + 1e4,
             at[1] * cos - at[0] * sin + 1e4,
@@ -146,7 +146,7 @@ impl Texture {
                     let moved = [units[0] + 37.0 * by, units[1] + 23.0 * by];
                     self.waves.at(moved, [1.0, 2.0])
                 });
-                // An edge of about two pixels.
+                // The edge is about two pixels wide.
                 let mut color = table;
                 for (ink, level) in inks.iter().zip(levels) {
                     let share =

@@ -1,13 +1,14 @@
-//! What JPEG leaves of a picture: baseline, with the quantization tables of ITU-T T.81, Annex K, scaled by quality as the Independent
-//! JPEG Group does, and color at half the picture's resolution. What comes after quantization loses nothing and is left out.
+//! The losses of baseline JPEG compression. Quantization tables are those of ITU-T T.81, Annex K,
+//! scaled by quality as the Independent JPEG Group does; color has half the picture's resolution.
+//! The steps after quantization are lossless and are left out.
 
 use std::array::from_fn;
 
 use crate::rendered::portable::cos_turns;
 
-/// Values of a block's side.
+/// Number of values on a block's side.
 const SIDE: usize = 8;
-/// What a block's frequencies are rounded to at quality 50, row by row: of light and of color.
+/// Quantization steps of a block's frequencies at quality 50, row by row: for luma and for chroma.
 const LIGHT: [u8; SIDE * SIDE] = [
     16, 11, 10, 16, 24, 40, 51, 61, 12, 12, 14, 19, 26, 58, 60, 55, 14, 13, 16, 24, 40, 57, 69, 56,
     14, 17, 22, 29, 51, 87, 80, 62, 18, 22, 37, 56, 68, 109, 103, 77, 24, 35, 55, 64, 81, 104, 113,
@@ -19,14 +20,14 @@ const COLOR: [u8; SIDE * SIDE] = [
     99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99, 99,
 ];
 
-/// One of a picture's three planes.
+/// One of the picture's three planes.
 struct Plane {
     values: Vec<f32>,
     width: usize,
     height: usize,
 }
 
-/// Keeps the picture, three bytes a pixel, as a JPEG of this quality (1 to 50), and reads it again.
+/// Applies the loss of a JPEG of this quality (1 to 50) to a picture of three bytes per pixel.
 pub(super) fn keep(rgb: &mut [u8], [width, height]: [usize; 2], quality: u16) {
     let plane = |of: [f32; 3], level: f32| {
         let light = |p: &[u8]| level + (0..3).map(|k| of[k] * f32::from(p[k])).sum::<f32>();
@@ -64,7 +65,7 @@ pub(super) fn keep(rgb: &mut [u8], [width, height]: [usize; 2], quality: u16) {
     }
 }
 
-/// The discrete cosine transform's rows: a frequency each.
+/// Rows of the discrete cosine transform, one per frequency.
 fn waves() -> [[f32; SIDE]; SIDE] {
     from_fn(|k| {
         let scale = if k == 0 { (0.125f64).sqrt() } else { 0.5 };
@@ -73,14 +74,14 @@ fn waves() -> [[f32; SIDE]; SIDE] {
 }
 
 impl Plane {
-    /// The value at a pixel; beyond the border the border's goes on.
+    /// Value at a pixel; outside the image, that of the border.
     fn at(&self, x: isize, y: isize) -> f32 {
         let x = x.clamp(0, self.width as isize - 1) as usize;
         let y = y.clamp(0, self.height as isize - 1) as usize;
         self.values[y * self.width + x]
     }
 
-    /// The means of two by two pixels.
+    /// Means of two by two pixels.
     fn halved(&self) -> Self {
         let [width, height] = [self.width, self.height].map(|side| side.div_ceil(2));
         let mean = |i: usize| {
@@ -95,7 +96,8 @@ impl Plane {
         }
     }
 
-    /// The value at a pixel of a picture of twice the size, between those around: three parts of the nearest.
+    /// Value at a pixel of a picture of twice the size, interpolated with three parts of the
+    /// nearest value.
     fn doubled(&self, [x, y]: [usize; 2]) -> f32 {
         let [columns, rows] = [x, y].map(|c| {
             let near = (c / 2) as isize;
@@ -105,7 +107,7 @@ impl Plane {
         0.75 * row(rows[0]) + 0.25 * row(rows[1])
     }
 
-    /// Rounds the frequencies of each block to multiples of the table's.
+    /// Rounds the frequencies of each block to multiples of the table's values.
     fn round(&mut self, waves: &[[f32; SIDE]; SIDE], table: &[f32; SIDE * SIDE]) {
         for top in (0..self.height).step_by(SIDE) {
             for left in (0..self.width).step_by(SIDE) {
@@ -129,7 +131,7 @@ impl Plane {
     }
 }
 
-/// A block's frequencies, or the block of some frequencies.
+/// Frequencies of a block, or with `back` the block of some frequencies.
 fn transform(
     waves: &[[f32; SIDE]; SIDE],
     block: &[[f32; SIDE]; SIDE],

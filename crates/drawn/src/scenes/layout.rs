@@ -1,5 +1,5 @@
-//! How the ropes of a picture lie: random curves, drawn again until they show what their class is about and nothing
-//! else that is hard.
+//! Layout of the ropes in a picture: random curves, drawn until they show the difficulty of their
+//! class and no other.
 
 use super::Class;
 use super::covering::Covering;
@@ -11,14 +11,15 @@ use super::thing;
 use super::wound;
 use lariat_portable::SplitMix64;
 
-/// Steps of a drawn line: of 2000 px, one a pixel.
+/// Number of segments of a drawn line: one per pixel for 2000 px.
 const SEGMENTS: usize = 2000;
-/// After this many curves that would not do, the rope is made a little thinner, to a least width.
+/// Number of rejected curves after which the rope becomes slightly thinner, down to a minimum
+/// width.
 const PATIENCE: u32 = 150;
-/// Curves tried in all. The hardest class needs some hundreds in a picture of 640×480.
+/// Maximum number of curves tried. The hardest class needs some hundreds in a picture of 640×480.
 const TRIES: u32 = 6000;
 
-/// A strand over a strand: lines and arc lengths, the upper one first.
+/// A strand over another strand: lines and arc lengths, the upper one first.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Top {
     pub(super) lines: [usize; 2],
@@ -27,22 +28,23 @@ pub(super) struct Top {
     pub(super) angle_deg: f64,
 }
 
-/// The ropes' places.
+/// Positions of the ropes.
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) lines: Vec<Line>,
     pub(super) width_px: f64,
-    /// The part of each line within the image, as arc lengths.
+    /// Part of each line within the image, as arc lengths.
     pub(super) seen_px: Vec<[f64; 2]>,
-    /// Which ends leave the image.
+    /// True for each end that leaves the image.
     pub(super) border: Vec<[bool; 2]>,
     pub(super) tops: Vec<Top>,
     pub(super) touches: Vec<Touch>,
-    /// What lies over a rope.
+    /// Object that covers part of a rope.
     pub(super) covering: Option<Covering>,
 }
 
-/// Two strands side by side in contact: lines, the middles of the stretches, and half of how long these are.
+/// Two strands side by side in contact: lines, middles of the stretches, and half the lengths of
+/// these.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
     pub(super) lines: [usize; 2],
@@ -50,10 +52,11 @@ pub(super) struct Touch {
     pub(super) reach_px: [f64; 2],
 }
 
-/// Ropes for a picture of this class; nothing if none that fits was found.
+/// Makes ropes for a picture of this class; `None` if none fits.
 pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Option<Layout> {
     let rules = Rules::of(class, random);
-    // As drawn for 640×480; in smaller pictures ropes are thinner, down to the class's least width.
+    // The width is for 640×480. Smaller pictures have thinner ropes, down to the class's minimum
+    // width.
     let scale = (size_px[0].min(size_px[1]) / 480.0).min(1.0);
     let [least, most] = rules.width_px;
     let mut width_px = random.uniform(least, most);
@@ -78,7 +81,7 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
             Class::Border => leaving(&rules, random, size_px, width_px),
             Class::Returning => returning(&rules, random, size_px, width_px),
             Class::Taut => taut(&rules, random, size_px, width_px),
-            // The thing lies in the rest.
+            // The object is in the rest of the picture.
             Class::Things => {
                 let left_px = [thing::FROM * size_px[0], size_px[1]];
                 free(class, &rules, random, left_px, width_px)
@@ -103,7 +106,7 @@ pub(super) fn refined(line: &Line) -> Line {
     Line::through(&line.points, line.closed, SEGMENTS)
 }
 
-/// Ropes anywhere within the image.
+/// Makes ropes anywhere within the image.
 fn free(
     class: Class,
     rules: &Rules,
@@ -121,7 +124,7 @@ fn free(
             shape::open(random, room, swing)
         };
         if rules.ropes > 1 {
-            // A part of it, so that several find room.
+            // Only a part of the line, so that several ropes have room.
             let length_px = line.length_px() * random.uniform(0.45, 0.8);
             let from_px = random.uniform(0.0, line.length_px() - length_px);
             line = line.cut(from_px, from_px + length_px);
@@ -137,7 +140,8 @@ fn free(
     finish(lines, width_px, rules, random)
 }
 
-/// The layout of drawn lines of which all is known.
+/// Makes the layout of lines that are completely inside the image, if their crossings follow the
+/// rules.
 pub(super) fn finish(
     lines: Vec<Line>,
     width_px: f64,
@@ -157,11 +161,11 @@ pub(super) fn finish(
     })
 }
 
-/// Two strands that run beside each other in contact.
+/// Makes two strands that run next to each other in contact.
 fn touching(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let room = room(size_px, width_px);
     let how = Beside {
-        // In contact, or pressed together a little.
+        // In contact, or pressed together slightly.
         together_px: width_px * random.uniform(0.88, 1.0),
         run_px: width_px * random.uniform(1.0, 4.0),
         apart_px: width_px * random.uniform(4.0, 7.0),
@@ -181,7 +185,8 @@ fn touching(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Lay
     })
 }
 
-/// Where two strands run together, up to where 0.6 widths of table show between them.
+/// Finds the stretch where two strands touch. It ends where 0.6 widths of table are visible between
+/// them.
 fn touch(lines: &[Line], width_px: f64) -> Option<Touch> {
     let near = meetings(lines, 1.6 * width_px).near;
     let (lines, _) = *near.first()?;
@@ -201,7 +206,8 @@ fn touch(lines: &[Line], width_px: f64) -> Option<Touch> {
     })
 }
 
-/// A tip near a strand: half of the time beside one of another rope, else pointing at one of its own.
+/// Makes a tip near a strand: half of the time next to a strand of another rope, otherwise pointing
+/// at one of its own.
 fn ending(class: Class, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let gap_px = if class == Class::EndsNear {
         (width_px * random.uniform(0.3, 2.0)).max(1.5)
@@ -224,7 +230,7 @@ fn ending(class: Class, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -
         return (lines.iter().all(fits) && meetings(&lines, 0.0).meetings.is_empty())
             .then(|| uncrossed_layout(lines, width_px));
     }
-    // A rope with one crossing, cut off shortly before it gets there the second time.
+    // A rope with one crossing, cut off shortly before its second passage.
     let rules = crossed(1);
     let swing = random.uniform(0.2, 0.6);
     let line = shape::open(random, room, swing);
@@ -255,7 +261,7 @@ pub(super) fn uncrossed_layout(lines: Vec<Line>, width_px: f64) -> Layout {
     }
 }
 
-/// The crossings, each with a random strand on top.
+/// Crossings, each with a random strand on top.
 pub(super) fn tops(found: &Found, random: &mut SplitMix64) -> Vec<Top> {
     let top = |meeting: &Meeting| {
         let [a, b] = meeting.along_px;

@@ -6,7 +6,7 @@ use super::rules::{Rules, bends_enough, crossings_as_asked};
 use super::shape::{self, Room};
 use lariat_portable::SplitMix64;
 
-/// A rope of which one end or both lie outside of the image; it goes out once at each.
+/// Makes a rope with one or both ends outside the image, which it leaves once at each.
 pub(super) fn leaving(
     rules: &Rules,
     random: &mut SplitMix64,
@@ -23,7 +23,7 @@ pub(super) fn leaving(
     (layout.border != [[false; 2]]).then_some(layout)
 }
 
-/// A rope that is pulled tight through the image.
+/// Makes a rope that is pulled tight through the image.
 pub(super) fn taut(
     rules: &Rules,
     random: &mut SplitMix64,
@@ -35,7 +35,8 @@ pub(super) fn taut(
     (layout.border == [[true; 2]]).then_some(layout)
 }
 
-/// A rope of which a bend lies outside of the image, by up to three widths and a half: what is seen of it points there.
+/// Makes a rope with a bend outside the image, by up to three and a half widths; its visible parts
+/// point there.
 pub(super) fn returning(
     rules: &Rules,
     random: &mut SplitMix64,
@@ -65,7 +66,7 @@ pub(super) fn returning(
     if !is_one || chord_px > 14.0 * width_px || facing < 0.0 || !bends_enough(&line, width_px) {
         return None;
     }
-    // Elsewhere it keeps off, its tips and crossings too.
+    // Elsewhere the rope stays away from the border, and so do its tips and crossings.
     let clear_px = 6.0 * width_px;
     let is_clear = |along_px: f64, at: Vec2| {
         let near_exit = along_px > from_px - clear_px && along_px < to_px + clear_px;
@@ -84,7 +85,7 @@ pub(super) fn returning(
     (tops.all(|top| top.along_px.iter().all(is_off))).then_some(layout)
 }
 
-/// What of a line lies within the image, and a little more.
+/// Cuts a line to its part within the image, plus a margin.
 fn cut_off(
     line: &Line,
     rules: &Rules,
@@ -95,7 +96,7 @@ fn cut_off(
     if !bends_enough(line, width_px) {
         return None;
     }
-    // The image ends where its outermost pixels' centres are: beyond them nothing is known.
+    // The image ends at the centers of its outermost pixels, because nothing is known beyond them.
     let is_in = |p: Vec2| (0..2).all(|k| p[k] >= 0.0 && p[k] <= size_px[k] - 1.0);
     let first = line.points.iter().position(|&p| is_in(p))?;
     let last = line.points.iter().rposition(|&p| is_in(p))?;
@@ -136,7 +137,7 @@ fn cut_off(
     })
 }
 
-/// Where a drawn line enters and leaves, to a hundredth of a step.
+/// Arc lengths at which a drawn line enters and leaves, to a hundredth of a step.
 fn seen_part(line: &Line, is_in: impl Fn(Vec2) -> bool) -> Option<[f64; 2]> {
     let first = line.points.iter().position(|&p| is_in(p))?;
     let last = line.points.iter().rposition(|&p| is_in(p))?;
@@ -166,7 +167,8 @@ fn seen_part(line: &Line, is_in: impl Fn(Vec2) -> bool) -> Option<[f64; 2]> {
     ])
 }
 
-/// Whether a rope leaves at 40° or more, off the corners, and whether its tips inside keep off the border.
+/// Returns whether the rope leaves at 40° or more and away from the corners, with its inner tips
+/// away from the border.
 fn leaves_steeply(
     line: &Line,
     seen_px: [f64; 2],
@@ -175,7 +177,7 @@ fn leaves_steeply(
     width_px: f64,
 ) -> bool {
     let room = room(size_px, width_px);
-    // Distance from the nearest border, and across which axis that is.
+    // Distances from the borders, and the axis of the nearest one.
     let nearest = |p: Vec2| {
         let to = [0, 1].map(|k| p[k].min(size_px[k] - 1.0 - p[k]));
         if to[0] < to[1] { (to, 0) } else { (to, 1) }
@@ -192,7 +194,7 @@ fn leaves_steeply(
             return false;
         }
     }
-    // Elsewhere it keeps off.
+    // Elsewhere the rope stays away from the border.
     let clear_px = 3.0 * width_px;
     (0..line.points.len()).all(|i| {
         let along_px = i as f64 * line.step_px;

@@ -1,4 +1,4 @@
-//! Curves as points at equal steps of arc length: positions, cuts, bends, and where two of them meet.
+//! Curves as points at equal steps of arc length: positions, cuts, bends, and intersections.
 
 use crate::rendered::truth::meet;
 
@@ -29,7 +29,7 @@ pub(super) fn mix(a: Vec2, b: Vec2, share: f64) -> Vec2 {
     [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
-/// A polyline of equal steps. A closed one's last point is one step before its first.
+/// A polyline of equal steps. The last point of a closed line is one step before its first.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub(super) points: Vec<Vec2>,
@@ -38,7 +38,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// The curve through `knots` (smooth between them, after Catmull and Rom 1974) as `segments` equal steps.
+    /// Makes a smooth curve through `knots` (Catmull and Rom 1974) with `segments` equal steps.
     pub(super) fn through(knots: &[Vec2], closed: bool, segments: usize) -> Self {
         const PIECES: usize = 8;
         let count = knots.len();
@@ -62,7 +62,8 @@ impl Line {
         Self::even(&dense, closed, segments)
     }
 
-    /// `segments` equal steps along a dense polyline (which, if closed, ends where it began).
+    /// Divides a dense polyline into `segments` equal steps. A closed polyline ends at its first
+    /// point.
     fn even(dense: &[Vec2], closed: bool, segments: usize) -> Self {
         let mut lengths = vec![0.0];
         for pair in dense.windows(2) {
@@ -99,14 +100,14 @@ impl Line {
         self.segments() as f64 * self.step_px
     }
 
-    /// The ends of segment `i`.
+    /// Ends of segment `i`.
     #[inline]
     pub(super) fn segment(&self, i: usize) -> [Vec2; 2] {
         let next = if i + 1 == self.points.len() { 0 } else { i + 1 };
         [self.points[i], self.points[next]]
     }
 
-    /// The point at an arc length; beyond a tip, the tip.
+    /// Point at an arc length; beyond a tip, the tip.
     pub(super) fn at(&self, along_px: f64) -> Vec2 {
         let mut position = along_px / self.step_px;
         if self.closed {
@@ -128,7 +129,7 @@ impl Line {
         [d[0] / length, d[1] / length]
     }
 
-    /// The part between two arc lengths, of as many steps as the whole.
+    /// Cuts out the part between two arc lengths, with as many steps as the whole.
     pub(super) fn cut(&self, from_px: f64, to_px: f64) -> Self {
         let count = 4 * self.segments();
         let dense: Vec<Vec2> = (0..=count)
@@ -137,9 +138,9 @@ impl Line {
         Self::even(&dense, false, self.segments())
     }
 
-    /// The tightest bend's radius.
+    /// Radius of the tightest bend.
     pub(super) fn least_radius_px(&self) -> f64 {
-        // Over three pixels at least: rounding would bend shorter steps.
+        // Over at least three pixels, because rounding would bend shorter steps.
         let reach = ((3.0 / self.step_px) as usize).max(1);
         let count = self.points.len();
         let (from, to) = if self.closed {
@@ -155,7 +156,7 @@ impl Line {
                 );
                 let (u, v) = (minus(self.points[i], a), minus(b, self.points[i]));
                 let turn = cross(u, v).abs() / (norm(u) * norm(v)).max(1e-12);
-                // asin(x) ≥ x: at these small turns the radius is right to a percent.
+                // asin(x) ≥ x: for such small turns, the radius is right to a percent.
                 let turn = if dot(u, v) < 0.0 { 2.0 } else { turn };
                 reach as f64 * self.step_px / turn.max(1e-9)
             })
@@ -170,9 +171,9 @@ fn catmull_rom([a, b, c, d]: [f64; 4], t: f64) -> f64 {
 /// Two strands that cross.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Meeting {
-    /// Which lines.
+    /// Indices of the lines.
     pub(super) lines: [usize; 2],
-    /// Where along each.
+    /// Arc length on each line.
     pub(super) along_px: [f64; 2],
     pub(super) at: Vec2,
     /// Sine of half the angle between the lines, and of the angle.
@@ -180,16 +181,16 @@ pub(super) struct Meeting {
     pub(super) sin: f64,
 }
 
-/// What [`meetings`] found.
+/// Result of [`meetings`].
 #[derive(Debug, Default)]
 pub(super) struct Found {
     pub(super) meetings: Vec<Meeting>,
-    /// Places nearer than asked: lines and arc lengths.
+    /// Places closer than the requested distance: lines and arc lengths.
     pub(super) near: Vec<([usize; 2], [f64; 2])>,
 }
 
-/// Where lines cross (each other and themselves), and where they come nearer than `near_px` although they are farther
-/// apart along the rope than 1.5 times that.
+/// Finds where lines cross each other or themselves. Also finds where they come closer than
+/// `near_px` although they are more than 1.5 times that apart along the rope.
 pub(super) fn meetings(lines: &[Line], near_px: f64) -> Found {
     let mut found = Found::default();
     for a in 0..lines.len() {
@@ -208,7 +209,7 @@ fn pair_meetings(of: [usize; 2], [a, b]: [&Line; 2], near_px: f64, found: &mut F
         while j < b.segments() {
             let [r, s] = b.segment(j);
             let distance_px = norm(minus(r, p));
-            // Farther apart, they do not reach each other.
+            // Segments that are farther apart cannot intersect.
             if distance_px < 1.01 * (a.step_px + b.step_px)
                 && let Some((u, v)) = meet([p, q], [r, s])
             {
@@ -232,7 +233,7 @@ fn pair_meetings(of: [usize; 2], [a, b]: [&Line; 2], near_px: f64, found: &mut F
                 let along_px = [i as f64 * a.step_px, j as f64 * b.step_px];
                 found.near.push((of, along_px));
             }
-            // The line cannot come nearer faster than it is long.
+            // The distance cannot shrink faster than the line advances.
             let spare = (distance_px - near_px.max(a.step_px)) / b.step_px;
             j += (spare.max(0.0) as usize).saturating_sub(1).max(1);
         }

@@ -1,34 +1,35 @@
-//! Draws ropes: which strand each of 16 points in a pixel sees, and how that strand is lit.
+//! Draws ropes: finds the strand that each of 16 samples per pixel sees, and its light.
 //!
-//! The normals at a line's points cut its surroundings into slabs; a point lies in one slab of a strand, so that a
-//! strand never covers itself. Where two strands cover a point, the nearest crossing of the two says which is on top.
-//! A rope ends in a flat cut across its tip: the true end lies in the middle of the cut.
+//! The normals at a line's points divide its surroundings into slabs. A sample is in one slab of a
+//! strand, so a strand never covers itself. If two strands cover a sample, the nearest crossing of
+//! the two decides which is on top. A rope ends in a flat cut across its tip, with the true end at
+//! the middle of the cut.
 
 use super::layout::{Layout, Top};
 use super::line::{Line, dot, minus};
 use super::style::{Coat, Style};
 
-/// Points a pixel is looked at, at the first 16 of Hammersley's: one in each row and each column of 16, so that an
-/// edge along the pixels is as exact as any other, to 1/32 px.
+/// Number of samples per pixel, at the first 16 points of Hammersley's sequence. Each of 16 rows
+/// and columns has one, so an edge along the pixels is as exact as any other, to 1/32 px.
 const SAMPLES: usize = 16;
-/// Rows drawn at a time.
+/// Number of rows drawn at a time.
 const STRIP: usize = 8;
-/// Towards the lamp: from the upper left, and from above.
+/// Direction to the lamp: from the upper left, and from above.
 const LAMP: [f32; 3] = [-0.40, -0.52, 0.755];
 
-/// Which place of which rope a point sees.
+/// Position on a rope that a sample sees.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
-    /// `NONE`: the table.
+    /// Index of the rope; `NONE` for the table.
     rope: u32,
     along_px: f32,
-    /// From −1 on the one edge to 1 on the other.
+    /// Position across the rope, from −1 at one edge to 1 at the other.
     across: f32,
 }
 
 const NONE: u32 = u32::MAX;
 
-/// The ropes on nothing: light times coverage of each pixel, and the coverage.
+/// Ropes without a background: light times coverage of each pixel, and the coverage.
 pub(super) struct Painted {
     pub(super) light: Vec<[f32; 3]>,
     pub(super) cover: Vec<f32>,
@@ -114,7 +115,7 @@ fn look_at(layout: &Layout, rope: usize, [top, rows, width]: [usize; 3], seen: &
     }
 }
 
-/// Point `k` of a pixel.
+/// Sample `k` of a pixel.
 fn sample(at: [f64; 2], k: usize) -> [f64; 2] {
     let reversed = (k as u8).reverse_bits() >> 4;
     let unit = 1.0 / SAMPLES as f64;
@@ -124,7 +125,8 @@ fn sample(at: [f64; 2], k: usize) -> [f64; 2] {
     ]
 }
 
-/// Whether the strand `a` covers the strand `b`: as at their nearest crossing, else the one that was laid later.
+/// Returns whether strand `a` covers strand `b`: as at their nearest crossing, or otherwise if it
+/// was laid later.
 fn is_over(tops: &[Top], a: Hit, b: Hit) -> bool {
     let mut nearest_px = f64::INFINITY;
     let mut is_over = true;
@@ -143,10 +145,10 @@ fn is_over(tops: &[Top], a: Hit, b: Hit) -> bool {
     is_over
 }
 
-/// One segment of a rope with what lies beside it.
+/// One segment of a rope with its surroundings.
 struct Slab {
     points: [[f64; 2]; 2],
-    /// The directions of the planes that cut it off.
+    /// Directions of the planes that bound the slab.
     along: [[f64; 2]; 2],
     normal: [f64; 2],
     start_px: f64,
@@ -178,20 +180,21 @@ impl Slab {
         }
     }
 
-    /// Whether any point of the pixel here can be in the slab.
+    /// Returns whether any sample of the pixel here can be in the slab.
     fn is_near(&self, at: [f64; 2]) -> bool {
-        // Half a pixel's diagonal.
+        // Half the diagonal of a pixel.
         const PIXEL: f64 = 0.71;
         let from = minus(at, self.points[0]);
         let across_px = dot(from, self.normal).abs();
         let along_px = from[0] * self.normal[1] - from[1] * self.normal[0];
-        // Planes lean by the bend's turn in a step: at radii of 1.5 widths, less than a third of a step at the edge.
+        // Planes tilt by the turn of one step: at radii of 1.5 widths, that is less than a third of
+        // a step at the edge.
         across_px < self.half_px + PIXEL
             && along_px > -PIXEL - self.step_px
             && along_px < self.step_px * 2.0 + PIXEL
     }
 
-    /// Arc length and place across, of a point in the slab.
+    /// Arc length and position across for a point in the slab.
     fn holds(&self, at: [f64; 2]) -> Option<(f64, f64)> {
         let from = dot(minus(at, self.points[0]), self.along[0]);
         let to = dot(minus(at, self.points[1]), self.along[1]);
@@ -204,14 +207,14 @@ impl Slab {
     }
 }
 
-/// The light from a place of a rope.
+/// Light from a position on a rope.
 fn lit(line: &Line, width_px: f64, coat: &Coat, seen: &Hit) -> [f32; 3] {
     let tangent = line.tangent(f64::from(seen.along_px));
     let lamp_across = LAMP[0] * -tangent[1] as f32 + LAMP[1] * tangent[0] as f32;
     let away = seen.across;
     let up = (1.0 - away * away).max(0.0).sqrt();
     let facing = (lamp_across * away + LAMP[2] * up).max(0.0);
-    // Strands wind around the rope: seen from above they lean, and curve at the sides.
+    // Strands wind around the rope: seen from above they are oblique, and they curve at the sides.
     let width = width_px as f32;
     let turns =
         seen.along_px / (coat.pitch_widths * width) + 0.55 * away + 0.15 * away * away * away;
@@ -253,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_rope_covers_its_length_times_its_width_about_its_middle() {
-        // Along the pixels, and askew; widths that are no whole numbers.
+        // Along the pixels and oblique, with widths that are not whole numbers.
         for (from, to) in [
             ([20.0, 40.3], [100.0, 40.3]),
             ([20.4, 20.0], [91.7, 83.1]),
@@ -263,7 +266,7 @@ mod tests {
                 let painted = straight(from, to, width_px);
                 let length_px = ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2)).sqrt();
                 let area: f64 = painted.cover.iter().map(|&c| f64::from(c)).sum();
-                // Two edges, each to 1/32 px at worst.
+                // There are two edges, each exact to 1/32 px at worst.
                 let off_px = (area / length_px - width_px).abs();
                 assert!(off_px < 0.0626, "{width_px} px: {off_px}");
                 for k in 0..2 {

@@ -1,4 +1,4 @@
-//! What a class asks of its curves, and whether curves are so.
+//! Requirements of a class on its curves, and checks of these.
 
 use std::ops::RangeInclusive;
 
@@ -6,16 +6,16 @@ use super::Class;
 use super::line::{Found, Line, Meeting, meetings};
 use lariat_portable::SplitMix64;
 
-/// Between the centres of strands that are not meant to be near, in widths.
+/// Minimum distance between the centers of strands that should not be close, in widths.
 const CLEAR_WIDTHS: f64 = 2.0;
-/// No bend is tighter, however thin the rope: 120 points must be able to say it.
+/// Radius of the tightest bend for thin ropes: 120 points must be able to represent it.
 const LEAST_RADIUS_PX: f64 = 16.0;
 
-/// What a class asks of its curves.
+/// Requirements of a class on its curves.
 pub(super) struct Rules {
     pub(super) width_px: [f64; 2],
     crossings: RangeInclusive<usize>,
-    /// Sine of the flattest crossing, and of what the flattest one may be at most.
+    /// Minimum sine of the flattest crossing's angle, and its maximum.
     sin: [f64; 2],
     pub(super) ropes: usize,
     pub(super) swing: [f64; 2],
@@ -76,7 +76,7 @@ impl Rules {
     }
 }
 
-/// How many crossings above 30°, of ropes that are otherwise as they like.
+/// Rules for this number of crossings above 30°, with ropes that are otherwise unrestricted.
 pub(super) fn crossed(times: usize) -> Rules {
     Rules {
         width_px: [7.0, 14.0],
@@ -87,13 +87,13 @@ pub(super) fn crossed(times: usize) -> Rules {
     }
 }
 
-/// Whether no bend is too tight for the rope.
+/// Returns whether no bend is too tight for the rope.
 pub(super) fn bends_enough(line: &Line, width_px: f64) -> bool {
     line.least_radius_px() >= (1.5 * width_px).max(LEAST_RADIUS_PX)
 }
 
-/// The lines' crossings if they are as the rules ask: their number, angles, distances from each other and from the
-/// tips, and no two strands near each other elsewhere.
+/// Returns the lines' crossings if they follow the rules: number, angles, distances from each other
+/// and from the tips, and no strands close to each other elsewhere.
 pub(super) fn crossings_as_asked(
     lines: &[Line],
     seen_px: &[[f64; 2]],
@@ -109,7 +109,7 @@ pub(super) fn crossings_as_asked(
     if !is_asked {
         return None;
     }
-    // Along a strand, half of what the crossing covers: w/2 (1/sin θ + 1/tan θ).
+    // Half of the length that a crossing covers along a strand: w/2 (1/sin θ + 1/tan θ).
     let covered_px = |m: &Meeting| {
         0.5 * width_px * (1.0 + (1.0 - m.sin * m.sin).max(0.0).sqrt()) / m.sin.max(1e-6)
     };
@@ -140,7 +140,8 @@ pub(super) fn crossings_as_asked(
     }
     let is_near_a_crossing = |of: [usize; 2], along_px: [f64; 2]| {
         found.meetings.iter().any(|m| {
-            // Straight strands are 2w apart at w / sin(θ/2) from their crossing; bent ones farther on.
+            // Straight strands are 2w apart at w / sin(θ/2) from their crossing; bent ones at a
+            // greater distance.
             let reach_px = 1.6 * width_px / m.sin_half.max(1e-6);
             m.lines == of && (0..2).all(|k| (m.along_px[k] - along_px[k]).abs() < reach_px)
         })

@@ -1,5 +1,5 @@
-//! How far curves are off the truth: place, correspondence along the rope, ends, width, and which way they went at
-//! crossings.
+//! Errors of curves against the truth: position, correspondence along the rope, ends, width, and
+//! connections at crossings.
 
 mod connection;
 mod matching;
@@ -7,81 +7,82 @@ mod matching;
 use super::Truth;
 use matching::Pairing;
 
-/// A curve that was seen.
+/// A detected curve.
 #[derive(Debug, Clone, Copy)]
 pub struct SeenCurve<'a> {
     /// Points at equal steps of arc length, [x, y] in pixels.
     pub points: &'a [[f32; 2]],
-    /// Its width.
+    /// Width in pixels.
     pub width_px: f32,
-    /// Whether the last point is one step before the first.
+    /// True if the last point is one step before the first.
     pub closed: bool,
 }
 
-/// A crossing that was seen.
+/// A detected crossing.
 #[derive(Debug, Clone, Copy)]
 pub struct SeenCrossing {
-    /// Where, in pixels.
+    /// Position in pixels.
     pub at: [f32; 2],
-    /// Index of the upper curve, and where along it, as normalized arc length.
+    /// Index of the upper curve, and the normalized arc length of the crossing on it.
     pub over: (usize, f32),
-    /// Index of the lower curve, likewise.
+    /// Index of the lower curve, and the normalized arc length of the crossing on it.
     pub under: (usize, f32),
 }
 
-/// What became of a true crossing.
+/// Result for one true crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingScore {
     /// Angle between the strands, 0 to 90 degrees.
     pub angle_deg: f64,
-    /// Whether curves go straight on along both strands.
+    /// True if curves continue along both strands.
     pub connected: bool,
-    /// Whether the crossing was reported there, with the right strand on top.
+    /// True if the crossing was reported there with the correct strand on top.
     pub order_right: bool,
 }
 
-/// Curves against the truth.
+/// Comparison of curves with the truth.
 ///
-/// A rope that no curve was matched with is measured too: its true points by their distance from what was seen, and so
-/// are curves that are no rope, by their distance from the true ones. A picture without any curve counts the image's
-/// own scale, as far as its ropes reach.
+/// A rope without a matching curve also counts, with the distances of its true points from the
+/// detected curves. A false curve counts with its distances from the true ropes. In a picture
+/// without curves, half the length of a rope limits its distances.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Score {
-    /// True ropes.
+    /// Number of true ropes.
     pub ropes: usize,
-    /// Curves.
+    /// Number of curves.
     pub curves: usize,
-    /// Whether a curve is closed where its rope is open, or open where it is closed.
+    /// True if a curve is closed and its rope open, or the other way round.
     pub misclosed: bool,
-    /// Of each curve's points, from the true centerline.
+    /// Distances of each curve's points from the true centerline.
     pub distances_px: Vec<f64>,
-    /// Between each point of a curve and the true point of the same ρ.
+    /// Distances between each point of a curve and the true point at the same ρ.
     pub correspondences_px: Vec<f64>,
-    /// Of an open curve's first and last point from the true ends.
+    /// Distances of an open curve's first and last point from the true ends.
     pub ends_px: Vec<f64>,
-    /// Width of each matched curve less the true one.
+    /// Width of each matched curve minus the true width.
     pub width_errors_px: Vec<f64>,
-    /// Every true crossing.
+    /// Results for all true crossings.
     pub crossings: Vec<CrossingScore>,
-    /// For every place where strands touch without crossing: whether curves go straight on along both of them.
+    /// For each place where strands touch without crossing: true if curves continue along both
+    /// strands.
     pub touches: Vec<bool>,
 }
 
 impl Score {
-    /// Whether the number of curves is wrong, or whether one is closed or open that should not be.
+    /// Returns true if the number of curves is wrong, or if a curve is closed or open by mistake.
     pub fn is_miscounted(&self) -> bool {
         self.ropes != self.curves || self.misclosed
     }
 
-    /// Mean distance from the true centerline.
+    /// Returns the mean distance from the true centerline.
     pub fn mean_px(&self) -> f64 {
         self.distances_px.iter().sum::<f64>() / self.distances_px.len().max(1) as f64
     }
 }
 
-/// Holds curves against the truth: each true rope against one curve, by the assignment with the most ropes and the
-/// least distance between points of the same ρ, in the better direction (and for a closed rope from the best start).
-/// Curves of fewer than two points are passed over.
+/// Scores curves against the truth. Each true rope is matched with one curve, by the assignment
+/// with the most ropes and the smallest distance between points at the same ρ. The better direction
+/// is used, and for a closed rope the best start. Curves of fewer than two points are skipped.
 pub fn score(truth: &Truth, curves: &[SeenCurve], crossings: &[SeenCrossing]) -> Score {
     let seen: Vec<Vec<[f64; 2]>> = curves
         .iter()
@@ -118,7 +119,7 @@ pub fn score(truth: &Truth, curves: &[SeenCurve], crossings: &[SeenCrossing]) ->
                     .map(|rope| connection::Polyline::new(&rope.points, rope.closed).distance_px(p))
                     .fold(f64::INFINITY, f64::min)
             };
-            // Sparsely: such a curve is wrong as a whole.
+            // Only every fourth point, because such a curve is wrong as a whole.
             score
                 .distances_px
                 .extend(points.iter().step_by(4).map(nearest));
@@ -152,7 +153,7 @@ impl Score {
             .collect();
         let away_px = |p: [f64; 2]| {
             let nearest = lines.iter().map(|line| line.distance_px(p));
-            // With nothing seen at all: half of the rope's own length.
+            // At most half of the rope's own length, also if there is no curve at all.
             nearest.fold(0.5 * rope.length_px, f64::min)
         };
         let step = (rope.points.len() / 120).max(1);
@@ -258,7 +259,7 @@ mod tests {
         }
     }
 
-    /// The loop gone through backwards: every point is on the rope, and the crossing is wrong.
+    /// The curve follows the loop backward: every point is on the rope, but the crossing is wrong.
     #[test]
     fn a_curve_that_turns_off_at_the_crossing_is_found_out() {
         let (line, truth) = looped();
@@ -337,7 +338,7 @@ mod tests {
         assert!(score(&truth, &[curve(&seen, false)], &[]).is_miscounted());
     }
 
-    /// Two strands that come together, run 60 px side by side, and part.
+    /// Two strands that come together, run side by side for 60 px, and part.
     #[test]
     fn strands_exchanged_where_they_touch_are_found_out() {
         let side = |sign: f64| {

@@ -1,14 +1,14 @@
-//! Random smooth curves: an open one from a heading that swings along it, a closed one from waves in x and y, and
-//! pairs of strands that run beside each other along a common spine.
+//! Random smooth curves: open ones from a heading that swings along them, closed ones from waves in
+//! x and y, and pairs of strands along a common spine.
 
 use super::line::{Line, Vec2, minus, norm};
 use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
 use lariat_portable::SplitMix64;
 
-/// Steps of a curve that is only tried; what is drawn has more.
+/// Number of segments of a trial curve; a drawn curve has more.
 pub(super) const TRIAL_SEGMENTS: usize = 320;
 
-/// The image and the room that ropes keep from its border.
+/// Size of the image, and the margin that ropes keep from its border.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
     pub(super) size_px: Vec2,
@@ -16,7 +16,7 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// Moves and scales points to lie within, as large as a random share of what fits.
+    /// Moves and scales points to fit inside, at a random share of the largest size.
     fn fit(self, random: &mut SplitMix64, points: &mut [Vec2]) {
         let share = random.uniform(0.8, 1.0);
         let (low, high) = bounds(points);
@@ -51,7 +51,8 @@ fn bounds(points: &[Vec2]) -> (Vec2, Vec2) {
     )
 }
 
-/// An open curve that fills the room. The more `swing` (0 to 1), the more it winds and crosses itself.
+/// Makes an open curve that fills the room. A larger `swing` (0 to 1) makes it wind more and cross
+/// itself more often.
 pub(super) fn open(random: &mut SplitMix64, room: Room, swing: f64) -> Line {
     const MODES: usize = 6;
     let heading = random.uniform(0.0, 1.0);
@@ -85,7 +86,7 @@ pub(super) fn open(random: &mut SplitMix64, room: Room, swing: f64) -> Line {
     }
 }
 
-/// A line through the picture and beyond, bent by up to a twenty-fifth of its length.
+/// Makes a line through and beyond the picture, bent by up to a twenty-fifth of its length.
 pub(super) fn taut(random: &mut SplitMix64, size_px: Vec2) -> Line {
     let middle = size_px.map(|side| side * random.uniform(0.2, 0.8));
     let turns = random.uniform(0.0, 1.0);
@@ -105,7 +106,7 @@ pub(super) fn taut(random: &mut SplitMix64, size_px: Vec2) -> Line {
     Line::through(&points, false, TRIAL_SEGMENTS)
 }
 
-/// A closed curve that fills the room.
+/// Makes a closed curve that fills the room.
 pub(super) fn closed(random: &mut SplitMix64, room: Room) -> Line {
     let waves: [[f64; 4]; 4] = std::array::from_fn(|k| {
         let size = 1.0 / libm::pow((k + 1) as f64 * (k + 1) as f64, 0.8);
@@ -132,22 +133,22 @@ pub(super) fn closed(random: &mut SplitMix64, room: Room) -> Line {
     Line::through(&points, true, TRIAL_SEGMENTS)
 }
 
-/// How two strands lie beside their spine.
+/// Position of two strands relative to their spine.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beside {
-    /// Between the strands' centres where they run together.
+    /// Distance between the strands' centers where they run together.
     pub(super) together_px: f64,
-    /// How far they run together.
+    /// Length over which they run together.
     pub(super) run_px: f64,
-    /// Between their centres where they are apart.
+    /// Distance between their centers where they are apart.
     pub(super) apart_px: f64,
-    /// How far they take to part.
+    /// Length over which they part.
     pub(super) parting_px: f64,
 }
 
-/// Two strands that come together, run beside each other and part; with `joined`, one rope that turns back in a loop
-/// behind the place. Their spine is a gentle curve somewhere in the room. The arc lengths of the run on the second
-/// strand follow.
+/// Makes two strands that come together, run next to each other and part; with `joined`, one rope
+/// that turns back in a loop afterward. Their spine is a gentle curve somewhere in the room. Also
+/// returns the arc lengths of the run on the second strand.
 pub(super) fn beside(
     random: &mut SplitMix64,
     room: Room,
@@ -176,7 +177,7 @@ pub(super) fn beside(
     let mut spine = [0.0; 2];
     let mut sides = [Vec::new(), Vec::new()];
     for i in 0..=segments {
-        // Denser towards the head, where the sides close.
+        // Points are denser toward the head, where the sides close.
         let share = sin_turns(0.25 * i as f64 / segments as f64);
         let along_px = length_px * share;
         let turns = heading + bend * share + second_bend * sin_turns(share);
@@ -204,7 +205,7 @@ pub(super) fn beside(
     all.clear();
     if joined {
         all.extend(&first);
-        // The head's point is on both sides.
+        // Both sides share the point at the head.
         all.extend(second.iter().rev().skip(1));
         (
             vec![Line::through(&all, false, 2 * TRIAL_SEGMENTS)],

@@ -1,4 +1,4 @@
-//! What a picture's ropes, table, light and camera are like.
+//! Appearance of a picture's ropes, table, light and camera.
 
 use super::Class;
 use super::line::Vec2;
@@ -7,46 +7,48 @@ use lariat_portable::SplitMix64;
 
 pub(super) type Rgb = [f32; 3];
 
-/// The looks of one rope.
+/// Appearance of one rope.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coat {
     pub(super) rgb: Rgb,
-    /// The color of every second strand, if it is another one, and how many widths a strand takes.
+    /// Color of every second strand, if different, and the pitch of a strand in widths.
     pub(super) second: Option<Rgb>,
     pub(super) pitch_widths: f32,
-    /// How much the grooves between its strands take from the light.
+    /// Share of the light that the grooves between the strands take.
     pub(super) twist: f32,
-    /// How much dashes along it take, and their period in widths.
+    /// Share of the light that dashes along the rope take, and their period in widths.
     pub(super) dashes: f32,
     pub(super) dash_widths: f32,
-    /// White light thrown back where it faces the lamp, in levels, and how narrow that is.
+    /// White light that is reflected toward the lamp, in levels, and the sharpness of the
+    /// highlight.
     pub(super) shine: f32,
     pub(super) shine_power: i32,
 }
 
-/// The looks of a picture.
+/// Appearance of a picture.
 #[derive(Debug, Clone)]
 pub(super) struct Style {
     pub(super) coats: Vec<Coat>,
     pub(super) table: Rgb,
-    /// What it passes to, if it has a gradient.
+    /// Color at the end of the table's gradient, if it has one.
     pub(super) table_to: Rgb,
-    /// How much the table's light varies with its pattern.
+    /// Variation of the table's light with its pattern.
     pub(super) mottling: f32,
-    /// How much light the rope's shadow takes, where it falls, and how soft it is.
+    /// Share of the light that the rope's shadow takes, its offset, and its softness.
     pub(super) shadow: f32,
     pub(super) shadow_px: [f32; 2],
     pub(super) shadow_blur_px: f32,
-    /// The light's fall over the picture, as a vector: 1 + fall · (x, y) / size from the centre.
+    /// Falloff of the light over the picture, as a vector: 1 + fall · (x, y) / size from the
+    /// center.
     pub(super) fall: [f32; 2],
-    /// A spot of more light: its place as shares of the image, and how much.
+    /// A brighter spot: its position as shares of the image, and the additional light.
     pub(super) spot: Vec2,
     pub(super) spot_light: f32,
     pub(super) exposure: f32,
     pub(super) blur_px: f32,
     pub(super) motion_px: [f32; 2],
     pub(super) noise: f32,
-    /// Noise that is blurred as the picture is, in levels.
+    /// Noise that is blurred with the picture, in levels.
     pub(super) grain: f32,
 }
 
@@ -86,12 +88,12 @@ impl Style {
                 look.motion_px = [cos_turns(turns), sin_turns(turns)].map(|c| length * c as f32);
             }
             Class::UnevenLight => {
-                // The darker side has (1 − f) / (1 + f) of the lighter one's light.
+                // The darker side has (1 − f) / (1 + f) of the light on the lighter one.
                 let (turns, fall) = (random.uniform(0.0, 1.0), random.uniform(0.25, 0.48));
                 look.fall = [cos_turns(turns), sin_turns(turns)].map(|c| (2.0 * fall * c) as f32);
                 look.spot = [random.uniform(0.2, 0.8), random.uniform(0.2, 0.8)];
                 look.spot_light = random.uniform(0.0, 0.25) as f32;
-                // The lightest place is not overexposed.
+                // The lightest point is not overexposed.
                 look.exposure = 1.1 / (1.0 + fall as f32 + look.spot_light);
             }
             Class::Texture => look.mottling = draw(0.04, 0.09),
@@ -152,7 +154,8 @@ impl Style {
         }
     }
 
-    /// Cables as they are sold, on a surface of any color: three of four ropes are of some color, the others black or white.
+    /// Typical cables on a surface of any color: three of four ropes are colored, the others black
+    /// or white.
     fn paint_as_found(&mut self, ropes: usize, random: &mut SplitMix64) {
         let (hue, tint) = (random.uniform(0.0, 1.0), random.uniform(0.0, 0.35));
         self.table = from_hsv(hue, tint, random.uniform(60.0, 210.0));
@@ -180,7 +183,7 @@ impl Style {
         }
     }
 
-    /// Draws colours until every rope differs from the table, and from the other ropes.
+    /// Draws colors until every rope differs from the table and from the other ropes.
     fn paint(&mut self, class: Class, ropes: usize, random: &mut SplitMix64) {
         let is_dark_rope = match class {
             Class::DarkOnLight | Class::Shine | Class::HardShadow | Class::SoftShadow => true,
@@ -199,7 +202,7 @@ impl Style {
             let darker = self.table.map(|c| f64::from(c) * share);
             self.table_to = darker.map(|c| (c * random.uniform(0.85, 1.15)) as f32);
         }
-        // Two ropes that touch are of one colour as often as not.
+        // Two touching ropes have one color half of the time.
         let is_alike =
             class == Class::OneColor || class != Class::SeveralColors && random.sign() > 0.0;
         let mut hues: Vec<f64> = Vec::new();
@@ -223,7 +226,7 @@ impl Style {
                 if is_dark_rope {
                     self.table[k] - rgb[k] > 95.0
                 } else {
-                    // Also where it turns away from the light.
+                    // This also holds where the rope turns away from the light.
                     0.7 * rgb[k] - self.table[k] > 70.0
                 }
             });
@@ -238,7 +241,7 @@ impl Style {
             let shines = class == Class::Shine;
             let second = (class == Class::Twisted).then(|| {
                 let other = hue + random.uniform(0.25, 0.75);
-                // It need not stand out from the table.
+                // The second color need not contrast with the table.
                 let value = random.uniform(50.0, 230.0);
                 from_hsv(other % 1.0, random.uniform(0.1, 0.95), value)
             });
@@ -269,7 +272,7 @@ impl Style {
 }
 
 impl Coat {
-    /// Of one color, with strands that hardly show.
+    /// A coat of one color, with barely visible strands.
     fn plain(rgb: Rgb) -> Self {
         Self {
             rgb,
@@ -284,7 +287,7 @@ impl Coat {
     }
 }
 
-/// A colour from hue (turns), saturation (0 to 1) and value (levels).
+/// Color from hue (turns), saturation (0 to 1) and value (levels).
 pub(super) fn from_hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
     [5.0, 3.0, 1.0].map(|shift| {
         let k = (shift + 6.0 * hue) % 6.0;

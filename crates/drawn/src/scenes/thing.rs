@@ -1,14 +1,14 @@
-//! Things beside a rope that are not ropes, but that a mask takes for ropes.
+//! Objects next to a rope that are not ropes, but that a mask mistakes for ropes.
 
 use super::line::{Vec2, dot, minus, norm};
 use super::style::{Rgb, Style, from_hsv};
 use crate::rendered::portable::{cos_turns, sin_turns};
 use lariat_portable::SplitMix64;
 
-/// Things lie to the right of this share of the picture, ropes to the left of it.
+/// Share of the picture's width that separates ropes on the left from objects on the right.
 pub(super) const FROM: f64 = 0.62;
 
-/// Letters as strokes in a box of 1 × 1, the corners of each in order.
+/// Letters as strokes in a box of 1 × 1, each as its corners in order.
 const LETTERS: [&[Vec2]; 6] = [
     &[[0.0, 0.0], [0.0, 1.0], [0.7, 1.0]],
     &[[0.0, 1.0], [0.0, 0.0], [0.8, 1.0], [0.8, 0.0]],
@@ -20,9 +20,9 @@ const LETTERS: [&[Vec2]; 6] = [
 
 #[derive(Debug)]
 enum Kind {
-    /// A straight body between two points, of a second colour from a share of its length on.
+    /// A straight body between two points, with a second color from a share of its length on.
     Pen { ends: [Vec2; 2], cap: f64 },
-    /// Another surface to one side of a straight line, with a line along it.
+    /// Another surface on one side of a straight line, with a line along it.
     Board { at: Vec2, normal: Vec2, shade: f32 },
     /// A ring around a point.
     Rim {
@@ -30,7 +30,7 @@ enum Kind {
         radius_px: f64,
         inside: f32,
     },
-    /// A rectangle around a point, of this many pixels from there along each of two directions.
+    /// A rectangle around a point, with half side lengths along each of two directions.
     Box {
         at: Vec2,
         along: Vec2,
@@ -40,7 +40,7 @@ enum Kind {
     Letters { strokes: Vec<[Vec2; 2]> },
 }
 
-/// One thing.
+/// One object.
 #[derive(Debug)]
 pub(super) struct Thing {
     kind: Kind,
@@ -49,7 +49,8 @@ pub(super) struct Thing {
 }
 
 impl Thing {
-    /// The thing of a seed to the right of the ropes, in colours that the table does not have.
+    /// Makes the object of a seed to the right of the ropes, in colors that differ from the
+    /// table's.
     pub(super) fn of(seed: u64, size_px: Vec2, look: &Style, random: &mut SplitMix64) -> Self {
         let side_px = size_px[0].min(size_px[1]);
         let low = [FROM * size_px[0] + 8.0, 8.0];
@@ -57,21 +58,22 @@ impl Thing {
         Self::within(seed % 5, [low, room], side_px, look, random)
     }
 
-    /// Some of all kinds, anywhere.
+    /// Makes several objects of all kinds, anywhere.
     pub(super) fn clutter(size_px: Vec2, look: &Style, random: &mut SplitMix64) -> Vec<Self> {
         let side_px = size_px[0].min(size_px[1]);
         let count = 6 + random.next_u64() % 9;
         let thing = |_| {
             let room = [(); 2].map(|()| side_px * random.uniform(0.2, 0.6));
             let low = [0, 1].map(|k| random.uniform(-0.3, 1.0) * (size_px[k] - 0.4 * room[k]));
-            // Boxes and text are what lies about most.
+            // Boxes and text are the most common.
             let kind = [0, 1, 2, 3, 4, 4, 5, 5, 5][random.next_u64() as usize % 9];
             Self::within(kind, [low, room], side_px, look, random)
         };
         (0..count).map(thing).collect()
     }
 
-    /// A thing of a kind in a part of the picture: its upper left corner and its size.
+    /// Makes an object of a kind in a part of the picture, given by its upper left corner and its
+    /// size.
     fn within(
         kind: u64,
         [low, room]: [Vec2; 2],
@@ -143,7 +145,7 @@ impl Thing {
         }
     }
 
-    /// The colour of the table at a place, with the thing on it.
+    /// Color of the table at a point, with the object on it.
     pub(super) fn on(&self, table: Rgb, at: Vec2) -> Rgb {
         let half_px = 0.5 * self.width_px;
         let (ground, far_px, color) = match &self.kind {
@@ -192,7 +194,8 @@ impl Thing {
     }
 }
 
-/// How far a place is from a straight stroke, and where along it the nearest point is, from 0 to 1.
+/// Distance of a point from a straight stroke, and position of the nearest point along it, from 0
+/// to 1.
 fn from_stroke([from, to]: [Vec2; 2], at: Vec2) -> (f64, f64) {
     let way = minus(to, from);
     let along = (dot(minus(at, from), way) / dot(way, way).max(1e-9)).clamp(0.0, 1.0);
@@ -200,7 +203,7 @@ fn from_stroke([from, to]: [Vec2; 2], at: Vec2) -> (f64, f64) {
     (norm(minus(at, nearest)), along)
 }
 
-/// A colour well off the table's.
+/// Color that differs clearly from the table's.
 fn color_off(table: Rgb, random: &mut SplitMix64) -> Rgb {
     loop {
         let hue = random.uniform(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! Ropes that lie closer than chance has them: the knot of a figure of eight, coils, pairs of strands.
+//! Ropes that are closer together than random ones: the figure-eight knot, coils, pairs of strands.
 
 use super::layout::{Layout, Top, refined, room, tops, uncrossed_layout};
 use super::line::{Line, Vec2, meetings, minus, norm};
@@ -7,15 +7,16 @@ use super::shape::TRIAL_SEGMENTS;
 use crate::rendered::portable::{cos_turns, sin_turns, smoothstep};
 use lariat_portable::SplitMix64;
 
-/// The shortest way between crossings that follow each other along a rope of a figure of eight, in widths. Stiff ropes have none
-/// shorter than 2.9.
+/// Smallest arc length between successive crossings of a figure-eight, in widths. Stiff ropes have
+/// at least 2.9.
 const LOBE_WIDTHS: std::ops::Range<f64> = 2.5..5.0;
-/// Sine of the flattest crossing there (20°).
+/// Sine of the flattest crossing's angle in it (20°).
 const FLATTEST: f64 = 0.342;
-/// Between a tip and any other strand, in widths.
+/// Minimum distance between a tip and any other strand, in widths.
 const TIP_WIDTHS: f64 = 2.0;
 
-/// The picture of a figure-of-eight knot with four crossings, drawn together as far as its lobes allow.
+/// Makes the picture of a figure-eight knot with four crossings, drawn together as far as its lobes
+/// allow.
 pub(super) fn eight(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let inner = random.uniform(1.4, 2.6);
     let scale_px = width_px * random.uniform(1.0, 2.2);
@@ -40,14 +41,15 @@ pub(super) fn eight(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Op
     let is_eight = found.len() == 4 && found.iter().all(|m| m.sin >= FLATTEST);
     (is_eight && LOBE_WIDTHS.contains(&least_widths)).then_some(())?;
     let mut layout = laid(line, random, size_px, width_px)?;
-    // Of every second one the rope goes over and under by turns, as in the knot.
+    // In half of the pictures, the rope goes over and under alternately, as in the knot.
     if random.sign() > 0.0 {
         alternate(&mut layout.tops, &along_px);
     }
     Some(layout)
 }
 
-/// Puts the strands on top by turns; `along_px` are all places where the rope crosses itself, in order.
+/// Makes the rope go over and under alternately. `along_px`: all positions of its crossings, in
+/// order.
 fn alternate(tops: &mut [Top], along_px: &[f64]) {
     for top in tops {
         let rank = along_px.partition_point(|&other| other < top.along_px[0] - 1.0);
@@ -57,19 +59,20 @@ fn alternate(tops: &mut [Top], along_px: &[f64]) {
     }
 }
 
-/// A coil of three to five loops, each shifted against the one before by so little that the overlaps of neighbors merge.
+/// Makes a coil of three to five loops. The offset between loops is so small that the overlaps of
+/// neighbors merge.
 pub(super) fn coil(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let loops = (3 + random.next_u64() % 3) as f64;
     let radius_px = random.uniform(0.1, 0.2) * size_px[1];
     let pitch = random.uniform(0.35, 0.9);
     let squash = random.uniform(0.75, 1.0);
     let [often, phase] = [random.uniform(0.3, 0.9), random.uniform(0.0, 1.0)];
-    // A tail comes in at the top and another goes out there, both bent away from the coil.
+    // One tail comes in at the top and the other leaves there, both bent away from the coil.
     let tails = [(); 2].map(|()| random.uniform(0.8, 1.8));
     let knots: Vec<Vec2> = (0..=TRIAL_SEGMENTS)
         .map(|i| {
             let share = i as f64 / TRIAL_SEGMENTS as f64;
-            // A turn is as long as 2 π radii.
+            // A turn is 2 π radii long.
             let tail_turns = tails.map(|tail| tail / (2.0 * std::f64::consts::PI));
             let all = tail_turns[0] + loops + tail_turns[1];
             let turns = share * all - tail_turns[0];
@@ -85,7 +88,7 @@ pub(super) fn coil(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Opt
     laid(line, random, size_px, width_px)
 }
 
-/// Two ropes side by side in contact for a long way, which part at both ends of it.
+/// Makes two ropes in contact side by side over a long distance, which part at both ends of it.
 pub(super) fn pair(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let run_px = width_px * random.uniform(10.0, 25.0);
     let legs_px = [(); 2].map(|()| width_px * random.uniform(6.0, 12.0));
@@ -123,7 +126,7 @@ pub(super) fn pair(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Opt
     (lines.iter().all(fits) && is_parallel).then(|| uncrossed_layout(lines, width_px))
 }
 
-/// The points turned and moved anywhere in the picture.
+/// Turns the points and moves them anywhere in the picture.
 fn placed(points: &[Vec2], random: &mut SplitMix64, size_px: Vec2) -> Option<Vec<Vec2>> {
     let turns = random.uniform(0.0, 1.0);
     let (cos, sin) = (cos_turns(turns), sin_turns(turns));
@@ -144,7 +147,8 @@ fn placed(points: &[Vec2], random: &mut SplitMix64, size_px: Vec2) -> Option<Vec
     Some(turned)
 }
 
-/// The layout of one line, if the picture and the rope's stiffness have it so and its tips lie free.
+/// Makes the layout of one line if the picture and the rope's stiffness allow it and its tips are
+/// free.
 fn laid(line: Line, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let is_free = |tip: Vec2, along_px: f64| {
         (line.points.iter().enumerate()).all(|(i, &p)| {

@@ -1,7 +1,8 @@
-//! A planar gripper from above: a round wrist, a palm, two jaws, and between them the pad that holds the rope down.
+//! A planar gripper from above: a round wrist, a palm, two jaws, and between them the pad that
+//! holds the rope down.
 //!
-//! Orange as robots are, so that it has a colour of its own beside the table, the rope, its dark rim and its shadow; and its
-//! wrist is far wider than the rope. By both the extractor tells it from a rope.
+//! Its orange differs from the table, the rope, the rope's dark rim and its shadow, and its wrist
+//! is much wider than the rope. By both, the extractor distinguishes it from a rope.
 
 use lariat_simulation::Pose;
 
@@ -14,12 +15,12 @@ const PALM_RGB: [f32; 3] = [190.0, 92.0, 40.0];
 const JAW_RGB: [f32; 3] = [160.0, 82.0, 42.0];
 const PAD_RGB: [f32; 3] = [138.0, 70.0, 38.0];
 
-/// Of a gripper's parts, from below to above: its shadow is that of the first three.
+/// Parts of a gripper, from bottom to top. Only the first three cast a shadow.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drawing([Plate; 6]);
 
 impl Drawing {
-    /// A gripper there, whose jaws reach `jaw_px` along a rope `rope_px` wide.
+    /// Makes a gripper at this pose, with jaws that reach `jaw_px` along a rope `rope_px` wide.
     pub(super) fn new(pose: &Pose, jaw_px: f64, rope_px: f64) -> Self {
         let (sin, cos) = libm::sincos(pose.angle_rad);
         let along = [cos as f32, sin as f32];
@@ -60,7 +61,7 @@ impl Drawing {
         }
     }
 
-    /// The part of the canvas that [`draw`](Self::draw) can touch.
+    /// Returns the part of the canvas that [`draw`](Self::draw) can touch.
     pub(super) fn area(&self, width: usize, height: usize) -> Area {
         let areas = self.0.iter().map(|plate| plate.area(width, height));
         let union = |a: Area, b: Area| {

@@ -1,33 +1,34 @@
-//! A hand, its fingers closed, that comes in from below, rests on the rope and goes again. It is drawn once, and then moved over the picture.
+//! A hand with closed fingers that comes in from below, rests on the rope and leaves. It is drawn
+//! once and then moved over the picture.
 
 use super::plate::smooth;
 use crate::rendered::draw::{Area, Canvas};
 use crate::rendered::table::to_byte;
 
-/// How long it takes to come in, and to go, in seconds.
+/// Time to come in, and to leave, in seconds.
 const MOVES_S: f64 = 0.3;
 const SKIN_RGB: [f32; 3] = [206.0, 150.0, 118.0];
-/// Where its shadow falls, and what that takes from the light.
+/// Offset of its shadow, and the share of the light that the shadow takes.
 const SHADOW_AT: [i64; 2] = [5, 7];
 const SHADOW: f32 = 0.2;
-/// Width of its picture, and where in it the palm's middle is.
+/// Width of its picture, and position of the palm's middle in it.
 const WIDTH: usize = 240;
 const MIDDLE: [usize; 2] = [120, 160];
-/// How far the forearm goes on below that, at most.
+/// Maximum length of the forearm below that.
 const ARM_PX: usize = 700;
-/// How round the joints of its parts are.
+/// Rounding of the joints between its parts.
 const ROUND_PX: f32 = 7.0;
 
-/// When a hand covers the rope.
+/// Time at which a hand covers the rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandOptions {
-    /// From when on it rests there, in seconds from the first frame on; it begins to come in a little before.
+    /// Start of its rest, in seconds from the first frame; it begins to come in shortly before.
     pub at_s: f64,
-    /// For how long, in seconds.
+    /// Duration of its rest, in seconds.
     pub for_s: f64,
 }
 
-/// A thick line from one place to another, from the palm's middle.
+/// A thick line between two points, relative to the palm's middle.
 struct Limb {
     from: [f32; 2],
     to: [f32; 2],
@@ -51,7 +52,7 @@ const fn limb(from: [f32; 2], to: [f32; 2], radius: f32) -> Limb {
 }
 
 impl Limb {
-    /// Distance of a place from its outline, negative inside.
+    /// Distance of a point from the outline, negative inside.
     fn outside_px(&self, at: [f32; 2]) -> f32 {
         let [bx, by] = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
         let [px, py] = [at[0] - self.from[0], at[1] - self.from[1]];
@@ -61,13 +62,13 @@ impl Limb {
     }
 }
 
-/// The hand's picture, and where it rests.
+/// Picture of the hand, and its resting place.
 #[derive(Debug)]
 pub(super) struct Hand {
     options: HandOptions,
-    /// Each pixel's colour, and how much it covers, 0 to 255.
+    /// Color and coverage (0 to 255) of each pixel.
     pixels: Vec<[u8; 4]>,
-    /// Where the palm rests: where the rope's middle is when the hand comes.
+    /// Resting place of the palm: the position of the rope's middle when the hand comes.
     rests_at: Option<[f64; 2]>,
 }
 
@@ -88,7 +89,8 @@ impl Hand {
         }
     }
 
-    /// Draws it where it is at this moment, with the rope's middle at `rope`; returns what was drawn on.
+    /// Draws the hand at its position at this time, with the rope's middle at `rope`. Returns the
+    /// drawn area.
     pub(super) fn draw(&mut self, time_s: f64, rope: [f64; 2], canvas: &mut Canvas) -> Area {
         let HandOptions { at_s, for_s } = self.options;
         let into = (time_s - (at_s - MOVES_S)) / MOVES_S;
@@ -97,7 +99,8 @@ impl Hand {
             return Area::default();
         }
         let rests_at = *self.rests_at.get_or_insert(rope);
-        // Slow where it rests and fast at the picture's edge, where its fingertips alone would look like anything.
+        // Slow at its resting place and fast at the picture's edge, where visible fingertips alone
+        // could be mistaken for something else.
         let (into, out) = (into.min(1.0), out.max(0.0));
         let away = (1.0 - into) * (1.0 - into) + out * out;
         let below_px = away * (canvas.height as f64 - rests_at[1] + MIDDLE[1] as f64);
@@ -129,7 +132,7 @@ impl Hand {
         }
     }
 
-    /// The part of the canvas that its picture covers.
+    /// Returns the part of the canvas that its picture covers.
     fn area(&self, corner: [i64; 2], width: usize, height: usize) -> Area {
         let span = |low: i64, long: usize, size: usize| {
             [low, low + long as i64].map(|place| place.clamp(0, size as i64) as usize)
@@ -162,7 +165,8 @@ impl Hand {
     }
 }
 
-/// Colour and cover of a place, from the palm's middle: the limbs run into each other, and are darker toward their edges.
+/// Color and coverage at a point, relative to the palm's middle. The limbs merge smoothly and
+/// darken toward their edges.
 fn skin(at: [f32; 2]) -> [u8; 4] {
     let mut outside_px = f32::MAX;
     for limb in &LIMBS {

@@ -1,4 +1,5 @@
-//! A lifted simulated rope before two cameras that stand above its table: one in colour, and a depth camera beside it.
+//! A lifted simulated rope in front of two cameras above its table: a color camera, and a depth
+//! camera next to it.
 
 use lariat_message::{Axes, Centerlines, Descriptors3, PixelFormat, Place, Status};
 use lariat_portable::SplitMix64;
@@ -10,53 +11,55 @@ use crate::rendered::table::{SensorNoise, lit_table, to_byte};
 use crate::rendered::truth;
 use crate::space::{DepthSensor, Eye};
 
-/// The colour camera's focal length, and how far it is from the table's middle, each by the picture's width: a pixel is about a
-/// millimetre, and where grippers may go is in the picture.
+/// Focal length of the color camera and its distance from the table's middle, per picture width. A
+/// pixel is about a millimeter, and the picture includes the range of the grippers.
 const FOCAL: f64 = 0.875;
 const DISTANCE: f64 = 1.1875;
-/// How far it leans from straight above, degrees.
+/// Tilt of the color camera from the vertical, degrees.
 const LEAN_DEG: f64 = 15.0;
-/// The depth camera.
+/// Image size and focal length of the depth camera.
 const DEPTH_SIZE: [usize; 2] = [848, 480];
 const DEPTH_FOCAL_PX: f64 = 425.0;
-/// Where it stands beside the colour camera, mm.
+/// Offset of the depth camera from the color camera, mm.
 const ASIDE_MM: [f64; 3] = [-15.0, 0.0, 0.0];
 const SENSOR: DepthSensor = DepthSensor::STEREO;
 
-/// Points of the drawn line from one node to the next.
+/// Number of points of the drawn line per segment between nodes.
 const FINER: usize = 3;
-/// A gripper is two tubes, of these radii: jaws that close around the rope's end, and a wrist. Where each begins and ends before the rope's end;
-/// the jaws end where they do.
+/// A gripper consists of two tubes with these radii: jaws that close around the rope's end, and a
+/// wrist. The other values are their start and end relative to the rope's end; the wrist ends where
+/// the jaws begin.
 const JAWS_MM: f64 = 9.0;
 const WRIST_MM: f64 = 18.0;
 const JAWS_FROM_MM: f64 = -14.0;
 const WRIST_FROM_MM: f64 = -60.0;
-/// Balls that a tube of a gripper is made of lie so far apart, by its radius.
+/// Distance between the balls that make up a gripper's tube, in radii.
 const GRIPPER_STEP: f64 = 0.35;
-/// Rope and grippers: blue, and orange as robots are.
+/// Colors of rope and grippers: blue, and the orange of robots.
 const RGB: [[f32; 3]; 2] = [[40.0, 92.0, 190.0], [204.0, 100.0, 40.0]];
 
-/// Noise of depths, of which every row of every image takes another stretch.
+/// Size of the table of depth noise. Each row of each image uses another section of it.
 const NOISE_DEPTHS: usize = 1 << 16;
 
-/// What is known of the two cameras, as the files say it that users have of theirs (YAML).
+/// Description of the two cameras, in the form of the users' own files (YAML).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpaceCameras {
-    /// Calibration of the colour camera.
+    /// Calibration of the color camera.
     pub color: String,
-    /// Calibration of the depth camera, its pose and how it errs.
+    /// Calibration of the depth camera, its pose and its error.
     pub depth: String,
-    /// The colour camera's pose before the table, in whose frame the grippers move: what a robot calls its own.
+    /// Pose of the color camera relative to the table, whose frame the grippers move in; a robot
+    /// calls it its base frame.
     pub pose: String,
 }
 
 impl SpaceCameras {
-    /// The colour camera before the table, of pictures of this size.
+    /// Returns the color camera above the table, for pictures of this size.
     pub fn color_eye(picture: [u32; 2]) -> Eye {
         color_eye(picture.map(|side| side as usize))
     }
 
-    /// Of pictures of this size.
+    /// Describes the cameras for pictures of this size.
     pub fn new(picture: [u32; 2]) -> Self {
         let eye = Self::color_eye(picture);
         let lens = |eye: &Eye| {
@@ -75,7 +78,7 @@ impl SpaceCameras {
             "rotation: [0, 0, 0, 1]\ntranslation_mm: {aside:?}\ndepth_unit_mm: {unit_mm}\nnoise_mm_at_1m: {noise_mm}\n\
              range_mm: [{near}, {far}]\n"
         );
-        // The way back from the camera's frame.
+        // The inverse rotation, from the camera's frame.
         let back: [[f64; 3]; 3] = [0, 1, 2].map(|i| [0, 1, 2].map(|k| eye.rotation[k][i]));
         let place = back.map(|row| -row[2] * eye.translation[2]);
         let rows = back.as_flattened();
@@ -101,11 +104,11 @@ fn depth_eye(color: &Eye) -> Eye {
 pub struct SpaceScene {
     color: Color,
     depth: Depth,
-    /// The drawn line, from end to end, and where in it the part between the jaws begins and ends.
+    /// Drawn line from end to end, and the indices where the part between the jaws begins and ends.
     line: Vec<[f64; 3]>,
     visible: [usize; 2],
     gripper: Vec<[f64; 3]>,
-    /// The visible line in the picture.
+    /// Visible line in the picture.
     seen: Vec<[f64; 2]>,
 }
 
@@ -124,20 +127,21 @@ struct Color {
 struct Depth {
     eye: Eye,
     rays: Rays<2>,
-    /// What its second imager sees.
+    /// Rays of the second imager.
     second: Rays<1>,
-    /// How far the table is, mm.
+    /// Distance of the table, mm.
     table: Vec<f32>,
-    /// How far what is seen is; 0 where that is not known.
+    /// Measured distance; 0 where it is unknown.
     depths: Vec<f32>,
-    /// Of variance 1, with holes that are no numbers.
+    /// Noise of variance 1; holes are NaN.
     noise: Vec<f32>,
     random: SplitMix64,
     seed: u64,
 }
 
 impl SpaceScene {
-    /// Of a simulation, with noise of the colour camera: standard deviation in steps of a byte.
+    /// Makes the scene of a simulation. `noise`: noise of the color camera, as a standard deviation
+    /// in steps of a byte.
     pub fn new(simulation: &SpaceSimulation, noise: f64) -> Self {
         let options = simulation.options();
         let size = options.picture_px.map(|side| side as usize);
@@ -166,17 +170,17 @@ impl SpaceScene {
         }
     }
 
-    /// Width and height of the picture.
+    /// Returns width and height of the picture.
     pub fn size(&self) -> [u32; 2] {
         self.color.eye.size.map(|side| side as u32)
     }
 
-    /// Width and height of the depth image.
+    /// Returns width and height of the depth image.
     pub fn depth_size(&self) -> [u32; 2] {
         DEPTH_SIZE.map(|side| side as u32)
     }
 
-    /// Looks at what there is.
+    /// Draws the current state of the simulation.
     pub fn draw(&mut self, simulation: &SpaceSimulation) {
         self.trace(simulation);
         let Self {
@@ -221,19 +225,20 @@ impl SpaceScene {
         self.seen.extend(seen);
     }
 
-    /// The picture with this frame's noise.
+    /// Writes the picture with this frame's noise.
     pub fn write(&self, sequence: u64, pixels: &mut [u8]) {
         let Color { eye, noise, .. } = &self.color;
         let row_bytes = PixelFormat::Rgb8.row_bytes(eye.size[0] as u32);
         noise.add(sequence, row_bytes, &self.color.pixels, pixels);
     }
 
-    /// The depth image with this frame's noise: units of two bytes each, as the machine has them.
+    /// Writes the depth image with this frame's noise, as units of two bytes in native byte order.
     pub fn write_depth(&self, sequence: u64, bytes: &mut [u8]) {
         self.depth.write(sequence, bytes);
     }
 
-    /// Fills in where the rope lies in the picture between the jaws, with so many points; `false` before the first frame.
+    /// Fills in the position of the rope between the jaws in the picture, with this many points.
+    /// Returns `false` before the first frame.
     pub fn truth(&self, points: usize, message: &mut Centerlines) -> bool {
         if self.seen.len() < 2 {
             return false;
@@ -251,7 +256,8 @@ impl SpaceScene {
         true
     }
 
-    /// Fills in where it is in space, in the table's frame, with so many points at equal steps and without a curve.
+    /// Fills in the 3-D position in the table's frame, with this many points at equal steps and
+    /// without a curve. Returns `false` before the first frame.
     pub fn truth_in_space(&self, points: usize, message: &mut Descriptors3) -> bool {
         let [from, to] = self.visible;
         let line = &self.line[from..to];
@@ -280,7 +286,7 @@ impl SpaceScene {
         true
     }
 
-    /// Lays a smooth line through the nodes (Catmull and Rom's spline).
+    /// Computes a smooth line through the nodes (Catmull-Rom spline).
     fn trace(&mut self, simulation: &SpaceSimulation) {
         let nodes = simulation.nodes();
         self.line.clear();
@@ -364,7 +370,7 @@ impl Depth {
     }
 
     fn clear(&mut self) {
-        // What was not known lies near what the second imager saw, too.
+        // Pixels that were hidden from the second imager are reset, too.
         self.depths.copy_from_slice(&self.table);
         self.rays.clear();
         self.second.clear();
@@ -391,7 +397,7 @@ impl Depth {
         }
     }
 
-    /// What a tube hides from the second imager has no depth.
+    /// Removes the depth of pixels that a tube hides from the second imager.
     fn hide(&mut self) {
         let width = self.eye.size[0];
         let baseline_px_mm = self.eye.focal_px[0] * SENSOR.baseline_mm;
@@ -402,7 +408,8 @@ impl Depth {
             let (column, row) = (pixel % width, pixel / width);
             let ahead_mm = f64::from(self.table[pixel]);
             let to = column as f64 + baseline_px_mm / ahead_mm;
-            // The table's depth changes little along a row: a column more to each side has all that lead here.
+            // The table's depth changes little along a row, so one more column on each side
+            // includes all pixels that lead here.
             let first = (to.max(1.0) as usize - 1).min(width);
             for x in first..(first + 3).min(width) {
                 let at = row * width + x;
@@ -425,7 +432,7 @@ impl Depth {
             let start = random.below(NOISE_DEPTHS);
             let noise = &self.noise[start..start + width];
             for ((bytes, &depth), noise) in bytes.chunks_exact_mut(2).zip(depths).zip(noise) {
-                // What is no number becomes 0, and so does 0.
+                // NaN becomes 0, and 0 remains 0.
                 let units = (depth + noise_per_mm * depth * depth * noise) * per_unit + 0.5;
                 bytes.copy_from_slice(&(units as u16).to_ne_bytes());
             }

@@ -1,21 +1,22 @@
-//! What robots are made of: flat parts with round corners, lit from the upper left, with a soft shadow on what lies beneath.
+//! Parts of robots: flat, with round corners, lit from the upper left, with a soft shadow on what
+//! is below.
 //!
 //! All arithmetic is IEEE +, −, ×, ÷ and √ in a fixed order.
 
 use crate::rendered::draw::{Area, Canvas};
 use crate::rendered::table::to_byte;
 
-/// Half the distance over which an edge goes from cover to none.
+/// Half the distance over which the coverage falls from 1 to 0 at an edge.
 const SOFT_PX: f32 = 0.9;
-/// Where the shadow falls, and how far it fades.
+/// Offset of the shadow, and the distance over which it fades.
 const SHADOW_AT: [f32; 2] = [2.5, 3.5];
 const SHADOW_PX: f32 = 5.0;
-/// What it takes from the light.
+/// Share of the light that the shadow takes.
 const SHADOW: f32 = 0.16;
-/// How wide the rim is that is brighter toward the lamp and darker away from it, and by how many levels.
+/// Width of the rim, and by how many levels it is brighter toward the lamp and darker away from it.
 const RIM_PX: f32 = 2.0;
 const RIM: f32 = 22.0;
-/// Towards the lamp, in the picture.
+/// Direction to the lamp, in the picture.
 const LAMP: [f32; 2] = [-0.61, -0.79];
 
 /// A rectangle with round corners.
@@ -24,14 +25,14 @@ pub(super) struct Plate {
     pub(super) middle: [f32; 2],
     /// Unit vector along its first side.
     pub(super) along: [f32; 2],
-    /// Half its sides.
+    /// Half the lengths of its sides.
     pub(super) half: [f32; 2],
     pub(super) corner: f32,
     pub(super) rgb: [f32; 3],
 }
 
 impl Plate {
-    /// Darkens what is there by this plate's shadow.
+    /// Darkens the canvas by this plate's shadow.
     pub(super) fn shade(&self, canvas: &mut Canvas) {
         let fallen = Self {
             middle: [0, 1].map(|axis| self.middle[axis] + SHADOW_AT[axis]),
@@ -46,7 +47,7 @@ impl Plate {
         });
     }
 
-    /// Draws it over what is there.
+    /// Draws the plate over the canvas.
     pub(super) fn draw(&self, canvas: &mut Canvas) {
         self.each_pixel(SOFT_PX, canvas, |outside_px, facing, pixel| {
             let cover = smooth((SOFT_PX - outside_px) / (2.0 * SOFT_PX));
@@ -58,7 +59,8 @@ impl Plate {
         });
     }
 
-    /// The part of the canvas that [`draw`](Self::draw) and [`shade`](Self::shade) can touch.
+    /// Returns the part of the canvas that [`draw`](Self::draw) and [`shade`](Self::shade) can
+    /// touch.
     pub(super) fn area(&self, width: usize, height: usize) -> Area {
         self.bounds(SHADOW_PX + 6.0, width, height)
     }
@@ -67,7 +69,7 @@ impl Plate {
         let [a, b] = self.along.map(f32::abs);
         let wide = a * self.half[0] + b * self.half[1] + reach_px;
         let high = b * self.half[0] + a * self.half[1] + reach_px;
-        // `as usize` takes negative numbers to 0.
+        // `as usize` turns negative numbers into 0.
         let span = |middle: f32, half: f32, size: usize| {
             let (low, high) = ((middle - half) as usize, (middle + half + 2.0) as usize);
             [low.min(size), high.min(size)]
@@ -78,8 +80,8 @@ impl Plate {
         }
     }
 
-    /// Hands over each pixel less than `reach_px` outside: how far outside its centre is, and how much the side there looks
-    /// to the lamp.
+    /// Passes each pixel less than `reach_px` outside to `with`: the distance of its center from
+    /// the outline, and how much that side faces the lamp.
     fn each_pixel(
         &self,
         reach_px: f32,
@@ -119,7 +121,7 @@ impl Plate {
     }
 }
 
-/// The step 0 → 1 with level ends.
+/// Smooth step from 0 to 1, with horizontal ends.
 pub(super) fn smooth(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

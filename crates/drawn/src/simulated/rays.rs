@@ -1,45 +1,47 @@
-//! Tubes before a camera, fast enough for a camera's rate: only pixels near a tube are looked at, by a few rays each.
+//! Tubes in front of a camera, fast enough for a camera's frame rate: only pixels near a tube are
+//! traced, by a few rays each.
 
 use crate::space::{End, Eye, dot};
 
-/// A round tube along a line whose points lie close to each other, cut off square at its ends.
+/// A round tube along a line of closely spaced points, cut off square at its ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tube<'a> {
     pub(super) line: &'a [[f64; 3]],
     pub(super) radius_mm: f64,
 }
 
-/// What a ray meets first.
+/// First hit of a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
-    /// How far ahead, mm.
+    /// Depth, mm.
     pub(super) depth_mm: f32,
-    /// How much light falls there, 0 to 1; of the table 1.
+    /// Light at the hit, 0 to 1; 1 for the table.
     pub(super) light: f32,
-    /// Which tube it is; `None` for the table.
+    /// Number of the tube; `None` for the table.
     pub(super) tube: Option<u8>,
 }
 
-/// What the rays of all pixels near a tube meet: `SIDE` × `SIDE` rays a pixel, 3 at most.
+/// Hits of the rays of all pixels near a tube: `SIDE` × `SIDE` rays per pixel, with `SIDE` at
+/// most 3.
 #[derive(Debug)]
 pub(super) struct Rays<const SIDE: usize> {
     eye: Eye,
-    /// From where light comes, in the camera's frame.
+    /// Direction to the light, in the camera's frame.
     light: [f64; 3],
-    /// The pixels near a tube.
+    /// Pixels near a tube.
     near: Vec<u32>,
-    /// Of each pixel, its place among these; `FAR` if it is none.
+    /// Index of each pixel among these; `FAR` if it is not near a tube.
     place: Vec<u32>,
-    /// Of each of these its rays, row by row.
+    /// Hits of each of these pixels, row by row.
     hits: Vec<Hit>,
 }
 
 const FAR: u32 = u32::MAX;
-/// From where light comes, in the table's frame.
+/// Direction to the light, in the table's frame.
 const LIGHT: [f64; 3] = [-0.36, 0.48, 0.8];
 
 impl<const SIDE: usize> Rays<SIDE> {
-    /// How many rays a pixel has.
+    /// Number of rays per pixel.
     pub(super) const EACH: usize = SIDE * SIDE;
 
     pub(super) fn new(eye: &Eye) -> Self {
@@ -53,13 +55,13 @@ impl<const SIDE: usize> Rays<SIDE> {
         }
     }
 
-    /// The pixels near a tube, and what their rays meet.
+    /// Returns the pixels near a tube, with the hits of their rays.
     pub(super) fn pixels(&self) -> impl Iterator<Item = (usize, &[Hit])> {
         let hits = self.hits.chunks_exact(Self::EACH);
         self.near.iter().map(|&pixel| pixel as usize).zip(hits)
     }
 
-    /// Forgets all tubes.
+    /// Removes all tubes.
     pub(super) fn clear(&mut self) {
         for &pixel in &self.near {
             self.place[pixel as usize] = FAR;
@@ -68,7 +70,7 @@ impl<const SIDE: usize> Rays<SIDE> {
         self.hits.clear();
     }
 
-    /// Adds a tube, under this number.
+    /// Adds a tube with this number.
     pub(super) fn trace(&mut self, number: u8, tube: Tube) {
         let [first, second, .., before, last] = tube.line else {
             return;
@@ -87,18 +89,19 @@ impl<const SIDE: usize> Rays<SIDE> {
         }
     }
 
-    /// A piece of a tube is a ball.
+    /// Adds a ball, which is a piece of a tube.
     fn ball(&mut self, number: u8, center: [f64; 3], radius: f64, end: Option<&End>) {
         let [width, height] = self.eye.size;
         let at = self.eye.pixel(center);
-        // A ball beside the axis is seen a little longer than wide; and half a pixel's diagonal.
+        // The image of a ball off the axis is slightly longer than wide; half the diagonal of a
+        // pixel is added.
         let reach = 1.05 * self.eye.focal_px[0] * radius / (center[2] - radius) + 0.75;
         let range = |at: f64, side: usize| {
             let [low, high] = [at - reach, at + reach + 1.0].map(|c| c.clamp(0.0, side as f64));
             low as usize..high as usize
         };
         let out = dot(center, center) - radius * radius;
-        // The rays of the pixel (0, 0), and the way from a pixel's to the next one's.
+        // Rays of the pixel (0, 0), and the step from one pixel's ray to the next one's.
         let begin: [[f64; 2]; 9] = std::array::from_fn(|k| {
             let [x, y, _] = ray::<SIDE>(&self.eye, 0, 0, k);
             [x, y]
@@ -149,7 +152,7 @@ impl<const SIDE: usize> Rays<SIDE> {
         }
     }
 
-    /// Where a pixel's rays begin.
+    /// Index of the first ray of a pixel.
     fn rays_of(&mut self, column: usize, row: usize) -> usize {
         let pixel = row * self.eye.size[0] + column;
         if self.place[pixel] == FAR {
@@ -168,7 +171,7 @@ impl<const SIDE: usize> Rays<SIDE> {
     }
 }
 
-/// The k-th ray of a pixel.
+/// Ray number k of a pixel.
 fn ray<const SIDE: usize>(eye: &Eye, column: usize, row: usize, k: usize) -> [f64; 3] {
     let within = |k: usize| (k as f64 + 0.5) / SIDE as f64 - 0.5;
     eye.ray([

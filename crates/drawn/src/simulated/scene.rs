@@ -1,4 +1,5 @@
-//! The picture: table, rope, grippers and hand, drawn again where they were and are.
+//! The picture: table, rope, grippers and hand. Their previous and their new positions are drawn
+//! again.
 
 use lariat_message::{Centerlines, PixelFormat};
 use lariat_simulation::Simulation;
@@ -12,12 +13,12 @@ use crate::rendered::truth;
 
 /// Width of the rope in pixels.
 const ROPE_PX: f64 = 12.0;
-/// Points of the drawn line from one node to the next.
+/// Number of points of the drawn line per segment between nodes.
 const FINER: usize = 2;
-/// What is drawn: the rope, two grippers, a hand.
+/// Number of drawn objects: the rope, two grippers, a hand.
 const THINGS: usize = 4;
 
-/// A simulated rope as a camera above the table sees it.
+/// A simulated rope, seen by a camera above the table.
 #[derive(Debug)]
 pub struct Scene {
     width: usize,
@@ -28,16 +29,17 @@ pub struct Scene {
     table: Vec<u8>,
     /// The picture without noise.
     pixels: Vec<u8>,
-    /// Where it differs from the table.
+    /// Regions where it differs from the table.
     drawn: [Area; THINGS],
     hand: Option<Hand>,
-    /// The drawn line, from end to end, and where in it the part between the jaws begins and ends.
+    /// Drawn line from end to end, and the indices where the part between the jaws begins and ends.
     line: Vec<[f64; 2]>,
     visible: [usize; 2],
 }
 
 impl Scene {
-    /// Of a simulation, with a camera's noise (standard deviation in steps of a byte) and a hand, if there is one.
+    /// Makes the scene of a simulation, with a camera's noise (standard deviation in steps of a
+    /// byte) and optionally a hand.
     pub fn new(simulation: &Simulation, noise: f64, hand: Option<HandOptions>) -> Self {
         let seen = simulation.options();
         let [width, height] = seen.picture_px.map(|size| size as u32);
@@ -64,17 +66,17 @@ impl Scene {
         }
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width as u32, self.height as u32]
     }
 
-    /// The centerline between the jaws as it was drawn last, at equal steps.
+    /// Last drawn centerline between the jaws, at equal steps.
     fn visible(&self) -> &[[f64; 2]] {
         &self.line[self.visible[0]..self.visible[1]]
     }
 
-    /// Draws what there is, so long after the first frame.
+    /// Draws the current state of the simulation, this long after the first frame.
     pub fn draw(&mut self, simulation: &Simulation, time_s: f64) {
         self.wipe();
         self.trace(simulation);
@@ -97,13 +99,14 @@ impl Scene {
         }
     }
 
-    /// The picture with this frame's noise.
+    /// Writes the picture with this frame's noise.
     pub fn write(&self, sequence: u64, pixels: &mut [u8]) {
         let row_bytes = PixelFormat::Rgb8.row_bytes(self.width as u32);
         self.noise.add(sequence, row_bytes, &self.pixels, pixels);
     }
 
-    /// Fills in where the rope lies between the jaws, with so many points; `false` before the first frame.
+    /// Fills in the position of the rope between the jaws, with this many points. Returns `false`
+    /// before the first frame.
     pub fn truth(&self, simulation: &Simulation, points: usize, message: &mut Centerlines) -> bool {
         let line = self.visible();
         if line.len() < 2 {
@@ -126,7 +129,7 @@ impl Scene {
         }
     }
 
-    /// Lays a smooth line through the nodes (Catmull and Rom's spline, at its middles).
+    /// Computes a smooth line through the nodes (Catmull-Rom spline, at its middles).
     fn trace(&mut self, simulation: &Simulation) {
         let nodes = simulation.nodes();
         self.line.clear();

@@ -1,6 +1,7 @@
-//! A pinhole camera that stands somewhere.
+//! A pinhole camera at any position.
 
-/// A camera without distortion: x right, y down, z ahead; (0, 0) is the centre of the top-left pixel.
+/// A camera without distortion: x right, y down, z ahead; (0, 0) is the center of the top-left
+/// pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eye {
     /// Focal lengths, px.
@@ -11,12 +12,13 @@ pub struct Eye {
     pub size: [usize; 2],
     /// Rows of the rotation from the table's frame to the camera's.
     pub rotation: [[f64; 3]; 3],
-    /// What is added after the rotation, mm.
+    /// Translation after the rotation, mm.
     pub translation: [f64; 3],
 }
 
 impl Eye {
-    /// One that looks at the table's origin from `distance_mm`, leaning by `lean_deg` from straight above and turned by `turn_deg`.
+    /// Makes a camera that looks at the table's origin from `distance_mm`, tilted by `lean_deg`
+    /// from the vertical and turned by `turn_deg`.
     pub fn above(
         focal_px: f64,
         size: [usize; 2],
@@ -26,7 +28,8 @@ impl Eye {
     ) -> Self {
         let (sin_lean, cos_lean) = libm::sincos(lean_deg.to_radians());
         let (sin_turn, cos_turn) = libm::sincos(turn_deg.to_radians());
-        // x to the right of the one who looks; down the picture is toward the table's −y, and away from the eye's height.
+        // x is to the viewer's right; down in the picture is toward the table's −y, and away from
+        // the camera's height.
         Self {
             focal_px: [focal_px; 2],
             center_px: size.map(|side| 0.5 * (side as f64 - 1.0)),
@@ -40,7 +43,8 @@ impl Eye {
         }
     }
 
-    /// One that looks the same way from `by_mm` beside it, in its own frame, through another lens.
+    /// Makes a camera with the same orientation and another lens, moved by `by_mm` in this one's
+    /// frame.
     pub fn beside(&self, by_mm: [f64; 3], focal_px: f64, size: [usize; 2]) -> Self {
         Self {
             focal_px: [focal_px; 2],
@@ -51,7 +55,8 @@ impl Eye {
         }
     }
 
-    /// One like it that stands `by_mm` beside it, in its own frame, and is turned to look at what this one sees in its middle at `ahead_mm`.
+    /// Makes a camera like this one, moved by `by_mm` in its frame. The new camera is turned to
+    /// look at what this one sees in its middle at `ahead_mm`.
     pub fn verging(&self, by_mm: [f64; 3], ahead_mm: f64) -> Self {
         let turn = turned_to([-by_mm[0], -by_mm[1], ahead_mm - by_mm[2]]);
         let beside = self.beside(by_mm, self.focal_px[0], self.size);
@@ -63,44 +68,47 @@ impl Eye {
         }
     }
 
-    /// The rotation that takes this one's frame to the other's, row by row, and where this one stands there, mm.
+    /// Returns the rotation from this camera's frame to the other's, row by row, and this camera's
+    /// position there, mm.
     pub fn pose_in(&self, other: &Self) -> ([[f64; 3]; 3], [f64; 3]) {
         let turn = [0, 1, 2].map(|i| [0, 1, 2].map(|j| dot(other.rotation[i], self.rotation[j])));
         let moved = turn.map(|row| dot(row, self.translation));
         (turn, [0, 1, 2].map(|k| other.translation[k] - moved[k]))
     }
 
-    /// A point of the table's frame in the camera's.
+    /// Transforms a point from the table's frame to the camera's.
     pub fn see(&self, point: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| dot(self.rotation[k], point) + self.translation[k])
     }
 
-    /// Where a point of the camera's frame is in the picture; it must lie before the camera.
+    /// Projects a point of the camera's frame into the picture. The point must be in front of the
+    /// camera.
     pub fn pixel(&self, seen: [f64; 3]) -> [f64; 2] {
         [0, 1].map(|k| self.focal_px[k] * seen[k] / seen[2] + self.center_px[k])
     }
 
-    /// The ray through a pixel, in the camera's frame, one millimetre ahead for each millimetre of depth.
+    /// Returns the ray through a pixel in the camera's frame, scaled to one millimeter of depth.
     pub(crate) fn ray(&self, pixel: [f64; 2]) -> [f64; 3] {
         let [x, y] = [0, 1].map(|k| (pixel[k] - self.center_px[k]) / self.focal_px[k]);
         [x, y, 1.0]
     }
 
-    /// How far ahead the table is along such a ray.
+    /// Returns the depth of the table along such a ray.
     pub(crate) fn table_depth(&self, ray: [f64; 3]) -> f64 {
-        // The height above the table of what is at `t` along the ray is n·(t ray − translation), with n the table's normal.
+        // The height above the table at `t` along the ray is n·(t ray − translation), with n the
+        // table's normal.
         let normal = self.rotation.map(|row| row[2]);
         dot(normal, self.translation) / dot(normal, ray)
     }
 
-    /// Where on the table that is.
+    /// Returns the point on the table at this depth.
     pub(super) fn on_table(&self, ray: [f64; 3], depth: f64) -> [f64; 2] {
         let seen = [0, 1, 2].map(|k| depth * ray[k] - self.translation[k]);
         [0, 1].map(|axis| (0..3).map(|k| self.rotation[k][axis] * seen[k]).sum())
     }
 }
 
-/// The rotation after which this way is straight ahead, and down is down as far as may be.
+/// Rotation after which this direction is straight ahead, and down remains down as far as possible.
 fn turned_to(way: [f64; 3]) -> [[f64; 3]; 3] {
     let unit = |v: [f64; 3]| {
         let size = dot(v, v).sqrt();

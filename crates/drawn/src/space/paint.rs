@@ -1,34 +1,34 @@
-//! A tube and its table by rays: what each of them meets first, and the picture in colour.
+//! Ray tracing of a tube and its table: first hits, and the picture in color.
 
 use super::eye::{Eye, dot};
 use super::rope::LiftedRope;
 use crate::rendered::mottling::Mottling;
 use lariat_portable::SplitMix64;
 
-/// Rays along a pixel's side, in colour.
+/// Number of rays along a pixel's side, in color.
 const RAYS: usize = 4;
-/// From where light comes, in the table's frame.
+/// Direction to the light, in the table's frame.
 const LIGHT: [f64; 3] = [0.36, 0.48, 0.8];
 
-/// What a ray meets first: how far ahead, mm, and, if it is the rope, how much light falls there, 0 to 1.
+/// First hit of a ray: its depth, mm, and, on the rope, the light there, 0 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     pub depth: f64,
     pub light: Option<f32>,
 }
 
-/// What rays meet that go through the pixels.
+/// Hits of the rays through the pixels.
 pub(super) struct Hits {
-    /// Rays along a pixel's side.
+    /// Number of rays along a pixel's side.
     rays: usize,
     eye: Eye,
-    /// Of each pixel that sees the rope where its rays are, row by row.
+    /// Index of the first ray of each pixel near the rope; the rays follow row by row.
     places: Vec<Option<u32>>,
     hits: Vec<Hit>,
 }
 
 impl Hits {
-    /// Of a table without a rope.
+    /// Makes the hits of a table without a rope.
     pub(super) fn new(eye: &Eye, rays: usize) -> Self {
         Self {
             rays,
@@ -38,20 +38,20 @@ impl Hits {
         }
     }
 
-    /// What the rays of a pixel meet; `None` where no rope comes near to them.
+    /// Returns the hits of a pixel's rays; `None` if the rope is not near them.
     pub(super) fn near_rope(&self, [x, y]: [usize; 2]) -> Option<&[Hit]> {
         let place = self.places[y * self.eye.size[0] + x]? as usize;
         Some(&self.hits[place..place + self.rays * self.rays])
     }
 
-    /// What the rays of a pixel meet without a rope.
+    /// Returns the hits of a pixel's rays without a rope.
     pub(super) fn of_table(&self, [x, y]: [usize; 2]) -> Vec<Hit> {
         let rays = self.rays;
         let ray = |k: usize| self.ray([rays * x + k % rays, rays * y + k / rays]);
         (0..rays * rays).map(|k| self.table(ray(k))).collect()
     }
 
-    /// What a ray meets that a rope comes near to.
+    /// Returns the hit of a ray near a rope.
     fn of(&mut self, [column, row]: [usize; 2]) -> &mut Hit {
         let rays = self.rays;
         let [x, y] = [column / rays, row / rays];
@@ -69,7 +69,7 @@ impl Hits {
         &mut self.hits[place + row % rays * rays + column % rays]
     }
 
-    /// The ray of a column and a row of rays.
+    /// Ray at a column and a row of rays.
     fn ray(&self, place: [usize; 2]) -> [f64; 3] {
         let pixel = |k: usize| (k as f64 + 0.5) / self.rays as f64 - 0.5;
         self.eye.ray(place.map(pixel))
@@ -83,7 +83,7 @@ impl Hits {
     }
 }
 
-/// What `rays` × `rays` rays of each pixel meet.
+/// Computes the hits of `rays` × `rays` rays for each pixel.
 pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Hits {
     let [width, height] = eye.size.map(|side| side * rays);
     let mut hits = Hits::new(eye, rays);
@@ -92,7 +92,7 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Hits {
     let ends = rope.ends().map(|end| end.seen_by(eye));
     for &point in &rope.points {
         let center = eye.see(point);
-        // An end is cut off square.
+        // The end is cut off square.
         let end = ends.iter().find(|end| end.is_within(radius, center));
         let at = eye.pixel(center);
         let reach = 1.05 * eye.focal_px[0] * radius / (center[2] - radius) + 1.0;
@@ -133,26 +133,28 @@ pub(super) fn hits(rope: &LiftedRope, eye: &Eye, rays: usize) -> Hits {
     hits
 }
 
-/// The picture in colour, three bytes a pixel, of a rope and a table whose colours and noise come of the seed.
+/// Draws a rope and a table in color, three bytes per pixel. The seed determines their colors and
+/// the noise.
 pub fn picture(rope: &LiftedRope, eye: &Eye, seed: u64) -> Vec<u8> {
     Painter::new(seed).picture(rope, eye)
 }
 
-/// A table and a rope's colour, for one picture after the other: what changes is how the rope lies, and the noise.
+/// Table and rope color for a series of pictures, which differ in the rope's shape and in the
+/// noise.
 #[derive(Debug, Clone)]
 pub struct Painter {
     ground: [f32; 3],
     colour: [f32; 3],
     mottling: Mottling<32>,
     random: SplitMix64,
-    /// The table's colour at each pixel, as this eye sees it.
+    /// Color of the table at each pixel, as this camera sees it.
     table: Option<(Eye, Vec<[f32; 3]>)>,
-    /// The first picture's noise; those after it have the same, begun anywhere in it.
+    /// Noise of the first picture. Later pictures use the same noise from a random start.
     noise: Vec<[f32; 3]>,
 }
 
 impl Painter {
-    /// Those of a seed.
+    /// Makes the colors of a seed.
     pub fn new(seed: u64) -> Self {
         let mut random = SplitMix64::of_stream(seed, 1);
         let (ground, colour) = colours(&mut random);
@@ -166,7 +168,7 @@ impl Painter {
         }
     }
 
-    /// The next picture, three bytes a pixel.
+    /// Draws the next picture, three bytes per pixel.
     pub fn picture(&mut self, rope: &LiftedRope, eye: &Eye) -> Vec<u8> {
         let [width, height] = eye.size;
         let hits = hits(rope, eye, RAYS);
@@ -206,7 +208,7 @@ impl Painter {
         rgb
     }
 
-    /// The table's colour at each pixel.
+    /// Color of the table at each pixel.
     fn table(&self, eye: &Eye) -> Vec<[f32; 3]> {
         let [width, height] = eye.size;
         let at = |i: usize| {
@@ -219,7 +221,7 @@ impl Painter {
     }
 }
 
-/// A light table with a dark rope, or a dark one with a light rope.
+/// Colors of a light table with a dark rope, or of a dark table with a light rope.
 fn colours(random: &mut SplitMix64) -> ([f32; 3], [f32; 3]) {
     let tint = |random: &mut SplitMix64, level: f32, most: f32| {
         [0; 3].map(|_| level + random.uniform_f32(-most, most))

@@ -1,4 +1,5 @@
-//! How a rope lies: its heading on the table as a few waves, its height as a few lifts, over itself where it crosses itself.
+//! Shape of a rope. Its heading on the table is a sum of a few waves, and its height a few lifts.
+//! Where it crosses itself, one strand passes over the other.
 
 use super::Eye;
 use super::eye::dot;
@@ -7,55 +8,59 @@ use lariat_portable::SplitMix64;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Points of a true centerline.
+/// Number of points of a true centerline.
 const TRUE_POINTS: usize = 2000;
-/// Points of the line while it is sought.
+/// Number of points of a draft.
 const DRAFT: usize = 600;
-/// Drafts until it is given up.
+/// Maximum number of drafts.
 const TRIES: usize = 20_000;
-/// Strands that do not cross are at least so many diameters apart in the picture, and bend no tighter on the table.
+/// Minimum distance of strands that do not cross, in the picture, and minimum bend radius on the
+/// table, both in diameters.
 const APART: f64 = 2.5;
 const TIGHTEST: f64 = 3.0;
-/// They cross at no less than this, and no nearer to each other, or to an end, than so many diameters.
+/// Minimum crossing angle, and minimum distance of crossings from each other and from an end, in
+/// diameters.
 const FLATTEST_DEG: f64 = 35.0;
 const CROSSINGS_APART: f64 = 5.0;
 
-/// What rope is wanted.
+/// Requirements on a rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiftOptions {
     /// Length, mm.
     pub length_mm: f64,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// How high it is lifted, mm above where it would lie; 0 for a rope on the table.
+    /// Height of the lift, mm above the rope's position on the table; 0 for a rope on the table.
     pub lift_mm: f64,
-    /// How often it crosses itself in the picture.
+    /// Number of self-crossings in the picture.
     pub crossings: usize,
 }
 
-/// No such rope was found that is all in the picture.
+/// No such rope was found that is completely in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
     "no such rope fits the picture: ask for a shorter one, fewer crossings, a lower lift, or a larger picture"
 )]
 pub struct NoSuchRope;
 
-/// A rope in space.
+/// A rope in 3-D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiftedRope {
     /// 2000 points of its centerline at equal steps of arc length, mm; the first and the last are its ends.
     pub points: Vec<[f64; 3]>,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub radius_mm: f64,
-    /// Where it crosses itself in the picture it was sought for: of the upper and of the lower strand the normalized arc length.
+    /// Self-crossings in the picture that it was made for: normalized arc lengths of the upper and
+    /// of the lower strand.
     pub crossings: Vec<[f64; 2]>,
 }
 
 impl LiftedRope {
-    /// The first rope of a seed that all of `eye` sees well: within the picture's inner nine tenths, strands apart, crossings steep.
+    /// Makes the first rope of a seed that `eye` sees well: within the inner nine tenths of the
+    /// picture, with strands apart and crossings steep.
     ///
     /// # Errors
-    /// None of some thousand was.
+    /// Returns an error if none of many drafts meets the requirements.
     pub fn new(options: &LiftOptions, eye: &Eye, seed: u64) -> Result<Self, NoSuchRope> {
         let mut random = SplitMix64::new(seed);
         (0..TRIES)
@@ -63,7 +68,7 @@ impl LiftedRope {
             .ok_or(NoSuchRope)
     }
 
-    /// A rope along these points, mm, set at equal steps.
+    /// Makes a rope along these points, mm, resampled at equal steps.
     pub fn along(points: &[[f64; 3]], radius_mm: f64) -> Self {
         Self {
             points: at_equal_steps(points, TRUE_POINTS),
@@ -72,7 +77,7 @@ impl LiftedRope {
         }
     }
 
-    /// Its first and its last end.
+    /// Returns the first and the last end.
     pub(super) fn ends(&self) -> [End; 2] {
         let [first, .., last] = &self.points[..] else {
             return [End::default(); 2];
@@ -105,7 +110,7 @@ impl LiftedRope {
             lay_over(&mut points, over, under, diameter);
             order.push([over, under]);
         }
-        // Laid over itself it is seen elsewhere, by a little.
+        // A strand that passes over another one appears at a slightly different place.
         if crossings(&points, eye, diameter)?.len() != options.crossings || !is_inside(&points, eye)
         {
             return None;
@@ -127,12 +132,12 @@ impl LiftedRope {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct End {
     at: [f64; 3],
-    /// The way out of the rope there, of length 1.
+    /// Outward direction at the end, of length 1.
     pub(crate) outward: [f64; 3],
 }
 
 impl End {
-    /// An end at a point of a line, and the point before it.
+    /// Makes an end from a point of a line and the point before it.
     pub(crate) fn of(at: [f64; 3], before: [f64; 3]) -> Self {
         let way = [0, 1, 2].map(|k| at[k] - before[k]);
         let length = dot(way, way).sqrt();
@@ -142,7 +147,7 @@ impl End {
         }
     }
 
-    /// In a camera's frame.
+    /// Transforms the end to a camera's frame.
     pub(crate) fn seen_by(&self, eye: &Eye) -> Self {
         Self {
             at: eye.see(self.at),
@@ -150,13 +155,14 @@ impl End {
         }
     }
 
-    /// Whether a ball about `center` reaches beyond it.
+    /// Returns whether a ball around `center` reaches beyond the end.
     pub(crate) fn is_within(&self, radius: f64, center: [f64; 3]) -> bool {
         let way = [0, 1, 2].map(|k| center[k] - self.at[k]);
         dot(way, way) < radius * radius
     }
 
-    /// Where a ray that is in a ball between two depths enters what is left of that; `None` if it is all cut off.
+    /// Returns the depth at which a ray that is in a ball between two depths enters the part that
+    /// remains after the cut; `None` if nothing remains.
     pub(crate) fn cut(&self, ray: [f64; 3], [near, far]: [f64; 2]) -> Option<f64> {
         let beyond = |depth: f64| {
             let way = [0, 1, 2].map(|k| depth * ray[k] - self.at[k]);
@@ -170,7 +176,7 @@ impl End {
     }
 }
 
-/// A line on the table, its middle at the origin.
+/// Makes a line on the table, with its middle at the origin.
 fn heading(options: &LiftOptions, random: &mut SplitMix64) -> Vec<[f64; 2]> {
     let begin = random.uniform(0.0, TAU);
     let spin = random.uniform(-1.0, 1.0)
@@ -207,7 +213,7 @@ fn heading(options: &LiftOptions, random: &mut SplitMix64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The line on the table, and lifted off it at one or two places, as by grippers.
+/// Lifts the line off the table at one or two places, as grippers would.
 fn lifted(ground: &[[f64; 2]], options: &LiftOptions, random: &mut SplitMix64) -> Vec<[f64; 3]> {
     let count = if options.lift_mm > 0.0 {
         1 + random.below(2)
@@ -233,7 +239,7 @@ fn lifted(ground: &[[f64; 2]], options: &LiftOptions, random: &mut SplitMix64) -
     lines.map(|(i, &[x, y])| [x, y, height(i)]).collect()
 }
 
-/// Lifts the strand at `over` onto the one at `under`, if it is not above it anyway.
+/// Lifts the strand at `over` onto the one at `under`, unless it is above it already.
 fn lay_over(points: &mut [[f64; 3]], over: usize, under: usize, diameter: f64) {
     let step = distance(points[over], points[(over + 1).min(points.len() - 1)]).max(1e-9);
     let missing = points[under][2] + diameter - points[over][2];
@@ -244,7 +250,8 @@ fn lay_over(points: &mut [[f64; 3]], over: usize, under: usize, diameter: f64) {
     }
 }
 
-/// Where the line crosses itself in the picture, the earlier point first; `None` if it does so flatly, or strands come too near.
+/// Finds the self-crossings in the picture, with the earlier point first; `None` if a crossing is
+/// flat or strands come too close.
 fn crossings(points: &[[f64; 3]], eye: &Eye, diameter: f64) -> Option<Vec<[usize; 2]>> {
     let seen: Vec<[f64; 3]> = points.iter().map(|&p| eye.see(p)).collect();
     if seen.iter().any(|p| p[2] < 100.0) {
@@ -275,7 +282,7 @@ fn crossings(points: &[[f64; 3]], eye: &Eye, diameter: f64) -> Option<Vec<[usize
             return None;
         }
     }
-    // Elsewhere they keep apart. Every fourth point is near enough.
+    // Elsewhere the strands keep apart. Every fourth point is sufficient.
     let reach = CROSSINGS_APART * diameter;
     for i in (0..line.len()).step_by(4) {
         for j in (i + 4..line.len()).step_by(4) {
@@ -294,7 +301,7 @@ fn crossings(points: &[[f64; 3]], eye: &Eye, diameter: f64) -> Option<Vec<[usize
     Some(found)
 }
 
-/// The sine of the angle at which two pieces of line meet, if they do.
+/// Sine of the angle at which two segments intersect, if they do.
 fn meet(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> Option<f64> {
     let way = |s: [[f64; 2]; 2]| [s[1][0] - s[0][0], s[1][1] - s[0][1]];
     let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
@@ -318,7 +325,7 @@ fn bends_tighter(line: &[[f64; 2]], radius: f64) -> bool {
     })
 }
 
-/// Within the inner nine tenths of the picture.
+/// Returns whether the points are within the inner nine tenths of the picture.
 fn is_inside(points: &[[f64; 3]], eye: &Eye) -> bool {
     points.iter().step_by(5).all(|&p| {
         let at = eye.pixel(eye.see(p));
@@ -337,7 +344,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
         .sqrt()
 }
 
-/// The arc length up to each point.
+/// Arc length up to each point.
 fn arcs(points: &[[f64; 3]]) -> Vec<f64> {
     let mut arcs = vec![0.0];
     for pair in points.windows(2) {

@@ -1,32 +1,36 @@
-//! A depth camera's image: what it measures, and what it does not.
+//! A depth camera's image, with its noise and its holes.
 
 use super::eye::Eye;
 use super::paint::{Hit, Hits, hits};
 use super::rope::LiftedRope;
 use lariat_portable::SplitMix64;
 
-/// Rays along a pixel's side.
+/// Number of rays along a pixel's side.
 const RAYS: usize = 3;
 
-/// How a depth camera errs.
+/// Errors of a depth camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSensor {
-    /// The standard deviation of a depth z is this times z²: s / (f B) of a disparity that is off by s pixels. 1/mm.
+    /// Factor of the noise: the standard deviation of a depth z is this times z². It is s / (f B)
+    /// for a disparity error of s pixels. 1/mm.
     pub noise_per_mm: f64,
-    /// What a depth is a whole number of, mm.
+    /// Resolution of the depth, mm.
     pub unit_mm: f64,
-    /// How many pixels a side share their noise: 1, or an odd number more.
+    /// Number of pixels per side that share their noise: 1, or a larger odd number.
     pub grain_px: usize,
-    /// The share of pixels without a depth, anywhere.
+    /// Share of pixels anywhere without a depth.
     pub holes: f64,
-    /// The share of pixels on an edge, which see both sides of it, that have no depth; the others have one in between.
+    /// Share of edge pixels without a depth. The other edge pixels, which see both sides, have a
+    /// depth in between.
     pub edge_holes: f64,
-    /// How far its second imager stands to the right, mm: what that one does not see has no depth. 0: none.
+    /// Offset of the second imager to the right, mm. Points that it cannot see have no depth. 0: no
+    /// second imager.
     pub baseline_mm: f64,
 }
 
 impl DepthSensor {
-    /// As a stereo camera of today is at half a metre: 0.9 mm of noise, whole millimetres, a hundredth of holes, 50 mm of baseline.
+    /// A current stereo camera at half a meter: 0.9 mm of noise, whole millimeters, a hundredth of
+    /// holes, 50 mm of baseline.
     pub const STEREO: Self = Self {
         noise_per_mm: 0.9 / (500.0 * 500.0),
         unit_mm: 1.0,
@@ -37,21 +41,22 @@ impl DepthSensor {
     };
 }
 
-/// A depth camera that stands still, for one image after the other: what of them does not depend on the rope.
+/// A fixed depth camera for a series of images; keeps what does not depend on the rope.
 #[derive(Debug, Clone)]
 pub struct DepthPainter {
     eye: Eye,
     sensor: DepthSensor,
-    /// How far ahead each pixel sees the table.
+    /// Depth of the table at each pixel.
     table: Vec<f64>,
-    /// Where on the table the middle of each pixel is: how far ahead, and in which column the second imager sees that.
+    /// For the middle of each pixel: the depth of the table, and the column in which the second
+    /// imager sees that point.
     middles: Vec<(f64, Option<usize>)>,
-    /// The first image's noise; those after it have the same, begun anywhere in it.
+    /// Noise of the first image. Later images use the same noise from a random start.
     noise: Vec<f64>,
 }
 
 impl DepthPainter {
-    /// Before a table without a rope.
+    /// Makes the camera in front of a table without a rope.
     pub fn new(eye: &Eye, sensor: &DepthSensor) -> Self {
         let [width, height] = eye.size;
         let places = || (0..width * height).map(|i| [i % width, i / width]);
@@ -72,7 +77,7 @@ impl DepthPainter {
         }
     }
 
-    /// The depth image, row by row: how many units ahead, 0 where it does not know.
+    /// Returns the depth image, row by row, in units; 0 where the depth is unknown.
     pub fn image(&mut self, rope: &LiftedRope, seed: u64) -> Vec<u16> {
         let mut random = SplitMix64::of_stream(seed, 2);
         let begin = match self.noise.len() {
@@ -109,7 +114,7 @@ impl DepthPainter {
             .collect()
     }
 
-    /// Which pixels show a place that the rope hides from the second imager.
+    /// Returns a test for pixels that show a point hidden from the second imager by the rope.
     fn unseen_by_the_second(&self, rope: &LiftedRope) -> impl Fn(usize) -> bool + use<'_> {
         let Self { eye, sensor, .. } = self;
         let second = Eye {
@@ -130,17 +135,17 @@ impl DepthPainter {
     }
 }
 
-/// How far ahead a pixel with these rays sees.
+/// Mean depth of a pixel's rays.
 fn mean(hits: &[Hit]) -> f64 {
     hits.iter().map(|hit| hit.depth).sum::<f64>() / hits.len() as f64
 }
 
-/// The depth image, row by row: how many units ahead, 0 where it does not know.
+/// Draws a depth image, row by row, in units; 0 where the depth is unknown.
 pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> Vec<u16> {
     DepthPainter::new(eye, sensor).image(rope, seed)
 }
 
-/// Noise of variance 1, shared by so many pixels a side.
+/// Noise of variance 1, shared by this many pixels per side.
 fn noise([width, height]: [usize; 2], grain: usize, random: &mut SplitMix64) -> Vec<f64> {
     let white: Vec<f64> = (0..width * height).map(|_| random.normal()).collect();
     if grain <= 1 {

@@ -1,10 +1,10 @@
-//! A picture of one bit a pixel, 64 pixels to a word: what the mask and the skeleton are made of.
+//! A picture of one bit per pixel, 64 pixels to a word: the form of masks and skeletons.
 
 use std::ops::Range;
 
 use crate::vec2::Vec2;
 
-/// One bit a pixel. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); bits past the width
+/// One bit per pixel. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y). Bits past the width
 /// are always 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BitPlane {
@@ -15,7 +15,7 @@ pub(crate) struct BitPlane {
 }
 
 impl BitPlane {
-    /// Takes this size, all pixels 0, keeping the memory it has.
+    /// Sets the size and clears all pixels. Reuses the memory.
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
         self.width = width;
         self.height = height;
@@ -24,8 +24,8 @@ impl BitPlane {
         self.words.resize(self.words_per_row * height, 0);
     }
 
-    /// Takes this size, keeping the memory it has; the pixels are whatever they were, and those past the width have to be
-    /// written as 0.
+    /// Sets the size and reuses the memory. Pixels keep whatever values they had, and the caller
+    /// must write 0 past the width.
     pub(crate) fn reshape(&mut self, width: usize, height: usize) {
         self.width = width;
         self.height = height;
@@ -33,7 +33,7 @@ impl BitPlane {
         self.words.resize(self.words_per_row * height, 0);
     }
 
-    /// Takes the size and the pixels of `other`.
+    /// Copies the size and pixels of `other`.
     pub(crate) fn copy_from(&mut self, other: &BitPlane) {
         self.width = other.width;
         self.height = other.height;
@@ -76,7 +76,7 @@ impl BitPlane {
         &mut self.words[words * rows.start..words * rows.end]
     }
 
-    /// Whether pixel (x, y) is set; outside the picture nothing is.
+    /// Returns whether pixel (x, y) is set. Pixels outside the picture are not.
     pub(crate) fn get(&self, x: i32, y: i32) -> bool {
         if x < 0 || y < 0 || x as usize >= self.width || y as usize >= self.height {
             return false;
@@ -85,12 +85,13 @@ impl BitPlane {
         self.words[y * self.words_per_row + x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// Whether the pixel nearest to a place is set.
+    /// Returns whether the pixel nearest to a position is set.
     pub(crate) fn has(&self, [x, y]: Vec2) -> bool {
         self.get((x + 0.5) as i32, (y + 0.5) as i32)
     }
 
-    /// Pixels `x..x + 64` of row `y`, the first in the lowest bit; outside the picture nothing is set.
+    /// Pixels `x..x + 64` of row `y`, the first in the lowest bit. Pixels outside the picture are
+    /// 0.
     pub(crate) fn bits_from(&self, x: i32, y: i32) -> u64 {
         if y < 0 || y as usize >= self.height {
             return 0;
@@ -98,7 +99,7 @@ impl BitPlane {
         let row = self.row(y as usize);
         let word = |i: i32| row.get(i as usize).copied().unwrap_or(0);
         let (i, bit) = (x.div_euclid(64), x.rem_euclid(64) as u32);
-        // By two steps, as none shifts by 64.
+        // Two shifts, because a shift by 64 is not allowed.
         word(i) >> bit | word(i + 1) << 1 << (63 - bit)
     }
 
@@ -129,7 +130,7 @@ impl BitPlane {
         }
     }
 
-    /// The columns and the rows within which all pixels lie that are set; `None` if none is.
+    /// Columns and rows that contain all set pixels; `None` if no pixel is set.
     pub(crate) fn bounds(&self) -> Option<[Range<usize>; 2]> {
         let is_set = |y: &usize| self.row(*y).iter().any(|&word| word != 0);
         let top = (0..self.height).find(is_set)?;
@@ -142,20 +143,20 @@ impl BitPlane {
         Some([left..right, top..end])
     }
 
-    /// How many pixels are set.
+    /// Number of set pixels.
     pub(crate) fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 }
 
-/// The pixels to the left of those in word `i` of `row`, each moved to its right neighbor's bit.
+/// For each pixel in word `i` of `row`, its left neighbor.
 #[inline(always)]
 pub(crate) fn left_of(row: &[u64], i: usize) -> u64 {
     let carry = if i > 0 { row[i - 1] >> 63 } else { 0 };
     row[i] << 1 | carry
 }
 
-/// The pixels to the right of those in word `i` of `row`, each moved to its left neighbor's bit.
+/// For each pixel in word `i` of `row`, its right neighbor.
 #[inline(always)]
 pub(crate) fn right_of(row: &[u64], i: usize) -> u64 {
     let carry = if i + 1 < row.len() {

@@ -1,8 +1,8 @@
-//! Connected pieces of a bit plane, from its runs: specks dropped and pinholes filled.
+//! Connected components of a bit plane, found from its runs. Used to drop specks and fill pinholes.
 //!
-//! He, Chao and Suzuki, "A run-based two-scan labeling algorithm" (2008): rows are cut into runs,
-//! runs that touch runs of the row above are joined in a union-find, and a piece is known by its
-//! root. The number of runs is bounded: an image that breaks into more is noise, not ropes.
+//! He, Chao and Suzuki, "A run-based two-scan labeling algorithm" (2008): rows are cut into runs. A
+//! union-find joins runs that touch runs of the row above, and the root identifies the component.
+//! The number of runs is bounded: an image with more is noise, not ropes.
 
 use super::bits::BitPlane;
 
@@ -10,9 +10,9 @@ use super::bits::BitPlane;
 #[derive(Debug, Default)]
 pub(crate) struct Components {
     runs: Vec<Run>,
-    /// For each run, another of its piece; a root points to itself.
+    /// For each run, another run of its component; a root points to itself.
     parent: Vec<u32>,
-    /// For each root: the pixels of the piece, and whether it lies at the edge of the image.
+    /// For each root, the component's number of pixels, and whether it touches the image's edge.
     area: Vec<u32>,
     at_edge: Vec<bool>,
 }
@@ -24,19 +24,19 @@ struct Run {
     to: u16,
 }
 
-/// The plane breaks into more runs than a picture of ropes does.
+/// The plane has more runs than a picture of ropes.
 #[derive(Debug)]
 pub(crate) struct TooManyRuns;
 
-/// Runs allowed for a plane of this size: one for each 16 pixels, and some for tiny planes.
+/// Maximum number of runs in a plane of this size: one per 16 pixels, plus some for tiny planes.
 pub(crate) fn budget(width: usize, height: usize) -> usize {
     width * height / 16 + 1024
 }
 
 impl Components {
-    /// Makes the memory for planes of this size.
+    /// Reserves memory for planes of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
-        // The last row that is looked at may go beyond the budget.
+        // The last row that is read may exceed the budget.
         let runs = budget(width, height) + width;
         self.runs.clear();
         self.runs.reserve(runs);
@@ -48,7 +48,7 @@ impl Components {
         self.at_edge.reserve(runs);
     }
 
-    /// Clears pieces (of pixels that touch by side or corner) smaller than `least` pixels.
+    /// Clears components (pixels that touch by side or corner) of fewer than `least` pixels.
     pub(crate) fn drop_specks(
         &mut self,
         plane: &mut BitPlane,
@@ -64,8 +64,8 @@ impl Components {
         Ok(())
     }
 
-    /// Sets holes (pieces of unset pixels that touch by their sides) of at most `most` pixels that
-    /// do not lie at the edge of the image.
+    /// Sets holes (unset pixels that touch by their sides) of at most `most` pixels that do not
+    /// touch the image's edge.
     pub(crate) fn fill_holes(
         &mut self,
         plane: &mut BitPlane,
@@ -81,7 +81,8 @@ impl Components {
         Ok(())
     }
 
-    /// Finds the pieces of a plane and lists the largest `most` of them, the largest first, as their names.
+    /// Finds the components of a plane and lists the names of the `most` largest, the largest
+    /// first.
     pub(crate) fn largest(
         &mut self,
         plane: &BitPlane,
@@ -98,7 +99,8 @@ impl Components {
         Ok(())
     }
 
-    /// Calls `run` with each run of the piece of that name: row, first pixel, and behind the last. In the order of rows.
+    /// Calls `run` with each run of component `name`, in row order: the row, the first pixel, and
+    /// one past the last.
     pub(crate) fn for_each_run_of(&mut self, name: u32, mut run: impl FnMut(u16, u16, u16)) {
         for i in 0..self.runs.len() {
             if find(&mut self.parent, i as u32) == name {
@@ -113,7 +115,8 @@ impl Components {
         plane.fill(usize::from(y), usize::from(from), usize::from(to), value);
     }
 
-    /// Labels the pieces of the pixels that equal `value`: set ones 8-connected, unset 4-connected.
+    /// Labels the components of pixels that equal `value`: 8-connected for set pixels, 4-connected
+    /// for unset ones.
     fn label(&mut self, plane: &BitPlane, value: bool) -> Result<(), TooManyRuns> {
         self.runs.clear();
         self.parent.clear();
@@ -139,7 +142,8 @@ impl Components {
         Ok(())
     }
 
-    /// Joins the newest row's runs with those of the row above that touch; `reach` 1 counts corners.
+    /// Joins the last row's runs with touching runs of the row above. With `reach` 1, corners
+    /// count.
     fn join_rows(&mut self, above: std::ops::Range<usize>, first: usize, reach: u16) {
         let mut upper = above.start;
         for i in first..self.runs.len() {
@@ -182,7 +186,7 @@ fn find(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// Calls `run(from, to)` for each longest stretch of pixels of row `y` that equal `value`.
+/// Calls `run(from, to)` for each maximal run of pixels of row `y` that equal `value`.
 pub(crate) fn for_each_run(
     plane: &BitPlane,
     y: usize,
@@ -213,7 +217,7 @@ pub(crate) fn for_each_run(
             }
         }
     }
-    // Unset bits past the width read as set when flipped: the run ends at the width.
+    // Flipped, the unset bits past the width read as set, so the run ends at the width.
     if let Some(from) = open
         && from < width
     {
@@ -236,7 +240,7 @@ mod tests {
             let set = |x: usize, y: usize| bits[(y * 3 + x / 64) % 64] >> (x % 64) & 1 == 1;
             let mut plane = BitPlane::default();
             plane.resize(width, height);
-            // An empty row more: imageproc panics on a picture of one pixel that is set.
+            // With one more empty row, because imageproc panics on a picture of one set pixel.
             let mut picture = image::GrayImage::new(width as u32, height as u32 + 1);
             for y in 0..height {
                 for x in 0..width {

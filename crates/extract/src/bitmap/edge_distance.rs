@@ -1,31 +1,34 @@
-//! How far the rope's pixels are from its edge.
+//! Distance of the rope's pixels from its edge.
 //!
-//! The exact distance to the nearest pixel that is not rope, found row by row from the nearest on: in a window of 64
-//! pixels a row, or where that shows none of 128, eight rows at a time, the nearest bit to either side. Rows are left out
-//! once they are farther than what was found. What is outside of the image does not count as unset: a rope that leaves the
-//! image is cut, not narrow.
+//! This is the exact distance to the nearest pixel that is not rope. The search goes row by row
+//! from the nearest row, eight rows at a time, and stops at rows farther away than the best result.
+//! In each row, a window of 64 pixels gives the nearest bit to either side. If the window shows
+//! none, a window of 128 pixels follows.
 //!
-//! Of places wider than that, which are hardly ropes, and of which there are many in a picture of something large, only some are
-//! measured, row by row: the others are as wide as windows show.
+//! Pixels outside the image do not count as unset: a rope that leaves the image is cut, not narrow.
+//!
+//! Places too wide for both windows are hardly ropes, and a picture of something large has many of
+//! them. Only some are measured, row by row. The others get the half-width that a window shows.
 
 use super::bits::BitPlane;
 use super::strips::{BLOCK, Strips};
 
-/// Half-widths are measured up to this, in pixels.
+/// Maximum half-width that is measured, in pixels.
 const WIDEST_HALF: i32 = 160;
-/// Pixels to either side that a window shows, and a wide one.
+/// Pixels to either side that a window shows, and a wide window.
 const SEEN: u32 = 32;
 const SEEN_WIDE: u32 = 64;
-/// Of the places that are wider, one in so many is measured: along a line at any multiple of 45° as many as of all.
+/// One in this many of the wider places is measured. The share is the same along any line at a
+/// multiple of 45°.
 const MEASURED: usize = 13;
 
-/// How far away the rows about a pixel lie, from eight above on.
+/// Distances of the rows around a pixel, from eight above it.
 const NEAR: [u32; 2 * BLOCK] = [8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6, 7];
 
 /// Memory of the step.
 #[derive(Debug)]
 pub(crate) struct EdgeDistance {
-    /// The pixels of the image that are not set.
+    /// Unset pixels of the image.
     bare: Strips,
 }
 
@@ -38,23 +41,25 @@ impl Default for EdgeDistance {
 }
 
 impl EdgeDistance {
-    /// Takes a mask.
+    /// Sets the mask.
     pub(crate) fn take(&mut self, mask: &Strips) {
         self.bare.complement(mask);
     }
 
-    /// Distance from the center of set pixel (x, y) of `mask`, the one that was taken, to the edge: to the nearest
-    /// side of an unset pixel's center, less the half pixel that the edge lies before it.
+    /// Distance from the center of set pixel (x, y) to the edge, in pixels: to the nearest unset
+    /// pixel's center, less half a pixel. `mask` must be the mask that was taken.
     #[inline(always)]
     pub(crate) fn half_px(&self, mask: &BitPlane, x: u16, y: u16) -> f32 {
         let (stride, y) = (self.bare.shape.stride, usize::from(y));
-        // The window's first bit is `SEEN` pixels to the left: in the empty strip, for the leftmost pixels.
+        // The window's first bit is `SEEN` pixels to the left. For the leftmost pixels, that is in
+        // the empty strip.
         let shifted = usize::from(x) + 64 - SEEN as usize;
         let (first, shift) = (shifted / 64 * stride + BLOCK, shifted % 64);
-        // First the rows from eight above to seven below, which is far enough on most ropes.
+        // First the rows from eight above to seven below, which are enough on most ropes.
         let mut best = self.nearest(first + y - BLOCK, stride, shift, &NEAR);
         let mut far = BLOCK;
-        // Then eight more above and eight more below. Nothing outside of the windows is nearer than what they show.
+        // Then eight more above and eight more below. Nothing outside the windows is nearer than
+        // what they show.
         while best as usize > far * far && far < SEEN as usize {
             if y >= far {
                 let away: [u32; BLOCK] = std::array::from_fn(|k| (far + BLOCK - k) as u32);
@@ -66,14 +71,14 @@ impl EdgeDistance {
             }
             far += BLOCK;
         }
-        // At the windows' own width what is found may be their end.
+        // A result as large as the window may be the window's end.
         if best as usize <= far * far && best < SEEN * SEEN {
             return (best as f32).sqrt() - 0.5;
         }
         self.half_px_wide(mask, x, y)
     }
 
-    /// The same of a pixel that is farther from the edge than windows show.
+    /// As [`half_px`](Self::half_px), for a pixel farther from the edge than the windows show.
     #[inline(always)]
     fn half_px_wide(&self, mask: &BitPlane, x: u16, y: usize) -> f32 {
         let stride = self.bare.shape.stride;
@@ -100,7 +105,8 @@ impl EdgeDistance {
         }
     }
 
-    /// The least squared distance to an unset pixel in the rows from `at` on, which lie that far away.
+    /// Smallest squared distance to an unset pixel in the rows from `at`. `away` gives the
+    /// distances of these rows.
     #[inline(always)]
     fn nearest<const ROWS: usize>(
         &self,
@@ -123,7 +129,7 @@ impl EdgeDistance {
         squares.into_iter().fold(u32::MAX, u32::min)
     }
 
-    /// As [`nearest`](Self::nearest), in wide windows of which the middle is `shift` bits within its strip.
+    /// As [`nearest`](Self::nearest), for wide windows whose middle is `shift` bits into its strip.
     #[inline(always)]
     fn nearest_wide(&self, at: usize, shift: usize, away: &[u32; BLOCK]) -> u32 {
         let rows = |strip: usize| -> &[u64; BLOCK] {
@@ -142,28 +148,31 @@ impl EdgeDistance {
     }
 }
 
-/// Steps to the nearest bit of those `from` the lowest on and those `before`, whose highest is one step away; 32 without any.
+/// Steps to the nearest set bit; 32 without one. The lowest bit of `from` is zero steps away, and
+/// the highest of `before` is one step away.
 ///
-/// Bits are counted by the exponents of floats: few machines count them in many lanes at once.
+/// Bits are counted through the exponents of floats, because few machines count bits in many lanes
+/// at once.
 #[inline(always)]
 fn nearest_bit(before: u32, from: u32) -> u32 {
     const BIAS: u32 = 127;
     let exponent = |bits: u32| (bits.cast_signed() as f32).to_bits() << 1 >> 24;
     let after = exponent(from & from.wrapping_neg()).wrapping_sub(BIAS);
-    // Below the sign; the highest bit, and none right below it that could be rounded up to the next.
+    // Shifted to stay below the sign. Clearing the bit below each set bit prevents rounding up to
+    // the next exponent.
     let before = before >> 1;
     let before = BIAS + 31 - exponent(before & !(before >> 1));
     after.min(before).min(SEEN)
 }
 
-/// Whether a place that is too wide for windows is measured.
+/// Returns whether a place too wide for the windows is measured.
 fn is_measured(x: u16, y: usize) -> bool {
     (usize::from(x) + 5 * y).is_multiple_of(MEASURED)
 }
 
-/// Distance from the center of pixel (x, y) to the nearest side of an unset pixel's center, less the
-/// half pixel that the edge lies before it. What is outside the image does not count as unset: a
-/// rope that leaves the image is cut, not narrow.
+/// Distance from the center of pixel (x, y) to the edge, in pixels: to the nearest unset pixel's
+/// center, less half a pixel. Pixels outside the image do not count as unset: a rope that leaves
+/// the image is cut, not narrow.
 pub(crate) fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
     let mut best = WIDEST_HALF * WIDEST_HALF;
     let mut dy = 0;
@@ -179,7 +188,7 @@ pub(crate) fn half_width(mask: &BitPlane, x: i32, y: i32) -> f32 {
     (best as f32).sqrt() - 0.5
 }
 
-/// Distance along the row from `x` to the nearest unset pixel, or far when there is none.
+/// Distance along the row from `x` to the nearest unset pixel; a large number without one.
 fn nearest_unset(row: &[u64], width: usize, x: i32) -> i32 {
     const FAR: i32 = 1 << 12;
     let (start, bit) = (x as usize / 64, x as usize % 64);
@@ -247,7 +256,7 @@ mod tests {
             width in 1usize..160, height in 1usize..90, thick: bool,
             holes in proptest::collection::vec((0usize..160, 0usize..90), 1..40),
         ) {
-            // All set but for some holes, few of them in a large picture.
+            // All set except for some holes; only one hole if `thick`.
             let holes = if thick { &holes[..1] } else { &holes[..] };
             let mut rows = BitPlane::default();
             rows.resize(width, height);

@@ -1,7 +1,8 @@
 //! Dilation, erosion, opening and closing of a bit plane, 64 pixels at a time.
 //!
-//! The structuring element is an [`octagon`](super::octagon). A dilation sees nothing outside of the image and an erosion
-//! only rope, so that a rope that the image's border cuts is not taken for thin.
+//! The structuring element is an [`octagon`](super::octagon). Outside the image, dilation sees
+//! nothing and erosion sees only rope. A rope that the image's border cuts is therefore not treated
+//! as thin.
 
 use super::neighbors::step;
 use super::octagon::{Cross, Square, is_square};
@@ -13,9 +14,9 @@ use super::tiles::Tiles;
 /// Memory of the steps.
 #[derive(Debug)]
 pub(crate) struct Morphology {
-    /// Where a step of a dilation writes.
+    /// Output of a dilation step.
     next: Strips,
-    /// What is not set, and where a step of an erosion writes.
+    /// Unset pixels, and the output of an erosion step.
     bare: Strips,
     next_bare: Strips,
     wider: Blocks,
@@ -35,7 +36,7 @@ impl Default for Morphology {
 }
 
 impl Morphology {
-    /// Makes the memory for planes of this one's shape.
+    /// Reserves memory for planes of this one's shape.
     pub(crate) fn reserve(&mut self, plane: &Strips) {
         for own in [&mut self.next, &mut self.bare, &mut self.next_bare] {
             own.resize(&plane.shape);
@@ -44,7 +45,7 @@ impl Morphology {
         self.tiles.reserve(plane);
     }
 
-    /// Sets all that lies within `radius` of a set pixel.
+    /// Sets all pixels within `radius` of a set pixel.
     pub(crate) fn dilate(&mut self, plane: &mut Strips, radius: usize) {
         for _ in 0..radius.div_ceil(BLOCK) {
             self.wider.beside(&plane.shape, &plane.used);
@@ -53,24 +54,25 @@ impl Morphology {
         self.dilate_within(plane, radius);
     }
 
-    /// The same, looking only at the blocks in which something is set.
+    /// As [`dilate`](Self::dilate), but only in the blocks marked as used.
     pub(crate) fn dilate_within(&mut self, plane: &mut Strips, radius: usize) {
         steps(plane, &mut self.next, radius);
     }
 
-    /// Clears all that lies within `radius` of an unset pixel: outside of the image there is none.
+    /// Clears all pixels within `radius` of an unset pixel. Pixels outside the image do not count
+    /// as unset.
     pub(crate) fn erode(&mut self, plane: &mut Strips, radius: usize) {
         self.bare.complement(plane);
         steps(&mut self.bare, &mut self.next_bare, radius);
         plane.complement(&self.bare);
     }
 
-    /// Leaves what a disc `across` pixels wide reaches without leaving the set pixels.
+    /// Keeps only what a disc `across` pixels wide covers while it stays inside the set pixels.
     pub(crate) fn open(&mut self, plane: &mut Strips, across: usize) {
         self.tiles.open(plane, across);
     }
 
-    /// The same step by step, the definition.
+    /// As [`open`](Self::open), step by step: its definition.
     #[cfg(test)]
     pub(crate) fn open_in_place(&mut self, plane: &mut Strips, across: usize) {
         let radius = across.saturating_sub(1) / 2;
@@ -81,12 +83,13 @@ impl Morphology {
             plane.complement(&self.bare);
             step(ToBottomRight, plane, &mut self.next);
         }
-        // What an erosion left does not grow beyond what there was.
+        // Eroded pixels do not grow beyond what was there before.
         self.dilate_within(plane, radius);
     }
 
-    /// Sets what a disc of this radius cannot reach without touching a set pixel, looking only at the blocks in which
-    /// something is said to be: right as far as twice the radius from where these end.
+    /// Sets pixels that a disc of this radius cannot reach without touching a set pixel. Only
+    /// blocks marked as used are processed, so the result is valid from twice the radius inside
+    /// their border.
     pub(crate) fn close_within(&mut self, plane: &mut Strips, radius: usize) {
         self.dilate_within(plane, radius);
         self.erode(plane, radius);
@@ -110,7 +113,7 @@ mod tests {
     use crate::bitmap::bits::BitPlane;
     use proptest::prelude::*;
 
-    /// The definition: one pixel at a time.
+    /// Definition of dilation and erosion, one pixel at a time.
     fn scalar(plane: &BitPlane, radius: usize, dilate: bool) -> BitPlane {
         let mut plane = plane.clone();
         for step in 0..radius {
@@ -137,14 +140,15 @@ mod tests {
         plane
     }
 
-    /// The definition of an opening.
+    /// Definition of an opening.
     fn open_scalar(plane: &BitPlane, across: usize) -> BitPlane {
         let radius = across.saturating_sub(1) / 2;
         let mut opened = scalar(plane, radius, false);
         if across > 0 && across.is_multiple_of(2) {
             let old = opened.clone();
             let (width, height) = (old.width() as i32, old.height() as i32);
-            // A square of 2×2 fits here if none of its pixels is unset; those outside of the image are not.
+            // A 2×2 square fits here if none of its pixels is unset. Pixels outside the image are
+            // not unset.
             let fits = |x: i32, y: i32| {
                 (0..4).all(|k| {
                     let (x, y) = (x + k % 2, y + k / 2);
@@ -176,7 +180,7 @@ mod tests {
             for y in 0..height {
                 for x in 0..width {
                     let bits = |k: usize| words[(3 * y + x / 64 + k) % 48] >> (x % 64) & 1 == 1;
-                    // Half of the pixels are set, or 7 of 8, or 1 of 8.
+                    // 7 of 8 pixels are set, or 1 of 8.
                     let set = if dense {
                         bits(0) || bits(7) || bits(13)
                     } else {
@@ -222,7 +226,7 @@ mod tests {
                     - 1
             };
             assert_eq!(along(1, 0), radius);
-            // To a pixel, which is √2 long there.
+            // Within a pixel, which is √2 long there.
             let pixel = std::f32::consts::SQRT_2;
             let diagonal = along(1, 1) as f32 * pixel;
             assert!(

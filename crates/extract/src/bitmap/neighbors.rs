@@ -1,8 +1,9 @@
-//! Kernels over the eight neighbors of each pixel, 64 pixels to a word and a block of words at a time.
+//! Kernels over the eight neighbors of each pixel, 64 pixels to a word and a block of words at a
+//! time.
 
 use super::strips::{BLOCK, Blocks, Shape, Strips, block_mut};
 
-/// 64 pixels and their neighbors, each moved to its pixel's bit.
+/// 64 pixels and their neighbors, each neighbor at its pixel's bit.
 #[derive(Clone, Copy)]
 pub(crate) struct Around {
     pub(crate) here: u64,
@@ -16,13 +17,13 @@ pub(crate) struct Around {
     pub(crate) se: u64,
 }
 
-/// What becomes of a pixel by what it and its neighbors are.
+/// A rule that gives a pixel's new value from the pixel and its neighbors.
 pub(crate) trait Rule {
-    /// The same for 64 of them.
+    /// Computes the new values of 64 pixels.
     fn word(&self, around: &Around) -> u64;
 }
 
-/// What `rule` makes of the block at `at`.
+/// Applies `rule` to the block at `at`.
 #[inline(always)]
 pub(crate) fn apply_to_block<R: Rule>(
     rule: &R,
@@ -33,7 +34,8 @@ pub(crate) fn apply_to_block<R: Rule>(
     apply_to_tile(rule, words, [at - stride, at, at + stride])
 }
 
-/// The same where the words to the left of the block, its own and those to the right lie somewhere.
+/// As [`apply_to_block`], with explicit places for the words left of the block, its own, and those
+/// right of it.
 #[inline(always)]
 pub(crate) fn apply_to_tile<R: Rule>(
     rule: &R,
@@ -45,7 +47,8 @@ pub(crate) fn apply_to_tile<R: Rule>(
         three_rows(words, own),
         three_rows(words, right),
     ];
-    // A value and not a place in memory: the compiler sees then that nothing it reads is written.
+    // A local value rather than a place in memory, so that the compiler knows that no input is
+    // overwritten.
     let mut new = [0; BLOCK];
     for k in 0..BLOCK {
         let west = |row: usize| own[row][k] << 1 | left[row][k] >> 63;
@@ -65,7 +68,7 @@ pub(crate) fn apply_to_tile<R: Rule>(
     new
 }
 
-/// The words above those of the block at `at`, the block itself and those below.
+/// Rows of the block at `at`, shifted up by one, in place, and shifted down by one.
 #[inline(always)]
 fn three_rows(words: &[u64], at: usize) -> [&[u64; BLOCK]; 3] {
     let rows: &[u64; BLOCK + 2] = words[at - 1..]
@@ -78,7 +81,7 @@ fn three_rows(words: &[u64], at: usize) -> [&[u64; BLOCK]; 3] {
     [from(0), from(1), from(2)]
 }
 
-/// Applies `rule` to the blocks of `plane` that may hold something; `next` is memory for it, on the same ground.
+/// Applies `rule` to the used blocks of `plane`. `next` is scratch memory on the same ground.
 pub(crate) fn step(rule: impl Rule, plane: &mut Strips, next: &mut Strips) {
     if next.shape != plane.shape || next.used != plane.used {
         next.resize(&plane.shape);
@@ -88,7 +91,8 @@ pub(crate) fn step(rule: impl Rule, plane: &mut Strips, next: &mut Strips) {
     std::mem::swap(plane, next);
 }
 
-/// Makes the blocks `over` of `to` what `rule` makes of `from`. The other blocks of both are equal.
+/// Writes `rule` applied to the blocks `over` of `from` to `to`. The other blocks of both are
+/// equal.
 fn apply<R: Rule>(rule: R, from: &Strips, over: &Blocks, to: &mut Strips) {
     let shape = &from.shape;
     lariat_portable::Arch::new().dispatch(Apply {
@@ -100,7 +104,7 @@ fn apply<R: Rule>(rule: R, from: &Strips, over: &Blocks, to: &mut Strips) {
     });
 }
 
-/// The same, to be compiled for each kind of machine.
+/// Arguments of [`apply`], which is compiled for each kind of machine.
 struct Apply<'a, R> {
     rule: R,
     shape: &'a Shape,
@@ -125,7 +129,7 @@ impl<R: Rule> lariat_portable::NullaryFnOnce for Apply<'_, R> {
                 }
                 *block_mut(self.to, at) = new;
             }
-            // The last block reaches below the picture.
+            // The last block extends below the picture.
             let beyond = (y + count).saturating_sub(shape.height());
             self.to[at + count - beyond..][..beyond].fill(0);
         }

@@ -1,19 +1,20 @@
-//! The structuring element of the morphology: an octagon of crosses and squares of 3×3, one after the other, in the order
-//! that keeps its corners nearest to a circle (Adams, "Radial decomposition of discs and spheres", CVGIP 55, 1993).
+//! Structuring element of the morphology: an octagon composed of crosses and 3×3 squares. Their
+//! order keeps its corners nearest to a circle (Adams, "Radial decomposition of discs and spheres",
+//! CVGIP 55, 1993).
 
 use super::neighbors::{Around, Rule};
 
-/// Squares among the steps of an octagon whose diagonals are as long as its axes: s of r steps with
-/// s·√2 + (r − s)·√2/2 = r.
+/// Share of squares among the steps of an octagon whose diagonals are as long as its axes: s of r
+/// steps, with s·√2 + (r − s)·√2/2 = r.
 const SQUARES: f32 = std::f32::consts::SQRT_2 - 1.0;
 
-/// Whether step `step` of an octagon is a square.
+/// Returns whether step `step` of an octagon is a square.
 pub(super) fn is_square(step: usize) -> bool {
     let squares = |steps: usize| (SQUARES * steps as f32).round();
     squares(step + 1) > squares(step)
 }
 
-/// Dilation by a pixel and its neighbors by a side.
+/// Dilation by a pixel and its four nearest neighbors.
 pub(super) struct Cross;
 
 impl Rule for Cross {
@@ -26,7 +27,7 @@ impl Rule for Cross {
     }
 }
 
-/// Dilation by a square of 3×3.
+/// Dilation by a 3×3 square.
 pub(super) struct Square;
 
 impl Rule for Square {
@@ -37,7 +38,7 @@ impl Rule for Square {
     }
 }
 
-/// Dilation by a square of 2×2, half a pixel to the right and below.
+/// Dilation by a 2×2 square, half a pixel to the right and down.
 pub(super) struct ToBottomRight;
 
 impl Rule for ToBottomRight {
@@ -48,7 +49,7 @@ impl Rule for ToBottomRight {
     }
 }
 
-/// The same by that square turned around: eroding by it undoes the other's shift.
+/// Dilation by the same square turned around. Eroding by it undoes the other's shift.
 #[cfg(test)]
 pub(super) struct ToTopLeft;
 

@@ -1,29 +1,32 @@
-//! Small pieces of a picture in strips: specks taken out and pinholes filled, without labeling the large ones.
+//! Small connected components ("pieces") of a picture in strips: drops specks and fills pinholes
+//! without labeling the large pieces.
 //!
-//! A piece's topmost row begins with a run of pixels that has nothing of it above: a cap. Caps are few, and found 64
-//! pixels at a time; from each the piece is followed, run by run, until it turns out too large or is all known. What
-//! comes out is what labeling every piece ([`Components`]) says, which is what is done
-//! when there are too many caps.
+//! The topmost row of a piece begins with a cap, a run of pixels with none of the piece above it.
+//! Caps are few, and 64 pixels at a time are searched for them. From each cap, the piece is
+//! followed run by run until it is complete or too large. The result equals that of labeling every
+//! piece ([`Components`]), which is done if there are too many caps.
 
 use super::bits::BitPlane;
 use super::components::{Components, TooManyRuns, budget};
 use super::strips::{BLOCK, Blocks, Strips, block};
 
-/// Large pieces that are followed in vain before all are labeled instead.
+/// Large pieces that are followed in vain before all pieces are labeled instead.
 const MOST_LARGE: usize = 128;
-/// Runs of one piece that are followed before all are labeled instead.
+/// Runs of one piece that are followed before all pieces are labeled instead.
 const MOST_RUNS: usize = 4096;
-/// Caps from which a walk down tells most of the large pieces: more are no picture of ropes.
+/// Maximum number of caps from which a walk down looks for large pieces. Pictures of ropes have
+/// fewer.
 const MOST_WALKS: usize = 1024;
-/// Pixels from which on a hole may lie in a block without a set pixel: a run of them fills a word.
+/// Minimum size, in pixels, of a hole that can extend into a block without a set pixel: one of its
+/// runs fills a word.
 const WORD: u32 = 64;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Pieces {
-    /// The caps that are not surely of a large piece.
+    /// Caps that may belong to small pieces.
     caps: Vec<Cap>,
-    /// The runs of the piece that is followed.
+    /// Runs of the piece that is being followed.
     runs: Vec<Run>,
     beside: Blocks,
     pub(crate) components: Components,
@@ -44,7 +47,8 @@ struct Run {
     to: u16,
 }
 
-/// Which pixels are pieces: the set ones, which touch by sides and corners, or the others, which touch by sides.
+/// Pixels that form pieces: set ones, which touch by sides and corners, or unset ones, which touch
+/// by sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Specks,
@@ -52,7 +56,7 @@ enum Kind {
 }
 
 impl Pieces {
-    /// Clears pieces (of pixels that touch by side or corner) smaller than `least` pixels.
+    /// Clears pieces (pixels that touch by side or corner) of fewer than `least` pixels.
     pub(crate) fn drop_specks(
         &mut self,
         plane: &mut Strips,
@@ -71,15 +75,15 @@ impl Pieces {
         Ok(())
     }
 
-    /// Sets holes (pieces of unset pixels that touch by their sides) of at most `most` pixels that
-    /// do not lie at the edge of the image.
+    /// Sets holes (unset pixels that touch by their sides) of at most `most` pixels that do not
+    /// touch the image's edge.
     pub(crate) fn fill_holes(&mut self, plane: &mut Strips, most: u32) -> Result<(), TooManyRuns> {
         self.reserve(plane);
         if most >= WORD {
             self.beside.beside(&plane.shape, &plane.used);
             plane.used.copy_from(&self.beside);
         }
-        // Between two runs of a row lies one of unset pixels, and beside them two at most.
+        // A row has at most one more run of unset pixels than of set ones.
         let runs = self.find_caps(plane, Kind::Holes, most) + plane.shape.height();
         if runs > budget_of(plane) || !self.change_small(plane, Kind::Holes, most) {
             return self.label(plane, |components, rows| components.fill_holes(rows, most));
@@ -87,21 +91,21 @@ impl Pieces {
         Ok(())
     }
 
-    /// Makes the memory that the worst picture of this shape needs.
+    /// Reserves the memory that the worst picture of this shape needs.
     fn reserve(&mut self, plane: &Strips) {
         let size = [plane.shape.width(), plane.shape.height()];
         if size != [self.plane.width(), self.plane.height()] {
             self.runs.clear();
             self.runs.reserve(MOST_RUNS);
             self.caps.clear();
-            // The block that goes beyond the budget is looked at.
+            // The block that exceeds the budget is still searched.
             self.caps.reserve(budget_of(plane) + BLOCK * 64);
             self.plane.resize(size[0], size[1]);
             self.components.reserve(size[0], size[1]);
         }
     }
 
-    /// Has all pieces labeled.
+    /// Labels all pieces instead.
     fn label(
         &mut self,
         plane: &mut Strips,
@@ -110,15 +114,15 @@ impl Pieces {
         self.plane.resize(plane.shape.width(), plane.shape.height());
         plane.put(&mut self.plane);
         change(&mut self.components, &mut self.plane)?;
-        // Blocks in which nothing is left are still to be written.
+        // Blocks that became empty must still be written.
         self.beside.copy_from(&plane.used);
         plane.take(&self.plane);
         plane.used.add_all(&self.beside);
         Ok(())
     }
 
-    /// Lists the caps of pieces that may have `most` pixels or fewer. Returns how many runs are set; beyond the budget
-    /// neither is whole.
+    /// Lists the caps of pieces that may have at most `most` pixels, and returns the number of runs
+    /// of set pixels. Beyond the budget, both are incomplete.
     fn find_caps(&mut self, plane: &Strips, kind: Kind, most: u32) -> usize {
         self.caps.clear();
         let caps = &mut self.caps;
@@ -130,7 +134,7 @@ impl Pieces {
         })
     }
 
-    /// Changes the pixels of pieces of at most `most` pixels; false when there are too many large ones.
+    /// Inverts pieces of at most `most` pixels. Returns false if there are too many large ones.
     fn change_small(&mut self, plane: &mut Strips, kind: Kind, most: u32) -> bool {
         let (caps, mut large) = (std::mem::take(&mut self.caps), 0);
         for cap in &caps {
@@ -148,12 +152,13 @@ impl Pieces {
         large <= MOST_LARGE
     }
 
-    /// Changes the piece that pixel (x, y) belongs to if it is small and, if a hole, not at the edge of the image.
+    /// Inverts the piece that contains pixel (x, y) if it is small and, for a hole, not at the
+    /// image's edge.
     fn follow(&mut self, plane: &mut Strips, kind: Kind, [x, y]: [usize; 2], most: u32) -> Size {
         let (width, height) = (plane.shape.width(), plane.shape.height());
         let value = kind == Kind::Specks;
         if plane.get(x, y) != value {
-            // Changed already, with a cap before this one.
+            // Already inverted, from an earlier cap.
             return Size::Small;
         }
         let reach = usize::from(kind == Kind::Specks);
@@ -191,7 +196,7 @@ impl Pieces {
         piece
     }
 
-    /// Changes the pixels of the run that (x, y) is in, and notes it; returns where it ends.
+    /// Inverts the run that contains (x, y) and records it. Returns its end.
     fn take_run(&mut self, plane: &mut Strips, value: bool, [x, y]: [usize; 2]) -> usize {
         let width = plane.shape.width();
         let to = next_of(plane, !value, [x, y], width).unwrap_or(width);
@@ -203,21 +208,21 @@ impl Pieces {
     }
 }
 
-/// What a piece turned out to be.
+/// Result of following a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Size {
     Small,
     Large,
-    /// It has more runs than are followed.
+    /// The piece has more runs than are followed.
     Intricate,
 }
 
-/// Runs that a plane of this shape may have.
+/// Maximum number of runs in a plane of this shape.
 fn budget_of(plane: &Strips) -> usize {
     budget(plane.shape.width(), plane.shape.height())
 }
 
-/// The search for caps, to be compiled for each kind of machine.
+/// The search for caps, compiled for each kind of machine.
 struct FindCaps<'a> {
     plane: &'a Strips,
     kind: Kind,
@@ -256,7 +261,7 @@ impl FindCaps<'_> {
                 if runs > budget {
                     return runs;
                 }
-                // The last block reaches below the picture.
+                // The last block extends below the picture.
                 let rows = BLOCK.min(shape.height() - y - from);
                 for (k, mut ends) in ends.into_iter().enumerate().take(rows) {
                     let at = at + from + k;
@@ -281,7 +286,8 @@ impl FindCaps<'_> {
     }
 }
 
-/// A pixel of each cap that may end in a word of the block at `at`, and how many runs of set pixels begin in them all.
+/// Returns a pixel of each cap that may end in a word of the block at `at`, and the number of runs
+/// of set pixels that begin in the block.
 #[inline(always)]
 fn caps<const SPECKS: bool>(
     words: &[u64],
@@ -296,7 +302,8 @@ fn caps<const SPECKS: bool>(
     for k in 0..BLOCK {
         let (here, west) = (own[k], own[k] << 1 | left[k] >> 63);
         runs[k] = (here & !west).count_ones();
-        // The pixels of the pieces; where a run of them begins; those without any of them above.
+        // The pixels of pieces, the starts of their runs, and the pixels without any of a piece
+        // above.
         let (own, begins, free) = if SPECKS {
             let above = up[k] | up[k] << 1 | up_left[k] >> 63 | up[k] >> 1 | up_right[k] << 63;
             (here, here & !west, here & !above)
@@ -305,19 +312,21 @@ fn caps<const SPECKS: bool>(
             (own, own & west, own & up[k])
         };
         let first = begins & free;
-        // Adding where they begin to the free runs carries through each of them, to the bit behind: if the piece is not
-        // there, too, all of its run was free.
+        // Adding the starts to the free runs carries through each run to the bit behind it. If the
+        // piece does not include that bit, its whole run was free.
         let sum = free.wrapping_add(first);
         let behind = sum & !free & !own;
-        // Carried out of it, it goes on in the next word: it is looked at without knowing more.
+        // A carry out of the word means that the run continues in the next word. It counts as a
+        // possible cap.
         let carried = u64::from(sum < free) << 63;
         ends[k] = if first == 0 { 0 } else { behind >> 1 | carried };
     }
     (ends, runs.iter().sum())
 }
 
-/// Whether what hangs on the pixel `bit` of the word at `at`, its piece's topmost, has more than `most` pixels without
-/// leaving the words below: a part of the piece that is found faster than all of it.
+/// Returns whether the part of a piece below its topmost pixel has more than `most` pixels. The
+/// pixel is `bit` of the word at `at`, and the part stays within the column of words below. It is
+/// found faster than the whole piece.
 #[inline(always)]
 fn is_surely_larger<const SPECKS: bool>(
     words: &[u64],
@@ -327,7 +336,8 @@ fn is_surely_larger<const SPECKS: bool>(
     most: u32,
 ) -> bool {
     let (mut part, mut area) = (bit, 0);
-    // Below the picture nothing is set: there a speck ends; a hole would lie at the image's edge.
+    // Below the picture, nothing is set: a speck ends there, and a hole would be at the image's
+    // edge.
     for &word in &words[at..] {
         let (own, reached) = if SPECKS {
             (word, part | part << 1 | part >> 1)
@@ -350,7 +360,7 @@ fn is_surely_larger<const SPECKS: bool>(
     false
 }
 
-/// The first pixel of row `y` from `x` on, before `end`, that has this value.
+/// First pixel of row `y` with this value, from `x` on and before `end`.
 fn next_of(plane: &Strips, value: bool, [x, y]: [usize; 2], end: usize) -> Option<usize> {
     let flip = if value { 0 } else { u64::MAX };
     let mut from = u64::MAX << (x % 64);
@@ -365,7 +375,7 @@ fn next_of(plane: &Strips, value: bool, [x, y]: [usize; 2], end: usize) -> Optio
     None
 }
 
-/// The last pixel of row `y` up to `x` that has this value.
+/// Last pixel of row `y` with this value, up to `x`.
 fn last_of(plane: &Strips, value: bool, [x, y]: [usize; 2]) -> Option<usize> {
     let flip = if value { 0 } else { u64::MAX };
     let mut to = u64::MAX >> (63 - x % 64);
@@ -400,7 +410,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Specks dropped and holes filled, by the caps and by labeling all pieces.
+    /// Specks dropped and holes filled, by caps and by labeling all pieces.
     fn both(plane: &BitPlane, limit: u32) -> [[BitPlane; 2]; 2] {
         let (mut pieces, mut components) = (Pieces::default(), Components::default());
         let mut by_caps = [Strips::default(), Strips::default()];
@@ -412,7 +422,7 @@ mod tests {
         let [specks, holes] = &mut by_labels;
         assert!(components.drop_specks(specks, limit).is_ok());
         assert!(components.fill_holes(holes, limit).is_ok());
-        // As the mask is written: over what was there.
+        // Written over what was there, as the mask is.
         let by_caps = by_caps.map(|strips| {
             let mut written = plane.clone();
             strips.put(&mut written);
@@ -432,7 +442,7 @@ mod tests {
             plane.resize(width, height);
             for y in 0..height {
                 for x in 0..width {
-                    // Of small pixels and of large ones, few or many.
+                    // Small or large squares, few or many.
                     let (i, j) = (x / scale, y / scale.min(3));
                     let bits = |k: usize| words[(4 * j + i / 64 + k) % 96] >> (i % 64) & 1 == 1;
                     let set = match density {

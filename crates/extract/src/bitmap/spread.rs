@@ -1,14 +1,16 @@
-//! All that hangs together with some pixels.
+//! Growth of some pixels to everything that is connected with them.
 
 use super::bits::BitPlane;
 use std::ops::Range;
 
-/// Turns of an outline that are followed.
+/// Maximum number of bends of an outline that are followed.
 const MOST_BENDS: usize = 24;
 
-/// Grows `plane` within `limits`, by sides, to all that hangs together with it: down and up, until a
-/// round changes nothing, or it has more than so many pixels. It lies within `rows`, whose limits are known; those of each other
-/// row that it comes to are written by `limit`. Returns the rows whose limits are known then.
+/// Grows `plane` within `limits`, through sides, to everything that is connected with it. Goes down
+/// and up until a round changes nothing or the plane has more than `most` pixels.
+///
+/// The pixels are within `rows`, whose limits are known. When another row is reached, `limit`
+/// writes its limits. Returns the rows whose limits are known in the end.
 pub(crate) fn spread(
     (plane, limits): (&mut BitPlane, &mut BitPlane),
     mut rows: Range<usize>,
@@ -16,7 +18,7 @@ pub(crate) fn spread(
     mut limit: impl FnMut(usize, &mut BitPlane),
 ) -> Range<usize> {
     let is_empty = |plane: &BitPlane, y: usize| plane.row(y).iter().all(|&word| word == 0);
-    // Each round goes once around a bend; what winds more than this is not a thing's outline.
+    // Each round goes around one bend. A shape with more bends is not an object's outline.
     for _ in 0..MOST_BENDS {
         let mut changed = false;
         for y in rows.start + 1..plane.height() {
@@ -46,7 +48,7 @@ pub(crate) fn spread(
     rows
 }
 
-/// Grows row `y` from row `from` and along itself; returns whether it grew.
+/// Grows row `y` from row `from` and along itself. Returns whether it grew.
 fn spread_row(plane: &mut BitPlane, limits: &BitPlane, y: usize, from: usize) -> bool {
     let words = plane.words_per_row();
     let mut any = false;
@@ -62,7 +64,7 @@ fn spread_row(plane: &mut BitPlane, limits: &BitPlane, y: usize, from: usize) ->
     true
 }
 
-/// Grows a row along itself, to all of its limits' runs that it has a pixel of.
+/// Grows a row along itself, to the whole of each run of `limits` that has one of its pixels.
 pub(crate) fn spread_along(row: &mut [u64], limits: &[u64]) {
     let mut carried = 0;
     for (word, &own) in row.iter_mut().zip(limits) {
@@ -77,7 +79,8 @@ pub(crate) fn spread_along(row: &mut [u64], limits: &[u64]) {
     }
 }
 
-/// Of runs of set bits in `own` all from each one's first seed on: what adding the seeds carries through.
+/// For each run of set bits in `own`, the bits from its first seed on. Adding the seeds carries
+/// through them.
 fn rest_of_runs(own: u64, seeds: u64) -> u64 {
     seeds | own & !own.wrapping_add(seeds & !(seeds << 1))
 }
@@ -99,7 +102,7 @@ mod tests {
         limits.fill(14, 10, 125, true);
         limits.fill(2, 60, 90, true);
         plane.fill(3, 11, 12, true);
-        // Rows are limited when it comes to them.
+        // Rows get their limits when they are reached.
         let mut known = BitPlane::default();
         known.resize(150, 20);
         let limit = |y: usize, known: &mut BitPlane| {

@@ -1,9 +1,13 @@
-//! A picture of one bit a pixel in strips, for kernels that look at a pixel's neighbors.
+//! A picture of one bit per pixel in strips, for kernels that read a pixel's neighbors.
 //!
-//! A strip is 64 pixels wide and as high as the picture, one word a row, and its rows lie one after the other. So the
-//! neighbors above and below a word stand beside it in memory, those to its left and right a fixed distance off, and a
-//! stretch of rope is a run of words in one or two strips: plain loops over slices, which fill the widest registers,
-//! whichever way the rope runs. Eight rows of a strip are a block; a kernel visits the blocks that hold something.
+//! A strip is 64 pixels wide and as high as the picture. It has one word per row, and its rows
+//! follow each other in memory. The neighbors above and below a word are next to it, and those to
+//! its left and right are at a fixed distance. A stretch of rope is a run of words in one or two
+//! strips, whichever way the rope runs. Kernels are therefore plain loops over slices, which fill
+//! the widest registers.
+//!
+//! Eight rows of a strip are a block. Kernels visit only the blocks that are marked as used. All
+//! other pixels are the ground: either all set or all unset.
 
 use super::bits::BitPlane;
 
@@ -11,21 +15,22 @@ use super::bits::BitPlane;
 pub(crate) const BLOCK: usize = 8;
 /// Blocks in a word of `Blocks`.
 const GROUP: usize = 64;
-/// Multiplied by 2 to this over the stride, numbers of words are divided by it: exactly, as a picture of 65 536 by 65 536
-/// pixels has fewer than 2²⁷ words, strides below 2¹⁷.
+/// Binary places of the stride's inverse. Multiplying by it divides numbers of words. The result is
+/// exact: a picture of 65 536 by 65 536 pixels has fewer than 2²⁷ words and strides below 2¹⁷.
 const INVERSE: u32 = 44;
 
-/// How a picture is cut into strips and blocks.
+/// Division of a picture into strips and blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Shape {
     width: usize,
     height: usize,
-    /// Words from one strip to the next: its rows in whole blocks, and one block of which nothing is ever set.
+    /// Words from one strip to the next: its rows in whole blocks, plus one block that is always
+    /// empty.
     pub(crate) stride: usize,
     /// `2^INVERSE / stride`, rounded up.
     inverse: u64,
     strips: usize,
-    /// Words of `Blocks` to a strip.
+    /// Words of `Blocks` per strip.
     groups: usize,
 }
 
@@ -55,35 +60,36 @@ impl Shape {
         self.strips
     }
 
-    /// Where the first block of word `i` of a set of blocks begins.
+    /// Index of the first word of the first block in word `i` of a set of blocks.
     #[inline(always)]
     pub(crate) fn first_of(&self, i: usize) -> usize {
-        // Few pictures are so high that a strip has more words than one.
+        // In few pictures, a strip is high enough for more than one word of blocks.
         match self.groups {
             1 => self.index(i, 0),
             groups => self.index(i / groups, BLOCK * GROUP * (i % groups)),
         }
     }
 
-    /// Where the word of strip `strip` and row `y` lies. Before the first strip and behind the last lies an empty one.
+    /// Index of the word at strip `strip` and row `y`. An empty strip precedes the first and
+    /// another follows the last.
     #[inline(always)]
     pub(crate) fn index(&self, strip: usize, y: usize) -> usize {
         (strip + 1) * self.stride + BLOCK + y
     }
 
-    /// All words, empty ones around the picture included.
+    /// Number of words, including the empty ones around the picture.
     pub(crate) fn words(&self) -> usize {
         (self.strips + 2) * self.stride + BLOCK
     }
 
-    /// The strip of a word, and its row.
+    /// Strip and row of a word.
     #[inline(always)]
     pub(crate) fn place(&self, at: usize) -> (usize, usize) {
         let strip = ((at as u64 * self.inverse) >> INVERSE) as usize - 1;
         (strip, at - self.index(strip, 0))
     }
 
-    /// The pixels of a word of this strip that lie in the picture.
+    /// Mask of the pixels of this strip's words that are in the picture.
     pub(crate) fn inside(&self, strip: usize) -> u64 {
         match self.width - 64 * strip {
             0..64 => (1 << (self.width % 64)) - 1,
@@ -97,14 +103,14 @@ impl Shape {
 pub(crate) struct Strips {
     pub(crate) shape: Shape,
     pub(crate) words: Vec<u64>,
-    /// Blocks that may hold something: all others are as the ground.
+    /// Blocks that may differ from the ground.
     pub(crate) used: Blocks,
-    /// Whether the pixels of those others are set.
+    /// True if the pixels of all other blocks are set.
     ground: bool,
 }
 
 impl Strips {
-    /// A picture in which all is set that nothing else is said of.
+    /// A picture whose ground is set.
     pub(crate) fn of_ground() -> Self {
         Self {
             ground: true,
@@ -112,7 +118,7 @@ impl Strips {
         }
     }
 
-    /// Takes this shape, all of it ground.
+    /// Sets the shape and resets all pixels to the ground.
     pub(crate) fn resize(&mut self, shape: &Shape) {
         if self.shape != *shape {
             self.shape = *shape;
@@ -139,7 +145,7 @@ impl Strips {
         self.used.clear();
     }
 
-    /// Takes the pixels of a picture on the same ground.
+    /// Copies the pixels of a picture on the same ground.
     pub(crate) fn copy_from(&mut self, other: &Strips) {
         self.resize(&other.shape);
         self.used.copy_from(&other.used);
@@ -148,7 +154,7 @@ impl Strips {
         }
     }
 
-    /// Takes the pixels that `other`, a picture on nothing as this one, has in these blocks.
+    /// Copies the pixels of `other` within these blocks. The ground of both must be unset.
     pub(crate) fn take_within(&mut self, other: &Strips, blocks: &Blocks) {
         self.resize(&other.shape);
         self.used.copy_from(blocks);
@@ -157,7 +163,7 @@ impl Strips {
         }
     }
 
-    /// Takes the pixels of `other` besides its own; both stand on nothing.
+    /// Adds the pixels of `other`. The ground of both must be unset.
     pub(crate) fn add(&mut self, other: &Strips) {
         self.used.add_all(&other.used);
         for (at, count) in other.used.runs(&other.shape) {
@@ -168,7 +174,7 @@ impl Strips {
         }
     }
 
-    /// Takes the pixels that `other`, a picture on the other ground, has not.
+    /// Copies the inverted pixels of `other`, whose ground is the opposite.
     pub(crate) fn complement(&mut self, other: &Strips) {
         self.resize(&other.shape);
         self.used.copy_from(&other.used);
@@ -183,15 +189,16 @@ impl Strips {
         }
     }
 
-    /// Makes each word what `rule` says of it and of the words of `a` and `b`, which have the same shape and stand on
-    /// nothing, too; of nothing it makes nothing.
+    /// Replaces each word by `rule` of it and the words of `a` and `b`.
+    ///
+    /// All three have the same shape and an unset ground, and `rule` of zeros is zero.
     pub(crate) fn zip(&mut self, a: &Strips, b: &Strips, rule: impl Fn(u64, u64, u64) -> u64) {
         self.used.add_all(&a.used);
         self.used.add_all(&b.used);
         self.zip_within(a, b, rule);
     }
 
-    /// The same, looking only at the blocks in which this picture may hold something.
+    /// As [`zip`](Self::zip), but only within the used blocks of this picture.
     pub(crate) fn zip_within(
         &mut self,
         a: &Strips,
@@ -207,7 +214,7 @@ impl Strips {
         }
     }
 
-    /// Calls `visit` with each word's row, its strip and the word, for those in blocks that may hold something.
+    /// Calls `visit` with the row, the strip and the value of each word in the used blocks.
     pub(crate) fn for_each_word(&self, mut visit: impl FnMut(usize, usize, u64)) {
         for (at, count) in self.used.runs(&self.shape) {
             let (strip, y) = self.shape.place(at);
@@ -217,12 +224,13 @@ impl Strips {
         }
     }
 
-    /// Writes the pixels into `plane`, which has the same size and is as the ground elsewhere.
+    /// Writes the used blocks into `plane`, which has the same size and equals the ground
+    /// elsewhere.
     pub(crate) fn put(&self, plane: &mut BitPlane) {
         self.for_each_word(|y, strip, word| plane.row_mut(y)[strip] = word);
     }
 
-    /// Forgets of the blocks that may hold something those that do not; for a picture on nothing.
+    /// Removes empty blocks from the used ones. The ground must be unset.
     pub(crate) fn tighten(&mut self) {
         for at in 0..self.used.bits.len() {
             let mut bits = self.used.bits[at];
@@ -238,12 +246,12 @@ impl Strips {
         }
     }
 
-    /// How many pixels are set in the blocks that may hold something.
+    /// Number of set pixels in the used blocks.
     pub(crate) fn count(&self) -> usize {
         lariat_portable::Arch::new().dispatch(Count(self))
     }
 
-    /// Whether pixel (x, y) is set; outside of the picture nothing is.
+    /// Returns whether pixel (x, y) is set. Pixels outside the picture are not.
     pub(crate) fn get(&self, x: usize, y: usize) -> bool {
         let (strip, height) = (x / 64, self.shape.height);
         strip < self.shape.strips
@@ -251,7 +259,7 @@ impl Strips {
             && self.words[self.shape.index(strip, y)] >> (x % 64) & 1 == 1
     }
 
-    /// Takes the pixels of `plane`.
+    /// Copies the pixels of `plane`.
     pub(crate) fn take(&mut self, plane: &BitPlane) {
         let shape = Shape::of(plane);
         self.resize(&shape);
@@ -262,7 +270,7 @@ impl Strips {
     }
 }
 
-/// The taking of a picture, to be compiled for each kind of machine.
+/// Copies a picture; compiled for each kind of machine.
 struct Take<'a> {
     strips: &'a mut Strips,
     plane: &'a BitPlane,
@@ -279,7 +287,7 @@ impl lariat_portable::NullaryFnOnce for Take<'_> {
         let (strips, rows) = (shape.strips, self.plane.words());
         for (top, rows) in rows.chunks(BLOCK * strips).enumerate() {
             for from in (0..strips).step_by(BLOCK) {
-                // Most blocks hold nothing: eight at a time are passed over.
+                // Most blocks are empty, so eight at a time are skipped.
                 let count = BLOCK.min(strips - from);
                 let mut any = [0; BLOCK];
                 for row in rows.chunks_exact(strips) {
@@ -309,8 +317,8 @@ impl lariat_portable::NullaryFnOnce for Take<'_> {
 }
 
 impl Strips {
-    /// How many set pixels follow each other to the left and to the right of set pixel (x, y), up to `most`, which is no
-    /// more than two words have.
+    /// Number of consecutive set pixels to the left and to the right of set pixel (x, y), up to
+    /// `most`. `most` is at most the number of pixels in two words.
     #[inline(always)]
     pub(crate) fn reach_along_row(&self, [x, y]: [usize; 2], most: usize) -> (usize, usize) {
         let (at, stride) = (self.shape.index(x / 64, y), self.shape.stride);
@@ -338,13 +346,13 @@ impl Strips {
         )
     }
 
-    /// How many set pixels follow each other above pixel (x, y) and below it, as far as 64 rows show, and whether that is
-    /// all of them.
+    /// Number of consecutive set pixels above and below pixel (x, y) within 64 rows, and whether
+    /// both runs end within them.
     #[inline(always)]
     pub(crate) fn column(&self, [x, y]: [usize; 2]) -> (usize, usize, bool) {
         const ABOVE: usize = 32;
         let at = self.shape.index(x / 64, y);
-        // Between strips lie rows of nothing: no run goes on from the one to the next.
+        // Strips are separated by empty rows, so no run continues from one to the next.
         let rows = at
             .checked_sub(ABOVE)
             .and_then(|from| self.words.get(from..));
@@ -360,16 +368,16 @@ impl Strips {
         (up, down, up < ABOVE && down < 63 - ABOVE)
     }
 
-    /// How many set pixels follow each other below pixel (x, y), up to `most`.
+    /// Number of consecutive set pixels below pixel (x, y), up to `most`.
     #[inline(always)]
     pub(crate) fn reach_down(&self, [x, y]: [usize; 2], most: usize) -> usize {
         let (at, bit) = (self.shape.index(x / 64, y), x % 64);
-        // Below the picture lies a block of nothing.
+        // Below the picture is an empty block.
         let below = self.words[at + 1..].iter().take(most);
         below.take_while(|&&word| word >> bit & 1 == 1).count()
     }
 
-    /// The same above it.
+    /// Number of consecutive set pixels above pixel (x, y), up to `most`.
     #[inline(always)]
     pub(crate) fn reach_up(&self, [x, y]: [usize; 2], most: usize) -> usize {
         let (at, bit) = (self.shape.index(x / 64, y), x % 64);
@@ -393,14 +401,14 @@ impl Strips {
     }
 }
 
-/// A set of blocks: a bit each, strip by strip.
+/// A set of blocks: one bit per block, strip by strip.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blocks {
     bits: Vec<u64>,
 }
 
 impl Blocks {
-    /// No block of a picture of this shape.
+    /// Sets the size for a picture of this shape and empties the set.
     pub(crate) fn resize(&mut self, shape: &Shape) {
         self.bits.clear();
         self.bits.resize(shape.strips * shape.groups, 0);
@@ -423,7 +431,7 @@ impl Blocks {
         self.bits.iter().all(|&bits| bits == 0)
     }
 
-    /// Whether block `block` of a strip is in the set; one below the picture is not.
+    /// Returns whether block `block` of a strip is in the set. A block below the picture is not.
     #[inline(always)]
     pub(crate) fn holds(&self, shape: &Shape, strip: usize, block: usize) -> bool {
         block < shape.groups * GROUP
@@ -437,7 +445,7 @@ impl Blocks {
         self.bits[strip * shape.groups + block / GROUP] |= 1 << (block % GROUP);
     }
 
-    /// Each stretch of blocks: the index of its first word, and how many words it has.
+    /// Iterates over the runs of blocks: the index of the first word, and the number of words.
     #[inline(always)]
     pub(crate) fn runs(&self, shape: &Shape) -> Runs<'_> {
         Runs {
@@ -450,19 +458,19 @@ impl Blocks {
         }
     }
 
-    /// The blocks of each strip from the first on, 64 to a word, the strip's first in the lowest bit.
+    /// The blocks of each strip in order, 64 to a word, the strip's first in the lowest bit.
     #[inline(always)]
     pub(crate) fn words(&self) -> &[u64] {
         &self.bits
     }
 
-    /// The same, to be written.
+    /// As [`words`](Self::words), but mutable.
     #[inline(always)]
     pub(crate) fn words_mut(&mut self) -> &mut [u64] {
         &mut self.bits
     }
 
-    /// Makes this the blocks of `used` that lie in or beside a block of `a` or of `b`.
+    /// Sets this to the blocks of `used` that are in or next to a block of `a` or `b`.
     #[inline(always)]
     pub(crate) fn around(&mut self, shape: &Shape, used: &Blocks, a: &Blocks, b: &Blocks) {
         for strip in 0..shape.strips {
@@ -473,8 +481,8 @@ impl Blocks {
         }
     }
 
-    /// Makes this the blocks of `of`, a picture on nothing, that hold something, and those that lie in a corner between two
-    /// of them: above or below the one, beside the other.
+    /// Sets this to the blocks of `of` that have a set pixel, and the blocks in a corner between
+    /// two of them: above or below one, and next to the other. The ground of `of` must be unset.
     #[inline(always)]
     pub(crate) fn holding(&mut self, of: &Strips) {
         let shape = &of.shape;
@@ -489,7 +497,7 @@ impl Blocks {
             }
             self.bits[strip * shape.groups + y / BLOCK / GROUP] |= bits;
         }
-        // A corner of what is added here may be added, too, and does no harm.
+        // The corner of an added block may be added as well, which does no harm.
         for strip in 0..shape.strips {
             for group in 0..shape.groups {
                 let i = strip * shape.groups + group;
@@ -507,8 +515,8 @@ impl Blocks {
         }
     }
 
-    /// Makes this the blocks with a pixel that lies within `reach` of a set one of `of`, a picture on nothing, along the
-    /// row and along the column.
+    /// Sets this to the blocks with a pixel within `reach` of a set one of `of`, along the row and
+    /// along the column. The ground of `of` must be unset.
     pub(crate) fn near(&mut self, of: &Strips, reach: usize) {
         let shape = &of.shape;
         self.resize(shape);
@@ -535,7 +543,7 @@ impl Blocks {
         }
     }
 
-    /// Makes this the blocks in and beside those of `of`.
+    /// Sets this to the blocks in or next to those of `of`.
     pub(crate) fn beside(&mut self, shape: &Shape, of: &Blocks) {
         self.resize(shape);
         let blocks = shape.stride / BLOCK - 1;
@@ -549,7 +557,7 @@ impl Blocks {
     }
 }
 
-/// A group of a strip's blocks; outside of the picture there are none.
+/// One group of a strip's blocks; 0 outside the picture.
 #[inline(always)]
 fn of_group(bits: &[u64], shape: &Shape, strip: usize, group: usize) -> u64 {
     let groups = bits.get(strip.wrapping_mul(shape.groups)..);
@@ -559,7 +567,8 @@ fn of_group(bits: &[u64], shape: &Shape, strip: usize, group: usize) -> u64 {
         .unwrap_or(0)
 }
 
-/// The blocks of a word of `Blocks` in or beside those that `bits` says of each word.
+/// The blocks of one word that are in or next to blocks of the set that `bits` returns word by
+/// word.
 #[inline(always)]
 fn near(shape: &Shape, strip: usize, group: usize, bits: impl Fn(usize) -> u64) -> u64 {
     let groups = shape.groups;
@@ -584,7 +593,7 @@ fn near(shape: &Shape, strip: usize, group: usize, bits: impl Fn(usize) -> u64) 
     near
 }
 
-/// The counting of pixels, to be compiled for each kind of machine.
+/// Counts pixels; compiled for each kind of machine.
 struct Count<'a>(&'a Strips);
 
 impl lariat_portable::NullaryFnOnce for Count<'_> {
@@ -602,13 +611,14 @@ impl lariat_portable::NullaryFnOnce for Count<'_> {
     }
 }
 
-/// The stretches of blocks of a set: see [`Blocks::runs`].
+/// Iterator over the runs of a set of blocks; see [`Blocks::runs`].
 pub(crate) struct Runs<'a> {
     bits: &'a [u64],
     shape: Shape,
-    /// Where the strip that is looked at begins.
+    /// Index of the current strip's first word.
     first: usize,
-    /// The word of bits that is looked at, which of its strip it is, and those of its bits that are still to come.
+    /// Index of the current word of bits, its index within its strip, and those of its bits that
+    /// are still to come.
     group: usize,
     of_strip: usize,
     rest: u64,
@@ -617,7 +627,8 @@ pub(crate) struct Runs<'a> {
 impl Iterator for Runs<'_> {
     type Item = (usize, usize);
 
-    // Closures and iterators within a dispatched kernel are inlined, or they are compiled for the baseline.
+    // Closures and iterators within a dispatched kernel must be inlined, or they are compiled for
+    // the baseline.
     #[inline(always)]
     fn next(&mut self) -> Option<(usize, usize)> {
         while self.rest == 0 {
@@ -637,7 +648,7 @@ impl Iterator for Runs<'_> {
     }
 }
 
-/// The words of a block from `at` on, or as many a row or a strip beside it.
+/// The words of the block at `at`. `at` may be shifted by a row or a strip.
 #[inline(always)]
 pub(crate) fn block(words: &[u64], at: usize) -> &[u64; BLOCK] {
     words[at..]
@@ -645,7 +656,7 @@ pub(crate) fn block(words: &[u64], at: usize) -> &[u64; BLOCK] {
         .expect("empty blocks lie all around the picture")
 }
 
-/// The same, to be written.
+/// As [`block`], but mutable.
 #[inline(always)]
 pub(crate) fn block_mut(words: &mut [u64], at: usize) -> &mut [u64; BLOCK] {
     words[at..].first_chunk_mut().expect("blocks are whole")

@@ -1,17 +1,18 @@
-//! The opening of a bit plane whose blocks lie close together: all of its steps over what one cache holds.
+//! Opening of a bit plane whose blocks are close together. All steps run on data that fits in one
+//! cache.
 //!
-//! A rope fills few of a picture's blocks. They are gathered into tiles, the runs of a strip one after the other with a
-//! row of nothing between, and each tile knows where its neighbors to the left and to the right lie. What is outside of
-//! the picture is set while the rope is eroded, and unset while it grows back.
+//! A rope fills few of a picture's blocks. They are gathered into tiles, the runs of a strip one
+//! after the other, with an empty gap in between. Each tile stores the places of its left and right
+//! neighbors. Pixels outside the picture are set during erosion and unset during dilation.
 
 use super::neighbors::{Around, Rule, apply_to_tile};
 use super::octagon::{Cross, Square, ToBottomRight, is_square};
 use super::strips::{BLOCK, Blocks, Strips, block, block_mut};
 
-/// Where a tile of nothing lies, and one of which all is set; about both the same.
+/// Place of an empty tile and of a full one. The words around each are equal to it.
 const NOTHING: usize = BLOCK;
 const ALL: usize = 4 * BLOCK;
-/// What both take.
+/// Number of words that these two take.
 const FIRST: usize = 6 * BLOCK;
 
 /// Memory of the opening.
@@ -20,14 +21,16 @@ pub(crate) struct Tiles {
     tiles: Vec<Tile>,
     words: Vec<u64>,
     next: Vec<u64>,
-    /// For each word of `Strips`' blocks, by its number over that of a block's words, where its tile lies; 0: it has none.
+    /// For each block of the picture, the place of its tile, or 0 if it is not in any. The index is
+    /// the block's first word in `Strips` divided by `BLOCK`.
     at: Vec<u32>,
     held: Blocks,
-    /// Where rows that stand for the outside lie.
+    /// Places of gaps that stand for the outside.
     outside: Vec<u32>,
 }
 
-/// Where a block's words lie here and in the picture, and here those to either side of it.
+/// Places of a block's words in the tiles and in the picture, and of the tiles to its left and
+/// right.
 #[derive(Clone, Copy, Debug)]
 struct Tile {
     at: u32,
@@ -37,7 +40,7 @@ struct Tile {
 }
 
 impl Tiles {
-    /// Makes the memory for planes of this one's shape.
+    /// Reserves memory for planes of this one's shape.
     pub(crate) fn reserve(&mut self, plane: &Strips) {
         let blocks = plane.shape.words() / BLOCK;
         self.at.clear();
@@ -46,7 +49,7 @@ impl Tiles {
         self.tiles.reserve(blocks);
         for words in [&mut self.words, &mut self.next] {
             words.clear();
-            // Every other block of a strip has nothing on both sides.
+            // In the worst case, every other block of a strip has a gap on both sides.
             words.reserve(FIRST + 2 * BLOCK * blocks);
         }
         self.held.resize(&plane.shape);
@@ -54,7 +57,7 @@ impl Tiles {
         self.outside.reserve(2 * plane.shape.strips() + 1);
     }
 
-    /// Leaves what a disc `across` pixels wide reaches without leaving the set pixels.
+    /// Keeps only what a disc `across` pixels wide covers while it stays inside the set pixels.
     pub(crate) fn open(&mut self, plane: &mut Strips, across: usize) {
         if self.at.len() != plane.shape.words() / BLOCK {
             self.reserve(plane);
@@ -66,7 +69,7 @@ impl Tiles {
         });
     }
 
-    /// Takes the blocks of `plane`, its outside set.
+    /// Gathers the blocks of `plane`, with everything outside it set.
     #[inline(always)]
     fn gather(&mut self, plane: &Strips) {
         let shape = &plane.shape;
@@ -81,7 +84,7 @@ impl Tiles {
         for (word, count) in held.runs(shape) {
             let (strip, y) = shape.place(word);
             if word == end {
-                // The run goes on: it was cut where a word of blocks ends.
+                // The run continues. It was split at the end of a word of blocks.
                 self.words.truncate(self.words.len() - BLOCK);
             } else {
                 self.push_gap(y == 0);
@@ -129,7 +132,7 @@ impl Tiles {
         self.next.extend_from_slice(&self.words);
     }
 
-    /// Parts two runs, or one from the outside.
+    /// Separates two runs, or a run from the outside.
     #[inline(always)]
     fn push_gap(&mut self, is_outside: bool) {
         let at = self.words.len();
@@ -140,7 +143,7 @@ impl Tiles {
             .resize(at + BLOCK, if is_outside { u64::MAX } else { 0 });
     }
 
-    /// Makes each tile what `rule` says.
+    /// Applies `rule` to each tile.
     #[inline(always)]
     fn step(&mut self, rule: impl Rule) {
         let words = &self.words[..];
@@ -154,7 +157,7 @@ impl Tiles {
         std::mem::swap(&mut self.words, &mut self.next);
     }
 
-    /// Unsets what is outside.
+    /// Clears everything outside the picture.
     #[inline(always)]
     fn clear_outside(&mut self, plane: &Strips) {
         let shape = &plane.shape;
@@ -174,7 +177,7 @@ impl Tiles {
         }
     }
 
-    /// Writes the tiles, of what lies in the picture.
+    /// Writes the part of the tiles that is in the picture.
     #[inline(always)]
     fn put(&mut self, plane: &mut Strips) {
         let shape = plane.shape;
@@ -191,7 +194,7 @@ impl Tiles {
     }
 }
 
-/// The opening, to be compiled for each kind of machine.
+/// The opening, compiled for each kind of machine.
 struct Open<'a> {
     tiles: &'a mut Tiles,
     plane: &'a mut Strips,
@@ -231,7 +234,7 @@ impl lariat_portable::NullaryFnOnce for Open<'_> {
     }
 }
 
-/// Erosion by what dilation by itself reaches on all sides alike.
+/// Erosion that corresponds to the symmetric dilation `R`.
 struct Eroded<R>(R);
 
 impl<R: Rule> Rule for Eroded<R> {
@@ -262,7 +265,7 @@ impl<R: Rule> Rule for Eroded<R> {
     }
 }
 
-/// Erosion by the square of 2×2 that [`ToBottomRight`] grows by, turned around: both together shift nothing.
+/// Erosion by the 2×2 square of [`ToBottomRight`], turned around. The two together shift nothing.
 struct FromBottomRight;
 
 impl Rule for FromBottomRight {
@@ -295,7 +298,7 @@ mod tests {
             }
             let (mut tiles, mut morphology) = (Tiles::default(), Morphology::default());
             let (mut by_tiles, mut in_place) = <(Strips, Strips)>::default();
-            // A second time the memory of the first is found.
+            // The second round reuses the memory of the first.
             for _ in 0..2 {
                 by_tiles.take(&plane);
                 tiles.open(&mut by_tiles, across);

@@ -1,10 +1,12 @@
 //! From a strand of skeleton pixels to a smooth line through the middle of the rope, tip to tip.
 //!
-//! The pixels outside of crossings are spaced evenly and smoothed; the ends, which thinning has bent
-//! and shortened, are cut and run on straight to where the rope's difference from the table falls
-//! to half; then every sample is moved to the middle of its cross-section, twice, the second time
-//! with the better normals, and the tips once more where they then lie. Inside of crossings nothing is measured: the line bridges them as the
-//! curve of least bending between the parts that are.
+//! - The pixels outside of crossings are spaced evenly and smoothed.
+//! - Thinning has bent and shortened the ends. They are cut and extended along their arc to where
+//!   the rope's difference from the table falls to half.
+//! - Every sample is moved to the middle of its cross-section, twice, the second time with the
+//!   better normals. The tips are then measured once more at their new place.
+//! - Nothing is measured inside of crossings: the line bridges them as the curve of least bending
+//!   between the measured parts.
 
 use super::extender::Extender;
 use super::line::{Line, Sample};
@@ -17,32 +19,35 @@ use crate::graph::strands::Strand;
 use crate::image::gray::GrayPlane;
 use crate::statistics::quantile_of_positive;
 
-/// Half-widths from a tip that are measured once more when it has been run on.
+/// Distance from a tip, in half-widths, that is measured again after the tip was extended.
 const TIP_HALVES: f32 = 2.0;
 
-/// Half-widths from a tip that are not: as far as a section reaches that is 20° aslant.
+/// Distance from a tip, in half-widths, that is not measured again: as far as a section that is 20°
+/// oblique reaches.
 const CUT_HALVES: f32 = 0.35;
 
-/// Half-widths from a tip that are measured even if they could not be before.
+/// Distance from a tip, in half-widths, that is measured again even if it could not be before.
 const RETRACE_HALF_WIDTHS: f32 = 1.6;
 
-/// Longer stretches before a tip, in half-widths, that cannot be measured are held where the skeleton had them, with
-/// this weight.
+/// If a stretch before a tip that is longer than this many half-widths cannot be measured, it is
+/// held where the skeleton had it, with weight `HELD`.
 const HELD_HALVES: f32 = 1.5;
 const HELD: f32 = 0.05;
 
-/// How much a section's width may differ from the rope's, as a factor: at first, and when that is known well.
+/// Maximum factor between a section's width and the rope's: at first, and once that is well known.
 const COARSE: f32 = 1.6;
 const FINE: f32 = 1.25;
 
-/// By so much a rope's half-width may exceed what of it is in the mask: of one of two pixels most of it.
+/// Maximum excess of a rope's half-width over that of its mask. Most of a rope two pixels wide can
+/// be missing from the mask.
 const MISSED_PX: f32 = 0.8;
 
-/// Distance between samples, in half-widths, and its limits in pixels: at twice the distance, noise shows.
+/// Distance between samples, in half-widths, and its limits in pixels. At twice this distance,
+/// noise shows.
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
 
-/// What was measured is smoothed over so many half-widths, and at least so many pixels.
+/// Smoothing reach of measured positions, in half-widths, and its minimum in pixels.
 const SMOOTH_HALVES: f32 = 0.35;
 const SMOOTH_PX: f32 = 2.5;
 
@@ -57,7 +62,7 @@ pub(crate) struct Centerliner {
 }
 
 impl Centerliner {
-    /// Makes room for lines of so many samples.
+    /// Makes room for lines of this many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.spaced.reserve(samples);
         self.widths.reserve(samples);
@@ -65,7 +70,7 @@ impl Centerliner {
         self.sections.reserve(samples);
     }
 
-    /// Fills `line` with the centerline of `strand`; false when too little of it is left.
+    /// Fills `line` with the centerline of `strand`. Returns false if too little of it is left.
     pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
         let legs = &source.legs[strand.from as usize..strand.to as usize];
         let mut half_px = mean_half(source, legs);
@@ -117,7 +122,8 @@ impl Centerliner {
         line.samples.len() >= 2
     }
 
-    /// Lays a line again along a rope of this half-width, from a line that follows its middle roughly.
+    /// Rebuilds a line along a rope of this half-width, from a line that follows its middle
+    /// roughly.
     pub(crate) fn retrace(&mut self, line: &mut Line, difference: &GrayPlane, half_px: f32) {
         let step_px = (STEP_HALVES * half_px).clamp(STEPS_PX[0], STEPS_PX[1]);
         if line.samples.len() < 3 || line.length_px() < 3.0 * step_px {
@@ -141,21 +147,22 @@ impl Centerliner {
         };
         self.sections.measure(line, difference, fine);
         self.fill_widths(line, 2.0 * half_px);
-        // What lies on other strands stays where it is.
+        // Samples on other strands stay where they are.
         for sample in line.samples.iter_mut().filter(|s| s.weight == 0.0) {
             sample.weight = HELD;
         }
         self.smoother.smooth(line, reach(half_px, step_px));
     }
 
-    /// Measures the tips too, which were run on along the way they seemed to go, and lays them again.
+    /// Measures the tips, which were extended in their apparent direction, and extends them again.
     fn measure_tips(&mut self, source: &Source, line: &mut Line, how: Measure) {
         let Measure {
             half_px, step_px, ..
         } = how;
         let n = line.samples.len();
         let within = |halves: f32| (halves * half_px / step_px) as usize + 2;
-        // What was not measured while the tip lay aside is asked once more; no strand crosses so near to a tip.
+        // Tries again to measure what was not measured while the tip was off the middle. No strand
+        // crosses this close to a tip.
         let again = within(RETRACE_HALF_WIDTHS).min(n / 4);
         weigh_ends(
             line,
@@ -167,7 +174,7 @@ impl Centerliner {
         let count = within(TIP_HALVES);
         self.sections
             .measure_ends(line, source.difference, how, count);
-        // A section a little aslant runs into the cut itself.
+        // A slightly oblique section runs into the cut end itself.
         let cut_px = CUT_HALVES * half_px + 1.0;
         let skip = ((cut_px / step_px) as usize + 1).min(count / 2).min(n / 4);
         weigh_ends(line, [skip; 2], 0.0);
@@ -178,8 +185,9 @@ impl Centerliner {
             .extend(source.difference, line, half_px, step_px, cut_px);
     }
 
-    /// Where more than `most` samples before a free end could not be measured, holds them where they are: a little, lest
-    /// the line run out straight past a bend. Returns how many at either end.
+    /// Holds samples before a free end in place, with a small weight, if more than `most` of them
+    /// could not be measured. The line would otherwise run straight past a bend. Returns how many
+    /// at either end.
     fn hold_ends(&self, line: &mut Line, most: usize) -> [usize; 2] {
         if line.closed {
             return [0; 2];
@@ -197,8 +205,8 @@ impl Centerliner {
         held
     }
 
-    /// Gives samples without a measured width the last one that was, so that nothing depends on
-    /// what stood there before. Returns the median of the measured ones.
+    /// Gives samples without a measured width the last measured one, so that nothing depends on the
+    /// old value. Returns the median of the measured widths.
     fn fill_widths(&mut self, line: &mut Line, otherwise: f32) -> f32 {
         let median_px = self.median_width(line).unwrap_or(otherwise);
         let mut last = median_px;
@@ -220,12 +228,12 @@ impl Centerliner {
     }
 }
 
-/// Samples over which what was measured is smoothed: a part of the rope's width.
+/// Smoothing reach of measured positions in samples: a part of the rope's width.
 fn reach(half_px: f32, step_px: f32) -> f32 {
     (SMOOTH_HALVES * half_px).max(SMOOTH_PX) / step_px
 }
 
-/// Gives so many samples at either end this weight.
+/// Gives this many samples at either end this weight.
 fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     let n = line.samples.len();
     for sample in &mut line.samples[..counts[0]] {

@@ -1,4 +1,5 @@
-//! What a rope ends in and is no rope: a connector_length, a ferrule, bare wire. It has a color that the rope has nowhere else.
+//! Cuts off a connector_length, a ferrule or bare wire at a rope's end. It has a color that the rope has
+//! nowhere else.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -8,29 +9,32 @@ use crate::image::{Image, color};
 use crate::statistics::median;
 use crate::vec2;
 
-/// A line of fewer samples is left alone.
+/// Minimum number of samples. A shorter line is not changed.
 const LEAST_SAMPLES: usize = 16;
-/// A connector_length is so many widths long at most, and such a share of the line.
+/// Maximum length of a connector_length: in widths, and as a share of the line.
 const MOST: (f32, f32) = (9.0, 0.4);
-/// A line of fewer widths is no rope, and has no body to tell a connector_length from.
+/// Minimum length of a line, in widths. A shorter one is not a rope, and lacks a body to compare a
+/// connector_length with.
 const SHORTEST_WIDTHS: f32 = 4.0;
-/// A connector_length is so many widths long at least.
+/// Minimum length of a connector_length, in widths.
 const LEAST_WIDTHS: f32 = 0.5;
-/// Where across the rope its color is read, in widths from the middle.
+/// Positions across the rope where its color is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
-/// A color is another one from so many deviations of the rope's own on, of which one is so many levels at least.
+/// A color is different if it is this many deviations from the rope's own, as a root mean square
+/// over the channels. `LEAST_DEVIATION`, in levels, is added to each deviation.
 const DEVIATIONS: f32 = 3.0;
 const LEAST_DEVIATION: f32 = 6.0;
-/// It changes within so many widths by so many deviations.
+/// The color at a connector_length's end changes by more than `STEP` deviations within this many widths to
+/// either side.
 const ASIDE_WIDTHS: f32 = 0.25;
 const STEP: f32 = 2.0;
-/// Of the normal distribution, by the median of what is off.
+/// Ratio of a normal distribution's standard deviation to the median of its absolute deviations.
 const DEVIATION: f32 = 1.5;
 
-/// Cuts plugs off; it allocates only for a line that is longer than all before.
+/// Cuts plugs off. It allocates only for a line that is longer than all before.
 #[derive(Debug, Default)]
 pub(crate) struct ConnectorCutter {
-    /// Of each sample.
+    /// The color of each sample.
     colors: Vec<[f32; 3]>,
     sorted: Vec<f32>,
 }
@@ -41,7 +45,8 @@ impl ConnectorCutter {
         self.sorted.reserve(samples);
     }
 
-    /// Cuts off the plugs at those ends of the line that do not leave the image; returns how long they were.
+    /// Cuts off plugs at the line's ends that do not leave the image. Returns their lengths, in
+    /// pixels.
     pub(crate) fn cut(&mut self, line: &mut Line, image: &Image) -> [f32; 2] {
         let (count, length_px) = (line.samples.len(), line.length_px());
         if line.closed || line.border == [true; 2] || count < LEAST_SAMPLES {
@@ -83,7 +88,7 @@ impl ConnectorCutter {
         [first, last].map(|samples| samples as f32 * px_a_sample)
     }
 
-    /// The rope's own color, away from the ends.
+    /// The rope's own color, measured away from the ends.
     fn own(&mut self, most: usize) -> Own {
         let body = &self.colors[most..self.colors.len() - most];
         let channels = [0, 1, 2].map(|c| {
@@ -103,20 +108,20 @@ impl ConnectorCutter {
     }
 }
 
-/// A rope's own color, and how far it is usually off.
+/// A rope's own color, and its usual deviations.
 struct Own {
     usual: [f32; 3],
     deviations: [f32; 3],
 }
 
 impl Own {
-    /// How far two colors are apart, in deviations: the sum of three squares.
+    /// Squared distance of two colors in deviations, summed over the channels.
     fn squares_off(&self, a: [f32; 3], b: [f32; 3]) -> f32 {
         let off = [0, 1, 2].map(|c| (a[c] - b[c]) / self.deviations[c]);
         off.iter().map(|off| off * off).sum()
     }
 
-    /// Whether the color changes at a sample at once: shade comes little by little.
+    /// Returns whether the color changes abruptly at a sample. Shade comes gradually.
     fn is_step(&self, color: impl Fn(usize) -> [f32; 3], at: usize, samples_a_width: f32) -> bool {
         let mean = |from: usize, to: usize| {
             let sum = (from..to)
@@ -134,7 +139,8 @@ impl Own {
     }
 }
 
-/// How many samples from a tip on are a connector_length's: up to there, those of another color outnumber the others by the most.
+/// Number of a connector_length's samples from a tip on: the length up to which samples of another color
+/// outnumber the others by the most.
 fn connector_length(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
     let (mut sum, mut best, mut length) = (0, 0, 0);
     for (i, is_other) in are_other.enumerate() {
@@ -146,7 +152,7 @@ fn connector_length(are_other: impl Iterator<Item = bool>, least: f32) -> usize 
     if best as f32 >= least { length } else { 0 }
 }
 
-/// What reads colors, for the widest registers.
+/// Reads colors, for the widest registers.
 struct ReadColors<'a> {
     line: &'a Line,
     image: &'a Image<'a>,
@@ -195,7 +201,7 @@ mod tests {
     use crate::centerline::line::Sample;
     use crate::image::PixelFormat;
 
-    /// A rope on white from 10 to 190, of these colors along it.
+    /// A rope from x = 10 to 190 on white, with these colors along it.
     fn picture(color: impl Fn(usize) -> [u8; 3]) -> Vec<u8> {
         let pixel = |i: usize| match (i % 200, i / 200) {
             (x @ 10..190, 16..24) => color(x),
@@ -204,7 +210,7 @@ mod tests {
         (0..200 * 40).flat_map(pixel).collect()
     }
 
-    /// Red, the last 12 pixels blue.
+    /// Red, with the last 12 pixels blue.
     fn plugged(x: usize) -> [u8; 3] {
         if x < 178 {
             [200, 30, 30]
@@ -240,7 +246,7 @@ mod tests {
         assert_eq!(first_px, 0.0);
         assert!((last_px - 12.0).abs() < 1.1, "{last_px}");
         assert!((rope.samples[rope.samples.len() - 1].at[0] - 177.0).abs() < 1.1);
-        // What leaves the image has no end there, and a ring has none.
+        // A rope does not end where it leaves the image, and a ring does not end at all.
         for mut whole in [line(false, [false, true]), line(true, [false; 2])] {
             assert_eq!(cut(&mut whole, plugged), [0.0; 2]);
             assert_eq!(whole.samples.len(), 180);

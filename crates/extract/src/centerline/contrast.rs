@@ -1,5 +1,6 @@
-//! How much a rope differs from the table along a line: the mean over the middle of some of its sections, and of those
-//! the median over three widths to either side, so that no speck of shine counts.
+//! A rope's difference from the table along a line. A section's contrast is the mean over its
+//! middle. The contrast at a sample is the median of sections within three widths to either side,
+//! so that no speck of shine counts.
 
 use std::ops::Range;
 
@@ -11,45 +12,48 @@ use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Rays};
 use crate::statistics::medians;
 
-/// Places in half-widths across the rope whose mean is its contrast.
+/// Positions across the rope, in half-widths, whose mean is a section's contrast.
 const MIDDLE: [f32; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
-/// Half-widths to either side whose median counts, how many at least, and about how many places are looked at there.
+/// Reach of the median to either side, in half-widths, its minimum in samples, and about how many
+/// places are read within it.
 const AROUND_HALVES: f32 = 6.0;
 const AROUND: usize = 4;
 const PLACES: usize = 6;
-/// The most places that count at one: with this many samples around, only every second is looked at.
+/// Maximum number of places in one median. With 12 samples or more to either side, only every
+/// second is read.
 const MOST: usize = 4 * PLACES - 1;
-/// A rope differs by so many levels at least.
+/// Minimum contrast of a rope, in levels.
 const LEAST: f32 = 2.0;
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Contrast {
-    /// Of so many samples one is looked at.
+    /// Only every `stride`-th sample is read.
     stride: usize,
-    /// Which of those, and what is seen there.
+    /// The range of samples read, in strides, and the contrast at each.
     places: Range<usize>,
     seen: Vec<f32>,
-    /// The same with nothing (∞) where the line is in a crossing, and beyond both ends.
+    /// The contrast at each, but ∞ inside of crossings and beyond both ends.
     shown: Vec<f32>,
     medians: Vec<f32>,
 }
 
 impl Contrast {
-    /// Makes the buffers for lines of so many samples.
+    /// Makes the buffers for lines of this many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.seen.reserve(samples);
         self.shown.reserve(samples + LANES + 2 * MOST);
         self.medians.reserve(samples + LANES);
     }
 
-    /// Samples to either side whose contrast counts at a place, and from one of these to the next.
+    /// Number of samples to either side that count at a place, and the step between those that are
+    /// read.
     pub(crate) fn reach(how: Measure) -> (usize, usize) {
         let reach = ((AROUND_HALVES * how.half_px / how.step_px) as usize).max(AROUND);
         (reach, (reach / PLACES).max(1))
     }
 
-    /// Looks at the samples of `part`, and those around it.
+    /// Measures the samples of `part`, and those around it.
     #[inline(always)]
     pub(crate) fn measure<S: Simd>(
         &mut self,
@@ -117,7 +121,7 @@ impl Contrast {
         }
     }
 
-    /// Fills `medians` with those of the `width` places around each.
+    /// Fills `medians` with the median of the `width` places around each.
     #[inline(always)]
     fn find_medians<S: Simd>(&mut self, simd: S, width: usize) {
         let width = width.min(MOST);

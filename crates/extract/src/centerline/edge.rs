@@ -1,20 +1,21 @@
-//! The two edges of a rope in one of its cross-sections: where, from its middle outward, the difference falls below a
-//! level. A few places about where the rope's width says that they lie are read at once, for both edges of many sections;
-//! that is enough for nearly all. The rest is sought step by step.
+//! The two edges of a rope in one of its cross-sections: where, from its middle outward, the
+//! difference falls below a level. For many sections at once, a few places are read around both
+//! edges as the rope's width predicts them. This finds nearly all edges. The others are sought step
+//! by step.
 
 use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
 use crate::vec2::{self, Vec2};
 
-/// The part of a half-width around the center where no edge is looked for: shine lies there.
+/// Part of a half-width around the center where no edge is sought: shine is there.
 const CORE: f32 = 0.35;
-/// The least distance between places that are read: over a whole pixel a sharp edge is no straight line, and 0.01 px would
-/// be lost.
+/// Minimum distance between the places that are read. Over a whole pixel a sharp edge is not a
+/// straight line, and 0.01 px would be lost.
 const STEP_PX: f32 = 0.5;
 
-/// The distances along −`normal` and +`normal` at which the difference falls below each level, those that are not
-/// `known` (not a number), of a section that may leave the image. Where that ends before one edge, the other and the
-/// rope's width tell.
+/// The distances along −`normal` and +`normal` at which the difference falls below each level, of a
+/// section that may leave the image. Only the distances that are still NaN in `known` are sought.
+/// If the image ends before one edge, that edge follows from the other and the rope's width.
 pub(crate) fn edges(
     difference: &GrayPlane,
     (center, normal): (Vec2, Vec2),
@@ -41,17 +42,18 @@ pub(crate) fn edges(
     }
 }
 
-/// Where an edge is sought first.
+/// Starting point of the search for an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Seek {
-    /// Where the rope's width says that it is.
+    /// At the place that the rope's width predicts.
     Near,
-    /// From the core on outward: at a tip, sections that run through its corners come out of the rope and in again.
+    /// From the core outward. At a tip, sections through its corners leave the rope and enter it
+    /// again.
     Inside,
 }
 
 impl Seek {
-    /// How far from the section's center the search begins.
+    /// Distance from the section's center at which the search begins.
     #[inline(always)]
     pub(crate) fn start_px(self, half_px: f32) -> f32 {
         let core = CORE * half_px;
@@ -70,11 +72,11 @@ enum Edge {
     OutOfReach,
 }
 
-/// Places about each edge that are read at once, and how many of them lie before the first that is looked at: hardly
-/// any edge lies farther off.
+/// Number of places read at once around each edge, and how many of them are before the one where
+/// the search begins. Hardly any edge is farther away.
 const BATCH: usize = 4;
 const BEFORE: usize = 1;
-/// Both edges' places.
+/// Places around both edges.
 pub(crate) const PLACES: usize = 2 * BATCH;
 
 /// Distance between the places of a section that are read.
@@ -82,12 +84,13 @@ pub(crate) fn step_px(half_px: f32) -> f32 {
     (half_px / 12.0).max(STEP_PX)
 }
 
-/// The first place that is read at an edge.
+/// Distance of the first place read at an edge.
 fn first_px(half_px: f32) -> f32 {
     half_px - (BEFORE as f32 + 0.5) * step_px(half_px)
 }
 
-/// Where the values for [`near`] are read: from the inside outward, the −normal's first.
+/// Places where the values for [`near`] are read: from the inside outward, on the −normal side
+/// first.
 pub(crate) fn places(half_px: f32) -> [f32; PLACES] {
     std::array::from_fn(|k| {
         let out = first_px(half_px) + step_px(half_px) * (k % BATCH) as f32;
@@ -95,13 +98,13 @@ pub(crate) fn places(half_px: f32) -> [f32; PLACES] {
     })
 }
 
-/// How far that is from the middle at most.
+/// Upper bound of their distance from the middle.
 pub(crate) fn reach_px(half_px: f32) -> f32 {
     first_px(half_px) + step_px(half_px) * BATCH as f32
 }
 
-/// The distances of both edges in each lane, as [`edges`] seeks them near where the rope's width says that they are; not
-/// a number where they lie farther off.
+/// The distances of both edges in each lane. Like [`edges`], but only near the places that the
+/// rope's width predicts; NaN for edges farther away.
 #[inline(always)]
 pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) -> [Lanes; 2] {
     let mut found = [[f32::NAN; LANES]; 2];
@@ -110,7 +113,8 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
         for l in 0..LANES {
             let level = levels[l];
             let is_in = |k: usize| values[k][l] >= level;
-            // From the start outward, or inward, whichever way the edge lies: the first step that crosses the level.
+            // Finds the first step that crosses the level, outward or inward from the start,
+            // wherever the edge lies.
             let mut steps = f32::NAN;
             for k in (0..BATCH - 1).rev() {
                 let (high, low) = (values[k][l], values[k + 1][l]);
@@ -119,7 +123,8 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
                 let here = k as f32 + (high - level) / (high - low);
                 steps = if is_next & is_sought { here } else { steps };
             }
-            // Of ropes hardly wider than a pixel the first place lies within the core, where no edge is looked for.
+            // If a rope is hardly wider than a pixel, the first place is within the core, where no
+            // edge is sought.
             let in_core = (first_px(half_px) < CORE * half_px) & (steps < 1.0);
             let place = first_px(half_px) + step_px(half_px) * steps;
             found[l] = if in_core { f32::NAN } else { place };
@@ -128,23 +133,23 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
     found
 }
 
-/// Places that are read at once where an edge is sought.
+/// Number of places read at once in the stepwise search.
 const SOUGHT: usize = 4;
 
 /// Edges that are sought step by step, one in each lane.
 #[derive(Debug, Default)]
 pub(crate) struct Sought {
-    /// From the middle of the rope across its edge.
+    /// Rays from the middle of the rope across its edge.
     pub(crate) rays: Rays,
     pub(crate) levels: Lanes,
-    /// Where the search begins, and where it ends.
+    /// Distances where the search begins and ends.
     pub(crate) from_px: Lanes,
     pub(crate) reach_px: Lanes,
 }
 
 impl Sought {
-    /// The edges' distances, as [`edge`] finds them along lines that stay within the plane a step farther than their
-    /// reach; not a number where they are out of it.
+    /// The edges' distances, as [`edge`] finds them; NaN for those out of reach. The lines must
+    /// stay within the plane one step beyond their reach.
     #[inline(always)]
     pub(crate) fn find(&self, difference: &GrayPlane, half_px: f32) -> Lanes {
         let (core, step) = (CORE * half_px, step_px(half_px));
@@ -189,8 +194,9 @@ impl Sought {
     }
 }
 
-/// Where the difference, which `read` tells for a distance as long as it lies in the image, falls below `level`: sought
-/// from where the rope's width says that it does, inward or outward, whichever way it lies.
+/// Finds where the difference falls below `level`. `read` gives the difference at a distance, or
+/// nothing outside of the image. The search starts where the rope's width predicts the edge and
+/// goes inward or outward, wherever the edge lies.
 #[inline(always)]
 fn edge(
     read: impl Fn(f32) -> Option<f32>,
@@ -241,7 +247,7 @@ mod tests {
     use crate::image::ray::Ray;
     use proptest::prelude::*;
 
-    /// A rope up and down at x = 40, of this half-width and blur, as bright as a cosine and some stripes make it.
+    /// A vertical rope at x = 40 of this half-width and blur, with stripes of brightness by a sine.
     fn plane(half_px: f32, blur_px: f32, stripes: f32) -> GrayPlane {
         let mut plane = GrayPlane::default();
         plane.resize(80, 60);
@@ -270,7 +276,8 @@ mod tests {
     }
 
     impl Case {
-        /// What is read at once, or in lanes, is what a step after the other finds.
+        /// Asserts that reading in batches and in lanes finds the edges that the stepwise search
+        /// finds.
         fn check(self) -> Result<(), TestCaseError> {
             let plane = plane(self.half_px, self.blur_px, self.stripes);
             let (center, normal) = (
@@ -307,7 +314,7 @@ mod tests {
                 let read = |far: f32| Some(ray.at_each([side * far])[0]);
                 let stepwise = edge(read, level, seek, half_px, reach_px);
                 match (stepwise, along) {
-                    // Places are told apart by 1/256 px.
+                    // Rays resolve places to 1/256 px.
                     (Edge::At(a), Edge::At(b)) => prop_assert!((a - b).abs() < 0.05, "{a} {b}"),
                     (Edge::OutOfReach, Edge::OutOfReach) => {}
                     (a, b) => prop_assert!(false, "{a:?} {b:?}"),

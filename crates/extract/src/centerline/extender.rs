@@ -1,8 +1,8 @@
-//! The ends of a line run on to the tips of its rope.
+//! Extends the ends of a line to the tips of its rope.
 //!
-//! What lies near a tip of a skeleton or of a chain of centers is bent and too short. It is cut off, and the line goes on
-//! along the arc that it comes on, to where the rope's difference from the table falls to half, or to where the tip lies
-//! against another strand.
+//! Near a tip, a skeleton or a chain of centers is bent and too short. That part is cut off, and
+//! the line continues along its arc to where the rope's difference from the table falls to half, or
+//! to where the tip touches another strand.
 
 use super::extrapolate;
 use super::line::{Line, Sample};
@@ -15,32 +15,32 @@ use crate::statistics::quantile_of_positive;
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Extender {
-    /// What is laid beyond the first end.
+    /// Samples beyond the first end.
     tip: Vec<Sample>,
     levels: Vec<f32>,
-    /// The strands that the line's ends lie against.
+    /// The strands that the line's ends touch.
     contacts: [Option<Contact>; 2],
 }
 
 impl Extender {
-    /// Makes room for lines of so many samples.
+    /// Makes room for lines of this many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.tip.reserve(samples);
         self.levels.reserve(samples);
     }
 
-    /// Turns to the line of these legs.
+    /// Starts on the line of these legs.
     pub(crate) fn begin(&mut self, source: &Source, legs: &[Leg]) {
         let contact = |leg: Option<&Leg>, end| Contact::at(leg?, end, source.graph, source.zones);
         self.contacts = [contact(legs.first(), 0), contact(legs.last(), 1)];
     }
 
-    /// Whether each end lies against nothing.
+    /// True for each end that touches no strand.
     pub(crate) fn is_free(&self) -> [bool; 2] {
         self.contacts.map(|contact| contact.is_none())
     }
 
-    /// Cuts `cut_px` from each visible end and runs on to the tip.
+    /// Cuts `cut_px` from each visible end and extends it to the tip.
     pub(crate) fn extend(
         &mut self,
         difference: &GrayPlane,
@@ -56,7 +56,7 @@ impl Extender {
         }
     }
 
-    /// Works on the first (0) or the last (1) end of the line.
+    /// Extends the first (0) or the last (1) end of the line.
     fn extend_end(
         &mut self,
         difference: &GrayPlane,
@@ -73,7 +73,7 @@ impl Extender {
         let back = back.clamp(1, (last / 3).max(1)).min(last);
         let places = [last, last - back, last.saturating_sub(2 * back)].map(|i| sample(i).at);
         let path = extrapolate::arc(places, last >= 2 * back);
-        // The rope's own contrast: the median along the piece that the direction comes from.
+        // The rope's own contrast: the median along the stretch that the direction comes from.
         self.levels.clear();
         let piece = (last - back..=last).map(|i| difference.sample(sample(i).at));
         self.levels.extend(piece);

@@ -1,13 +1,13 @@
-//! How a rope runs on beyond what is known of it, and where it ends there.
+//! How a rope continues beyond its known part, and where it ends.
 
 use crate::image::gray::GrayPlane;
 use crate::vec2::{self, Vec2};
 
-/// The sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
+/// Sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
 const SHARPEST: f32 = 0.8;
 
-/// The way on from the first of three samples: a position for each distance along the arc that comes from the third
-/// through the second, or straight on from that where no arc is known.
+/// The path beyond the first of three samples: a position for each distance along the arc from the
+/// third through the second. The path is straight if no arc is known.
 pub(crate) fn arc([here, before, oldest]: [Vec2; 3], is_arc: bool) -> impl Fn(f32) -> Vec2 + use<> {
     let new = vec2::sub(here, before);
     let old = vec2::sub(before, oldest);
@@ -20,14 +20,14 @@ pub(crate) fn arc([here, before, oldest]: [Vec2; 3], is_arc: bool) -> impl Fn(f3
     };
     let (half_turn, a_pixel) = (0.5 * turn, 0.5 * turn / length);
     move |far: f32| {
-        // The chord to a point `far` ahead on a circle lies half the angle off the tangent.
+        // The chord to a point `far` ahead on a circle is off the tangent by half the angle.
         let (sin, cos) = sin_cos(half_turn + a_pixel * far);
         let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
         vec2::along(here, ahead, far)
     }
 }
 
-/// The sine and the cosine, by their series where that is enough for every digit but the last.
+/// Sine and cosine. Up to 1.5 rad they come from series, exact to all digits but the last.
 fn sin_cos(x: f32) -> (f32, f32) {
     if x.abs() > 1.5 {
         return libm::sincosf(x);
@@ -46,8 +46,8 @@ fn sin_cos(x: f32) -> (f32, f32) {
     )
 }
 
-/// How far the rope goes on along the path `at` (a position for each distance), at most `limit_px`:
-/// the distance of the tip, and whether the image's border cuts it.
+/// Distance of the rope's tip along the path `at` (a position for each distance), at most
+/// `limit_px`, and whether the image's border cuts the rope.
 pub(crate) fn tip(
     difference: &GrayPlane,
     at: impl Fn(f32) -> Vec2,

@@ -1,4 +1,4 @@
-//! A rope's centerline as densely spaced samples, on the way from skeleton pixels to points.
+//! A rope's centerline as densely spaced samples, between skeleton pixels and final points.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -6,31 +6,32 @@ use crate::image::gray::GrayPlane;
 use crate::image::ray::LANES;
 use crate::vec2::{self, Vec2};
 
-/// The most lines that the strands of one image become: pieces of ropes beyond these are not looked at.
+/// Maximum number of lines made from the strands of one image. Further fragments of ropes are
+/// ignored.
 pub(crate) const MOST_PIECES: usize = 80;
 
 /// One sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sample {
     pub(crate) at: Vec2,
-    /// How much the position is measured: 1 by the image, 0 not at all (inside of a crossing),
-    /// [`OVERLAP`] where two strands lie side by side.
+    /// Weight of the measured position: 1 if measured in the image, 0 if not (inside of a
+    /// crossing), [`OVERLAP`] where two strands are side by side.
     pub(crate) weight: f32,
     pub(crate) width_px: f32,
-    /// In an overlap, where this strand lies in it: −1 along the tangent's −normal edge, 1 along
-    /// the other.
+    /// In an overlap, the side on which this strand is: −1 at the edge along the tangent's −normal,
+    /// 1 at the other.
     pub(crate) side: f32,
 }
 
 /// The weight of a sample in an overlap: only one of its edges is its own.
 pub(crate) const OVERLAP: f32 = 0.2;
 
-/// Samples in order; a closed line's last is joined to its first without being repeated.
+/// Samples in order. A closed line's last sample is joined to its first, which is not repeated.
 #[derive(Debug, Default)]
 pub(crate) struct Line {
     pub(crate) samples: Vec<Sample>,
     pub(crate) closed: bool,
-    /// Which ends leave the image.
+    /// True for each end that leaves the image.
     pub(crate) border: [bool; 2],
 }
 
@@ -41,7 +42,7 @@ impl Line {
         self.border = [false; 2];
     }
 
-    /// Segments: between neighbors, and from last to first of a closed line.
+    /// Number of segments: between neighbors, and in a closed line also from last to first.
     fn segments(&self) -> usize {
         match self.samples.len() {
             0 | 1 => 0,
@@ -54,7 +55,7 @@ impl Line {
         Arch::new().dispatch(Measuring(self))
     }
 
-    /// Cuts off what lies outside of the image at either end.
+    /// Cuts off what is outside of the image at either end.
     pub(crate) fn cut_to(&mut self, image: &GrayPlane) {
         let leaves = |sample: Option<&Sample>| sample.is_some_and(|s| !image.holds(s.at));
         if leaves(self.samples.last()) {
@@ -81,8 +82,8 @@ impl Line {
         }
     }
 
-    /// Fills `out` with `count` samples at equal arc lengths: from tip to tip, or, closed, once
-    /// around. A stretch that touches a sample of weight 0 keeps weight 0.
+    /// Fills `out` with `count` samples at equal arc lengths: from tip to tip, or once around if
+    /// closed. A stretch that touches a sample of weight 0 keeps weight 0.
     pub(crate) fn resample(&self, count: usize, out: &mut Vec<Sample>) {
         out.clear();
         let length_px = self.length_px();
@@ -107,7 +108,8 @@ impl Line {
         std::mem::swap(&mut self.samples, spaced);
     }
 
-    /// The place so many pixels ahead of the first or last sample of an open line of two or more.
+    /// The place this many pixels beyond the first or last sample, straight on. The line must be
+    /// open and have two or more samples.
     pub(crate) fn ahead(&self, last: bool, by_px: f32) -> Vec2 {
         let count = self.samples.len();
         let step_px = (self.length_px() / (count - 1) as f32).max(0.1);
@@ -117,7 +119,8 @@ impl Line {
         vec2::along(at(0), out, by_px)
     }
 
-    /// The sharpest bend, as 1 / radius, over so many pixels to either side of a place that `is_seen`.
+    /// The greatest curvature (1 / radius), over this many pixels to either side of a place that
+    /// `is_seen`.
     pub(crate) fn sharpest(&self, reach_px: f32, is_seen: impl Fn(Vec2) -> bool) -> f32 {
         let count = self.samples.len();
         let step_px = (self.length_px() / (count.max(2) - 1) as f32).max(0.1);
@@ -130,8 +133,8 @@ impl Line {
         bends.fold(0.0, f32::max) / (reach as f32 * step_px)
     }
 
-    /// The tangent at sample `i`, of any length: that of the parabola through three samples `reach` apart, `i` in the
-    /// middle or, near an end, where it lies.
+    /// The tangent at sample `i`, not normalized: that of the parabola through three samples
+    /// `reach` apart. `i` is the middle one; near an end it is where it is.
     #[inline(always)]
     pub(crate) fn slope(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();
@@ -158,10 +161,10 @@ impl Line {
     }
 }
 
-/// Segments that are measured at once.
+/// Number of segments measured at once.
 const BLOCK: usize = 64;
 
-/// The lengths of some segments, and what one over each is.
+/// Lengths of some segments, and their reciprocals.
 struct Spans {
     first: usize,
     px: [f32; BLOCK],
@@ -175,7 +178,7 @@ impl Spans {
         shares: [0.0; BLOCK],
     };
 
-    /// Measures the line's segments from `first` on; beyond the last they have no length.
+    /// Measures the line's segments from `first` on. Segments beyond the last have length 0.
     #[inline(always)]
     fn measure(&mut self, line: &Line, first: usize) {
         self.first = first;
@@ -186,7 +189,7 @@ impl Spans {
             ways[1][k] = to.at[1] - from.at[1];
         }
         if let ([.., last], true) = (samples, line.closed && samples.len() <= BLOCK) {
-            // It leads back to the first one.
+            // This segment leads back to the first sample.
             let way = vec2::sub(line.samples[0].at, last.at);
             (ways[0][samples.len() - 1], ways[1][samples.len() - 1]) = (way[0], way[1]);
         }
@@ -200,7 +203,7 @@ impl Spans {
     }
 }
 
-/// What measures a line, for the widest registers.
+/// Measures a line's length, for the widest registers.
 struct Measuring<'a>(&'a Line);
 
 impl NullaryFnOnce for Measuring<'_> {
@@ -221,7 +224,7 @@ impl NullaryFnOnce for Measuring<'_> {
     }
 }
 
-/// What takes samples at equal arc lengths, for the widest registers.
+/// Takes samples at equal arc lengths, for the widest registers.
 struct Resampling<'a> {
     line: &'a Line,
     length_px: f32,
@@ -304,7 +307,7 @@ mod tests {
         let mut at: Vec<_> = (0..=40).map(|x| [x as f32, 0.0]).collect();
         at.extend((1..=40).map(|y| [40.0, y as f32]));
         let corner = line(&at, false);
-        // A quarter of a turn within ten pixels, as of so wide an arc.
+        // A quarter of a turn within ten pixels, like an arc of this length.
         let bend = corner.sharpest(10.0, |_| true);
         assert!((bend - 0.157).abs() < 0.01, "{bend}");
         assert!(corner.sharpest(10.0, |at| at[0] < 25.0) < 0.001);

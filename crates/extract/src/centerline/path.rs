@@ -1,8 +1,8 @@
-//! The way of a rope over the skeleton: its legs' pixels, and what lies between two legs.
+//! The path of a rope over the skeleton: the pixels of its legs, and of the overlaps between them.
 //!
-//! A crossing hides a piece that is about as long as wide: nothing is laid there. Where two strands
-//! run along each other for longer, the pixels of their overlap are laid, with the side of the
-//! overlap on which this strand lies, so that its center can be found from the outer edge.
+//! A crossing hides a stretch about as long as wide, and no pixels are laid there. If two strands
+//! run along each other for longer, the pixels of their overlap are laid. Each has the side of the
+//! overlap on which this strand is, so that its center can be found from the outer edge.
 
 use super::line::{Line, OVERLAP, Sample};
 use super::source::Source;
@@ -29,7 +29,7 @@ pub(crate) fn lay(source: &Source, legs: &[Leg], closed: bool, half_px: f32, lin
             !closed && outer && degree == Some(1)
         };
         let count = source.graph.pixels(leg.edge as usize).len();
-        // Thinning bends the last pixels before a tip toward a corner of it.
+        // Thinning bends the last pixels before a tip toward one of its corners.
         let tip = ((1.4 * half_px) as usize).min(count / 3);
         let trim = [0, 1].map(|end| leg.trim[end] as usize + if free(end) { tip } else { 0 });
         let to = count.saturating_sub(trim[1]).max(trim[0]);
@@ -83,7 +83,7 @@ fn pixel(source: &Source, leg: &Leg, k: usize) -> Vec2 {
     source.skeleton.pixels[pixels[index] as usize].at()
 }
 
-/// Lays the pixels of the overlap between `leg` and `next`, if there is a long one.
+/// Lays the pixels of the overlap between `leg` and `next`, if the overlap is long.
 fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut Line) {
     let (a, b) = (node(source, leg, 1), node(source, next, 0));
     let joins = |nodes: [u32; 2]| a != b && (nodes == [a, b] || nodes == [b, a]);
@@ -115,7 +115,8 @@ fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut 
     let widest_px = source.zones.widest_half_px(e, source.graph);
     let necks = Necks::of(e, source.graph, source.skeleton, widest_px);
     let changes = necks.at().len();
-    // What the necks say must lead from the side where the strand comes in to that where it leaves.
+    // The side changes at the necks must lead from the side where the strand enters to the side
+    // where it leaves.
     let agree = necks.are_known && changes.is_multiple_of(2) == (side[0] == side[1]);
     for k in 1..count - 1 {
         let passed = if way.reversed { count - 1 - k } else { k } as u32;

@@ -1,9 +1,10 @@
-//! Cross-sections: where across a rope its two edges lie, between pixels.
+//! Cross-sections: the subpixel positions of the rope's two edges across it.
 //!
-//! A rope's edge is where the difference from the table is half of the rope's own there: the lens spreads
-//! an edge evenly to both sides, so that point stays in place, whatever the sharpness and however
-//! bright the rope is. The own difference is the median of the sections around, so that one speck of
-//! shine does not move an edge, times what [`Shading`] says is left of it at the rim.
+//! A rope's edge is where the difference from the table is half of the rope's own difference there.
+//! The lens spreads an edge evenly to both sides, so that point stays in place, whatever the
+//! sharpness and the rope's brightness. The own difference is the median of the sections around, so
+//! that a single speck of shine does not move an edge. It is multiplied by the share that
+//! [`Shading`] says is left at the rim.
 
 mod own;
 
@@ -20,16 +21,16 @@ use crate::image::ray::{LANES, Lanes, Rays};
 use crate::statistics::median;
 use crate::vec2::{self, Vec2};
 
-/// Half-widths to each side, beyond 3 px, that an edge is looked for.
+/// Reach of the search for an edge to each side, in half-widths, in addition to 3 px.
 const REACH: f32 = 1.6;
-/// The same in an overlap, where the other strand may lie in between.
+/// The same in an overlap, where the other strand may be in between.
 const BESIDE: f32 = 3.4;
-/// Half-widths from an end within which a section may run through the corners of a tip.
+/// Distance from an end, in half-widths, within which a section may run through a tip's corners.
 const TIP: f32 = 1.5;
-/// How much a section's width may differ from the median one that moves a line, as a factor.
+/// Maximum factor between a section's width and the median, for the section to move a line.
 const ALIKE: f32 = 1.25;
 
-/// Half-widths from a tip within which a crossing parts it from the rope.
+/// Distance from a tip, in half-widths, within which a crossing separates it from the rope.
 const TIP_HALVES: f32 = 2.0;
 
 /// Memory of the measuring.
@@ -38,20 +39,21 @@ pub(crate) struct Sections {
     contrast: Contrast,
     widths: Vec<f32>,
     found: Vec<Section>,
-    /// What is seen there.
+    /// The normal and the edges of each.
     looks: Vec<Edges>,
     /// Edges that are sought step by step.
     sought: Vec<Asked>,
 }
 
-/// A section's normal, and how far to either side of its sample its edges lie; not a number as long as they are not known.
+/// A section's normal, and the distances of its edges to either side of its sample. They are NaN
+/// until known.
 #[derive(Clone, Copy, Debug)]
 struct Edges {
     normal: Vec2,
     edges: [f32; 2],
 }
 
-/// The edge on one side (0: that of the −normal) of one of the sections.
+/// An edge to seek, on one side (0: that of the −normal) of one of the sections.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
     slot: usize,
@@ -61,7 +63,7 @@ struct Asked {
     reach_px: f32,
 }
 
-/// What was found at which sample.
+/// A sample's index, and the section found there.
 type Section = (usize, Option<Found>);
 
 /// The middle and the width of one section.
@@ -69,30 +71,30 @@ type Section = (usize, Option<Found>);
 struct Found {
     center: Vec2,
     width_px: f32,
-    /// Whether it is as wide as the rope is there.
+    /// True if it is as wide as the rope is there.
     is_own: bool,
 }
 
-/// How the sections of one line are taken.
+/// Parameters for the sections of one line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measure {
-    /// Half the rope's width, as known so far.
+    /// Half the rope's width, as known at this stage.
     pub(crate) half_px: f32,
     /// Distance between the line's samples.
     pub(crate) step_px: f32,
-    /// How much a section's width may differ from the rope's, as a factor.
+    /// Maximum factor between a section's width and the rope's.
     pub(crate) tolerance: f32,
-    /// At which share of the rope's contrast its edges lie.
+    /// Tells the share of the rope's contrast at which its edges are.
     pub(crate) shading: Shading,
 }
 
-/// Which sections of a line are taken.
+/// The sections of a line to take.
 #[derive(Clone, Debug)]
 struct Part {
     range: Range<usize>,
-    /// Of so many samples one.
+    /// Only every `every`-th sample is taken.
     every: usize,
-    /// So many samples at either end of the line may lie beside the corners of a tip.
+    /// This many samples at either end of the line may be next to a tip's corners.
     tip: usize,
 }
 
@@ -106,7 +108,7 @@ impl Part {
     }
 }
 
-/// What finds sections, for the widest registers.
+/// Finds sections, for the widest registers.
 struct Finding<'a> {
     sections: &'a mut Sections,
     line: &'a Line,
@@ -126,12 +128,12 @@ impl WithSimd for Finding<'_> {
 }
 
 impl Measure {
-    /// Samples to either side that a tangent is taken over.
+    /// Number of samples to either side over which a tangent is taken.
     pub(crate) fn tangent_reach(&self) -> usize {
         ((self.half_px / self.step_px) as usize).max(2)
     }
 
-    /// Whether the width is that of one rope.
+    /// Returns whether the width is that of one rope.
     fn is_plausible(&self, width_px: f32) -> bool {
         let expected = 2.0 * self.half_px;
         (expected / self.tolerance..expected * self.tolerance).contains(&width_px)
@@ -139,7 +141,7 @@ impl Measure {
 }
 
 impl Sections {
-    /// Makes room for lines of so many samples.
+    /// Makes room for lines of this many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.contrast.reserve(samples);
         self.widths.reserve(samples);
@@ -148,15 +150,16 @@ impl Sections {
         self.sought.reserve(2 * samples);
     }
 
-    /// Moves each sample of `line` that lies outside of crossings to the middle of its section and
-    /// gives it its width; weights 0 are left alone, and set where a section makes no sense.
+    /// Moves each sample of `line` outside of crossings to the middle of its section, and gives it
+    /// the section's width. Samples of weight 0 are skipped. The weight becomes 0 if the section is
+    /// implausible.
     pub(crate) fn measure(&mut self, line: &mut Line, difference: &GrayPlane, how: Measure) {
         let tip = (TIP * how.half_px / how.step_px) as usize + 1;
         let all = Part::all(0..line.samples.len(), if line.closed { 0 } else { tip });
         self.measure_part(line, difference, how, all);
     }
 
-    /// As [`measure`](Self::measure), only for the `count` samples at either end.
+    /// Like [`measure`](Self::measure), but only for the `count` samples at either end.
     pub(crate) fn measure_ends(
         &mut self,
         line: &mut Line,
@@ -178,7 +181,7 @@ impl Sections {
         let [first, last] = [part.range.start, part.range.end - 1];
         let tolerance = how.tolerance.max(own::MOST);
         self.find(line, difference, Measure { tolerance, ..how }, part);
-        // At a tip the rope is as wide as mostly, for all that is known.
+        // At a tip, the rope's usual width is the best guess.
         let [from, to] = [first, last].map(|i| match i == 0 || i + 1 == line.samples.len() {
             true => 2.0 * how.half_px,
             false => line.samples[i].width_px,
@@ -193,8 +196,9 @@ impl Sections {
         }
     }
 
-    /// Moves `line` roughly to the middle of the rope: by a section every half-width, those between moved along. Returns
-    /// the median of the widths, if there are any.
+    /// Moves `line` roughly to the middle of the rope. One section is taken every half-width, and
+    /// the samples in between are shifted with it. Returns the median of the widths, if there are
+    /// any.
     pub(crate) fn center(
         &mut self,
         line: &mut Line,
@@ -215,7 +219,7 @@ impl Sections {
             return None;
         }
         let median_px = median(&mut self.widths);
-        // What differs from the others is no section of the rope alone.
+        // A section that differs from the others shows more than the rope.
         let alike = Measure {
             half_px: 0.5 * median_px,
             tolerance: ALIKE,
@@ -301,8 +305,8 @@ impl Sections {
         }
     }
 
-    /// Looks for the edges of the group's sections where they are expected, notes those that are to be sought step by
-    /// step, and empties the group.
+    /// Looks for the edges of the group's sections where they are expected. Records those that must
+    /// be sought step by step, and empties the group.
     #[inline(always)]
     fn look(
         &mut self,
@@ -369,7 +373,7 @@ impl Sections {
         for group in self.sought.chunks(LANES) {
             let mut sought = Sought::default();
             for l in 0..LANES {
-                // The last one stands in for those that lack.
+                // The last edge fills the unused lanes.
                 let asked = &group[l.min(group.len() - 1)];
                 let normal = self.looks[asked.slot].normal;
                 let sign = if asked.side == 0 { -1.0 } else { 1.0 };
@@ -394,9 +398,9 @@ impl Sections {
 #[derive(Debug, Default)]
 struct Group {
     rays: Rays,
-    /// The rope's contrast there.
+    /// The rope's contrast at each.
     contrasts: Lanes,
-    /// Where among all sections each stands.
+    /// Index of each among all sections.
     slots: [usize; LANES],
     count: usize,
 }
@@ -409,7 +413,8 @@ impl Edges {
         if left.is_nan() || right.is_nan() {
             return None;
         }
-        // Of two strands side by side, this one lies half the rest of the width aside.
+        // In an overlap, the rest of the width is the other strand's. This strand is half of it off
+        // the middle.
         let rest = (left + right - 2.0 * half_px).max(0.0);
         let overlap = sample.weight < 1.0;
         let (aside, width_px) = if overlap {
@@ -427,8 +432,8 @@ impl Edges {
     }
 }
 
-/// The samples between the tips: a tip that a crossing parts from the rope may lie upon another strand, and its sections
-/// are that one's as much as its own. It goes where the rope before it goes.
+/// The samples between the tips. A tip that a crossing separates from the rope may be on another
+/// strand, and its sections may measure that strand. Such a tip moves with the rope before it.
 fn beyond_tips(line: &Line, within: usize) -> std::ops::Range<usize> {
     let n = line.samples.len();
     if line.closed {

@@ -1,12 +1,16 @@
-//! How a round rope darkens toward its edges, and so what share of its own contrast is left there.
+//! The darkening of a round rope toward its edges, and the share of its contrast that is left
+//! there.
 //!
-//! Under even and directed light together a cylinder shows, at the position u across it (−1 to 1), a + b·√(1 − u²) + d·u
-//! (Lambert's law; d is light from the side). Fitted to the middle of the rope's mean cross-section, where no blur
-//! reaches, this tells the contrast at its rim; the lens shows half of what lies within its blur of the rim, and that
-//! level is the rope's true edge. Half of the contrast in the middle would draw a round rope too narrow by a third of
-//! a pixel, and beside a lamp aside as well. Where a rope turns, the lamp is at its other side: d goes with the normal, as D·n, and
-//! it is D that is fitted to all sections. With one d for all of them a loop would lie up to a pixel beside its axis, on one side
-//! to the left and on the other to the right.
+//! Under even and directed light together, a cylinder shows a + b·√(1 − u²) + d·u at the position u
+//! across it (−1 to 1). This is Lambert's law; d is light from the side. The law is fitted to the
+//! middle of the rope's mean cross-section, where no blur reaches, and yields the contrast at the
+//! rim. At the rope's true edge, the lens shows half of the contrast that the rope has within the
+//! blur's reach, so that level marks the edge. Half of the contrast at the middle would draw a
+//! round rope too narrow by a third of a pixel, and off its axis if the lamp is at one side.
+//!
+//! When a rope turns, the lamp comes to be at its other side. So d depends on the normal as D·n,
+//! and D is fitted to all sections. With a single d, a loop would be up to a pixel off its axis, to
+//! the left on one side and to the right on the other.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -16,48 +20,53 @@ use crate::image::gray::GrayPlane;
 use crate::image::ray::{LANES, Lanes, Rays};
 use crate::vec2::{self, Vec2};
 
-/// σ of the blur, lens and pixel together, is looked for in this range, in pixels.
+/// Range searched for σ of the blur, lens and pixel together, in pixels.
 const BLURS: std::ops::RangeInclusive<f32> = 0.5..=8.0;
-/// Nearer to the edge than this many σ the blur reaches in: 0.6% of the table are left there.
+/// Distance from the edge, in σ, up to which blur reaches: 0.6 % of the table is left there.
 const CLEAR: f32 = 2.5;
-/// The fit reaches at least this far out. At 0.4 a round rope has darkened by 8%, well beyond what the blur leaves.
+/// Minimum reach of the fit. At 0.4 a round rope has darkened by 8 %, well beyond what the blur
+/// leaves.
 const LEAST_REACH: f32 = 0.4;
-/// Distance between the samples across an edge, and how many there are inside and outside of it.
+/// Distance between the samples across an edge, and their number inside and outside of it.
 const HOP_PX: f32 = 0.5;
 const INSIDE: usize = 24;
 const OUTSIDE: usize = 8;
-/// Places on either side that are read at once, and how many that makes across an edge.
+/// Number of places read at once on either side, and the resulting number across an edge.
 const BATCH: usize = 4;
 const PLACES: usize = (INSIDE + OUTSIDE + 1).next_multiple_of(BATCH);
-/// Positions across half of the rope, those of the fit.
+/// Number of positions across half of the rope, for the fit.
 const POSITIONS: usize = 6;
-/// Sections that are read along one rope: so many that a camera's noise of 4 levels adds less than one to their mean.
+/// Maximum number of sections read along a rope. With this many, camera noise of 4 levels adds less
+/// than one level to their mean.
 const SECTIONS: usize = 4 * LANES;
-/// What of the light from the side is not known, as along a straight rope, is taken for little: by so much, as a share of all sections.
+/// Ridge term, as a share of all sections. Light from the side that cannot be determined, as along
+/// a straight rope, is assumed to be small.
 const LITTLE: f32 = 1e-3;
-/// Of how the sides differ at least so much is as a lamp makes it, as a share: what is less so is shine, or a shadow beside the rope
-/// that is taken for a part of it.
+/// Minimum share of the difference between the sides that a lamp explains. A smaller share means
+/// shine, or an adjacent shadow that was measured as part of the rope.
 const LIKE_A_LAMP: f32 = 0.9;
-/// How far the share may lie from one half: a rim is never quite dark, nor twice as bright as the middle.
+/// Limits of the share, around one half: a rim is never quite dark, nor twice as bright as the
+/// middle.
 const SHARES: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 
-/// The share of the rope's contrast at which its edges lie.
+/// The share of the rope's contrast at which its edges are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shading {
-    /// On both sides together, the mean.
+    /// Mean of both sides.
     share: f32,
-    /// How much more it is on the side toward the light, by that side's normal.
+    /// Excess on the side toward the light, by that side's normal.
     lit: Vec2,
 }
 
 impl Shading {
-    /// A ribbon: as bright at its edges as in its middle.
+    /// A ribbon, as bright at its edges as in its middle.
     pub(crate) const FLAT: Self = Self {
         share: 0.5,
         lit: [0.0; 2],
     };
 
-    /// The levels of the edges of some sections of these normals and contrasts, along the −normal and the +normal side.
+    /// The levels of the edges of sections with these normals and contrasts, on the −normal and the
+    /// +normal side.
     #[inline(always)]
     pub(crate) fn levels(&self, normals: &[Lanes; 2], contrasts: &Lanes) -> [Lanes; 2] {
         let mut levels = [[0.0; LANES]; 2];
@@ -71,8 +80,8 @@ impl Shading {
         levels
     }
 
-    /// The shading of the rope along `line`, whose samples lie in its middle and have widths; flat when the rope is too
-    /// narrow to tell.
+    /// The shading of the rope along `line`, whose samples are in its middle and have widths. It is
+    /// flat if the rope is too narrow to tell.
     pub(crate) fn measure(line: &Line, difference: &GrayPlane, how: Measure) -> Self {
         let mut mean = Profile::new(how);
         Arch::new().dispatch(FillProfile {
@@ -87,7 +96,7 @@ impl Shading {
         if clear < 0.0 {
             return Self::FLAT;
         }
-        // What blur does is alike on both sides, so that how these differ is seen nearer to it, too.
+        // Blur acts alike on both sides, so their difference is visible nearer to the edge, too.
         let most = clear.max(LEAST_REACH);
         let position = |k: usize| most * (k as f32 - POSITIONS as f32) / POSITIONS as f32;
         let profile: [f32; 2 * POSITIONS + 1] = std::array::from_fn(|k| mean.at(position(k)));
@@ -101,12 +110,12 @@ impl Shading {
         })
     }
 
-    /// The levels at the rims of a rope shaded by [a, b] and D, over its contrast.
+    /// The levels at the rims of a rope shaded by [a, b] and D, relative to its contrast.
     fn at_the_rim([a, b]: [f32; 2], d: Vec2, half_px: f32, blur_px: f32) -> Self {
-        // The mean of √(1 − u²) over the middle, as the contrast is measured: u = 0, ±¼, ±½.
+        // The mean of √(1 − u²) over the middle, where the contrast is measured: u = 0, ±¼, ±½.
         let contrast = a + b * (1.0 + 2.0 * 0.968_246 + 2.0 * 0.866_025) / 5.0;
         let (mut weight, mut round, mut aside) = (0.0, 0.0, 0.0);
-        // The half of the blur that lies within the rope, to three σ.
+        // The half of the blur inside of the rope, up to three σ.
         for k in 0..12 {
             let sigmas = 0.25 * (k as f32 + 0.5);
             let u = (1.0 - sigmas * blur_px / half_px).max(0.0);
@@ -125,13 +134,14 @@ impl Shading {
 
 /// The mean section of a rope: sums over some sections, at steps from either edge.
 struct Profile {
-    /// From the middle outward, the edge at `INSIDE`, along the −normal and the +normal side.
+    /// Levels from the middle outward, with the edge at `INSIDE`, on the −normal and the +normal
+    /// side.
     levels: [[f32; PLACES]; 2],
-    /// How much more the +normal side is than the other, times the normal, whose two components these are.
+    /// Excess of the +normal side over the other, times the two components of the normal.
     leans: [[f32; PLACES]; 2],
-    /// The normals' squares: xx, xy and yy.
+    /// Sums of the normals' products: xx, xy and yy.
     normals: [f32; 3],
-    /// From where on these are known.
+    /// First index at which these are known.
     first: usize,
     half_px: f32,
 }
@@ -144,7 +154,7 @@ struct Group {
     count: usize,
 }
 
-/// What fills a profile, for the widest registers.
+/// Fills a profile, for the widest registers.
 struct FillProfile<'a> {
     mean: &'a mut Profile,
     line: &'a Line,
@@ -174,7 +184,7 @@ impl Profile {
         }
     }
 
-    /// Reads some of the line's sections outside of crossings, evenly spread.
+    /// Reads some of the line's sections outside of crossings, evenly spaced.
     #[inline(always)]
     fn read(&mut self, line: &Line, difference: &GrayPlane, how: Measure) {
         let reach = how.tangent_reach();
@@ -251,8 +261,9 @@ impl Profile {
         self.between(&self.levels[usize::from(u > 0.0)], u)
     }
 
-    /// D, times the number of sections: least squares of what goes with the position and the normal, at the positions that `fit` has.
-    /// `None` where the sides do not differ as by a lamp.
+    /// D, times the number of sections: least squares of the part that varies with position and
+    /// normal, at the positions of `fit`. `None` if a lamp does not explain the difference between
+    /// the sides.
     fn lamp(&self, position: impl Fn(usize) -> f32) -> Option<Vec2> {
         let [xx, xy, yy] = self.normals;
         let count = xx + yy;
@@ -271,7 +282,7 @@ impl Profile {
         (by_lamp > LIKE_A_LAMP * all).then(|| d.map(|d| 0.5 * count / squares * d))
     }
 
-    /// What is at a position across the rope, of what is known of one side of it.
+    /// The value at a position across the rope, interpolated from the levels of one side.
     fn between(&self, levels: &[f32; PLACES], u: f32) -> f32 {
         let hops = (1.0 - u.abs()) * self.half_px / HOP_PX;
         let place = (INSIDE as f32 - hops).max(self.first as f32);
@@ -279,8 +290,8 @@ impl Profile {
         levels[k] + (place - k as f32) * (levels[k + 1] - levels[k])
     }
 
-    /// σ of the blur in pixels, from the mean fall of the difference across the rope's edges: a blurred step of height h
-    /// has the slope h / (σ√(2π)) in its middle.
+    /// σ of the blur in pixels, from the mean fall of the difference across the rope's edges. A
+    /// blurred step of height h has the slope h / (σ√(2π)) in its middle.
     fn blur(&self) -> f32 {
         let [left, right] = &self.levels;
         let levels: [f32; INSIDE + OUTSIDE + 1] =
@@ -288,7 +299,8 @@ impl Profile {
         let slopes = levels.windows(3).map(|l| (l[0] - l[2]) / (2.0 * HOP_PX));
         let steepest = slopes.fold(1e-3, f32::max);
         let mut sigma_px = *BLURS.start();
-        // The step's height is read where the blur ends, which the height itself tells.
+        // The step's height is read where the blur ends. That place depends on the height itself,
+        // hence the iteration.
         for _ in 0..4 {
             let inside = ((CLEAR * sigma_px / HOP_PX) as usize + 1).min(INSIDE);
             let height = levels[INSIDE - inside] - levels[INSIDE + OUTSIDE];
@@ -299,7 +311,7 @@ impl Profile {
     }
 }
 
-/// Least squares of a + b·√(1 − u²) over symmetric positions, where d·u stands by itself.
+/// Least squares of a + b·√(1 − u²) over symmetric positions, where d·u is independent of the rest.
 fn fit(profile: &[f32], position: impl Fn(usize) -> f32) -> Option<[f32; 2]> {
     let n = profile.len() as f32;
     let (mut sum_c, mut sum_cc, mut sum_y, mut sum_cy) = (0.0, 0.0, 0.0, 0.0);
@@ -326,7 +338,7 @@ mod tests {
     const ROUND: f32 = 60.0;
     const LAMP: f32 = 40.0;
 
-    /// A ring that a lamp at its right shines on.
+    /// A ring lit by a lamp at its right.
     fn ring() -> (GrayPlane, Line) {
         let mut plane = GrayPlane::default();
         plane.resize(2 * MIDDLE as usize, 2 * MIDDLE as usize);
@@ -376,7 +388,8 @@ mod tests {
         (normals[0][0], normals[1][1], normals[0][2]) = (1.0, 1.0, -1.0);
         let contrast = FLAT + ROUND * (1.0 + 2.0 * 0.968_246 + 2.0 * 0.866_025) / 5.0;
         let levels = shading.levels(&normals, &[contrast; LANES]);
-        // Half of what is at the rim, or, as the blur reaches in, of what is up to a tenth of the half width beside it.
+        // Half of the level at the rim. As blur reaches in, it may also be half of the level up to
+        // a tenth of the half-width further inside.
         let at = |u: f32, lamp: f32| 0.5 * (FLAT + ROUND * (1.0 - u * u).sqrt() + u * lamp);
         for (lane, lamp) in [(0, LAMP), (1, 0.0), (2, -LAMP)] {
             for (level, lamp) in [(levels[0][lane], -lamp), (levels[1][lane], lamp)] {

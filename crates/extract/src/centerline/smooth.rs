@@ -2,25 +2,25 @@
 //! least.
 //!
 //! Whittaker, "On a new method of graduation" (1923): minimize Σ wᵢ (zᵢ − mᵢ)² + λ Σ (Δ²z)ᵢ². A
-//! wave of k radians a sample is damped by 1 / (1 + λk⁴), so an arc of radius R loses only
-//! R·(ℓ/R)⁴, where ℓ = λ^¼ is the reach; a moving average of the same reach loses ℓ²/R. Where
-//! nothing is measured (w = 0) the solution goes on as a cubic: that is how a crossing is bridged.
+//! wave of k radians a sample is damped by 1 / (1 + λk⁴). An arc of radius R therefore loses only
+//! R·(ℓ/R)⁴, where ℓ = λ^¼ is the reach. A moving average of the same reach loses ℓ²/R. Unmeasured
+//! stretches (w = 0) continue as a cubic, which bridges crossings.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
 use super::line::{Line, Sample};
 
-/// Memory of the solver: the matrix is symmetric with two bands beside its diagonal.
+/// Memory of the solver. The matrix is symmetric with two bands next to its diagonal.
 #[derive(Debug, Default)]
 pub(crate) struct Smoother {
     rows: Vec<[Bands; 2]>,
     ring: Vec<Sample>,
 }
 
-/// The right sides of a row: x, y, width, and one that fills the register.
+/// Right-hand side of a row: x, y, width, and one that fills the register.
 type Right = [f64; 4];
 
-/// What stands beside the diagonal in one row, and on its right.
+/// The bands next to the diagonal in one row, and its right-hand side.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bands {
     first: f64,
@@ -28,20 +28,21 @@ struct Bands {
     right: Right,
 }
 
-/// A row that has been eliminated, before its division by the diagonal and after.
+/// An eliminated row, before and after division by the diagonal.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     before: Bands,
     after: Bands,
 }
 
-/// The rows in the middle, at most.
+/// Maximum number of rows in the middle.
 const MIDDLE: usize = 3;
 
-/// Keeps the matrix regular where hardly anything is measured.
+/// Minimum weight. It keeps the matrix regular where hardly anything is measured.
 const LEAST_WEIGHT: f64 = 1e-5;
 
-/// Two samples that stay where they are, by this weight, hold place and direction of what is smoothed beside them.
+/// Number of samples that fix the position and direction of the adjacent smoothed part, and the
+/// weight that keeps them in place.
 const HELD: usize = 2;
 const STIFF: f32 = 1e6;
 
@@ -53,7 +54,7 @@ impl Smoother {
             self.solve(&mut line.samples, lambda);
             return;
         }
-        // A ring is opened with an overlap on both sides that is longer than the reach.
+        // A ring is opened, with an overlap on both sides that is longer than the reach.
         let n = line.samples.len();
         let overlap = n.min((8.0 * reach) as usize + 64);
         let mut ring = std::mem::take(&mut self.ring);
@@ -66,10 +67,10 @@ impl Smoother {
         self.ring = ring;
     }
 
-    /// Smooths only the last `count` samples of the line's either end, which go on from the others as these are.
+    /// Smooths only the last `count` samples at either end of the line. They continue the others.
     pub(crate) fn smooth_ends(&mut self, line: &mut Line, reach: f32, count: usize) {
         let n = line.samples.len();
-        // Beyond four reaches the tips no longer tell.
+        // The influence of the tips ends at four reaches.
         let count = count + (4.0 * reach) as usize + HELD;
         if 2 * count >= n || line.closed {
             return self.smooth(line, reach);
@@ -103,8 +104,8 @@ impl Smoother {
     }
 }
 
-/// The equations of some samples, for the widest registers. Each row waits for the one before it, so they are eliminated
-/// from both ends at once, toward the two or three in the middle.
+/// The equations of some samples, for the widest registers. Each row waits for the one before it,
+/// so they are eliminated from both ends at once, toward the two or three in the middle.
 struct System<'a> {
     rows: &'a mut [[Bands; 2]],
     samples: &'a mut [Sample],
@@ -123,8 +124,8 @@ impl WithSimd for System<'_> {
 }
 
 impl System<'_> {
-    /// The diagonal of row `i`, counted from either end, which is that of `sample`, and what stands beside it. Each second
-    /// difference (1, −2, 1) adds its outer product.
+    /// The diagonal and the bands of row `i`, counted from either end, which is that of `sample`.
+    /// Each second difference (1, −2, 1) adds its outer product.
     #[inline(always)]
     fn row(&self, i: usize, sample: usize) -> (f64, Bands) {
         let (n, sample) = (self.samples.len(), &self.samples[sample]);
@@ -140,7 +141,7 @@ impl System<'_> {
         (weight + self.lambda * (ahead + 4.0 * across + back), bands)
     }
 
-    /// Takes the outer rows out of those farther in. Returns the last two from either end.
+    /// Eliminates the outer rows from those farther in. Returns the last two from either end.
     #[inline(always)]
     fn eliminate(&mut self) -> [[Row; 2]; 2] {
         let n = self.samples.len();
@@ -149,7 +150,7 @@ impl System<'_> {
             for (end, [older, last]) in ends.iter_mut().enumerate() {
                 let (diagonal, mut here) = self.row(i, if end == 0 { i } else { n - 1 - i });
                 let diagonal = diagonal - older.before.second * older.after.second;
-                // What waits for the division of the row before comes last.
+                // The term that waits for the division of the row before comes last.
                 let diagonal = diagonal - last.before.first * last.after.first;
                 here.first -= last.before.second * last.after.first;
                 for c in 0..4 {
@@ -170,14 +171,14 @@ impl System<'_> {
         ends
     }
 
-    /// Solves the rows in the middle, which those toward the `ends` are taken out of.
+    /// Solves the rows in the middle, after those toward the `ends` are eliminated from them.
     #[inline(always)]
     fn solve_middle(&self, ends: &[[Row; 2]; 2]) -> [Right; MIDDLE] {
         let (from, count) = (self.rows.len(), self.samples.len() - 2 * self.rows.len());
         let mut matrix = [[0.0; MIDDLE]; MIDDLE];
         let mut right = [Right::default(); MIDDLE];
         for k in 0..MIDDLE {
-            // A third row that does not exist stands by itself.
+            // A third row that does not exist is an identity row.
             matrix[k][k] = 1.0;
             if k < count {
                 let (diagonal, bands) = self.row(from + k, from + k);
@@ -206,7 +207,7 @@ impl System<'_> {
                 *to -= last.after.second * a;
             }
         }
-        // Gauss's elimination: a positive definite matrix needs no other order.
+        // Gaussian elimination. A positive definite matrix needs no pivoting.
         for k in 0..MIDDLE {
             let (pivot, known) = (matrix[k], right[k]);
             for i in (0..MIDDLE).filter(|&i| i != k) {
@@ -256,7 +257,7 @@ impl System<'_> {
 #[inline(always)]
 fn put(sample: &mut Sample, &[x, y, width_px, _]: &Right) {
     sample.at = [x as f32, y as f32];
-    // Carried on from where it was seen, a width may fall through zero.
+    // A width extrapolated from where it was seen may fall below zero.
     sample.width_px = (width_px as f32).max(0.0);
 }
 
@@ -270,7 +271,7 @@ mod tests {
             .map(|i| {
                 let (sin, cos) = (i as f32 / radius).sin_cos();
                 let weight = if hidden.contains(&i) { 0.0 } else { 1.0 };
-                // What is hidden is filled with nonsense.
+                // Hidden samples contain nonsense.
                 let r = radius * (0.5 + 0.5 * weight);
                 Sample {
                     at: [r * cos, r * sin],
@@ -293,14 +294,15 @@ mod tests {
         Smoother::default().smooth(&mut line, 3.0);
         for (i, sample) in line.samples.iter().enumerate() {
             let radius = crate::vec2::norm(sample.at);
-            // A free end is straightened over the reach: ℓ²/R there.
+            // A free end is straightened over the reach, by ℓ²/R there.
             let allowed = if (8..52).contains(&i) { 0.1 } else { 0.45 };
             assert!((radius - 20.0).abs() < allowed, "{i}: {radius}");
             assert!((sample.width_px - 7.0).abs() < 1e-3);
         }
     }
 
-    /// The equations themselves, by Gauss's elimination of the whole matrix: x, y a sample.
+    /// The equations themselves, by Gaussian elimination of the full matrix: x and y of each
+    /// sample.
     fn by_the_whole_matrix(samples: &[Sample], lambda: f64) -> Vec<[f64; 2]> {
         let n = samples.len();
         let mut rows = vec![vec![0.0; n + 2]; n];

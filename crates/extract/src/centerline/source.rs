@@ -1,4 +1,4 @@
-//! What the line along a strand is made from.
+//! Input for the line along a strand.
 
 use crate::graph::Graph;
 use crate::graph::strands::Leg;
@@ -6,18 +6,18 @@ use crate::graph::zones::Zones;
 use crate::image::gray::GrayPlane;
 use crate::skeleton::Skeleton;
 
-/// What a strand is made of.
+/// Input for the line along a strand.
 pub(crate) struct Source<'a> {
     pub(crate) difference: &'a GrayPlane,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) graph: &'a Graph,
     pub(crate) zones: &'a Zones,
     pub(crate) legs: &'a [Leg],
-    /// Samples along a line lie at least so far apart.
+    /// Minimum distance between samples along a line.
     pub(crate) least_step_px: f32,
 }
 
-/// Half the rope's width as the skeleton knows it, weighted by the lengths of the legs.
+/// Half the rope's width according to the skeleton, weighted by the lengths of the legs.
 pub(crate) fn mean_half(source: &Source, legs: &[Leg]) -> f32 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for leg in legs {

@@ -1,8 +1,9 @@
-//! A tip that lies against another strand, or a little way upon it: where it ends.
+//! Finds the end of a tip that touches another strand, or is slightly on top of it.
 //!
-//! A square tip seldom lies flush. Beside the corner that touches, table shows between the cut and the strand: lines
-//! along the rope that come upon it tell where the cut is. Where none shows, the tip ends at the strongest step of
-//! brightness at, or soon after, the near edge of the strand.
+//! A square tip is seldom flush with the strand. Next to the corner that touches, table shows
+//! between the cut and the strand: lines along the rope that meet it tell where the cut is. If no
+//! table shows, the tip ends at the strongest step of brightness at the strand's near edge, or soon
+//! after it.
 
 use crate::graph::Graph;
 use crate::graph::strands::Leg;
@@ -11,19 +12,20 @@ use crate::image::gray::GrayPlane;
 use crate::statistics::quantile;
 use crate::vec2::{self, Vec2};
 
-/// Lines along the rope to each side of its middle, and their distance in half-widths.
+/// Number of lines along the rope to each side of its middle, and their distance in half-widths.
 const LINES: i32 = 3;
 const APART_HALVES: f32 = 0.2;
-/// Steps along the lines, in pixels.
+/// Step along the lines, in pixels.
 const STEP_PX: f32 = 0.5;
-/// A tip lies at most this share of the strand's width upon it; farther on it would show as an end on the other side.
+/// Maximum part of the strand's width that a tip covers. A longer tip would show as an end on the
+/// other side.
 const UPON: f32 = 0.6;
-/// A step of this share of the strongest is taken, if it comes first.
+/// The first step with at least this share of the strongest is taken.
 const FIRST: f32 = 0.5;
-/// A smaller step of brightness, in levels, is noise.
+/// Minimum step of brightness, in levels. A smaller one is noise.
 const LEAST_STEP: f32 = 4.0;
 
-/// The strand that a tip lies against: a straight band.
+/// The strand that a tip touches, as a straight band.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
     on: Vec2,
@@ -32,8 +34,8 @@ pub(crate) struct Contact {
 }
 
 impl Contact {
-    /// The strand against which leg `leg` ends: at its first end (0) or its last (1), that of the rope. Nothing when it
-    /// ends freely.
+    /// The strand at which leg `leg` ends, at its first end (0) or its last (1) in the rope's
+    /// order. `None` if it ends freely.
     pub(crate) fn at(leg: &Leg, end: u8, graph: &Graph, zones: &Zones) -> Option<Self> {
         let end = end ^ u8::from(leg.reversed);
         let own = zones.arm_at(2 * leg.edge as usize + usize::from(end))?;
@@ -44,7 +46,7 @@ impl Contact {
         let in_zone = zones.arms_of(zones.arms[own].zone);
         let from = in_zone.start;
         let arms = &zones.arms[in_zone];
-        // Of the others, the two that lie most nearly in one line are the strand.
+        // The strand is the two other arms that are most nearly in line.
         let mut best: Option<(f32, Self)> = None;
         for (i, a) in arms.iter().enumerate() {
             for (j, b) in arms.iter().enumerate().skip(i + 1) {
@@ -69,8 +71,8 @@ impl Contact {
         vec2::cross(self.along, vec2::sub(at, self.on)).abs() <= self.half_px
     }
 
-    /// The distance along `path` at which the tip of a rope of half-width `half_px` and this contrast `level` ends, at
-    /// most `limit_px`. `scratch` is memory.
+    /// The distance along `path` at which the tip ends, at most `limit_px`. The rope has half-width
+    /// `half_px` and contrast `level`. `scratch` is working memory.
     pub(crate) fn tip(
         &self,
         difference: &GrayPlane,
@@ -105,7 +107,8 @@ impl Contact {
             }
         }
         if scratch.len() >= 2 {
-            // In the narrow end of the wedge blur hides where the table begins; its open end tells.
+            // In the narrow end of the wedge, blur hides where the table begins. Its open end shows
+            // the cut.
             return quantile(scratch, 0.25).max(0.0);
         }
         let across = |far: f32| -> f32 {
@@ -120,7 +123,7 @@ impl Contact {
                 .take_while(|&far| far <= last)
         };
         let strongest = places().map(step_at).fold(LEAST_STEP, f32::max);
-        // The first that is about as strong: behind the cut come the strand's own shades.
+        // The first step of about this strength: behind the cut come the strand's own shades.
         let mut best = (0.0, near);
         for far in places() {
             let step = step_at(far);

@@ -1,7 +1,8 @@
-//! The centers of all pieces of a mask, from frame to frame.
+//! The centers in all pieces of a mask, from frame to frame.
 //!
-//! Each piece of the mask, one rope or several that cross, gets its own K centers. They begin where those of the last frame
-//! ended that lie on the piece, or else, by the same seed every time, among its pixels.
+//! Each piece of the mask, one rope or several that cross, gets its own K centers. They start from
+//! the last frame's centers that are on the piece. Otherwise, they start among its pixels, with the
+//! same seed every time.
 
 use super::nerve::Nerve;
 use crate::bitmap::bits::BitPlane;
@@ -9,15 +10,15 @@ use crate::bitmap::components::{Components, budget};
 use crate::options::Method;
 use lariat_clustering::{Cells, FuzzyMeans, KMeans, Mixture, Pixels, Run, Som, Start};
 
-/// Where the random numbers of a cold start begin: any number, the same every time.
+/// Seed of the random numbers of a cold start: any number, but the same every time.
 const SEED: u64 = 0;
-/// A rope may lie in two pieces, on either side of a gripper; more are not looked at.
+/// Maximum number of pieces per rope. A rope may be in two, on either side of a gripper.
 const PIECES_PER_ROPE: usize = 2;
-/// The least share of the last frame's centers that lie on a piece for it to be the same one. A rope that
-/// moves by its own width from one frame to the next keeps this many.
+/// Minimum share of the last frame's centers that must be on a piece for it to be the same one. A
+/// rope that moves by its own width from one frame to the next keeps this many.
 const SAME: f32 = 0.25;
-/// Times as many pixels as in the mean that a cell has at most; after a warm start more, or an empty one,
-/// mean that the centers were left behind where the rope was.
+/// Maximum number of pixels in a cell, as a multiple of the mean. After a warm start, a larger cell
+/// or an empty one means that the centers were left behind where the rope was.
 const MOST_UNEVEN: u32 = 4;
 
 /// A center, and the pixels that it stands for.
@@ -43,14 +44,15 @@ pub(crate) struct Clusterer {
     former: Vec<[f32; 2]>,
     taken: Vec<bool>,
     counts: Vec<u32>,
-    /// Those that have a cell, of all pieces.
+    /// The centers of all pieces that have a cell.
     pub(crate) centers: Vec<Center>,
-    /// What joins them.
+    /// The connections between them.
     pub(crate) nerve: Nerve,
 }
 
 impl Clusterer {
-    /// Makes the memory for images of this size, with so many centers on each piece of so many ropes.
+    /// Reserves memory for images of this size, with `count` centers on each piece of `ropes`
+    /// ropes.
     pub(crate) fn reserve(&mut self, width: usize, height: usize, count: usize, ropes: usize) {
         let pieces = PIECES_PER_ROPE * ropes;
         self.components.reserve(width, height);
@@ -68,7 +70,8 @@ impl Clusterer {
         self.places.clear();
     }
 
-    /// Finds `count` centers for each of the largest pieces of the mask, and what joins them.
+    /// Finds `count` centers for each of the largest pieces of the mask, and the connections
+    /// between them.
     pub(crate) fn run(&mut self, method: Method, mask: &BitPlane, count: usize, ropes: usize) {
         self.centers.clear();
         self.nerve.begin(mask.width(), mask.height());
@@ -93,7 +96,7 @@ impl Clusterer {
         self.components.for_each_run_of(name, push);
     }
 
-    /// Finds the centers of the piece whose pixels are taken.
+    /// Finds the centers of the piece in `pixels`.
     fn place(&mut self, method: Method, count: usize) {
         let from = self.places.len();
         let former = self.former_centers(count);
@@ -102,7 +105,7 @@ impl Clusterer {
                 let centers = &self.former[set * count..][..count];
                 self.places.extend_from_slice(centers);
                 self.cluster(method, Start::Given, from);
-                // Of the others uneven cells are the way.
+                // The other methods make uneven cells.
                 if method == Method::KMeans && self.is_uneven() {
                     self.cluster(method, Start::Seeded(SEED), from);
                 }
@@ -120,11 +123,11 @@ impl Clusterer {
             .extend(centers.filter(|center| center.pixels > 0));
     }
 
-    /// Moves the centers from `from` on, and finds their cells.
+    /// Moves the centers from index `from` on, and finds their cells.
     fn cluster(&mut self, method: Method, start: Start, from: usize) {
         let (pixels, centers) = (&self.pixels, &mut self.places[from..]);
         match method {
-            // The skeleton has none; nobody asks.
+            // The skeleton has no centers. It is never requested here.
             Method::Skeleton | Method::KMeans => self.kmeans.run(pixels, start, centers),
             Method::Som => self.som.run(pixels, start, centers),
             Method::Mixture => self.mixture.run(pixels, start, centers),
@@ -138,7 +141,7 @@ impl Clusterer {
         }
     }
 
-    /// Whether cells are empty or far too large, though there are pixels for all.
+    /// Returns whether cells are empty or far too large although there are enough pixels for all.
     fn is_uneven(&self) -> bool {
         let (pixels, cells) = (self.pixels.len() as u32, self.counts.len() as u32);
         let most = MOST_UNEVEN * pixels.div_ceil(cells);
@@ -146,7 +149,8 @@ impl Clusterer {
             && (self.counts.iter()).any(|&count| count == 0 || count > most)
     }
 
-    /// The last frame's set of centers that has most of them on the piece whose pixels are taken.
+    /// The last frame's set with the most centers on the piece in `pixels`, if enough of them are
+    /// there.
     fn former_centers(&mut self, count: usize) -> Option<usize> {
         let on_piece = |set: usize| {
             let centers = &self.former[set * count..][..count];
@@ -161,9 +165,9 @@ impl Clusterer {
         is_same.then_some(set)
     }
 
-    /// Whether the pixel at a place is one of those taken.
+    /// Returns whether the pixel at a position is in `pixels`.
     fn is_on_piece(&self, [x, y]: [f32; 2]) -> bool {
-        // Coordinates that are not finite, or lie outside, become some pixel's.
+        // Coordinates that are not finite or are outside become those of some pixel.
         let (x, y) = (x.round() as u16, y.round() as u16);
         let runs = self.pixels.runs();
         let behind = runs.partition_point(|run| (run.y, run.from) <= (y, x));

@@ -1,17 +1,23 @@
-//! Which centers lie side by side in the mask: the nerve of their cells, drawn.
+//! Finds which centers are adjacent in the mask, and draws the nerve of their cells.
 //!
-//! A center's cell are the pixels nearest to it. Two centers are joined where their cells touch, three where theirs meet in
-//! one place: the induced Delaunay triangulation of Martinetz and Schulten ("Topology representing networks", Neural
-//! Networks 7, 1994). It is drawn as its barycentric subdivision: a line runs from one center to the other through the middle
-//! of the border between their cells, which on a rope is the rope's own middle, and around a place where three cells meet all
-//! is filled that lies between such lines. Each stroke stays within one cell, so none cross. Where every cell is in one
-//! piece without holes, the drawing is connected as the mask is, holes included (the nerve theorem; Edelsbrunner and Shah,
-//! "Triangulating topological spaces", 1994). So it needs no case of its own for centers that lie in single file, in zigzag
-//! or two abreast: thinned, all of them become one line through their middle.
+//! A center's cell is the set of pixels nearest to it. Two centers are joined where their cells
+//! touch, and three where their cells meet in one place. This is the induced Delaunay triangulation
+//! of Martinetz and Schulten ("Topology representing networks", Neural Networks 7, 1994).
 //!
-//! A cell of a plain stretch comes to the mask's edge in two places at most, its sides. In one that comes there in three, or
-//! between three that meet and come there in two each, ways part: the centers say nothing of where, and all of their
-//! pixels are drawn. So it is only a hole within a cell of a plain stretch that is not seen.
+//! It is drawn as its barycentric subdivision. A line runs from one center to the other through the
+//! middle of the border between their cells, which on a rope is the rope's own middle. Around a
+//! place where three cells meet, the area between such lines is filled. Each stroke stays within
+//! one cell, so strokes do not cross.
+//!
+//! If every cell is in one piece without holes, the drawing is connected as the mask is, holes
+//! included (the nerve theorem; Edelsbrunner and Shah, "Triangulating topological spaces", 1994).
+//! Centers in single file, in a zigzag or two abreast therefore need no special case. After
+//! thinning, all of them become one line through their middle.
+//!
+//! A cell of a plain stretch reaches the mask's edge in at most two places, its sides. Paths branch
+//! in a cell that reaches it in three places, or between three cells that meet and reach it in two
+//! places each. The centers do not tell where paths branch, so all pixels of these cells are drawn.
+//! Only a hole within a cell of a plain stretch is missed.
 
 #[cfg(test)]
 mod tests;
@@ -19,23 +25,23 @@ mod tests;
 use crate::bitmap::bits::BitPlane;
 use lariat_clustering::Cell;
 
-/// No cell.
+/// Stands for a missing cell.
 const NONE: u16 = u16::MAX;
 /// The end of a list of borders.
 const LAST: u32 = u32::MAX;
-/// Parts of a border that lie this near to each other, in pixels, are one: the edge of a mask is ragged.
+/// Maximum distance between parts of one border, in pixels: the edge of a mask is ragged.
 const NEAR_PX: f32 = 3.0;
-/// How much less than a side two pixels' common corner tells of where a border lies.
+/// Weight of the common corner of two pixels in the place of a border, relative to a common side.
 const CORNER: f32 = 0.01;
 
 /// A stretch along which two cells touch.
 #[derive(Clone, Copy, Debug)]
 struct Border {
-    /// The second cell; the list that it stands in is the first's.
+    /// The second cell. The border is in the list of the first.
     other: u16,
-    /// The next in that list.
+    /// The next border in that list.
     next: u32,
-    /// What it covers, and the sum of its places with their number.
+    /// Bounds of the border, and the sum of its places with their number.
     least: [f32; 2],
     most: [f32; 2],
     sum: [f32; 3],
@@ -78,24 +84,26 @@ struct Meeting {
     at: [f32; 2],
 }
 
-/// Centers side by side, as a picture: lines between two, areas between three.
+/// Adjacent centers as a picture: lines between two, areas between three.
 #[derive(Debug, Default)]
 pub(crate) struct Nerve {
     pub(crate) plane: BitPlane,
     borders: Vec<Border>,
-    /// For each cell the first of its borders to cells behind it.
+    /// For each cell, the first of its borders with later cells.
     first: Vec<u32>,
     meetings: Vec<Meeting>,
-    /// In how many places each cell comes to the mask's edge: between two borders, but where these meet in a third cell.
+    /// Number of places where each cell reaches the mask's edge: between two borders, unless these
+    /// meet in a third cell.
     edges: Vec<i32>,
-    /// The cells to be drawn whole.
+    /// Cells that are drawn whole.
     partings: Vec<bool>,
 }
 
 impl Nerve {
-    /// Makes the memory for so many centers.
+    /// Reserves memory for this many centers.
     pub(crate) fn reserve(&mut self, centers: usize) {
-        // A planar graph has fewer than 3 edges a corner and 2 areas, which a ragged mask shows more than once.
+        // A planar graph has fewer than 3 edges and 2 faces per vertex. A ragged mask shows some of
+        // them more than once.
         self.borders.reserve(6 * centers);
         self.meetings.reserve(8 * centers);
         self.first.reserve(centers);
@@ -108,7 +116,7 @@ impl Nerve {
         self.plane.resize(width, height);
     }
 
-    /// Draws what lies between these centers, of which the cells are given row by row.
+    /// Draws the connections between these centers. Their cells are given row by row.
     pub(crate) fn add(&mut self, cells: &[Cell], centers: &[[f32; 2]]) {
         self.borders.clear();
         self.meetings.clear();
@@ -131,7 +139,7 @@ impl Nerve {
         }
     }
 
-    /// Finds the cells in which ways part, or three of which meet.
+    /// Finds the cells in which paths branch, alone or where three of them meet.
     fn find_partings(&mut self, cells: usize) {
         self.count_edges(cells);
         self.partings.clear();
@@ -147,7 +155,7 @@ impl Nerve {
         }
     }
 
-    /// Counts the places in which each cell comes to the mask's edge, and sorts the meetings.
+    /// Counts the places where each cell reaches the mask's edge, and sorts the meetings.
     fn count_edges(&mut self, cells: usize) {
         self.edges.clear();
         self.edges.resize(cells, 0);
@@ -172,7 +180,7 @@ impl Nerve {
         }
     }
 
-    /// Finds the borders in a row and between it and the one above, from left to right.
+    /// Finds the borders in a row and between it and the row above, from left to right.
     fn sweep(&mut self, upper: &[Cell], lower: &[Cell]) {
         let y = f32::from(lower[0].y);
         let (mut upper, mut lower) = (upper.iter().peekable(), lower.iter().peekable());
@@ -182,7 +190,7 @@ impl Nerve {
             let (below, below_to) = at(&mut lower, x);
             let to = above_to.min(below_to);
             let edge = f32::from(x) - 0.5;
-            // The longest part first: by it the others are seen to belong to the row above.
+            // The longest part first: it connects the others to the border in the row above.
             if above != below && above != NONE && below != NONE {
                 let half = 0.5 * f32::from(to - x);
                 self.touch(above, below, [edge + half, y - 0.5], half, 2.0 * half);
@@ -194,7 +202,7 @@ impl Nerve {
         }
     }
 
-    /// Looks at the corner of four pixels, two above and two below.
+    /// Examines the corner of four pixels, two above and two below.
     fn meet(&mut self, [ul, ur, ll, lr]: [u16; 4], at: [f32; 2]) {
         self.touch(ul, lr, at, 0.0, CORNER);
         self.touch(ur, ll, at, 0.0, CORNER);
@@ -206,7 +214,7 @@ impl Nerve {
         }
     }
 
-    /// Adds a place, and `half_px` to its left and right, to the border between two cells.
+    /// Adds a place, extended by `half_px` to its left and right, to the border between two cells.
     fn touch(&mut self, a: u16, b: u16, [x, y]: [f32; 2], half_px: f32, count: f32) {
         if a == b || a == NONE || b == NONE {
             return;
@@ -232,7 +240,7 @@ impl Nerve {
         border.sum = [sum_x + count * x, sum_y + count * y, sum + count];
     }
 
-    /// The border between two cells, the first before the second, that comes near to a place.
+    /// The border between cell `a` and the later cell `other` that comes near to a place.
     fn border(&self, a: u16, other: u16, at: [f32; 2], reach_px: f32) -> Option<usize> {
         let mut i = self.first[usize::from(a)];
         while i != LAST {
@@ -245,7 +253,7 @@ impl Nerve {
         None
     }
 
-    /// Makes one of the parts of a border that have come near to each other since they were begun.
+    /// Merges parts of a border that have come near each other since they were started.
     fn unite(&mut self) {
         for a in 0..self.first.len() {
             let mut i = self.first[a];
@@ -291,7 +299,7 @@ impl Nerve {
         }
     }
 
-    /// The pixel in which a place lies.
+    /// The pixel that contains a position.
     fn pixel(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let (right, bottom) = (self.plane.width() - 1, self.plane.height() - 1);
         [
@@ -336,7 +344,7 @@ impl Nerve {
     }
 }
 
-/// Whose pixel column `x` of a row is, and up to where nothing changes.
+/// The cell of column `x` in a row, and the column up to which it stays the same.
 fn at<'a>(row: &mut std::iter::Peekable<impl Iterator<Item = &'a Cell>>, x: u16) -> (u16, u16) {
     while row.next_if(|cell| cell.to <= x).is_some() {}
     match row.peek() {

@@ -1,18 +1,22 @@
-//! Centers put in order: the line through those that lie along a strand.
+//! Puts centers in order: finds the line through those along a strand.
 //!
-//! The paper (F. Chen, arXiv 2312.16502) leaves this out. Here the centers' nerve, thinned, has shown which way the rope goes
-//! through its crossings ([`crate::clustering`]); each center is projected upon that way, and the line is
-//! the one that fits those of them outside of crossings and bends least ([`crate::centerline::smooth`]), each by the pixels it stands
-//! for. That is their order, whether they lie in single file or, on a rope wider than they are apart, in zigzag or
-//! two abreast. Nothing of the image is measured again but the tips and, for the widths, the sides of the mask.
+//! The paper (F. Chen, arXiv 2312.16502) leaves this out. Here, the thinned nerve of the centers
+//! has shown the rope's path through its crossings ([`crate::clustering`]), and each center is
+//! projected onto that path. The line fits the centers outside crossings and bends least
+//! ([`crate::centerline::smooth`]). Each center is weighted by the pixels that it stands for.
 //!
-//! Where it cannot be right:
-//! - a hole within a single cell is not seen: strands that enclose one are one there;
-//! - strands along each other share centers: each is laid half its width beside the mask's edge on its side, as long as
-//!   the overlap is known for one;
-//! - ropes that cross are one piece of the mask and share its K centers, whatever their colors;
-//! - a bend tighter than the distance between centers is cut short;
-//! - centers that keep off the mask's middle, or leave a part of the rope without any, draw the line with them.
+//! This gives their order, whether they are in single file or, on a rope wider than they are apart,
+//! in a zigzag or two abreast. Nothing in the image is measured again except the tips and, for the
+//! widths, the sides of the mask.
+//!
+//! Known limitations:
+//! - A hole within a single cell is not seen: strands that enclose one are a single strand there.
+//! - Strands alongside each other share centers. Each is laid half its width inside the mask's edge
+//!   on its side, if the overlap is recognized as one.
+//! - Ropes that cross are one piece of the mask and share its K centers, whatever their colors.
+//! - A bend tighter than the distance between centers is cut short.
+//! - Centers that avoid the mask's middle, or leave a part of the rope without any, pull the line
+//!   with them.
 
 use super::Center;
 use crate::bitmap::bits::BitPlane;
@@ -28,21 +32,25 @@ use crate::vec2::{self, Vec2};
 /// Distance between samples, in half-widths, and its limits in pixels.
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
-/// Half-widths from the way within which a center is the strand's: beyond lies its side.
+/// Maximum distance of a strand's own centers from its path, in half-widths. The strand's side is
+/// beyond.
 const OWN_HALVES: f32 = 1.25;
-/// The centers are smoothed over so many widths: as far as those that lie abreast take turns.
+/// Length over which the centers are smoothed, in widths, with a minimum in pixels. Centers two
+/// abreast alternate within this length.
 const SMOOTH_WIDTHS: f32 = 0.5;
 const SMOOTH_PX: f32 = 2.5;
-/// Half-widths of the way's ends that are laid again: where thinning has bent them, then where they are run on straight.
+/// Lengths of the path's ends that are laid again, in half-widths: where thinning has bent them,
+/// then where they are extended straight.
 const CUTS_HALVES: [f32; 2] = [2.5, 1.0];
 const LAST_CUT_HALVES: f32 = 0.7;
-/// The weight of a place in an open stretch where no center is: of no account, but not nothing, as in a crossing.
+/// Weight of a place on an open stretch without a center: negligible, but not 0 as in a crossing.
 const NO_CENTER: f32 = 1e-4;
-/// Times the strand's width that a section is at most; a wider one is not of this strand alone.
+/// Maximum width of a section, as a multiple of the strand's. A wider section is not of this strand
+/// alone.
 const WIDEST: f32 = 1.6;
-/// Half-widths from the middle of an overlap that its sides are sought.
+/// Distance from the middle of an overlap within which its sides are sought, in half-widths.
 const MOST_OVERLAP: f32 = 2.5;
-/// Step in which the sides of the mask are sought, in pixels.
+/// Step of the search for the sides of the mask, in pixels.
 const SIDE_STEP_PX: f32 = 0.5;
 
 /// Memory of the step.
@@ -51,15 +59,15 @@ pub(crate) struct Orderer {
     extender: Extender,
     smoother: Smoother,
     spaced: Vec<Sample>,
-    /// For each sample the sum of the centers that lie there, x and y, and of their weights.
+    /// For each sample, the sums of x, y and weight of the centers there.
     sums: Vec<[f32; 3]>,
-    /// Widths as a line of its own.
+    /// The widths as a line of their own.
     widths: Line,
     known: Vec<f32>,
 }
 
 impl Orderer {
-    /// Makes room for lines of so many samples.
+    /// Reserves room for lines of this many samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.extender.reserve(samples);
         self.spaced.reserve(samples);
@@ -68,7 +76,7 @@ impl Orderer {
         self.known.reserve(samples);
     }
 
-    /// Fills `line` with the centers along `strand`; false when too little of it is left.
+    /// Fills `line` with the centers along `strand`. Returns false if too little of it is left.
     pub(crate) fn build(
         &mut self,
         source: &Source,
@@ -107,7 +115,8 @@ impl Orderer {
         line.samples.len() >= 2
     }
 
-    /// Gives the samples of `line`, `step_px` apart, the places and weights of the centers along it.
+    /// Gives the samples of `line`, `step_px` apart, the positions and weights of the centers along
+    /// it.
     fn take_centers(&mut self, line: &mut Line, centers: &[Center], half_px: f32, step_px: f32) {
         self.sums.clear();
         self.sums.resize(line.samples.len(), [0.0; 3]);
@@ -119,10 +128,11 @@ impl Orderer {
                 *sum = [sum[0] + weight * x, sum[1] + weight * y, sum[2] + weight];
             }
         }
-        // As many pixels as lie between two samples weigh 1.
+        // The number of pixels between two samples weighs 1.
         let between = 2.0 * half_px * step_px;
         for (sample, &[x, y, weight]) in line.samples.iter_mut().zip(&self.sums) {
-            // In a crossing a center is both strands', in an overlap neither's own.
+            // In a crossing, a center belongs to both strands. In an overlap, it belongs to neither
+            // alone.
             if sample.weight > 0.0 && sample.side == 0.0 {
                 sample.weight = (weight / between).max(NO_CENTER);
                 if weight > 0.0 {
@@ -132,8 +142,8 @@ impl Orderer {
         }
     }
 
-    /// Gives each sample of `line` the width of the mask across it, weighed 1 where that is the strand's alone; returns the
-    /// median of those.
+    /// Sets the width of each sample of `line` to that of the mask across it, with weight 1 where
+    /// only the strand is there. Returns the median of those widths.
     fn measure_widths(&mut self, line: &mut Line, mask: &BitPlane, half_px: f32) -> f32 {
         let widest_px = WIDEST * half_px;
         self.known.clear();
@@ -156,7 +166,8 @@ impl Orderer {
         quantile_of_positive(&mut self.known, 0.5)
     }
 
-    /// Smooths the widths alone; where none is known, it is the median at the ends and what lies between two elsewhere.
+    /// Smooths only the widths. An unknown width becomes the median at the ends, and is
+    /// interpolated elsewhere.
     fn smooth_widths(&mut self, line: &mut Line, width_px: f32, reach: f32) {
         self.widths.closed = line.closed;
         self.widths.samples.clear();
@@ -167,7 +178,7 @@ impl Orderer {
             } else {
                 width_px
             },
-            // What is not known is not far from the median.
+            // An unknown width is close to the median.
             weight: sample.weight.max(0.01),
             side: 0.0,
         }));
@@ -179,8 +190,8 @@ impl Orderer {
     }
 }
 
-/// Tells apart what a way's samples lie in: a crossing (weight 0), an overlap (a side), or the open; and puts those in an
-/// overlap half a strand's width beside its edge on their side.
+/// Classifies the samples of a path: in a crossing (weight 0), in an overlap (with a side), or in
+/// the open. Moves those in an overlap to half a strand's width inside its edge on their side.
 fn set_apart(line: &mut Line, mask: &BitPlane, half_px: f32) {
     for i in 0..line.samples.len() {
         let across = vec2::unit_or(vec2::normal(line.slope(i, 2)), [1.0, 0.0]);
@@ -201,7 +212,7 @@ fn set_apart(line: &mut Line, mask: &BitPlane, half_px: f32) {
         let aside_px = share * sides[0].max(0.0) - (1.0 - share) * sides[1].max(0.0);
         sample.at = vec2::along(sample.at, across, aside_px);
         sample.weight = OVERLAP;
-        // Where it changes sides it is still an overlap.
+        // A sample that changes sides is still in an overlap.
         sample.side = sample.side.abs().max(f32::MIN_POSITIVE);
     }
 }
@@ -210,7 +221,8 @@ fn reach_px(half_px: f32) -> f32 {
     (SMOOTH_WIDTHS * 2.0 * half_px).max(SMOOTH_PX)
 }
 
-/// The sample nearest to a place, if it is within `most_px`, of samples about `step_px` apart.
+/// Index of the sample nearest to a place, if it is within `most_px`. Samples are about `step_px`
+/// apart.
 fn nearest(samples: &[Sample], at: Vec2, step_px: f32, most_px: f32) -> Option<usize> {
     let (mut best, mut least_px, mut i) = (None, most_px, 0);
     while i < samples.len() {
@@ -218,13 +230,14 @@ fn nearest(samples: &[Sample], at: Vec2, step_px: f32, most_px: f32) -> Option<u
         if apart_px < least_px {
             (best, least_px) = (Some(i), apart_px);
         }
-        // Going along the line, it comes nearer by a step at most; steps vary a little.
+        // One step along the line comes nearer by at most its length. Steps vary a little.
         i += ((apart_px - least_px) / (1.5 * step_px)).max(1.0) as usize;
     }
     best
 }
 
-/// How far the mask goes on from a place in it, this way, between pixels; at most `most_px`.
+/// Distance from a place in the mask to the mask's end in direction `way`, between pixels; at most
+/// `most_px`.
 fn side_px(mask: &BitPlane, at: Vec2, way: Vec2, most_px: f32) -> f32 {
     let (mut far, mut before) = (0.0, level(mask, at));
     if before < 0.5 {
@@ -240,7 +253,7 @@ fn side_px(mask: &BitPlane, at: Vec2, way: Vec2, most_px: f32) -> f32 {
     most_px
 }
 
-/// The mask between pixels, bilinear, from 0 to 1; past the edge the edge's pixels go on.
+/// The mask between pixels, bilinear, from 0 to 1. Past the edge, the edge's pixels continue.
 fn level(mask: &BitPlane, [x, y]: Vec2) -> f32 {
     let (right, bottom) = (mask.width() as f32 - 1.0, mask.height() as f32 - 1.0);
     let (x, y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));

@@ -7,19 +7,20 @@ use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 use lariat_portable::{Arch, NullaryFnOnce};
 
-/// Distances from the middle at which the inside is read, in widths.
+/// Distances from the middle, in widths, at which the inside is read.
 const INSIDE: [f32; 3] = [-0.22, 0.0, 0.22];
-/// Beside the edge: in widths, and at least in pixels, where little of its blur is left.
+/// Distances beyond the edge at which the ground is read: in widths, and at least in pixels, where
+/// little of the edge's blur is left.
 const BESIDE: [(f32, f32); 3] = [(0.2, 1.5), (0.4, 2.5), (0.65, 4.0)];
 
-/// Where the image is read across a curve at one of its points.
+/// The places at one point of a curve where the image is read across it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
     at: [Lanes; 2],
 }
 
 impl Place {
-    /// At point `i`; nothing if what is to be read there is not in the image.
+    /// The places at point `i`, or `None` if any of them is outside of the image.
     pub(super) fn new(image: &Image, curve: &Curve, i: usize) -> Option<Self> {
         let points = &curve.points;
         let (at, width_px) = (points[i], curve.widths_px[i].max(1.5));
@@ -56,7 +57,7 @@ impl Place {
     }
 }
 
-/// The reading of all places, for the widest registers.
+/// Reads all places, for the widest registers.
 struct ReadColors<'a> {
     image: &'a Image<'a>,
     places: &'a [Place],
@@ -74,23 +75,23 @@ impl NullaryFnOnce for ReadColors<'_> {
     }
 }
 
-/// What stands across a curve at one of its points, in native colours.
+/// The image across a curve at one of its points, in native colors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Across {
     pub(super) inside: [f32; 3],
-    /// How much lighter its middle is than what lies to both sides of it, inside, and one of these than the other.
+    /// Excess of light of the middle over both sides of the inside, and of one side over the other.
     pub(super) relief: [f32; 2],
-    /// Beyond each edge.
+    /// The color beyond each edge.
     pub(super) beside: [[f32; 3]; 2],
-    /// How far the inside is from each.
+    /// Color distance from the inside to each.
     pub(super) edges: [f32; 2],
-    /// The variation of the ground next to it.
+    /// Variation of the adjacent ground.
     pub(super) texture: f32,
     yuv: bool,
 }
 
 impl Across {
-    /// What stands at some places of an image.
+    /// Reads the image at these places.
     pub(super) fn read(image: &Image, places: &[Place], out: &mut [Self]) {
         let mut colors = [[[0.0; LANES]; 3]; PLACES];
         Arch::new().dispatch(ReadColors {
@@ -120,7 +121,8 @@ impl Across {
         across.relief = [middle - 0.5 * (left + right), right - left];
         for side in 0..2 {
             let from = INSIDE.len() + BESIDE.len() * side;
-            // The one of three that differs most from the inside: near another strand only one of them shows the ground.
+            // The one of three that differs most from the inside. Near another strand, only one of
+            // them may show the ground.
             let three = [0, 1, 2].map(|k| color(from + k));
             let far = three.map(|beside| across.distance(inside, beside));
             let farthest = (0..3).fold(0, |most, k| if far[k] > far[most] { k } else { most });
@@ -145,7 +147,7 @@ impl Across {
         color::distance(a, b, self.yuv)
     }
 
-    /// Whether the colour of the inside goes on behind a tip, in the direction `along`.
+    /// Returns whether the color of the inside continues beyond a tip, in the direction `along`.
     pub(super) fn goes_on(&self, image: &Image, tip: Vec2, along: Vec2, width_px: f32) -> bool {
         let size = [image.width() as f32, image.height() as f32];
         let mut alike = 0;

@@ -1,5 +1,6 @@
-//! What of the mask no line runs through, though it hangs together with one: a tip or a strand that was left out, or strands that
-//! were taken for one. Whoever leaves something out has hardly understood the rest.
+//! The part of the mask that no line runs through, although it is connected to one. It may be a tip
+//! or a strand that was left out, or strands that were treated as one. It is evidence that the rest
+//! was misread, too.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::spread::spread;
@@ -7,24 +8,25 @@ use crate::centerline::line::Line;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// So far from its middle, in widths and in pixels, what the mask shows is a line's own.
+/// Distance from a line's middle, in widths plus pixels, within which the mask is the line's own.
 const OWN: (f32, f32) = (0.8, 0.5);
-/// Widths from one place on a line to the next that is looked at.
+/// Distance, in widths, between the places on a line that are read.
 const STEP: f32 = 0.5;
-/// This many squares of the ropes' width give the value ½.
+/// Remainder that gives the value ½, in squares of the ropes' width.
 const HALF: f32 = 1.5;
 
-/// So far from a curve, in pixels beyond what is its own, is what hangs together with it.
+/// Distance from a curve, in pixels beyond its own part of the mask, within which a remainder is
+/// connected to it.
 const BESIDE_PX: f32 = 1.5;
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Remainder {
-    /// The pixels that are left.
+    /// The remaining pixels.
     left: BitPlane,
-    /// How many, in squares of the ropes' width.
+    /// Their area, in squares of the ropes' width.
     squares: f32,
-    /// All that hangs together with a line, and within what.
+    /// The part of the mask that is connected to a line, and the limits of its growth.
     grown: BitPlane,
     limits: BitPlane,
 }
@@ -37,12 +39,12 @@ impl Remainder {
         }
     }
 
-    /// Nothing is left, as far as is known.
+    /// Resets the remainder to nothing.
     pub(crate) fn clear(&mut self) {
         self.squares = 0.0;
     }
 
-    /// Finds what `lines`, of ropes up to so wide, leave of `mask`.
+    /// Finds what `lines`, of ropes up to this width, leave of `mask`.
     pub(crate) fn find(&mut self, mask: &BitPlane, lines: &[Line], width_px: f32) {
         self.clear();
         let width_px = width_px.max(1.0);
@@ -56,7 +58,7 @@ impl Remainder {
         if self.left.words().iter().all(|&word| word == 0) {
             return;
         }
-        // What lies apart is another thing.
+        // Something that is not connected is another object.
         self.limits.copy_from(mask);
         self.grown.copy_from(mask);
         for (own, left) in self.grown.words_mut().iter_mut().zip(self.left.words()) {
@@ -70,12 +72,12 @@ impl Remainder {
         self.squares = self.left.count() as f32 / (width_px * width_px);
     }
 
-    /// How many squares of the ropes' width are left.
+    /// The remaining area, in squares of the ropes' width.
     pub(crate) fn squares(&self) -> f32 {
         self.squares
     }
 
-    /// The amount left next to a curve: 0 for nothing, ½ for [`HALF`] squares, 1 in the limit.
+    /// The remainder next to a curve: 0 for nothing, ½ for [`HALF`] squares, 1 in the limit.
     pub(crate) fn beside(&self, curve: &Curve) -> f32 {
         if self.squares > 0.0 && self.is_beside(curve) {
             self.squares / (HALF + self.squares)
@@ -84,7 +86,7 @@ impl Remainder {
         }
     }
 
-    /// Whether what is left hangs together with the curve.
+    /// Returns whether the remainder is connected to the curve.
     fn is_beside(&self, curve: &Curve) -> bool {
         let reach_px = OWN.0 * curve.width_px + OWN.1 + BESIDE_PX;
         let step_px = (STEP * curve.width_px).max(1.0);
@@ -106,7 +108,7 @@ impl Remainder {
     }
 }
 
-/// Places along a line that are at least that far from the last one.
+/// Places along a line, each at least this far from the last.
 fn apart(line: &Line, step_px: f32) -> impl Iterator<Item = Vec2> {
     let mut last: Option<Vec2> = None;
     let places = line.samples.iter().map(|sample| sample.at);
@@ -119,14 +121,16 @@ fn apart(line: &Line, step_px: f32) -> impl Iterator<Item = Vec2> {
     })
 }
 
-/// Calls `run` with each run of a disc's pixels within the picture: row, first pixel, and behind the last.
+/// Calls `run` with each run of a disc's pixels within the picture: row, first pixel, and the pixel
+/// after the last.
 fn for_each_run(
     [x, y]: Vec2,
     radius_px: f32,
     of: &BitPlane,
     mut run: impl FnMut(usize, usize, usize),
 ) {
-    // The first pixel behind a place, no farther than that; casts cut off, and take what lies before the picture for 0.
+    // The first pixel after a place, at most `most`. Casts truncate, and yield 0 for a place before
+    // the picture.
     let behind = |at: f32, most: usize| ((at + 1.0) as usize).min(most);
     for row in behind(y - radius_px, of.height())..behind(y + radius_px, of.height()) {
         let off_px = row as f32 - y;
@@ -143,7 +147,7 @@ mod tests {
     use super::*;
     use crate::centerline::line::Sample;
 
-    /// Half a rope's width, and the height of the one that lies from left to right.
+    /// Half a rope's width, and the height of the horizontal one.
     const HALF_PX: f32 = 4.0;
     const Y: f32 = 60.0;
 
@@ -162,7 +166,7 @@ mod tests {
         (line, curve)
     }
 
-    /// A mask of the pixels that lie that near to a point.
+    /// A mask of the pixels within `HALF_PX` of a shape.
     fn mask(distance_px: impl Fn(f32, f32) -> f32) -> BitPlane {
         let mut mask = BitPlane::default();
         mask.resize(160, 120);
@@ -179,7 +183,7 @@ mod tests {
         (x - x.clamp(10.0, 150.0)).hypot(y - Y)
     }
 
-    /// The amount left next to the line from left to right in this mask.
+    /// The remainder next to the horizontal line in this mask.
     fn left(mask: &BitPlane) -> f32 {
         let (line, curve) = told();
         let mut remainder = Remainder::default();
@@ -194,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_strand_that_was_left_out_is_missed_by_its_squares() {
-        // From row 20 to where the rope's own ends: 33 rows of it.
+        // From row 20 to the rope's own part: 33 rows of it.
         let strand = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(24.0, Y));
         let left = left(&mask(|x, y| rope(x, y).min(strand(x, y))));
         let squares = HALF * left / (1.0 - left);

@@ -1,33 +1,34 @@
-//! The surroundings of a curve's tips within the picture. Ropes end on the table. Pieces of a rope end at a strand, before a
-//! gap, or in the middle of what the network sees.
+//! The surroundings of a curve's tips within the picture. Ropes end on the table. Fragments of a
+//! rope end at a strand, before a gap, or in the middle of the network's rope.
 
 use crate::image::gray::GrayPlane;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// Greatest distance of a tip from a strand's edge, in widths, to be at that strand.
+/// Maximum distance of a tip from a strand's edge, in widths, for the tip to be at that strand.
 const AT: f32 = 1.0;
-/// Least cosine of the angle between a tip's direction and that of the nearest point of a strand it points at: 60 degrees. A rope
-/// that ends next to another one points past it.
+/// Cosine of the maximum angle between a tip's direction and that of the nearest point of a strand,
+/// for the tip to point at it: 60°. A rope that ends next to another one points past it.
 const POINTS: f32 = 0.5;
-/// The stretch before a tip, in widths, that is near it in any case.
+/// Length of a curve's own stretch before a tip, in widths, that is always near the tip.
 const OWN: f32 = 3.0;
-/// Greatest distance of two tips of a torn rope, in widths, and least cosine of the angle at which they point at each other.
+/// Maximum distance of two tips of a torn rope, in widths.
 const TORN: f32 = 8.0;
+/// Cosine of the maximum angle at which they point at each other.
 const FACING: f32 = 0.8;
-/// The direction of a tip is taken over this many widths.
+/// Length, in widths, over which the direction of a tip is taken.
 const BACK: f32 = 1.5;
-/// Distances beyond a tip, in widths, where its own blur has ended.
+/// Distances beyond a tip, in widths, at which its own blur has ended.
 const BEYOND: [f32; 3] = [1.5, 2.5, 3.5];
 
-/// A tip, and the direction that points away from the curve there.
+/// A tip, and the direction there, away from the curve.
 #[derive(Clone, Copy)]
 struct Tip {
     at: Vec2,
     out: Vec2,
 }
 
-/// A curve's tips within the picture, with the ends that they are.
+/// A curve's tips within the picture, with the index of each end.
 fn tips(curve: &Curve) -> impl Iterator<Item = (usize, Tip)> {
     let ends = (0..2).filter(|&end| !curve.closed && !curve.border[end]);
     ends.filter_map(|end| {
@@ -44,7 +45,8 @@ fn tips(curve: &Curve) -> impl Iterator<Item = (usize, Tip)> {
     })
 }
 
-/// The share of a curve's two tips that point at the flank of another strand, or of another place of its own, or lie within it.
+/// Share of a curve's two tips that point at the flank of a strand or are within it. The strand may
+/// be another curve, or another place on the same one.
 pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
     let curve = &curves[number];
     let is_met = |&(end, tip): &(usize, Tip)| {
@@ -60,8 +62,9 @@ pub(super) fn met(curves: &[Curve], number: usize) -> f32 {
     0.5 * tips(curve).filter(is_met).count() as f32
 }
 
-/// Returns true if a tip points at the flank of a strand that is at most `near_px` away, or lies within the strand. `counts` chooses
-/// the strand's points by their lengths to its two ends, in pixels.
+/// Returns whether a tip points at the flank of a strand that is at most `near_px` away, or is
+/// within the strand. `counts` chooses the strand's points by their arc lengths to its two ends, in
+/// pixels.
 fn is_at_flank(
     tip: Tip,
     strand: &Curve,
@@ -78,7 +81,7 @@ fn is_at_flank(
         if off_px <= nearest_px && counts([i, last - i].map(|steps| steps as f32 * step_px)) {
             (nearest, nearest_px) = (Some(i), off_px);
         }
-        // A point nearer than the nearest is at least this many steps away.
+        // A point nearer than the nearest one is at least this many steps away.
         i += (((off_px - nearest_px) / step_px) as usize).max(1);
     }
     nearest.is_some_and(|i| {
@@ -88,7 +91,8 @@ fn is_at_flank(
     })
 }
 
-/// How plainly one of a curve's tips continues at another tip beyond a gap: 1 without a gap, 0 from [`TORN`] widths on.
+/// How clearly one of a curve's tips continues at another tip beyond a gap: 1 without a gap, 0 from
+/// [`TORN`] widths on.
 pub(super) fn torn(curves: &[Curve], number: usize) -> f32 {
     let curve = &curves[number];
     let mut most = 0.0f32;
@@ -107,7 +111,7 @@ pub(super) fn torn(curves: &[Curve], number: usize) -> f32 {
     most
 }
 
-/// How likely the network finds what lies beyond a curve's tips, in the mean of both.
+/// The network's output beyond a curve's tips, as the mean of both.
 pub(super) fn beyond(likely: &GrayPlane, curve: &Curve) -> f32 {
     let seen = tips(curve).map(|(_, Tip { at, out })| {
         let beyond = likely.sample_each(at, out, BEYOND.map(|widths| widths * curve.width_px));
@@ -120,7 +124,7 @@ pub(super) fn beyond(likely: &GrayPlane, curve: &Curve) -> f32 {
 mod tests {
     use super::*;
 
-    /// A rope, 8 px wide, from one place straight to another.
+    /// A straight rope, 8 px wide, from one place to another.
     fn rope(from: Vec2, to: Vec2) -> Curve {
         let share = |k: usize| k as f32 / 50.0;
         let mut curve = Curve::default();
@@ -157,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_rope_that_comes_back_to_itself_is_met_there() {
-        // Three sides of a square, and the last tip at the middle of the first.
+        // Three sides of a square, with the last tip at the middle of the first side.
         let mut curve = Curve::default();
         let corners = [
             [20.0, 20.0],

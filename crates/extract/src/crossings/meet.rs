@@ -1,22 +1,22 @@
-//! Where the finished curves meet: between their points they are straight, and two strands cross
-//! exactly where these pieces do.
+//! The places where the finished curves meet. Between their points the curves are straight, and two
+//! strands cross exactly where these segments do.
 //!
-//! Pieces are put in blocks with a bounding box each, and only blocks whose boxes overlap are
-//! intersected piece by piece. Where strands run along each other for a while, their centerlines
-//! may meet several times within one overlap: an odd number of meetings is one crossing, an even
-//! number none, as only then the strands come out of the overlap on the sides they went in.
+//! Segments are grouped into blocks with a bounding box each. Only blocks whose boxes overlap are
+//! intersected segment by segment. If strands run along each other for a while, their centerlines
+//! may meet several times within one overlap. An odd number of meetings is one crossing. An even
+//! number is not a crossing, because the strands leave the overlap on the sides where they entered.
 
 use super::place::Place;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// Pieces a block: few enough that a block's box is small against the image, enough that comparing
-/// boxes is little work.
+/// Segments in a block: few enough that a block's box is small compared with the image, and enough
+/// that comparing boxes is little work.
 const BLOCK: usize = 8;
-/// Meetings that are looked at; 32 crossings are reported at most.
+/// Maximum number of meetings that are examined. At most 32 crossings are reported.
 const MOST: usize = 256;
 
-/// Two places that lie over each other.
+/// Two places at the same position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting {
     pub(crate) at: Vec2,
@@ -29,7 +29,7 @@ pub(crate) struct Meeting {
 pub(crate) struct Meeter {
     blocks: Vec<Block>,
     all: Vec<Meeting>,
-    /// For each of `all` the first meeting of its overlap.
+    /// For each of `all`, the first meeting of its overlap.
     first: Vec<usize>,
     /// One meeting for each crossing.
     pub(crate) crossings: Vec<Meeting>,
@@ -37,7 +37,7 @@ pub(crate) struct Meeter {
 
 impl Default for Meeter {
     fn default() -> Self {
-        // All that it can come to, so that no later scene, richer than those before, allocates.
+        // Room for the maximum, so that no later scene with more crossings allocates.
         Self {
             blocks: Vec::new(),
             all: Vec::with_capacity(MOST),
@@ -47,7 +47,7 @@ impl Default for Meeter {
     }
 }
 
-/// Pieces `from..to` of a curve, and the box around them.
+/// Segments `from..to` of a curve, and the box around them.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     curve: usize,
@@ -97,7 +97,7 @@ impl Meeter {
         }
     }
 
-    /// Makes one crossing, or none, of all meetings of an overlap.
+    /// Turns all meetings of an overlap into one crossing or none.
     fn merge(&mut self, curves: &[Curve]) {
         let key = |m: &Meeting| (m.a.curve, m.b.curve);
         self.all
@@ -131,7 +131,7 @@ impl Block {
         (0..2).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
     }
 
-    /// Whether the box around a piece overlaps the block's.
+    /// Returns whether the box around a segment overlaps the block's.
     fn is_near(&self, [from, to]: [Vec2; 2]) -> bool {
         let within =
             |c: usize| (from[c].min(to[c]) <= self.high[c]) & (self.low[c] <= from[c].max(to[c]));
@@ -139,11 +139,11 @@ impl Block {
     }
 }
 
-/// Adds the meetings of the pieces of `p` with those of `q`.
+/// Adds the meetings of the segments of `p` with those of `q`.
 fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     let (a, b) = (&curves[p.curve], &curves[q.curve]);
     let same = p.curve == q.curve;
-    // Pieces that lie nearer along the curve than this do not cross, on the short way around.
+    // Segments nearer than this along the curve, the short way around, do not cross.
     let apart = a.nearest_crossing();
     for i in p.from..p.to {
         let first = if same { q.from.max(i + apart) } else { q.from };
@@ -171,7 +171,7 @@ fn intersect(curves: &[Curve], p: &Block, q: &Block, all: &mut Vec<Meeting>) {
     }
 }
 
-/// Where the curves meet within `reach` pieces of two places.
+/// The first meeting of the curves within `reach` segments of two places.
 pub(crate) fn near(curves: &[Curve], a: Place, b: Place, reach: usize) -> Option<Meeting> {
     let around = |place: Place| {
         let (middle, count) = (place.at.max(0.0) as usize, curves[place.curve].intervals());
@@ -198,10 +198,10 @@ pub(crate) fn near(curves: &[Curve], a: Place, b: Place, reach: usize) -> Option
     None
 }
 
-/// Where on the two pieces they meet, as shares of each.
+/// The place on each of two segments where they meet, as a share of its length.
 fn meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> Option<(f32, f32)> {
     let side = |from: Vec2, to: Vec2, p: Vec2| vec2::cross(vec2::sub(to, from), vec2::sub(p, from));
-    // By sides, so that a meeting in a point that two pieces share is counted once.
+    // Compares sides, so that a meeting in a point shared by two segments is counted once.
     let (ac, bc) = (side(c, d, a), side(c, d, b));
     let (ca, da) = (side(a, b, c), side(a, b, d));
     if (ac >= 0.0) == (bc >= 0.0) || (ca >= 0.0) == (da >= 0.0) {
@@ -210,13 +210,13 @@ fn meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> Option<(f32, f32)> {
     Some((ac / (ac - bc), ca / (ca - da)))
 }
 
-/// Whether the strands stay one over the other between two of their meetings: nowhere there do
-/// their centerlines part by half a width.
+/// Returns whether the strands stay on top of each other between two of their meetings. Their
+/// centerlines are then nowhere half a width apart.
 fn one_overlap(curves: &[Curve], m: &Meeting, n: &Meeting) -> bool {
     let (a, b) = (&curves[m.a.curve], &curves[m.b.curve]);
     let half_px = 0.25 * (a.width_px + b.width_px);
     let ways = [a.way_px(m.a.at, n.a.at), b.way_px(m.b.at, n.b.at)];
-    // Strands that part by no more than that have gone ways of nearly the same length.
+    // Strands that close together have nearly the same length between the meetings.
     if (ways[0] - ways[1]).abs() > half_px {
         return false;
     }
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn strands_that_run_along_each_other_and_part_on_the_other_side_cross_once() {
         let level = curve(101, |t| [400.0 * t, 100.0]);
-        // Over 120 px within a pixel of the other, which it meets again and again.
+        // For 120 px it is within a pixel of the other and meets it again and again.
         let wavy = curve(101, |t| {
             let x = 400.0 * t - 200.0;
             let aside = (x.abs() - 60.0).max(0.0) * x.signum() * 0.5;

@@ -1,13 +1,16 @@
-//! Which of two strands lies on top where they cross, seen in the image.
+//! Decides which of two strands is on top where they cross, from the image.
 //!
-//! Along the upper strand its surface goes on: what is seen on a line that runs parallel to its axis
-//! (a highlight, the shade toward its edge, its color) is the same before the crossing, in it, and
-//! after it. Along the lower strand each such line is cut by the upper one's two edges, its shadow
-//! and its own shading. So a few lines along each strand are looked at twice: how far the image
-//! through the crossing is from what is predicted of it from just outside, and how much it changes
-//! on the way through the middle of the crossing, where no blur of lens or motion mixes in the
-//! table. The upper strand is the one that surprises less, and whose own [edges](rims) and [cross-sections](bands)
-//! are seen. That compares colors, shading, texture and edges at once, and needs no model of a rope or of the light.
+//! The upper strand's surface continues through the crossing. On a line parallel to its axis, the
+//! image (a highlight, the shade toward its edge, its color) is the same before, in and after the
+//! crossing. On the lower strand, each such line is cut by the upper strand's two edges, its shadow
+//! and its shading.
+//!
+//! A few lines along each strand are therefore compared in two ways. One is how far the image
+//! through the crossing differs from its prediction from just outside. The other is how much it
+//! changes through the middle of the crossing, where no blur of lens or motion mixes in the table.
+//! The upper strand is the one with the smaller residuals, whose own [edges](rims) and
+//! [cross-sections](bands) are visible. This compares colors, shading, texture and edges at once,
+//! and needs no model of a rope or of the light.
 
 mod axis;
 mod bands;
@@ -25,35 +28,39 @@ use axis::Axis;
 use lines::Lines;
 use rims::Rims;
 
-/// Beyond the other strand's edge the lens and an error of the width reach this far, in pixels…
+/// Reach of the lens's blur and of an error of the width beyond the other strand's edge, in pixels.
 const BLUR_PX: f32 = 1.5;
-/// …and a shadow of it, in half-widths.
+/// Reach of the other strand's shadow beyond its edge, in half-widths.
 const SHADOW: f32 = 0.5;
-/// How much is looked at before and after the crossing, in half-widths of the other strand, and at
-/// least in pixels.
+/// Length read before and after the crossing, in half-widths of the other strand, and its minimum
+/// in pixels.
 const AROUND: f32 = 1.6;
 const AROUND_LEAST_PX: f32 = 4.0;
-/// Strands that cross at a flatter angle than this sine are looked at no farther than it tells.
+/// Minimum sine of the crossing angle, for the length that is read. Flatter crossings are read no
+/// farther.
 const FLATTEST: f32 = 0.12;
-/// The most samples of an axis: what the above comes to when the step is a twelfth of the width.
+/// Maximum number of samples of an axis: the length above at a step of a twelfth of the width.
 const MOST_SAMPLES: usize = 320;
-/// Levels of difference that mean nothing: rounding.
+/// Difference in levels that means nothing, because of rounding.
 const ROUNDING: f32 = 1.0;
-/// How fast certainty grows with the margin between the strands. The logistic regression of "right"
-/// over 2900 drawn crossings (every contrast from none on; dashed, twisted, braided, speckled, blurred by lens and by
-/// motion, shining, flat) gives a slope of 10 for the log-odds; half of it makes the hyperbolic
-/// tangent of the same curve. The number of samples does not enter: what misleads is not noise.
+/// Growth of confidence with the margin between the strands. A logistic regression of "right" over
+/// 2900 drawn crossings gives a slope of 10 for the log-odds. A hyperbolic tangent with half that
+/// slope is the same curve. The crossings had every contrast from none upward; the ropes were
+/// dashed, twisted, braided, speckled, blurred by lens and by motion, shining, or flat. The number
+/// of samples does not matter, because the errors are not noise.
 const CERTAINTY: f32 = 5.0;
-/// How much the edges count beside the surface: with more, crossings of dashed ropes are told better, and those of speckled ones worse.
+/// Weight of the edges relative to the surface. With a larger weight, crossings of dashed ropes are
+/// judged better, and those of speckled ones worse.
 const RIMS: f32 = 0.4;
-/// A share by which edges stand out that means nothing.
+/// Edge contrast that means nothing, relative to that outside of the crossing.
 const LEAST_SHARE: f32 = 0.05;
-/// How much the cross-sections count beside the surface, where they are seen well; and by how much less the surface does
-/// then as it is predicted: dashes begin and end anywhere.
+/// Weight of the cross-sections relative to the surface, if they are clearly visible.
 const BANDS: f32 = 1.1;
+/// Reduction of the weight of the surface's prediction in that case: dashes begin and end anywhere.
 const PREDICTED: f32 = 0.6;
-/// Cross-sections are seen well where edges are so sharp, and strands so thick, in half-widths.
+/// Range of edge sharpness over which cross-sections become clearly visible.
 const SHARP: (f32, f32) = (0.7, 1.0);
+/// Range of half-widths over which cross-sections become clearly visible.
 const THICK_PX: (f32, f32) = (2.0, 4.0);
 
 /// Memory of the step.
@@ -63,25 +70,25 @@ pub(crate) struct Judge {
     lines: Lines,
 }
 
-/// What the image says.
+/// The judgement from the image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Verdict {
-    /// Whether the second strand is the upper one.
+    /// True if the second strand is the upper one.
     pub(crate) second: bool,
-    /// From 0 (a toss of a coin) to 1 (certain): 2p − 1 for a probability p of being right.
+    /// From 0 (a coin toss) to 1 (certain): 2p − 1, where p is the probability of being right.
     pub(crate) confidence: f32,
 }
 
-/// How little the image along a strand is that of a surface that goes on.
+/// Residuals of the image along a strand from that of a continuous surface.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surprise {
-    /// Off what is seen outside of the crossing.
+    /// Difference from the prediction from outside of the crossing.
     off: Mean,
-    /// Off the line's own mean in the middle of the crossing.
+    /// Deviation from the line's own mean in the middle of the crossing.
     unsteady: Mean,
-    /// Off what is seen across the strand outside of the crossing.
+    /// Difference from the cross-section outside of the crossing.
     bands: Mean,
-    /// Its own edges there.
+    /// The strand's own edges at the crossing.
     rims: Option<Rims>,
 }
 
@@ -93,7 +100,7 @@ struct Mean {
 }
 
 impl Judge {
-    /// Compares the strands around places `a` and `b`, which lie over each other.
+    /// Compares the strands at places `a` and `b`, where they cross.
     pub(crate) fn judge(&mut self, image: &Image, curves: &[Curve], places: [Place; 2]) -> Verdict {
         Arch::new().dispatch(Judging {
             judge: self,
@@ -120,7 +127,7 @@ impl Judge {
         let across_px = 0.5 * (widths[0] + widths[1]) / sin;
         let wider_px = 0.5 * widths[0].max(widths[1]);
         let reach_px = 1.1 * across_px + beyond_px(wider_px) + around_px(wider_px) + BLUR_PX;
-        // At a pixel's steps nothing is missed; of thick ropes a dozen steps a width tell as much.
+        // A step of one pixel misses nothing. For thick ropes, a dozen steps a width tell as much.
         let step_px = ((widths[0] + widths[1]) / 24.0).max(1.0);
         let mut reaches = [[reach_px; 2]; 2];
         if a.curve == b.curve {
@@ -160,8 +167,8 @@ impl WithSimd for Judging<'_> {
     }
 }
 
-/// Ends the axes of two places of one curve, the first before the second, halfway between them: a
-/// small loop is not to be followed into the other pass.
+/// Ends the axes of two places of one curve, the first before the second, halfway between them. A
+/// small loop must not be followed into the other pass.
 fn share_loop(curve: &Curve, [first, second]: [f32; 2], reaches: &mut [[f32; 2]; 2]) {
     let half_px = |way: f32| 0.5 * way * curve.spacing_px();
     let between = half_px(second - first);
@@ -174,14 +181,15 @@ fn share_loop(curve: &Curve, [first, second]: [f32; 2], reaches: &mut [[f32; 2];
     }
 }
 
-/// From 0 to 1, how well strands of this half-width and with these edges show what is across them.
+/// How well strands of this half-width and with these edges show their cross-sections, from 0 to 1.
 fn clear(rims: [Option<Rims>; 2], half_px: f32) -> f32 {
     let sharpness = |rims: Option<Rims>| rims.map_or(0.0, |rims| rims.sharpness);
     let sharpness = sharpness(rims[0]).min(sharpness(rims[1]));
     grade(sharpness, SHARP.0, SHARP.1) * grade(half_px, THICK_PX.0, THICK_PX.1)
 }
 
-/// The upper strand is the one that surprises less; `clear` is how well the cross-sections are seen.
+/// Chooses the strand with the smaller residuals as the upper one. `clear` is how well the
+/// cross-sections are visible.
 fn verdict(a: Surprise, b: Surprise, clear: f32) -> Verdict {
     let margin = (1.0 - PREDICTED * clear) * a.off.above(b.off)
         + a.unsteady.above(b.unsteady)
@@ -193,8 +201,8 @@ fn verdict(a: Surprise, b: Surprise, clear: f32) -> Verdict {
     }
 }
 
-/// How much less the edges of the first strand stand out than those of the second, weighed; 0 when one of them is not known,
-/// or not sharp.
+/// Weighted contrast of the second strand's edges minus that of the first's; 0 if one of them is
+/// unknown or not sharp.
 fn above(a: Option<Rims>, b: Option<Rims>) -> f32 {
     let (Some(a), Some(b)) = (a, b) else {
         return 0.0;
@@ -210,7 +218,7 @@ impl Mean {
         self.count += count;
     }
 
-    /// How much larger than `other` it is, from −1 to 1; 0 when one of them is not known.
+    /// Relative excess over `other`, from −1 to 1; 0 if one of them is unknown.
     fn above(self, other: Mean) -> f32 {
         if self.count == 0.0 || other.count == 0.0 {
             return 0.0;
@@ -220,7 +228,7 @@ impl Mean {
     }
 }
 
-/// How far beyond the edge of a strand of this half-width another one is disturbed by it.
+/// Distance beyond the edge of a strand of this half-width within which it disturbs another one.
 fn beyond_px(half_px: f32) -> f32 {
     BLUR_PX + SHADOW * half_px
 }

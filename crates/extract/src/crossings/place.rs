@@ -1,14 +1,14 @@
-//! Places on a finished curve: between its points it is straight for what is reported, and a smooth
-//! spline for what is looked at in the image.
+//! Places on a finished curve. Reported positions treat the curve as straight between its points.
+//! Reading the image uses a smooth spline.
 
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// A rope that bends back to cross itself needs more way than this, in widths: the centerline of
+/// Minimum arc length, in widths, between two places where a rope crosses itself. The centerline of
 /// the tightest loop, whose hole is closed, is π widths long.
 const TIGHTEST: f32 = 2.0;
 
-/// A place on a curve: its index, and the point with its fraction.
+/// A place on a curve: the curve's index, and the point with its fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     pub(crate) curve: usize,
@@ -16,7 +16,8 @@ pub(crate) struct Place {
 }
 
 impl Curve {
-    /// Pieces between points; of a closed curve also from the last to the first.
+    /// Number of segments between points; in a closed curve also the one from the last to the
+    /// first.
     pub(crate) fn intervals(&self) -> usize {
         match self.points.len() {
             0 | 1 => 0,
@@ -25,24 +26,26 @@ impl Curve {
         }
     }
 
-    /// The two points that piece `i` joins.
+    /// The two points that segment `i` joins.
     pub(crate) fn piece(&self, i: usize) -> [Vec2; 2] {
         [self.points[i], self.points[(i + 1) % self.points.len()]]
     }
 
-    /// Whether pieces `i` and `j` are too near along the curve to cross each other.
+    /// Returns whether segments `i` and `j` are too near along the curve to cross each other.
     pub(crate) fn neighbors(&self, i: usize, j: usize) -> bool {
         let apart = self.step(i as f32, j as f32).abs();
         apart < 1.5 || apart * self.spacing_px() < TIGHTEST * self.width_px
     }
 
-    /// How many pieces on from a piece the first lies that may cross it, counted the short way around.
+    /// Number of segments from one segment to the first that may cross it, counted the short way
+    /// around.
     pub(crate) fn nearest_crossing(&self) -> usize {
         let least = TIGHTEST * self.width_px / self.spacing_px().max(1e-3);
         (least.min(self.points.len() as f32) as usize).max(1)
     }
 
-    /// From place `from` to place `to` (points with fractions), the shorter way of a closed curve.
+    /// The step from place `from` to place `to` (points with fractions), the shorter way on a
+    /// closed curve.
     pub(crate) fn step(&self, from: f32, to: f32) -> f32 {
         let (step, around) = (to - from, self.intervals() as f32);
         if self.closed && step.abs() > 0.5 * around {
@@ -52,12 +55,12 @@ impl Curve {
         }
     }
 
-    /// How long the way between two places is, in pixels.
+    /// Arc length between two places, in pixels.
     pub(crate) fn way_px(&self, from: f32, to: f32) -> f32 {
         self.step(from, to).abs() * self.spacing_px()
     }
 
-    /// From one point to the next, in pixels.
+    /// Distance from one point to the next, in pixels.
     pub(crate) fn spacing_px(&self) -> f32 {
         self.length_px / self.intervals().max(1) as f32
     }
@@ -76,7 +79,7 @@ impl Curve {
     }
 }
 
-/// The unit tangent at a place of the curve, that of the Catmull-Rom spline through its points.
+/// The unit tangent at a place of the curve: that of the Catmull-Rom spline through its points.
 pub(crate) fn tangent(curve: &Curve, place: f32) -> Vec2 {
     let (i, t) = split(curve, place);
     let [p, q, r, s] = around(curve, i);
@@ -88,7 +91,7 @@ pub(crate) fn tangent(curve: &Curve, place: f32) -> Vec2 {
     vec2::unit_or(d, vec2::unit_or(vec2::sub(r, q), [1.0, 0.0]))
 }
 
-/// The piece of the spline and how far into it.
+/// The segment of the spline that holds a place, and the fraction within it.
 #[inline(always)]
 pub(crate) fn split(curve: &Curve, place: f32) -> (i32, f32) {
     let last = curve.intervals() as i32 - 1;
@@ -97,7 +100,7 @@ pub(crate) fn split(curve: &Curve, place: f32) -> (i32, f32) {
     (i, place - i as f32)
 }
 
-/// The points around piece `i`: one before it, its two ends, one after it.
+/// The points around segment `i`: one before it, its two ends, one after it.
 #[inline]
 pub(crate) fn around(curve: &Curve, i: i32) -> [Vec2; 4] {
     [
@@ -108,7 +111,8 @@ pub(crate) fn around(curve: &Curve, i: i32) -> [Vec2; 4] {
     ]
 }
 
-/// Point `i`, counted around a closed curve, and run on straight beyond the ends of an open one.
+/// Point `i`, counted around a closed curve, and extrapolated straight beyond the ends of an open
+/// one.
 fn point(curve: &Curve, i: i32) -> Vec2 {
     let n = curve.points.len() as i32;
     let at = |i: i32| curve.points[i as usize];

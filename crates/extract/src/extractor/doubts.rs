@@ -1,4 +1,4 @@
-//! Which of the curves may be no ropes.
+//! Finds the curves that may not be ropes.
 
 use super::Extractor;
 use crate::confidence::{self, Maker, Prior};
@@ -10,21 +10,24 @@ use crate::scene::{Curve, Status};
 use crate::tracking::plausible::Surroundings;
 use crate::tracking::track::Tracker;
 
-/// Thinner ropes have no inside that could be read: their confidence is low, and says nothing of the scene.
+/// Minimum width of a rope with a readable inside. The confidence of a thinner one is low, but
+/// tells nothing about the scene.
 pub(super) const THINNEST_PX: f32 = 3.0;
 
-/// What the network finds and is less likely right than one in fifty is not reported, unless all that is found is asked for.
+/// Minimum confidence of the network's curves: one in fifty. Less likely ones are only reported if
+/// the options ask for everything.
 const UNLIKELY: f32 = 0.02;
-/// Nor, beside a rope that is this sure, or while one is known that was, what is less likely right than that: such a curve is a piece
-/// of the rope with something else, or something else, and would take the rope's number and shape along. What is new beside one that
-/// is known must be as sure.
+/// Minimum confidence of a rope that counts as certain. While one is visible or known, a curve of
+/// less than `UNLIKELY_BESIDE` is not reported either. It is another object, perhaps with a
+/// fragment of the rope, and would take over the rope's number and shape. A new curve next to a
+/// known rope must be as certain.
 pub(super) const SURE: f32 = 0.5;
 const UNLIKELY_BESIDE: f32 = 0.2;
 
-/// Difference from the table at which a rope must not be hidden by noise: a quarter of all 256 levels.
+/// Difference from the table at which noise must not hide a rope: a quarter of all 256 levels.
 const HIDDEN: f32 = 64.0;
 
-/// What is known of all curves of a mask.
+/// Knowledge about all curves of a mask.
 pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Prior<'a> {
     let by_network = masker.is_of_network();
     Prior {
@@ -41,11 +44,13 @@ pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Prior<'a> {
     }
 }
 
-/// So many things that may be no ropes are clutter; a single one is reported, as doubtful.
+/// Number of objects that may not be ropes at which they are clutter. A single one is reported, as
+/// doubtful.
 const MUCH: usize = 2;
 
 impl Extractor {
-    /// Drops those of this image's curves that are hardly ropes, where the network found them, or saw none there.
+    /// Drops this image's unlikely curves, if they are the network's or the network saw no rope
+    /// there.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
         if !self.masker.is_sought && !self.answer.leaves_out() {
             return;
@@ -74,12 +79,13 @@ impl Extractor {
         }
     }
 
-    /// Whether curve `i`, as weighed, is hardly a rope for what it appearances like. A piece of a rope appearances like the rope.
+    /// Returns whether curve `i`, as weighed, is unlikely to be a rope because of its looks. A
+    /// fragment of a rope looks like the rope.
     pub(super) fn is_unlikely_thing(&self, i: usize) -> bool {
         self.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
     }
 
-    /// Says of each of this image's curves how sure it is.
+    /// Computes the confidence of each of this image's curves.
     pub(super) fn weigh(&mut self, image: &Image) {
         self.find_doubts(image, self.count, |_, _| false);
         let known = known(&self.masker, &self.options);
@@ -94,7 +100,8 @@ impl Extractor {
         }
     }
 
-    /// Whether what differs from the table, though that seems plain, is not ropes alone: all of it something else, or much of it.
+    /// Returns whether the difference from a table that seems plain is not only ropes: all or much
+    /// of it is something else.
     pub(super) fn is_cluttered(&mut self, image: &Image) -> bool {
         if self.options.mask != Mask::Auto || self.masker.is_sought {
             return false;
@@ -116,12 +123,12 @@ impl Extractor {
         }
     }
 
-    /// Says of the first `seen` curves which may be no ropes, and how sure it is of each.
+    /// Finds which of the first `seen` curves may not be ropes, and the confidence of each.
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
-        // Who asks for fewer ropes than that wants the longest.
+        // A user who asks for fewer ropes than the default wants the longest.
         let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
         self.doubt = None;
-        // A mask that the user gave knows its ropes, and nothing is said of it.
+        // A mask from the user is trusted, so its ropes cause no such notice.
         if self.masker.cut.is_some() || self.masker.notice.is_some() {
             self.doubt_ropes(image, seen);
         }
@@ -151,7 +158,8 @@ impl Extractor {
             .or(is_crowded.then_some(Notice::TooMany));
     }
 
-    /// The most important notice about this image's curves. An image without a curve has the notice about its table, if any.
+    /// The most important notice about this image's curves. An image without a curve has the notice
+    /// about its table, if any.
     pub(super) fn notice(&self) -> Option<Notice> {
         let is_seen = |curve: &Curve| curve.status != Status::Lost;
         let sees_some = self.curves[..self.count].iter().any(is_seen);
@@ -172,7 +180,7 @@ impl Extractor {
         }
     }
 
-    /// What each of the first `seen` curves may be instead of a rope, those aside that are known.
+    /// Finds what each of the first `seen` curves may be instead of a rope, except for known ones.
     fn find_doubts(
         &mut self,
         image: &Image,

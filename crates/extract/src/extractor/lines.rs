@@ -1,4 +1,5 @@
-//! From strands to curves: the lines that are laid along them, what the last image knows better, and their points.
+//! From strands to curves: the lines along the strands, corrections from the last image, and the
+//! curves' points.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -17,21 +18,23 @@ use crate::tracking::refit::{self, Refitter};
 use crate::tracking::tips;
 use crate::tracking::track::Appearance;
 
-/// A rope is at least this many times as long as wide.
+/// Minimum length of a rope, in widths.
 const SHORTEST: f32 = 4.0;
-/// And one that is left out is missed from this many times on.
+/// Minimum length, in widths, of a rope whose omission is reported.
 const LONG: f32 = 8.0;
-/// Half-widths of skeleton that a piece of a rope has, or there is nothing to tell it by.
+/// Minimum length of a fragment of a rope, in half-widths of the skeleton. A shorter one cannot be
+/// recognized.
 const PIECE: f32 = 4.0;
-/// About how many samples all lines together are laid with. Eight ropes from side to side of 640×480 pixels, or one that
-/// crosses itself ten times, take half as many; longer ones get theirs farther apart, and no more pieces are looked at.
+/// Approximate number of samples of all lines together. Eight ropes from side to side of 640×480
+/// pixels, or one that crosses itself ten times, need half as many. Longer ropes get wider spacing,
+/// and further fragments are ignored.
 const MOST_SAMPLES: usize = 6144;
-/// Places along a line whose mean color is taken for the rope's.
+/// Number of places along a line whose mean color is the rope's.
 const COLORS_ASKED: usize = 64;
 
 impl Extractor {
-    /// A line for each strand that is long enough to be a piece of a rope, the longest first; returns
-    /// how many there are.
+    /// Lays a line for each strand that is long enough to be a fragment of a rope, longest first.
+    /// Returns their number.
     pub(super) fn lay_lines(&mut self, image: &Image) -> usize {
         self.colors.clear();
         self.is_crowded = false;
@@ -85,7 +88,8 @@ impl Extractor {
         count
     }
 
-    /// Drops those of the first `count` lines that are no ropes; returns how many stay, in their order.
+    /// Drops those of the first `count` lines that are not ropes. Returns how many remain, in their
+    /// order.
     pub(super) fn drop_noise(&mut self, count: usize) -> usize {
         let levels = &self.masker.difference;
         self.noise_filter.find(&self.lines[..count], levels);
@@ -105,8 +109,8 @@ impl Extractor {
         kept
     }
 
-    /// Gives those of the first `count` lines of which a tip lies upon another strand, or under an occluder, their rope's
-    /// length.
+    /// Extends those of the first `count` lines with a tip on another strand or under an occluder
+    /// to their rope's length.
     pub(super) fn lengthen(&mut self, count: usize) {
         let occluder = &self.occluder.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
@@ -147,8 +151,8 @@ impl Extractor {
         }
     }
 
-    /// Takes the ropes of the last image, refitted to this one, where the first `count` lines
-    /// contradict them; returns how many lines there are then.
+    /// Replaces the first `count` lines by the ropes of the last image, refitted to this one, if
+    /// they contradict those. Returns the new number of lines.
     pub(super) fn refit(&mut self, image: &Image, count: usize) -> usize {
         let scene = refit::Scene {
             past: &self.zones.past,
@@ -158,7 +162,7 @@ impl Extractor {
             occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
-        // Where no strands meet and nothing lies over them, one image leaves nothing open.
+        // Without meeting strands or occluders, one image is unambiguous.
         let ring = self.strands.strands.iter().any(|strand| strand.closed);
         let open = self.zones.has_meeting() || self.occluder.any() || ring;
         if !open || self.bridger.is_reassigned || !self.refitter.refit(&self.lines[..count], &scene)
@@ -181,7 +185,7 @@ impl Extractor {
         count
     }
 
-    /// A curve for each of the first `count` lines that is long enough to be a rope.
+    /// Makes a curve of each of the first `count` lines that is long enough to be a rope.
     pub(super) fn points(&mut self, image: &Image, count: usize) {
         self.count = 0;
         self.appearances.clear();
@@ -207,14 +211,14 @@ impl Extractor {
                 is_split: self.bridger.is_split,
                 free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
             });
-            // Lines and curves go by the same number from here on.
+            // Lines and curves have the same index from here on.
             self.lines.swap(self.count, l);
             self.count += 1;
         }
         self.leave_out(image);
     }
 
-    /// Leaves out of more curves than are asked for those of the least confidence × length.
+    /// Leaves out the curves with the least confidence × length, if there are more than requested.
     fn leave_out(&mut self, image: &Image) {
         if self.count <= self.options.ropes {
             return;
@@ -230,12 +234,12 @@ impl Extractor {
             let weight = |curve: &Curve| curve.confidence * curve.length_px;
             let curves = self.curves[..self.count].iter().enumerate();
             let weights = curves.map(|(c, curve)| (weight(curve), c));
-            // Of equal ones the last, which is the shortest.
+            // The last of equal ones, which is the shortest.
             let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             let c = least.map_or(self.count - 1, |(_, c)| c);
             let left_out = &self.curves[c];
             self.is_crowded |= left_out.length_px > LONG * left_out.width_px;
-            // The order stays: lines and curves go by the same number.
+            // The order stays the same, because lines and curves share their index.
             self.curves[c..self.count].rotate_left(1);
             self.lines[c..self.count].rotate_left(1);
             self.appearances.remove(c);
@@ -268,7 +272,7 @@ impl Extractor {
             let along_px = i as f32 * step_px;
             gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
         }));
-        // Smoothing may carry a tip at the image's border a little over it.
+        // Smoothing may move a tip at the image's border slightly outside.
         let last = [self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0];
         let places = self.spaced.iter().zip(&curve.hidden);
         curve.points.clear();
@@ -283,12 +287,12 @@ impl Extractor {
     }
 }
 
-/// The mean native color along a line.
+/// Mean native color along a line.
 fn mean_color(image: &Image, line: &Line) -> [f32; 3] {
     Arch::new().dispatch(Asking { image, line })
 }
 
-/// What asks for colors, for the widest registers.
+/// Reads colors, for the widest registers.
 struct Asking<'a> {
     image: &'a Image<'a>,
     line: &'a Line,

@@ -1,26 +1,27 @@
-//! Which of the ropes are meant, where only some are to be reported.
+//! Selects the desired ropes, if only some are to be reported.
 
 use super::Extractor;
 use crate::options::Options;
 use crate::scene::{Crossing, Curve, MOST_CROSSINGS};
 use crate::vec2;
 
-/// How far from a rope's middle a position on it may be: its width, and so many pixels.
+/// Maximum distance of a position from its rope's middle, in pixels, in addition to the rope's
+/// width.
 const BESIDE_PX: f32 = 8.0;
 
-/// Memory and result.
+/// Memory and result of the selection.
 #[derive(Debug, Default)]
 pub(super) struct Meant {
-    /// The number of the rope that was found at each position.
+    /// The number of the rope found at each position.
     tracks: Vec<Option<u32>>,
-    /// The first `count` are the ropes that are meant; the rest is memory.
+    /// The first `count` are the desired ropes; the rest is memory.
     curves: Vec<Curve>,
     count: usize,
     crossings: Vec<Crossing>,
 }
 
 impl Meant {
-    /// Makes room for so many positions, ropes and points.
+    /// Makes room for the positions, ropes and points of these options.
     pub(super) fn reserve(&mut self, options: &Options) {
         let &Options { ropes, points, .. } = options;
         self.tracks.resize(options.at.len(), None);
@@ -33,19 +34,19 @@ impl Meant {
         self.crossings.reserve(MOST_CROSSINGS);
     }
 
-    /// No rope has been found yet.
+    /// Forgets the ropes found at the positions.
     pub(super) fn forget(&mut self) {
         self.tracks.fill(None);
         self.count = 0;
         self.crossings.clear();
     }
 
-    /// The ropes that are meant and where they lie over each other.
+    /// The desired ropes and their crossings.
     pub(super) fn chosen(&self) -> (&[Curve], &[Crossing]) {
         (&self.curves[..self.count], &self.crossings)
     }
 
-    /// Chooses among all that were found those that were found first at the positions `at`.
+    /// Selects the ropes that were found first at the positions `at`.
     fn choose(&mut self, at: &[[f32; 2]], curves: &[Curve], crossings: &[Crossing]) {
         self.tracks.resize(at.len(), None);
         for (track, &at) in self.tracks.iter_mut().zip(at) {
@@ -57,7 +58,7 @@ impl Meant {
         self.count = 0;
         self.crossings.clear();
         self.crossings.extend_from_slice(crossings);
-        // Crossings name curves by their place in the list.
+        // Crossings refer to curves by their index in the list.
         for (old, curve) in curves.iter().enumerate() {
             if !self.tracks.contains(&Some(curve.track)) {
                 self.crossings.retain(|c| c.over != old && c.under != old);
@@ -79,7 +80,7 @@ impl Meant {
     }
 }
 
-/// A copy that takes no new memory.
+/// A copy that allocates no memory.
 fn copy(from: &Curve, to: &mut Curve) {
     let mut points = std::mem::take(&mut to.points);
     let mut widths_px = std::mem::take(&mut to.widths_px);
@@ -95,7 +96,7 @@ fn copy(from: &Curve, to: &mut Curve) {
     };
 }
 
-/// The number of the rope on which a position lies.
+/// The number of the rope at a position.
 fn nearest(curves: &[Curve], at: [f32; 2]) -> Option<u32> {
     let away = |curve: &Curve| {
         let points = curve.points.iter();
@@ -109,7 +110,7 @@ fn nearest(curves: &[Curve], at: [f32; 2]) -> Option<u32> {
 }
 
 impl Extractor {
-    /// Chooses the ropes that are meant, if not all are.
+    /// Selects the desired ropes, if not all are.
     pub(super) fn choose_meant(&mut self) {
         if !self.options.at.is_empty() {
             let curves = &self.curves[..self.count];

@@ -1,4 +1,5 @@
-//! Further readings of strands that lie on each other: the mask hides what the picture shows, the seams between them.
+//! Further hypotheses for overlapping strands. The picture shows the seams between them, which the
+//! mask hides.
 
 use std::mem::swap;
 
@@ -10,35 +11,42 @@ use crate::scene::Curve;
 use crate::tracking::track::Appearance;
 use crate::vec2;
 
-/// What a reading lacks: squares of the ropes' width that no line runs through, or that a line has beside the mask, and so many for each end
-/// that lies within it.
+/// Penalty for each end of a line within the mask, in squares of the ropes' width. It is added to
+/// the area of mask without a line, and to that of lines outside of the mask. The sum is the lack
+/// of a hypothesis.
 const OPEN_END: f32 = 0.5;
-/// How far ahead of it, in widths, the mask must end.
+/// Appearance-ahead distance past an end, in widths. The end is open if the mask continues there.
 const AHEAD: f32 = 1.0;
-/// Narrower ropes show no seams.
+/// Minimum width, in pixels. Narrower ropes show no seams.
 const NARROWEST_PX: f32 = 6.0;
-/// From what it lacks on a reading is doubted, and what another one may lack at most to be taken.
+/// Minimum lack of a doubted hypothesis.
 const DOUBTED: f32 = 0.5;
+/// Maximum lack of another hypothesis that replaces it.
 const MOST: f32 = 2.0;
-/// How much the sharpest bend weighs beside what is lacking, as width by radius (a rope has no kinks), and how far to either side of a
-/// place a bend is measured, in widths.
+/// Weight of the sharpest bend (width divided by radius) relative to the lack. Ropes do not kink.
 const KINK: f32 = 2.0;
+/// Distance to either side of a place over which a bend is measured, in widths.
 const BEND_REACH: f32 = 0.75;
-/// What is shorter than this share of the longest may be another thing, which has kinks.
+/// Minimum length of a rope, as a share of the longest. A shorter curve may be another object,
+/// which has kinks.
 const ROPE: f32 = 0.25;
-/// By how much less must speak against another reading, and for each rope more that it tells: a mask that was cut is in pieces.
+/// Minimum improvement of another hypothesis.
 const BETTER: f32 = 0.1;
+/// Additional improvement for each further rope: a mask that was cut is in pieces.
 const MORE: f32 = 1.0;
-/// And by which factor its ropes may be shorter: one far darker than the others is a seam all over.
+/// Minimum total length of another hypothesis's ropes, relative to the first. A rope far darker
+/// than the others is a seam all over.
 const SHORTER: f32 = 0.9;
-/// Curves that lie nowhere farther apart, in widths, are the same: those of the mask that is whole have finer tips. And so far apart where
-/// the ropes are known, as a tip is mended by that.
+/// Maximum distance between the points of two curves that are the same, in widths. The curves of
+/// the whole mask have finer tips. The second value is for known ropes, as their tips are corrected
+/// by the past.
 const SAME: (f32, f32) = (1.0, 0.3);
-/// How far the light bends upward in a seam, in standard deviations of the ropes' light, in one reading after the other: the sharper a
-/// shadow is asked for, the fewer seams there are, and all of them true.
+/// Upward curvature of the light in a seam, in standard deviations of the ropes' light, for each
+/// hypothesis in turn. The sharper a shadow must be, the fewer seams there are, and all of them are
+/// real.
 const BENT: [f32; 3] = [0.17, 0.12, 0.25];
 
-/// What a reading tells: one is kept while another is tried.
+/// A hypothesis. One is kept while another is tried.
 #[derive(Debug, Default)]
 pub(super) struct Hypothesis {
     curves: Vec<Curve>,
@@ -49,11 +57,11 @@ pub(super) struct Hypothesis {
     is_crowded: bool,
 }
 
-/// What speaks against a reading.
+/// The penalties of a hypothesis.
 #[derive(Clone, Copy, Debug)]
 struct Doubt {
     lacking: f32,
-    /// The sharpest bend of its ropes, as width by radius.
+    /// The sharpest bend of its ropes, as width divided by radius.
     kink: f32,
 }
 
@@ -64,7 +72,7 @@ impl Doubt {
 }
 
 impl Hypothesis {
-    /// Makes room for a reading of a picture of this size that tells as many curves as these.
+    /// Makes room for a hypothesis with as many curves as these, in a picture of this size.
     pub(super) fn reserve(
         &mut self,
         [width, height]: [usize; 2],
@@ -79,8 +87,8 @@ impl Hypothesis {
 }
 
 impl Extractor {
-    /// The steps from the mask to this image's own curves. As long as the best reading is doubted, the mask is read once more, cut at its
-    /// seams.
+    /// Runs the steps from the mask to this image's own curves. While the best hypothesis is
+    /// doubted, the mask is read again, cut at its seams.
     pub(super) fn read(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.trace(image, after);
         let is_open = self.zones.has_meeting() && !self.has_wide && !self.occluder.any();
@@ -117,8 +125,8 @@ impl Extractor {
         }
     }
 
-    /// Keeps this reading, and tells the one that was kept. Lines, their colors and gaps stay the last reading's: what comes after asks for
-    /// none of them.
+    /// Swaps this hypothesis with the kept one. Lines, their colors and gaps remain those of the
+    /// last hypothesis; no later step needs them.
     fn swap_readings(&mut self) {
         let kept = &mut self.kept;
         swap(&mut self.curves, &mut kept.curves);
@@ -129,7 +137,7 @@ impl Extractor {
         swap(&mut self.is_crowded, &mut kept.is_crowded);
     }
 
-    /// Whether this reading tells the same ropes as the one that is kept.
+    /// Returns whether this hypothesis has the same ropes as the kept one.
     fn tells_the_same(&self, width_px: f32) -> bool {
         let is_known = self.zones.past.widest_half_px().is_some();
         let far_px = width_px * if is_known { SAME.1 } else { SAME.0 };
@@ -145,7 +153,7 @@ impl Extractor {
         kept.len() == self.count && self.curves[..self.count].iter().all(is_kept)
     }
 
-    /// What speaks against this reading, whose ropes are about so wide.
+    /// The penalties of this hypothesis, whose ropes have about this width.
     fn doubt_of(&self, width_px: f32) -> Doubt {
         let reach_px = BEND_REACH * width_px;
         let mask = &self.masker.mask;
@@ -160,19 +168,20 @@ impl Extractor {
         }
     }
 
-    /// How wide the widest of this image's curves is.
+    /// Width of the widest of this image's curves.
     pub(super) fn widest_px(&self) -> f32 {
         let curves = self.curves[..self.count].iter();
         curves.map(|curve| curve.width_px).fold(0.0, f32::max)
     }
 
-    /// How long this image's lines are together.
+    /// Total length of this image's curves.
     fn length_px(&self) -> f32 {
         let curves = self.curves[..self.count].iter();
         curves.map(|curve| curve.length_px).sum()
     }
 
-    /// What this image's lines lack, and have beside the mask; what lies outside of the picture is beside nothing.
+    /// The lack of this image's lines, and their area outside of the mask. Parts outside of the
+    /// picture do not count.
     fn lacking(&self, width_px: f32) -> f32 {
         let mask = &self.masker.mask;
         let (mut open, mut beside) = (0, 0.0);

@@ -1,10 +1,11 @@
-//! Strands that were parted by their seams are ropes again.
+//! Joins strands that were separated at their seams into ropes again.
 
 use super::Extractor;
 use crate::occlusion::ends::Scenery;
 
 impl Extractor {
-    /// Joins the first `count` lines, of a mask that was cut, where they pass under each other, and lays them again in the whole one.
+    /// Joins the first `count` lines of a cut mask where they pass under each other, and rebuilds
+    /// them in the whole mask.
     pub(super) fn join_strands(&mut self, count: usize, width_px: f32, yuv: bool) -> usize {
         let scenery = Scenery {
             past: &self.zones.past,

@@ -1,4 +1,5 @@
-//! When the network is asked where ropes are: where there is no plain table, more on it than ropes, or what is found there is unsure.
+//! Decides when to run the network: if the table is not plain, if there is more on it than ropes,
+//! or if the curves found there are uncertain.
 
 use super::doubts::{SURE, THINNEST_PX};
 use super::{Extractor, Step};
@@ -7,30 +8,32 @@ use crate::notice::Notice;
 use crate::options::{Mask, Method};
 use crate::scene::Curve;
 
-/// So many images go by after the network was asked in vain: it takes as long as some ten images with a rope.
+/// Number of images to skip after the network found nothing better. The network takes as long as
+/// about ten images with a rope.
 const IN_VAIN: u32 = 15;
-/// And so many in which it is taken at its word, of those that are extracted whole.
+/// Number of full extractions for which the network's answer is used.
 const TAKEN: u32 = 30;
-/// The least difference in confidence at which the ropes in one mask replace those in another: the network's replace those of a table
-/// that seems plain, and the automatic mask's replace those of picked colours.
+/// Minimum gain in confidence for the ropes in one mask to replace those in another. The network's
+/// replace those of a table that seems plain, and the automatic mask's replace those of picked
+/// colors.
 pub(crate) const SURER: f32 = 0.2;
 
-/// What the network last said, as far as it goes for images to come.
+/// The network's last answer, if it applies to further images.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum Answer {
-    /// Nothing that does.
+    /// No answer that applies.
     #[default]
     None,
-    /// Nothing better: so many images are not given to it.
+    /// Nothing better: skip it for this many images.
     InVain(u32),
-    /// Ropes, on a pattern or surer ones: so many images are given to it at once.
+    /// Ropes, on a pattern or with higher confidence: give it this many images at once.
     Ropes { images: u32, are_surer: bool },
-    /// None there where something is hardly a rope: that is left out of so many images.
+    /// No rope at an unlikely object: leave that object out for this many images.
     NoRope(u32),
 }
 
 impl Answer {
-    /// What goes for the next image, which it was not given.
+    /// The answer that applies to the next image, which the network was not given.
     fn next(self) -> Self {
         match self {
             Self::NoRope(images @ 2..) => Self::NoRope(images - 1),
@@ -39,7 +42,7 @@ impl Answer {
         }
     }
 
-    /// Whether it was better than what is seen without the network.
+    /// Returns whether it was better than the result without the network.
     fn was_better(self) -> bool {
         matches!(
             self,
@@ -51,14 +54,14 @@ impl Answer {
         )
     }
 
-    /// Whether what is hardly a rope is left out.
+    /// Returns whether unlikely objects are left out.
     pub(super) fn leaves_out(self) -> bool {
         matches!(self, Self::NoRope(_))
     }
 }
 
 impl Extractor {
-    /// The steps of an image that is extracted whole, with the mask that it asks for.
+    /// Runs the steps of a full extraction, with the mask that the image needs.
     pub(super) fn look(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         if self.goes_on_seeking(image, after) {
             return;
@@ -72,14 +75,14 @@ impl Extractor {
         } else if !self.answer.leaves_out() && self.is_unsure(image, last) {
             self.ask_as_well(image, after);
         }
-        // A pattern stays.
+        // A pattern is permanent.
         if self.masker.notice == Some(Notice::CheckeredTable) && self.is_found_by_network() {
             let (images, are_surer) = (TAKEN, false);
             self.answer = Answer::Ropes { images, are_surer };
         }
     }
 
-    /// Gives the image to the network where it found the last ones' ropes. Whether there are ropes.
+    /// Runs the network if it found the ropes of the last images. Returns whether there are ropes.
     fn goes_on_seeking(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
         let Answer::Ropes { images, .. } = &mut self.answer else {
             return false;
@@ -97,7 +100,7 @@ impl Extractor {
         self.masker.is_of_network() && self.count > 0
     }
 
-    /// Whether the network is passed over once more, as it was asked in vain.
+    /// Returns whether the network is skipped once more because it found nothing better.
     pub(super) fn is_passed_over(&mut self) -> bool {
         match &mut self.answer {
             Answer::InVain(images @ 1..) => {
@@ -108,11 +111,11 @@ impl Extractor {
         }
     }
 
-    /// Looks for ropes with the network; where that was in vain, not soon again.
+    /// Looks for ropes with the network. After a failure, it is skipped for a while.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         let is_all_doubted = self.has_wide || self.doubts.iter().all(Option::is_some);
         if is_all_doubted && self.is_passed_over() {
-            // It said that they are none.
+            // The network found that they are not ropes.
             self.count = 0;
             return;
         }
@@ -124,8 +127,9 @@ impl Extractor {
         }
     }
 
-    /// Returns true if the automatic mask of a table that seems plain has given a rope that is unsure or may be something else. The
-    /// question is asked while no rope is known yet, and after the network knew better. Clusterings are compared on one mask.
+    /// Returns whether the automatic mask of a table that seems plain has given a rope that is
+    /// uncertain or may be something else. This is checked while no rope is known yet, and after
+    /// the network was better. Clusterings are compared on one mask, so they are exempt.
     fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
         if !is_asked || self.masker.is_sought || self.count == 0 {
@@ -135,7 +139,7 @@ impl Extractor {
             return false;
         }
         self.weigh(image);
-        // One that is bridged is unsure for what covers it, of which the network knows no more.
+        // A bridged rope is uncertain because of its cover, about which the network knows no more.
         let is_bridged = |curve: &Curve| curve.hidden.contains(&true);
         let is_weak = |(curve, doubt): (&Curve, &Option<Notice>)| {
             let is_unsure = curve.confidence < SURE || doubt.is_some();
@@ -145,8 +149,10 @@ impl Extractor {
         weighed.any(is_weak)
     }
 
-    /// Asks the network as well, and takes what is surer; where that is not the network's, it is not soon asked again. Where it is sure of as
-    /// many ropes as are sure without it, those stay, as they are drawn finer, and what else there is and may be none goes.
+    /// Runs the network as well, and keeps the more confident result. If that is not the network's,
+    /// the network is skipped for a while. If the network is confident of as many ropes as were
+    /// found without it, those are kept, because they are more precise. Everything else that may
+    /// not be a rope is then dropped.
     fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         if self.is_passed_over() {
             return;
@@ -168,7 +174,8 @@ impl Extractor {
             let is_told = are_sure && self.masker.is_of_network();
             let is_witness = is_told && is_split && self.count == sure;
             let is_surer = self.mean_confidence() > own + SURER;
-            // Of what ends at a thing that lies on it it sees the same, but not the thing.
+            // If ropes end at an object on top of them, the network sees the same ropes but not the
+            // object.
             let sees_more = !is_covered || self.count != count;
             if is_witness {
                 self.answer = Answer::NoRope(TAKEN);
@@ -182,7 +189,7 @@ impl Extractor {
         self.read(image, after);
     }
 
-    /// How sure this image's curves are in the mean, each by its length; 0 of none.
+    /// Mean confidence of this image's curves, weighted by length; 0 without curves.
     fn mean_confidence(&self) -> f32 {
         let curves = self.curves[..self.count].iter();
         let (sum, length_px) = curves.fold((0.0, 0.0), |(sum, length_px), curve| {

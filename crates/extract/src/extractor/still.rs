@@ -1,19 +1,20 @@
-//! Recognizes an image with the pixels of the last one, as a file that is shown for a while: the same pixels have the same answer.
+//! Recognizes an image with the same pixels as the last one, such as a file that is shown for a
+//! while. The result is then the same, too.
 //!
-//! A camera's noise differs in the first samples, so a film pays next to nothing. Only where all samples agree, and after a
-//! full extraction, which reads every pixel anyway, is the image hashed.
+//! A camera's noise differs in the first samples, so a film pays next to nothing. The image is only
+//! hashed if all samples agree, and after a full extraction, which reads every pixel anyway.
 
 use crate::image::{Image, PixelFormat};
 
-/// Samples along each side of the image.
+/// Number of samples along each side of the image.
 const SIDE: usize = 16;
-/// Words that are hashed side by side, so that no multiplication waits for the one before.
+/// Number of words hashed side by side, so that no multiplication waits for the one before.
 const LANES: usize = 8;
 /// The constants of FNV-1a (Fowler, Noll, Vo) of 64 bits.
 const OFFSET: u64 = 0xCBF2_9CE4_8422_2325;
 const PRIME: u64 = 0x0100_0000_01B3;
 
-/// The last image, as far as the next one is compared with it.
+/// The part of the last image with which the next one is compared.
 #[derive(Debug, Default)]
 pub(super) struct Still {
     layout: Option<(usize, usize, PixelFormat)>,
@@ -22,7 +23,7 @@ pub(super) struct Still {
     hash: Option<u64>,
 }
 
-/// How an image compares with the last one.
+/// Result of comparing an image with the last one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Comparison {
     /// True if the pixels are known to be the same.
@@ -31,7 +32,7 @@ pub(super) struct Comparison {
 }
 
 impl Still {
-    /// Forgets the last image: the next one is another.
+    /// Forgets the last image, so that the next one is different.
     pub(super) fn forget(&mut self) {
         self.layout = None;
     }
@@ -48,7 +49,8 @@ impl Still {
         }
     }
 
-    /// Makes this image, which was compared before, the last one. An image that was extracted in full is hashed.
+    /// Stores this image, which was compared before, as the last one. It is hashed after a full
+    /// extraction.
     pub(super) fn remember(&mut self, image: &Image, compared: Comparison, is_full: bool) {
         self.layout = layout(image);
         self.samples.clear();
@@ -70,8 +72,8 @@ fn samples(image: &Image) -> impl Iterator<Item = u8> {
     })
 }
 
-/// A hash of all pixels, without what lies between rows: the lanes of FNV-1a with words of 64 bits, each turned so that no bit is
-/// lost at the upper end.
+/// A hash of all pixels, without the padding between rows: lanes of FNV-1a with 64-bit words. Each
+/// lane is rotated so that no bit is lost at the upper end.
 fn hash(image: &Image) -> u64 {
     let mut lanes = [OFFSET; LANES];
     (0..image.height()).for_each(|y| add(&mut lanes, image.row(y)));

@@ -1,14 +1,16 @@
-//! Ropes followed from one frame to the next by reading no more than a chord at each of their points.
+//! Follows ropes from one frame to the next by a single chord at each of their points.
 //!
-//! Between two frames a rope moves by less than its width, and mostly nothing else happens. Then its points are found
-//! again along their normals (measurement lines as in Blake and Isard, "Active Contours", 1998): where a row or column of
-//! pixels runs through the rope, the middle of that chord lies on the centerline. How the chords of each point read in
-//! the image where the rope was extracted whole, how far beside the centerline and how wide, is learnt there and taken
-//! off afterwards, so that what is followed agrees with what is extracted. Where strands cross a chord is no strand's
-//! own: those points move as their neighbors do.
+//! Between two frames, a rope mostly moves by less than its width, and nothing else happens. Its
+//! points are then found again along their normals (measurement lines as in Blake and Isard,
+//! "Active Contours", 1998). The middle of the chord that a row or column of pixels cuts out of the
+//! rope is on the centerline. The image of the last full extraction is the reference. It shows how
+//! each chord deviates from the centerline and the width. These biases are learned there and
+//! subtracted afterwards, so that following agrees with extraction. A chord in a crossing belongs
+//! to neither strand, and its point moves with its neighbors.
 //!
-//! A few rows of the rest of the image, others in each frame, show whether something is new. Whatever is not as expected
-//! (chords that are missing, a tip that jumped, other crossings, something elsewhere) is left to a whole extraction.
+//! A few rows of the rest of the image, different ones in each frame, show whether something is
+//! new. Anything unexpected leads to a full extraction: missing chords, a tip that jumps, other
+//! crossings, a new object elsewhere.
 
 mod chase;
 mod chord;
@@ -27,32 +29,32 @@ use chord::Reader;
 use rope::Rope;
 use sweep::Sweep;
 
-/// What is known of the ropes that can be followed.
+/// State of the ropes that can be followed.
 #[derive(Debug, Default)]
 pub(super) struct ChordFollower {
     sweep: Sweep,
     ropes: Vec<Rope>,
-    /// How many of them are followed; 0: none can be.
+    /// Number of ropes that are followed. 0 if none are.
     count: usize,
-    /// The image they were extracted from.
+    /// Size of the reference image.
     size: [usize; 2],
     format: Option<PixelFormat>,
-    /// From here on a difference from the table is rope.
+    /// Minimum difference from the table that is rope.
     cut: u8,
 }
 
 impl ChordFollower {
-    /// Whether there are ropes that may be followed into the next image.
+    /// Returns whether there are ropes that may be followed into the next image.
     pub(super) fn is_ready(&self) -> bool {
         self.count > 0
     }
 
-    /// Forgets the ropes: the next image is extracted whole.
+    /// Forgets the ropes. The next image gets a full extraction.
     pub(super) fn drop(&mut self) {
         self.count = 0;
     }
 
-    /// Learns the ropes that were just extracted from `image`, all of them seen.
+    /// Learns the ropes that were just extracted from `image`. All of them must be seen.
     pub(super) fn anchor(
         &mut self,
         image: &Image,
@@ -78,8 +80,8 @@ impl ChordFollower {
         }
     }
 
-    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
-    /// has to be extracted whole; then they mean nothing.
+    /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
+    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
     pub(super) fn follow(
         &mut self,
         image: &Image,

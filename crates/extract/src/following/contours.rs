@@ -1,16 +1,18 @@
-//! Ropes followed on any ground, by their two edges.
+//! Follows ropes on any background by their two edges.
 //!
-//! As [chords](super::chords) are, but without a table: at each of a rope's points the rope's own color is learnt where it
-//! was extracted whole, and what is far from that color is ground, whatever its own may be. The difference from the rope's
-//! color grows along a pixel row in proportion to the ground's share in it, so that an edge lies where it passes half of
-//! what it comes to beyond: to a tenth of a pixel on any ground, and again in each frame, so that nothing of the ground has
-//! to be remembered while the rope moves over it or the camera over both.
+//! The method is that of [chords](super::chords), without a model of the table. The image of the
+//! last full extraction is the reference. It shows the rope's own color at each of its points.
+//! Anything far from that color is ground, whatever the ground's color is. Along a pixel row, the
+//! difference from the rope's color grows in proportion to the ground's share of each pixel. An
+//! edge is therefore where the difference passes half of its value outside, to a tenth of a pixel.
+//! The ground is measured again in each frame, so the rope may move over it, and the camera over
+//! both.
 //!
-//! The edges of a point are read each by itself (measurement lines as in Blake and Isard, "Active Contours", 1998). Where
-//! one has no contrast the other one and the width tell; a reading that is unlike those around is dropped; and points
-//! without any, under a hand or in a crossing, move as their neighbors do. What lies over a rope between its tips may stay
-//! there and move along it ([`cover`]). Whatever else is not as expected is left to a
-//! whole extraction.
+//! The edges of each point are read separately (measurement lines as in Blake and Isard, "Active
+//! Contours", 1998). If one edge lacks contrast, the other one and the width decide. A reading that
+//! differs from those around it is dropped. Points without a reading, under a hand or in a
+//! crossing, move with their neighbors. An object over a rope between its tips may stay there and
+//! move along it ([`cover`]). Anything else unexpected leads to a full extraction.
 
 mod beside;
 mod cover;
@@ -31,33 +33,33 @@ use beside::note_neighbors;
 use novelty::Novelty;
 use rope::Rope;
 
-/// What is known of ropes beside where they are.
+/// Knowledge of ropes in addition to where they are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trust {
-    /// They are where they were, and so need not look likely by themselves.
+    /// True if the ropes are where they were. Their confidence then does not matter.
     pub(super) is_known: bool,
-    /// They lie on a plain table, where nothing keeps an edge from being read.
+    /// True if they are on a plain table, where every edge can be read.
     pub(super) is_table: bool,
-    /// They are not sure enough to be followed where they touch.
+    /// True if they are too uncertain to be followed where they touch.
     pub(super) is_simple: bool,
-    /// They are followed for a moment only, in which nothing can have become of them that does not show.
+    /// True if they are followed for a moment only, in which any change to them is visible.
     pub(super) is_brief: bool,
 }
 
-/// What is known of the ropes that can be followed.
+/// State of the ropes that can be followed.
 #[derive(Debug, Default)]
 pub(super) struct ContourFollower {
     novelty: Novelty,
     ropes: Vec<Rope>,
-    /// How many of them are followed; 0: none can be.
+    /// Number of ropes that are followed. 0 if none are.
     count: usize,
-    /// The image they were extracted from.
+    /// Size of the reference image.
     size: [usize; 2],
     format: Option<PixelFormat>,
 }
 
 impl ContourFollower {
-    /// Makes the buffers for so many ropes of so many points, in images of this size.
+    /// Allocates buffers for this many ropes and points, in images of this size.
     pub(super) fn reserve(&mut self, ropes: usize, points: usize, [width, height]: [usize; 2]) {
         let most = ropes.max(self.ropes.len());
         self.ropes.resize_with(most, Rope::default);
@@ -65,17 +67,18 @@ impl ContourFollower {
         self.novelty.reserve(width, height);
     }
 
-    /// Whether there are ropes that may be followed into the next image.
+    /// Returns whether there are ropes that may be followed into the next image.
     pub(super) fn is_ready(&self) -> bool {
         self.count > 0
     }
 
-    /// Forgets the ropes: the next image is extracted whole.
+    /// Forgets the ropes. The next image gets a full extraction.
     pub(super) fn drop(&mut self) {
         self.count = 0;
     }
 
-    /// Learns the ropes that were just extracted from `image`, all of them seen at least in part.
+    /// Learns the ropes that were just extracted from `image`. All of them must be at least partly
+    /// seen.
     pub(super) fn anchor(
         &mut self,
         image: &Image,
@@ -102,7 +105,7 @@ impl ContourFollower {
             return;
         }
         if ropes.iter_mut().all(|rope| rope.learn(image)) {
-            // As they were extracted is how they may lie.
+            // Overlaps in the reference image are accepted.
             station::come_together(ropes);
             ropes.iter_mut().for_each(Rope::keep_together);
             self.count = curves.len();
@@ -110,8 +113,8 @@ impl ContourFollower {
         }
     }
 
-    /// Follows the ropes into `image`, the next one, moving `curves` and `crossings` with them. False when the image
-    /// has to be extracted whole; then they mean nothing.
+    /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
+    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
     pub(super) fn follow(
         &mut self,
         image: &Image,

@@ -1,4 +1,4 @@
-//! What a crossing does to ropes that are followed, and where it goes with them.
+//! Crossings of ropes that are followed: which points they cover, and how they move along.
 
 use super::axis;
 use crate::crossings::meet;
@@ -6,37 +6,39 @@ use crate::crossings::place::Place;
 use crate::scene::{Crossing, Curve};
 use crate::vec2::{self, Vec2};
 
-/// Points by which a crossing may move along its ropes from one frame to the next.
+/// Maximum movement of a crossing along its ropes from one frame to the next, in points.
 const CROSSING: usize = 4;
-/// A strand that crosses blurs this far beyond its width, as a factor and in pixels more.
+/// Distance up to which a crossing strand blurs its surroundings: a factor of its width, plus
+/// pixels.
 const CLEAR: f32 = 1.1;
 const CLEAR_PX: f32 = 2.0;
 
 /// A rope that others may cross.
 pub(super) trait Crossed {
-    /// Forgets which points are crossed.
+    /// Clears the marks of all crossings.
     fn clear_crossings(&mut self);
 
-    /// Notes that a strand crosses at normalized arc length `rho`.
+    /// Marks the points covered by a strand that crosses at normalized arc length `rho`.
     fn cross(&mut self, rho: f32, over: &Over);
 
-    /// Its place at normalized arc length `rho`, and its normal there.
+    /// Position and normal at normalized arc length `rho`.
     fn at(&self, rho: f32) -> (Vec2, Vec2);
 
     fn width_px(&self) -> f32;
 }
 
-/// A strand where it crosses another.
+/// A strand where it crosses another one.
 pub(super) struct Over {
     at: Vec2,
     across: Vec2,
     clear_px: f32,
-    /// Half of the other one's width.
+    /// Half the other strand's width.
     half_px: f32,
 }
 
 impl Over {
-    /// Whether it lies within a row or column that is read at a point of the other strand.
+    /// Returns whether this strand reaches into the row or column that is read at a point of the
+    /// other strand.
     pub(super) fn covers(&self, at: Vec2, normal: Vec2) -> bool {
         let axis = axis(normal);
         let reach_px = (self.half_px / normal[axis] * self.across[axis]).abs();
@@ -44,7 +46,7 @@ impl Over {
     }
 }
 
-/// Lets the ropes know where others cross them.
+/// Marks on each rope where others cross it.
 pub(super) fn note(ropes: &mut [impl Crossed], crossings: &[Crossing]) {
     ropes.iter_mut().for_each(Crossed::clear_crossings);
     for crossing in crossings {
@@ -63,8 +65,9 @@ pub(super) fn note(ropes: &mut [impl Crossed], crossings: &[Crossing]) {
     }
 }
 
-/// Moves a crossing to where the curves now meet near it; false if they do not. No new one comes about unseen: strands
-/// that come to lie on each other cannot be told apart any more, and are extracted whole.
+/// Moves a crossing to where the curves now meet near it. Returns false if they do not. No new
+/// crossing can appear unnoticed. Strands that come to overlap cannot be distinguished, and lead to
+/// a full extraction.
 pub(super) fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
     let pieces = |curve: usize| curves[curve].intervals() as f32;
     let place = |curve, rho: f32| Place {

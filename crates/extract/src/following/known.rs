@@ -1,18 +1,20 @@
-//! The ropes as they were last followed, or seen without a doubt.
+//! The ropes as they were last followed, or seen without doubt.
 //!
-//! Where ropes are tangled, one image may show them as others. What is unsure of its order is believed where it is what was
-//! followed, for long enough, before.
+//! A single image of tangled ropes may show them wrong. If the order of strands is uncertain, an
+//! extraction is accepted if it equals the ropes that were followed for long enough before.
 
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// How long ropes are to be seen whole for that, and for how long they are then known.
+/// Minimum time for which ropes must be seen whole before they are known, in nanoseconds.
 const SURE_NS: u64 = 1_000_000_000;
+/// Time for which they are then known, in nanoseconds.
 const KNOWN_NS: u64 = 1_000_000_000;
-/// Widths that a point may be away from where it was, at once and after that time, and the share of them that keep to it.
+/// Maximum movement of a point, in widths: at once, and the addition over `KNOWN_NS`.
 const AWAY_WIDTHS: (f32, f32) = (1.5, 4.0);
+/// Minimum share of points within it.
 const KEPT: f32 = 0.95;
-/// How much longer or shorter the rope may be.
+/// Maximum change of a rope's length, as a share.
 const LENGTH: f32 = 0.05;
 
 /// A rope.
@@ -24,13 +26,14 @@ struct Rope {
     closed: bool,
 }
 
-/// All of them; the first `count` are known, the rest is memory.
+/// The known ropes. The first `count` are in use, and the others are kept for their memory.
 #[derive(Debug, Default)]
 pub(super) struct KnownRopes {
     ropes: Vec<Rope>,
     count: usize,
-    /// Since when they have been known, and when they were last seen.
+    /// Time since which they have been known.
     since_ns: u64,
+    /// Time at which they were last seen.
     seen_ns: u64,
 }
 
@@ -47,7 +50,8 @@ impl KnownRopes {
         self.count = 0;
     }
 
-    /// Notes where the ropes of an image are.
+    /// Records the ropes of an image. The known time restarts if they differ from the known ropes
+    /// or have hidden parts.
     pub(super) fn note(&mut self, curves: &[Curve], now_ns: u64) {
         let is_same = self.are_near(curves, now_ns);
         let is_open = !curves.iter().any(|curve| curve.hidden.contains(&true));
@@ -66,12 +70,13 @@ impl KnownRopes {
         }
     }
 
-    /// Whether they were seen whole for long enough.
+    /// Returns whether they were seen whole for long enough.
     fn is_sure(&self) -> bool {
         self.count > 0 && self.seen_ns.saturating_sub(self.since_ns) >= SURE_NS
     }
 
-    /// Whether these are the known ropes and no others, each where it may have come to since, and known for long enough.
+    /// Returns whether these curves are exactly the known ropes, each within its possible movement,
+    /// and were known for long enough.
     pub(super) fn are(&self, curves: &[Curve], now_ns: u64) -> bool {
         self.is_sure() && self.are_near(curves, now_ns)
     }
@@ -91,7 +96,7 @@ impl KnownRopes {
 }
 
 impl Rope {
-    /// Whether a curve is the rope, after so long a time.
+    /// Returns whether a curve is the rope after `age_ns`.
     fn is(&self, curve: &Curve, age_ns: u64) -> bool {
         let same = self.closed == curve.closed && self.points.len() == curve.points.len();
         if !same || (curve.length_px / self.length_px - 1.0).abs() > LENGTH {

@@ -1,41 +1,43 @@
-//! Points at equal arc lengths along the smooth curve through others: the Catmull-Rom spline, in four chords a piece.
+//! Points at equal arc lengths along the smooth curve through others: a Catmull-Rom spline,
+//! measured by four chords per piece.
 
 use super::whole;
 use crate::vec2::{self, Vec2};
 use lariat_portable::{Arch, Simd, WithSimd};
 
-/// Chords that a piece of the spline is measured by.
+/// Number of chords for measuring a piece of the spline.
 const CHORDS: usize = 4;
-/// Pieces that are measured side by side.
+/// Number of pieces measured in parallel.
 const SIDE: usize = 16;
 
-/// Memory and result.
+/// Buffers and result.
 #[derive(Debug, Default)]
 pub(super) struct Lay {
     knots: Vec<Vec2>,
-    /// The knots' coordinates, with one before and one after, run on straight.
+    /// Coordinates of the knots, with one more knot at each end, in a straight extension.
     along: [Vec<f32>; 2],
-    /// How long each piece is up to where each of its chords begins, and to where the last one ends.
+    /// Length of each piece up to the start of each of its chords, and up to the end of the last.
     parts: Vec<[[f32; SIDE]; CHORDS + 1]>,
-    /// The way to the beginning of each piece.
+    /// Arc length up to the start of each piece.
     ways: Vec<f32>,
-    /// The first point that lies beyond that.
+    /// For each piece, the first point at or after its start.
     firsts: Vec<i32>,
-    /// For each point the last piece that begins before it, where one begins after the point before.
+    /// For each point, the last piece that starts after the previous point, or else 0.
     begins: Vec<u32>,
     points: Vec<Vec2>,
 }
 
 impl Lay {
-    /// The length of the curve through `places`.
+    /// Length of the curve through `places`.
     pub(super) fn measure(&mut self, places: impl Iterator<Item = Vec2>) -> f32 {
         self.knots.clear();
         self.knots.extend(places);
         self.trace(0..self.knots.len())
     }
 
-    /// Lays as many points as there are `places` along the curve through them, run on straight by `ends` pixels at
-    /// either end, or cut. Returns its length; nothing when none is left.
+    /// Lays as many points as there are `places` along the curve through them. Each end is extended
+    /// straight by `ends` pixels, or cut if negative. Returns the length, or `None` if too few
+    /// places are left.
     pub(super) fn lay(
         &mut self,
         places: impl Iterator<Item = Vec2>,
@@ -63,12 +65,12 @@ impl Lay {
         Some(length_px)
     }
 
-    /// The points laid last.
+    /// Points of the last call of `lay`.
     pub(super) fn points(&self) -> &[Vec2] {
         &self.points
     }
 
-    /// Measures the curve through some of the knots; returns its length.
+    /// Measures the curve through a range of the knots, and returns its length.
     fn trace(&mut self, knots: std::ops::Range<usize>) -> f32 {
         let knots = &self.knots[knots];
         self.ways.clear();
@@ -86,7 +88,7 @@ impl Lay {
             along.clear();
             along.push(before[c]);
             along.extend(knots.iter().map(|knot| knot[c]));
-            // Groups of pieces are whole.
+            // The last group of pieces is filled up.
             along.resize(SIDE * groups + 3, after[c]);
         }
         self.parts.resize(groups, Default::default());
@@ -108,7 +110,7 @@ impl Lay {
 struct Cubic([f32; 4]);
 
 impl Cubic {
-    /// From q to r, where p comes before and s after.
+    /// The piece from q to r, with p before it and s after it.
     #[inline(always)]
     fn new(p: f32, q: f32, r: f32, s: f32) -> Self {
         let bend = 2.0 * p - 5.0 * q + 4.0 * r - s;
@@ -123,7 +125,7 @@ impl Cubic {
     }
 }
 
-/// Measures the pieces, a group at a time.
+/// Measures the pieces, group by group.
 struct Measure<'a> {
     along: [&'a [f32]; 2],
     parts: &'a mut [[[f32; SIDE]; CHORDS + 1]],
@@ -154,7 +156,7 @@ impl WithSimd for Measure<'_> {
     }
 }
 
-/// Finds the points.
+/// Places the points.
 struct Space<'a> {
     lay: &'a mut Lay,
     step_px: f32,
@@ -181,7 +183,7 @@ impl WithSimd for Space<'_> {
             let rest = step_px * k as f32 - lay.ways[piece];
             let parts = &lay.parts[piece / SIDE];
             let i = piece % SIDE;
-            // The chord in which the point lies.
+            // The chord that contains the point.
             let after = |j: usize| usize::from(rest > parts[j][i]);
             let chord = (after(1) + after(2) + after(3)) & (CHORDS - 1);
             let (from, to) = (parts[chord][i], parts[chord + 1][i]);
@@ -197,8 +199,8 @@ impl WithSimd for Space<'_> {
     }
 }
 
-/// Moves the first knot outward by `end_px`, or inward past others, where `at` says which knot is the first and so on.
-/// Returns how many knots are gone.
+/// Moves the first knot outward by `end_px`, or inward if it is negative, and drops the knots that
+/// it passes. `at` gives the knots in order from this end. Returns the number of dropped knots.
 fn move_end(knots: &mut [Vec2], end_px: f32, at: impl Fn(usize) -> usize) -> usize {
     if knots.len() < 2 {
         return 0;
@@ -207,7 +209,7 @@ fn move_end(knots: &mut [Vec2], end_px: f32, at: impl Fn(usize) -> usize) -> usi
     let mut gone = 0;
     while gone + 2 < knots.len() {
         let spacing = vec2::distance(knots[at(gone)], knots[at(gone + 1)]);
-        // A knot that the end comes near to gives way to it.
+        // A knot near the new end is replaced by it.
         if rest <= 0.7 * spacing {
             break;
         }
@@ -231,7 +233,7 @@ mod tests {
             n in 16..150usize, radius in 20.0..200f32, turn in 0.2..5.0f32,
             ends in (-3.0..1.0f32, -3.0..1.0f32),
         ) {
-            // Not laid evenly.
+            // Unevenly spaced.
             let angle = |t: f32| turn * (t + 0.03 * (9.0 * t).sin());
             let places = (0..n).map(|i| {
                 let (sin, cos) = angle(i as f32 / (n - 1) as f32).sin_cos();

@@ -1,4 +1,4 @@
-//! An arm of a crossing: what the pairing of strands weighs.
+//! Arms of a crossing, the input of the pairing of strands.
 
 use crate::past::FormerPlaces;
 use crate::vec2::Vec2;
@@ -7,37 +7,39 @@ use crate::vec2::Vec2;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arm {
     pub(crate) edge: u32,
-    /// 0: the edge's first pixel lies in the zone; 1: its last.
+    /// 0 if the edge's first pixel is in the zone, 1 if its last is.
     pub(crate) end: u8,
     pub(crate) zone: u32,
-    /// Pixels of the edge, from this end, that belong to the crossing and not to one strand.
+    /// Number of pixels, from this end of the edge, that belong to the crossing instead of to one
+    /// strand.
     pub(crate) trim: u32,
-    /// Where the strand comes out of the crossing.
+    /// Position at which the strand leaves the crossing.
     pub(crate) at: Vec2,
-    /// Its direction there, into the zone.
+    /// Direction of the strand at `at`, into the zone.
     pub(crate) into: Vec2,
     pub(crate) half_px: f32,
-    /// The mean native color along the strand, just outside of the crossing.
+    /// Mean color along the strand just outside of the crossing, in the image's native format.
     pub(crate) color: [f32; 3],
-    /// On which side of an overlap its strand lies at the overlap's near end, −1 to 1, by how sure it is; 0: of none.
+    /// Side of an overlap on which the arm's strand is at the overlap's near end: −1 or 1, scaled
+    /// down by the certainty. 0 without an overlap, or if the side is unknown.
     pub(crate) side: f32,
-    /// Where it was in the last image.
+    /// Places in the prior that correspond to `at` and `into`.
     pub(crate) past: FormerPlaces,
 }
 
 impl Arm {
-    /// The end of the edge that this is, as 2·edge + end.
+    /// Index of the edge's end, 2·edge + end.
     pub(crate) fn slot(&self) -> usize {
         2 * self.edge as usize + usize::from(self.end)
     }
 
-    /// Pixels of the strand over which its direction is taken.
+    /// Number of pixels over which the strand's direction is measured.
     pub(crate) fn reach_px(&self) -> usize {
         reach_px(self.half_px)
     }
 }
 
-/// Pixels over which the direction of a strand of this half-width is taken.
+/// Number of pixels over which the direction of a strand of this half-width is measured.
 pub(crate) fn reach_px(half_px: f32) -> usize {
     ((3.5 * half_px) as usize).max(7)
 }

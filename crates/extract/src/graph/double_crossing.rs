@@ -1,8 +1,14 @@
-//! Two strands that cross twice with a narrow gap between: both crossings are judged at once.
+//! Two strands that cross twice with a narrow gap between: both crossings are decided together.
 //!
-//! Whether the strands cross at both ends of the gap or only touch there, they come out on the same sides; what
-//! differs is which of them runs along which side of the gap. At each crossing by itself the short sides hardly have a
-//! direction of their own. Over the whole length the strands that bend less tell.
+//! The strands either cross at both ends of the gap or touch at both. Either way they leave on the
+//! same sides. The two hypotheses differ only in which strand runs along which side of the gap. The
+//! short sides hardly have a direction of their own at each crossing, so the pairing of a single
+//! zone is unreliable. Here, each hypothesis is judged over the whole length, and the lower cost
+//! wins.
+//!
+//! The cost of a strand is the bending from its arm, along a side, to the arm at which it leaves
+//! (`run`), plus color and the prior at both joints. Width and side do not count. An exchange
+//! overrules the pairing.
 
 use super::Graph;
 use super::arm::Arm;
@@ -11,14 +17,17 @@ use super::zones::Zones;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2::{self, Vec2};
 
-/// Longer sides, in half-widths, have directions of their own.
+/// Maximum length of a side, in half-widths. Longer sides have reliable directions of their own.
 const LONGEST_HALVES: f32 = 24.0;
 
-/// One side of the gap: an edge between the two zones, as its ends' slots at the first zone and at the second.
+/// One side of the gap: an edge between two zones, as its end at the first zone and its end at the
+/// second.
 type Side = [usize; 2];
 
-/// Exchanges the partners of the two sides of each gap at both of its ends where the strands then bend less. `link` is,
-/// for each end of each edge, the end that it goes on to; `arm` its arm.
+/// Exchanges the partners of the two sides of each gap, at both ends, if that costs less.
+///
+/// For each end of each edge, `link` is the end at which its strand continues, and `arm` is the
+/// index of its arm.
 pub(crate) fn resolve(
     link: &mut [u32],
     arm: &[u32],
@@ -30,7 +39,7 @@ pub(crate) fn resolve(
         let Some(a) = side(first, &arm_of, graph, zones) else {
             continue;
         };
-        // The other side begins in the same zone: its arm stands nearby in the list.
+        // The other side starts in the same zone. Arms are sorted by zone, so its arm follows.
         for second in zones.arms[i + 1..]
             .iter()
             .take_while(|s| s.zone == first.zone)
@@ -74,7 +83,8 @@ pub(crate) fn resolve(
     }
 }
 
-/// The edge of `arm` as a side of a gap that begins in the arm's zone and ends in a later one.
+/// Returns the edge of `arm` as a side of a gap, if it is short enough, starts in the arm's zone
+/// and ends in a later one.
 fn side<'a>(
     arm: &Arm,
     arm_of: &impl Fn(usize) -> Option<&'a Arm>,
@@ -87,7 +97,7 @@ fn side<'a>(
     (short && far.zone > arm.zone).then_some([slot, slot ^ 1])
 }
 
-/// What it bends to come from one arm, follow a side and leave by another.
+/// Bending energy of a strand that comes from one arm, follows a side and leaves by another arm.
 fn run(from: &Arm, along: Side, to: &Arm, graph: &Graph, skeleton: &Skeleton) -> f32 {
     let edge = along[0] / 2;
     let pixels = graph.pixels(edge);

@@ -1,70 +1,76 @@
-//! The skeleton as a graph: ends and junctions joined by strands of pixels, without the spurs that
-//! a ragged edge leaves.
+//! The skeleton as a graph: nodes (ends and junctions) joined by edges, without the spurs that a
+//! ragged mask leaves.
 
 use crate::past::Past;
 use crate::skeleton::{NONE, Pixel, Skeleton};
 use crate::vec2;
 use std::f32::consts::{PI, SQRT_2};
 
-/// Strands beyond which an image is taken for noise.
+/// Maximum number of edges. A skeleton with more is treated as noise and gets no graph.
 const MOST_EDGES: usize = 4096;
-/// A free end nearer to its junction than this many half-widths is a bump of the rope's edge or a
-/// corner of its tip (which lies √2 half-widths off), not a rope.
+/// Maximum length of a spur, in half-widths at its junction, plus 1 px. A spur is a bump of the
+/// rope's edge, or a corner of its tip, which is √2 half-widths away.
 const SPUR_HALVES: f32 = 1.5;
-/// The same for two free ends at one junction: the corners of a frayed or hollow tip.
+/// Same threshold for the shorter of two free ends at one junction: the corners of a frayed or
+/// hollow tip.
 const FORK_HALVES: f32 = 3.0;
-/// A free end nearer than that, but not nearer than so many half-widths, may be the tip of a strand that lies over or under another. The
-/// strand may come to the other so many half-widths from there, and points so near the way of the tip, in radians; the other runs at
-/// so large an angle to it. A tip is blunt: at its end and in its middle at least so many times as wide as the strand.
+/// Minimum length of a stub, which is a short edge that may be the tip of a strand over or under
+/// another (see `is_stub`). The second number is the maximum length of edges that join junctions
+/// into one meeting, and the minimum length of the strands that arrive there. In half-widths.
 const STUB_HALVES: [f32; 2] = [0.5, 5.0];
+/// Maximum turn from an arriving strand into the stub, in radians.
 const STUB_TURN: f32 = 0.45;
+/// Minimum angle, from 0 and from π, between the stub and a strand that runs across it, in radians.
 const STUB_ACROSS: f32 = 0.7;
+/// Minimum half-width of the stub at its end and in its middle, relative to the arriving strand. A
+/// tip is blunt.
 const STUB_BLUNT: [f32; 2] = [0.2, 0.6];
-/// The most junctions that are taken for one place then, and the most edges of a picture in which tips are sought so.
+/// Maximum number of junctions in one meeting.
 const STUB_NODES: usize = 8;
+/// Maximum number of edges of a skeleton in which stubs are sought.
 const STUB_EDGES: usize = 256;
-/// Widths around a rope's known end in which it is the only free end.
+/// Radius around a rope's known end in which no other free end may be, in widths.
 const ALONE_WIDTHS: f32 = 3.0;
 
-/// A skeleton pixel where a strand ends or several meet.
+/// A skeleton pixel where an edge ends or several meet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) pixel: u32,
-    /// Ends of edges here.
+    /// Number of edge ends here.
     pub(crate) degree: u32,
 }
 
-/// A strand of skeleton pixels from one node to another.
+/// A chain of skeleton pixels from one node to another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {
     /// The nodes at its two ends; `NONE` twice for a ring without nodes.
     pub(crate) nodes: [u32; 2],
-    /// Where its pixels, those of the nodes included, lie in `Graph::chain`.
+    /// Start of its pixels in `Graph::chain`. They include those of its nodes.
     pub(crate) from: u32,
     pub(crate) to: u32,
     pub(crate) length_px: f32,
 }
 
-/// Memory and result of the tracing.
+/// The graph, and the buffers for tracing it.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     pub(crate) nodes: Vec<Node>,
     pub(crate) edges: Vec<Edge>,
     /// Pixels of all edges, edge by edge.
     chain: Vec<u32>,
-    /// For each pixel its node, or `NONE`.
+    /// Node of each pixel, or `NONE`.
     node_of: Vec<u32>,
     visited: Vec<bool>,
     spurs: Vec<u32>,
 }
 
 impl Graph {
-    /// Makes room for the spurs of a rough skeleton.
+    /// Reserves memory for the spurs of a rough skeleton.
     pub(crate) fn reserve(&mut self) {
         self.spurs.reserve(256);
     }
 
-    /// Traces `skeleton`. An image that is noise gets no edges.
+    /// Traces `skeleton`. A skeleton with more than `MOST_EDGES` edges gets none.
     pub(crate) fn trace(&mut self, skeleton: &Skeleton) {
         let pixels = &skeleton.pixels;
         self.nodes.clear();
@@ -104,8 +110,8 @@ impl Graph {
         }
     }
 
-    /// Follows the strand that leaves `start` by its neighbor `next`, to the next node or, on a ring,
-    /// back to `start`.
+    /// Traces the edge that leaves `start` through its neighbor `next`, to the next node or, on a
+    /// ring, back to `start`.
     fn follow(&mut self, skeleton: &Skeleton, start: u32, next: u32) {
         let pixels = &skeleton.pixels;
         let from = self.chain.len() as u32;
@@ -114,7 +120,7 @@ impl Graph {
         loop {
             self.chain.push(here);
             let (a, b) = (&pixels[before as usize], &pixels[here as usize]);
-            // Neighbors by a corner or by a side.
+            // A diagonal step is √2 px long.
             length_px += if (a.x != b.x) & (a.y != b.y) {
                 SQRT_2
             } else {
@@ -142,9 +148,11 @@ impl Graph {
         });
     }
 
-    /// Takes spurs out of `skeleton`, the shortest first, and traces again, until there are none. What
-    /// sticks out where a rope of the past ended is no spur but that end, on its way over a strand; in a skeleton of a mask, neither is
-    /// the tip of one that has come there from the other side.
+    /// Removes spurs from `skeleton`, the shortest first, and traces it again, until none are left.
+    ///
+    /// Two kinds of short free ends stay. One is the known end of a rope of the prior, which may be
+    /// over another strand. The other, in a skeleton of a mask only, is the tip of a strand that
+    /// arrives from the opposite side (`is_stub`).
     pub(crate) fn prune(&mut self, skeleton: &mut Skeleton, past: &Past, is_of_mask: bool) {
         loop {
             self.spurs.clear();
@@ -164,7 +172,7 @@ impl Graph {
             });
             for i in 0..self.spurs.len() {
                 let e = self.spurs[i] as usize;
-                // An earlier removal may have made this one the continuation of a strand.
+                // An earlier removal may have made this edge the continuation of a strand.
                 if self.is_spur(e, skeleton, past, is_of_mask) {
                     self.remove(e, skeleton);
                 }
@@ -173,7 +181,7 @@ impl Graph {
         }
     }
 
-    /// Takes the pixels of spur `e` out of the skeleton, all but its junction.
+    /// Removes the pixels of spur `e` from the skeleton, except for its junction.
     fn remove(&mut self, e: usize, skeleton: &mut Skeleton) {
         for node in self.edges[e].nodes {
             self.nodes[node as usize].degree -= 1;
@@ -192,6 +200,7 @@ impl Graph {
         }
     }
 
+    /// Returns whether edge `e` has one free end, is short, and is neither a known end nor a stub.
     fn is_spur(&self, e: usize, skeleton: &Skeleton, past: &Past, is_of_mask: bool) -> bool {
         let edge = &self.edges[e];
         let [a, b] = edge.nodes;
@@ -211,9 +220,12 @@ impl Graph {
         is_short && !self.is_known_end(&tip, skeleton, past) && !is_tip()
     }
 
-    /// Whether spur `e`, at a junction of this half-width, is the tip of a strand on the other side of another: it is blunt, near
-    /// there one end of a strand points its way that goes on into no other as well, and two run across it. In a rope that is hollow in
-    /// the mask all run along it.
+    /// Returns whether short edge `e`, at a junction of this half-width, is the tip of a strand
+    /// that passes over or under another.
+    ///
+    /// At least two of the strands that arrive at the meeting must run across it. One must point
+    /// along it, and must not continue into another strand with less turn. The tip must be blunt.
+    /// In a rope that is hollow in the mask, all strands run along the stub, so this rejects them.
     fn is_stub(&self, e: usize, half_px: f32, skeleton: &Skeleton) -> bool {
         let [least_px, near_px] = STUB_HALVES.map(|halves| halves * half_px);
         let foot = 2 * e + usize::from(self.degree(2 * e) == 1);
@@ -226,7 +238,7 @@ impl Graph {
             .map(|from_px| self.at(foot, from_px, skeleton));
         let way = vec2::sub(tip.at(), foot_at.at());
         let meeting = self.meeting(self.node(foot), near_px);
-        // The strands that come there: how far the way of the tip turns from theirs, and their half-widths.
+        // For each strand that arrives: the turn from it into the stub, and its half-width.
         let strands = || {
             let is_long = |&slot: &usize| self.edges[slot / 2].length_px >= near_px;
             let is_there = |&slot: &usize| meeting.contains(&self.node(slot));
@@ -249,7 +261,8 @@ impl Graph {
             })
     }
 
-    /// The junctions that edges shorter than that join to `node`, it among them; the first again in what places are left.
+    /// Returns the junctions joined to `node` by edges shorter than `near_px`, including `node`.
+    /// Unused entries repeat `node`.
     fn meeting(&self, node: u32, near_px: f32) -> [u32; STUB_NODES] {
         let (mut nodes, mut count, mut looked_at) = ([node; STUB_NODES], 1, 0);
         while looked_at < count {
@@ -268,24 +281,24 @@ impl Graph {
         nodes
     }
 
-    /// Both ends of all edges, 2·edge + end.
+    /// Both ends of all edges, as 2·edge + end.
     fn slots(&self) -> std::ops::Range<usize> {
         0..2 * self.edges.len()
     }
 
-    /// The node at an end of an edge; `NONE` of a ring.
+    /// Node at an end of an edge, or `NONE` for a ring.
     fn node(&self, slot: usize) -> u32 {
         self.edges[slot / 2].nodes[slot % 2]
     }
 
-    /// How many edges are left at the node there.
+    /// Number of remaining edges at the node of this end.
     fn degree(&self, slot: usize) -> u32 {
         self.nodes
             .get(self.node(slot) as usize)
             .map_or(0, |node| node.degree)
     }
 
-    /// Where an edge is, so many pixels from that end of it, or at its other end.
+    /// Pixel of an edge at this distance from one end, or the edge's other end if that is nearer.
     fn at<'a>(&self, slot: usize, from_px: f32, skeleton: &'a Skeleton) -> &'a Pixel {
         let pixels = self.pixels(slot / 2);
         let i = (from_px as usize).min(pixels.len() - 1);
@@ -297,8 +310,8 @@ impl Graph {
         &skeleton.pixels[pixels[i] as usize]
     }
 
-    /// Whether a rope of the past ended near free end `tip`, and no other free end is near that could
-    /// be its end.
+    /// Returns whether a rope of the prior ended near free end `tip`, and `tip` is the only free
+    /// end there.
     fn is_known_end(&self, tip: &Node, skeleton: &Skeleton, past: &Past) -> bool {
         let at = |node: &Node| skeleton.pixels[node.pixel as usize].at();
         let Some((end, width_px)) = past.end_near(at(tip)) else {
@@ -310,7 +323,8 @@ impl Graph {
         })
     }
 
-    /// Whether another free end, no shorter than edge `e` but about as short, is at `junction`.
+    /// Returns whether `junction` has another free end that is longer than edge `e`, but at most
+    /// twice as long.
     fn is_fork(&self, e: usize, junction: u32) -> bool {
         let length_px = self.edges[e].length_px;
         self.edges.iter().enumerate().any(|(other, edge)| {
@@ -325,7 +339,7 @@ impl Graph {
         })
     }
 
-    /// The pixels of edge `e` from its first node to its second.
+    /// Pixels of edge `e`, from its first node to its second.
     pub(crate) fn pixels(&self, e: usize) -> &[u32] {
         &self.chain[self.edges[e].from as usize..self.edges[e].to as usize]
     }

@@ -1,37 +1,39 @@
-//! Where two strands that lie along each other change sides: at the necks of their overlap.
+//! Necks of an overlap: the places where two strands that run along each other change sides.
 //!
-//! Side by side, two strands are up to two ropes wide together; where they cross they lie on top of each other and the
-//! mask narrows to one rope. Strands that only touch have no neck, strands that cross once have one, and strands that
-//! are wound around each other have one for each time.
+//! Side by side, two strands are up to two ropes wide together. In a crossing, one is on top of the
+//! other, and the mask narrows to one rope. Strands that only touch have no neck, strands that
+//! cross once have one, and strands wound around each other have one for each change of sides.
 
 use super::Graph;
 use crate::skeleton::Skeleton;
 
-/// At most this many half-widths (and half a pixel) wide on either side, the overlap is one rope wide. Where strands
-/// meet at up to 60° without crossing, it is 1.33 (see `zones`).
+/// Maximum half-width of the overlap, in half-widths plus `DOUBT_PX`, at which it is one rope wide.
+/// Strands that meet at up to 60° without crossing reach 1.33 (see `zones`).
 const NECK_HALVES: f32 = 1.22;
-/// From here on it is surely wider.
+/// Minimum half-width of an overlap that is definitely wider than one rope, in half-widths plus
+/// `DOUBT_PX`.
 const WIDE_HALVES: f32 = 1.35;
-/// Nearer to its ends than this many half-widths the overlap is not looked at.
+/// Part of the overlap at each end that is ignored, in half-widths.
 const RIM_HALVES: f32 = 0.4;
-/// What whole pixels leave in doubt.
+/// Tolerance for whole pixels.
 const DOUBT_PX: f32 = 0.5;
-/// Of thinner ropes whole pixels do not tell one strand from two.
+/// Minimum half-width at which whole pixels can distinguish one strand from two.
 const THINNEST_HALF_PX: f32 = 2.0;
-/// More often, strands are not followed around each other.
+/// Maximum number of necks. Strands that change sides more often are not resolved.
 pub(crate) const MOST: usize = 6;
 
-/// The necks of one overlap, in order from its edge's first node.
+/// Necks of one overlap, in order from its edge's first node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Necks {
     at: [u32; MOST],
     count: usize,
-    /// Whether the rope is wide enough to tell, and the overlap clearly narrow somewhere or nowhere.
+    /// True if the rope is wide enough, and the overlap's narrowest place is clearly a neck or
+    /// clearly none.
     pub(crate) are_known: bool,
 }
 
 impl Necks {
-    /// The necks of edge `e`, an overlap of ropes of which the wider has this half-width.
+    /// Finds the necks of edge `e`, an overlap whose wider rope has this half-width.
     pub(crate) fn of(e: usize, graph: &Graph, skeleton: &Skeleton, half_px: f32) -> Self {
         let pixels = graph.pixels(e);
         let radius = |k: usize| skeleton.pixels[pixels[k] as usize].half_px;
@@ -40,7 +42,7 @@ impl Necks {
             count: 0,
             are_known: half_px >= THINNEST_HALF_PX,
         };
-        // At the junctions themselves the skeleton bends, and its radius with it.
+        // The skeleton bends at the junctions, and its radius changes with it.
         let rim = ((RIM_HALVES * half_px) as usize)
             .max(1)
             .min(pixels.len() / 3);
@@ -49,7 +51,7 @@ impl Necks {
         let wide_px = WIDE_HALVES * half_px + DOUBT_PX;
         let neck_px = NECK_HALVES * half_px + DOUBT_PX;
         necks.are_known &= narrowest <= neck_px || narrowest >= wide_px;
-        // The first and last pixel of the neck that is being passed, and how many since then are wide.
+        // First and last pixel of the current neck, and the number of wide pixels since.
         let (mut passed, mut wide): (Option<[usize; 2]>, usize) = (None, 0);
         for k in inner {
             if radius(k) <= neck_px {
@@ -66,8 +68,8 @@ impl Necks {
         necks
     }
 
-    /// A neck lies in the middle of the pixels that are as narrow as one rope: where it is narrowest, whole pixels do
-    /// not tell.
+    /// Adds the middle of a neck. Whole pixels do not show where exactly it is narrowest. More than
+    /// `MOST` necks make all of them unknown.
     fn push(&mut self, [first, last]: [usize; 2]) {
         if self.count == MOST {
             self.are_known = false;
@@ -77,7 +79,7 @@ impl Necks {
         }
     }
 
-    /// The pixels of the edge at which the strands change sides.
+    /// Pixel indices on the edge at which the strands change sides.
     pub(crate) fn at(&self) -> &[u32] {
         &self.at[..self.count]
     }

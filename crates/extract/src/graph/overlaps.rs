@@ -1,11 +1,16 @@
-//! Overlaps that shape alone does not show: an edge between two junctions of three arms each.
+//! Overlaps that width alone does not show: an edge between two junctions of three arms each.
 //!
-//! A rope has two ends, so a junction of three arms is rare: an end that lies on a rope. Two of them
-//! joined by an edge are far more often one crossing at a flat angle, or two strands that run along
-//! each other, and the edge is both strands at once. The two readings are weighed by what their
-//! pairings cost, bends and lone ends together. Where two edges join the same two junctions, the
-//! longer is the loop that a strand makes: were it the overlap, a rope would lie upon itself all
-//! around.
+//! A rope has two ends, so a junction of three arms is rare: an end on a rope. Two of them joined
+//! by an edge are far more often one crossing at a flat angle, or two strands that run along each
+//! other. The edge is then both strands at once.
+//!
+//! For each such edge, the cost of two hypotheses is compared. Apart: the pairings of both
+//! junctions by themselves. Overlap: one pairing of the four outer arms, laid straight, plus a cost
+//! per width of length. The overlap is taken if it costs less. If candidates share a zone, only the
+//! one with the largest gain can be taken.
+//!
+//! If two edges join the same two junctions, the longer one is the loop of a strand and is never
+//! the overlap. Otherwise a rope would be on top of itself all the way around.
 
 use super::Graph;
 use super::arm::Arm;
@@ -17,21 +22,21 @@ use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2;
 
-/// Widths that an overlap may be long without showing in the mask's width.
+/// Maximum length of an overlap that does not show in the mask's width, in widths.
 const LONGEST_WIDTHS: f32 = 12.0;
-/// A strand of an overlap lies at most this many widths off the overlap's middle, and has moved as
-/// much again.
+/// Maximum distance from an overlap's middle to a strand of the prior that belongs to it, in
+/// widths. It allows for the strand's offset in the overlap and for its motion since.
 const BESIDE_WIDTHS: f32 = 1.5;
-/// What a width of such an overlap costs: the longer, the less likely.
+/// Cost of an overlap per width of its length: a longer one is less likely.
 const PER_WIDTH: f32 = 0.04;
 
-/// Memory of the weighing.
+/// Buffers for comparing hypotheses.
 #[derive(Debug, Default)]
 pub(crate) struct Overlaps {
     pairing: Pairing,
     arms: Vec<Arm>,
     candidates: Vec<Candidate>,
-    /// For each zone whether a better candidate is of it.
+    /// For each zone, true if a candidate with a larger gain has used it.
     asked: Vec<bool>,
 }
 
@@ -43,7 +48,7 @@ struct Candidate {
 }
 
 impl Overlaps {
-    /// Makes room for the overlaps of ropes.
+    /// Reserves memory for the overlaps of ropes.
     pub(crate) fn reserve(&mut self) {
         const MOST: usize = 256;
         self.pairing.reserve();
@@ -52,7 +57,7 @@ impl Overlaps {
         self.asked.reserve(MOST);
     }
 
-    /// Joins zones of three arms whose common edge is cheaper read as an overlap.
+    /// Joins zones of three arms whose common edge costs less as an overlap.
     pub(crate) fn join(
         &mut self,
         image: &Image,
@@ -68,7 +73,7 @@ impl Overlaps {
             if zones.inside[e] || edge.nodes[0] == NONE {
                 continue;
             }
-            // Where two strands lay in the last image, an overlap of any length is no surprise.
+            // If the prior had two strands here, an overlap of any length is expected.
             let widths = if was_double(e, graph, skeleton, &zones.past) {
                 0.0
             } else {
@@ -98,7 +103,7 @@ impl Overlaps {
         }
     }
 
-    /// What is gained by reading edge `e` as an overlap, if anything.
+    /// Returns edge `e` as a candidate if reading it as an overlap costs less, with the gain.
     fn weigh(
         &mut self,
         e: usize,
@@ -138,7 +143,8 @@ impl Overlaps {
                 .extend(kept.map(|arm| laid_straight(*arm, unroll.as_ref(), zone == ends[1])));
         }
         if detour_alone == 2 {
-            // Not an end on a rope, twice, but both ends of one rope at one place.
+            // If both ends of the detour stay alone, it is not two ends on two ropes, but both ends
+            // of one rope at one place.
             apart += ALONE_TOO - ALONE;
         }
         self.pairing.resolve(&self.arms, &zones.past, yuv);
@@ -151,7 +157,7 @@ impl Overlaps {
     }
 }
 
-/// An arm of the overlap's far or near end, where it would be were the overlap straight.
+/// An arm of the overlap, as if the overlap were straight.
 fn laid_straight(mut arm: Arm, unroll: Option<&Unroll>, is_far: bool) -> Arm {
     let Some(unroll) = unroll else { return arm };
     if is_far {
@@ -159,14 +165,14 @@ fn laid_straight(mut arm: Arm, unroll: Option<&Unroll>, is_far: bool) -> Arm {
     } else {
         unroll.tell_side(&mut arm);
     }
-    // Which strand goes where is not asked yet, and tight loops bend too much to tell.
+    // Sides are not compared yet, because tight loops bend too much for that.
     if unroll.changes_sides() {
         arm.side = 0.0;
     }
     arm
 }
 
-/// Whether two strands ran along the middle of edge `e` in the last image.
+/// Returns whether two strands of the prior ran along the middle of edge `e`.
 fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool {
     let pixels = graph.pixels(e);
     let at = |i: usize| skeleton.pixels[pixels[i] as usize].at();
@@ -179,7 +185,8 @@ fn was_double(e: usize, graph: &Graph, skeleton: &Skeleton, past: &Past) -> bool
     traces.within(BESIDE_WIDTHS) >= 2
 }
 
-/// The other edge, if any, that joins the same two zones, of these arms, as edge `e`.
+/// Returns another edge, if any, that joins the same two zones as edge `e`. `arms` are those zones'
+/// arms.
 fn detour(e: usize, arms: [&[Arm]; 2]) -> Option<u32> {
     let mut others = arms[0].iter().map(|arm| arm.edge);
     others.find(|&edge| edge as usize != e && arms[1].iter().any(|arm| arm.edge == edge))

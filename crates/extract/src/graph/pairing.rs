@@ -1,46 +1,51 @@
-//! Which arms of a crossing are one strand: the pairing of least bending energy.
+//! Pairs the arms of a crossing into strands, by the least bending energy.
 //!
-//! Between two arms lies a hidden piece. The cubic through their ends with slopes α and β against
-//! its chord has a bending energy proportional to α² + αβ + β²: an arc costs a quarter of its turn
-//! squared, an S three times as much. Arms of different width or color are less likely one rope. All
-//! pairings of a zone are tried; an arm may stay alone, as the end of a rope that lies there. Where
-//! the last image knows which strand went where, that weighs in.
+//! Between two arms is a hidden stretch. The cubic through their ends with slopes α and β against
+//! its chord has a bending energy proportional to α² + αβ + β². An arc costs a quarter of its turn
+//! squared, an S three times as much. Differences in width, color, side of an overlap, and from the
+//! prior add to the cost of a pair (`cost`). An arm may also stay alone, as the end of a rope, at a
+//! fixed cost.
+//!
+//! Zones of up to `MOST_ARMS` arms are solved exactly: all pairings are tried. Larger ones are
+//! solved greedily. The two arms of a zone without others are always paired.
 
 use super::arm::Arm;
 use crate::image::color;
 use crate::past::Past;
 use crate::vec2::{self, Vec2};
 
-/// What an arm that stays alone costs: as much as an arc by 1.5 rad (89°), which a rope of ordinary
+/// Cost of one arm that stays alone: that of an arc by 1.55 rad (89°), which a rope of ordinary
 /// stiffness does not make within its own width.
 pub(crate) const ALONE: f32 = 0.6;
-/// What each further one costs: two ends seldom lie at one place.
+/// Cost of each further arm that stays alone: two ends are rarely at one place.
 pub(crate) const ALONE_TOO: f32 = 1.4;
-/// What it costs to change sides in an overlap that is too wide for strands to cross in it.
+/// Cost of changing sides in an overlap that is too wide for its strands to cross.
 const OTHER_SIDE: f32 = 0.8;
-/// Zones with more arms than this (945 pairings) are resolved pair by pair, the cheapest first.
+/// Maximum number of arms for the exact search (945 pairings). Larger zones are paired greedily,
+/// the cheapest pair first.
 const MOST_ARMS: usize = 10;
-/// Levels of color difference that count as much as a bend by one radian.
+/// Color difference, in levels, that counts as much as a bend by one radian.
 const COLOR_LEVELS: f32 = 60.0;
-/// What color may say at most: less than two arms alone, since a rope's end may be taped or dyed.
+/// Maximum color difference in a cost, in units of `COLOR_LEVELS`. Its square is less than the cost
+/// of two arms alone, since a rope's end may be taped or dyed.
 const MOST_COLOR: f32 = 0.9;
 
-/// Memory of the search.
+/// Buffers and result of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Pairing {
-    /// For each two arms what it costs to read them as one strand; on the diagonal, what an arm
-    /// that stays alone costs besides.
+    /// Cost of each two arms as one strand. On the diagonal, what the prior adds to the cost of an
+    /// arm that stays alone.
     costs: Vec<f32>,
     order: Vec<(f32, usize, usize)>,
-    /// For each arm its partner, or itself when it stays alone.
+    /// Partner of each arm, or the arm itself if it stays alone.
     partner: Vec<usize>,
     best: Vec<usize>,
-    /// The cost of the result.
+    /// Cost of the result.
     pub(crate) best_cost: f32,
 }
 
 impl Pairing {
-    /// Makes room for zones of as many arms as crossings of ropes have.
+    /// Reserves memory for as many arms as crossings of ropes have.
     pub(crate) fn reserve(&mut self) {
         const ARMS: usize = 16;
         self.costs.reserve(ARMS * ARMS);
@@ -49,7 +54,8 @@ impl Pairing {
         self.best.reserve(ARMS);
     }
 
-    /// For each of `arms`, all of one zone, the index of its partner, or its own when it ends here.
+    /// Returns the index of the partner of each of `arms`, or the arm's own if it ends here. All
+    /// arms are of one zone.
     pub(crate) fn resolve(&mut self, arms: &[Arm], past: &Past, yuv: bool) -> &[usize] {
         let n = arms.len();
         self.costs.clear();
@@ -67,7 +73,7 @@ impl Pairing {
         self.best.clear();
         self.best.extend(0..n);
         if n == 2 {
-            // Nothing else is here: the strand goes on.
+            // Without other arms, the strand continues.
             self.best.swap(0, 1);
             self.best_cost = self.costs[1];
         } else if n <= MOST_ARMS {
@@ -79,6 +85,9 @@ impl Pairing {
         &self.best
     }
 
+    /// Searches all pairings of the arms from index `from` on, depth first. Stops where the cost
+    /// reaches that of the best known pairing. `alone` is the cost of the next arm that stays
+    /// alone.
     fn search(&mut self, n: usize, from: usize, so_far: f32, alone: f32) {
         if so_far >= self.best_cost {
             return;
@@ -95,11 +104,12 @@ impl Pairing {
                 (self.partner[i], self.partner[j]) = (i, j);
             }
         }
-        // Alone: skipped by starting after it, so it must not be found free again.
+        // The search continues after this arm, so it is not found free again.
         let alone = alone + self.costs[i * n + i];
         self.search(n, i + 1, so_far + alone, ALONE_TOO);
     }
 
+    /// Pairs the cheapest arms first, as long as a pair costs less than two arms alone.
     fn greedy(&mut self, n: usize) {
         self.order.clear();
         for i in 0..n {
@@ -118,27 +128,27 @@ impl Pairing {
     }
 }
 
-/// What it costs to read arms `a` and `b` as one strand.
+/// Cost of arms `a` and `b` as one strand.
 pub(crate) fn cost(a: &Arm, b: &Arm, past: &Past, yuv: bool) -> f32 {
     let bend = bending(a.at, a.into, b.at, vec2::scale(b.into, -1.0));
     let (wa, wb) = (a.half_px, b.half_px);
     let width = (wa - wb) / (wa + wb);
     let sides = OTHER_SIDE * (-a.side * b.side).max(0.0);
     let against = past.against(&a.past, &b.past, vec2::distance(a.at, b.at));
-    // The narrowest ropes measure their width too coarsely for it to say much.
+    // The narrowest ropes are measured too coarsely for their width to count fully.
     bend + 2.0 * width * width * (wa + wb).min(10.0) / 10.0
         + color_cost(a, b, yuv)
         + sides
         + against
 }
 
-/// What it costs that the arms' strands differ in color.
+/// Cost of the color difference between two arms.
 pub(crate) fn color_cost(a: &Arm, b: &Arm, yuv: bool) -> f32 {
     let color = (color::distance(a.color, b.color, yuv) / COLOR_LEVELS).min(MOST_COLOR);
     color * color
 }
 
-/// The bending energy (times length / 4) of the cubic from `from` in direction `out` to `to` in
+/// Bending energy (times length / 4) of the cubic from `from` in direction `out` to `to` in
 /// direction `onward`.
 pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
     let chord = vec2::unit_or(vec2::sub(to, from), out);
@@ -146,7 +156,7 @@ pub(crate) fn bending(from: Vec2, out: Vec2, to: Vec2, onward: Vec2) -> f32 {
     bending_of(alpha, beta)
 }
 
-/// The same for slopes `alpha` and `beta` against the chord.
+/// Bending energy for slopes `alpha` and `beta` against the chord.
 pub(crate) fn bending_of(alpha: f32, beta: f32) -> f32 {
     alpha * alpha + alpha * beta + beta * beta
 }
@@ -156,7 +166,7 @@ mod tests {
     use super::*;
     use crate::past::FormerPlaces;
 
-    /// An arm of a crossing in the middle, coming from `angle_deg`.
+    /// An arm of a crossing at (50, 50), coming from `angle_deg`.
     fn spoke(angle_deg: f32, color: f32) -> Arm {
         let (sin, cos) = angle_deg.to_radians().sin_cos();
         Arm {

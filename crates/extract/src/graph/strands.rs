@@ -1,4 +1,4 @@
-//! Edges joined through crossings: each rope as a list of edges in their order.
+//! Edges joined through crossings: each rope as a list of edges in order.
 
 use super::arm::Arm;
 use super::pairing::{Pairing, cost};
@@ -9,23 +9,24 @@ use crate::bitmap::bits::BitPlane;
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 
-/// What more the pairings of a crossing may cost to make one rope of a ring and a strand: a bend by
-/// some 35° each.
+/// Maximum additional cost for merging a ring with a strand that it meets: a bend by some 35° in
+/// each of the two pairs.
 const RING: f32 = 0.35;
-/// How many times a ring's own bend in the crossing counts then. A ring that crosses a strand runs
-/// straight there; one that touches it and must bend to close is more likely the loop of a rope.
+/// Weight of a ring's own bend in the crossing, in the same comparison. A ring that crosses a
+/// strand runs straight there. A ring that only touches it and must bend to close is more likely
+/// the loop of a rope.
 const RING_BEND: f32 = 1.25;
 
-/// Rings that are opened: no picture of ropes has as many.
+/// Maximum number of rings that are opened.
 const MOST_RINGS: usize = 64;
 
-/// One edge on the way along a rope.
+/// One edge along a rope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg {
     pub(crate) edge: u32,
-    /// Whether the rope runs from the edge's second node to its first.
+    /// True if the rope runs from the edge's second node to its first.
     pub(crate) reversed: bool,
-    /// Pixels left out at the leg's start and end, because they lie in a crossing.
+    /// Number of pixels left out at the leg's start and end because they are in a crossing.
     pub(crate) trim: [u32; 2],
 }
 
@@ -35,21 +36,21 @@ pub(crate) struct Strand {
     pub(crate) from: u32,
     pub(crate) to: u32,
     pub(crate) closed: bool,
-    /// The length of its edges, in pixels of the skeleton.
+    /// Length of its edges, in pixels of the skeleton.
     pub(crate) length_px: f32,
 }
 
-/// Memory and result of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Strands {
     pairing: Pairing,
     pub(crate) walker: Walker,
-    /// For each end of each edge (2·edge + end) the end that it goes on to, or `NONE`.
+    /// For each end of each edge (2·edge + end), the end at which its strand continues, or `NONE`.
     link: Vec<u32>,
-    /// The arm there, as an index into `Zones::arms`, or `NONE`.
+    /// Arm of each end, as an index into `Zones::arms`, or `NONE`.
     arm: Vec<u32>,
     used: Vec<bool>,
-    /// For each edge its strand, by where that begins in `legs`.
+    /// Strand of each edge, as its start in `legs`.
     strand_of: Vec<u32>,
     pub(crate) legs: Vec<Leg>,
     /// The ropes, the longest first.
@@ -57,15 +58,16 @@ pub(crate) struct Strands {
 }
 
 impl Strands {
-    /// Makes room for the walks of a tangled rope.
+    /// Reserves memory for the walks of a tangled rope.
     pub(crate) fn reserve(&mut self) {
         self.walker.reserve();
         self.legs.reserve(256);
         self.strands.reserve(64);
     }
 
-    /// Pairs the arms of each zone and follows each rope from end to end. In a `mask` that is of ropes alone, those that are wound up
-    /// are walked through.
+    /// Pairs the arms of each zone, resolves double crossings, follows each rope from end to end,
+    /// and opens rings, in this order. With `mask`, which must contain ropes only, a walk then
+    /// replaces pairings that cost more (see `walk`).
     pub(crate) fn join(
         &mut self,
         yuv: bool,
@@ -108,7 +110,7 @@ impl Strands {
         }
     }
 
-    /// Pixels of the end `slot` that lie in a crossing.
+    /// Number of pixels at the end `slot` that are in a crossing.
     fn trim(&self, slot: usize, zones: &Zones) -> u32 {
         zones
             .arms
@@ -116,8 +118,9 @@ impl Strands {
             .map_or(0, |arm| arm.trim)
     }
 
-    /// Ropes have ends: where a ring touches another strand in a crossing and exchanging their
-    /// partners there costs little, they are one rope. Returns whether a pair was exchanged.
+    /// Merges the ring and the strand for which exchanging their partners in a common zone adds the
+    /// least cost, if that is below `RING`. Ropes have ends, so a ring is likely an error of the
+    /// pairing. Returns whether it merged a pair.
     fn open_a_ring(&mut self, yuv: bool, zones: &Zones) -> bool {
         let mut best = (RING, [0; 4]);
         for ring in self.strands.iter().filter(|s| s.closed) {
@@ -137,7 +140,7 @@ impl Strands {
                     }
                     let d = d as usize;
                     let cost = |i: usize, j: usize| {
-                        // Tight loops lie too close to themselves for sides.
+                        // Tight loops are too close to themselves for sides.
                         let arm = |slot: usize| Arm {
                             side: 0.0,
                             ..zones.arms[self.arm[slot] as usize]
@@ -160,7 +163,7 @@ impl Strands {
         more < RING
     }
 
-    /// Follows links from every loose end, then around what is left.
+    /// Builds the strands: follows links from every loose end, then around the remaining rings.
     fn walk(&mut self, graph: &Graph, zones: &Zones) {
         self.legs.clear();
         self.strands.clear();
@@ -180,7 +183,8 @@ impl Strands {
             .sort_unstable_by(|a, b| b.length_px.total_cmp(&a.length_px));
     }
 
-    /// Follows the rope that starts at end `slot % 2` of edge `slot / 2`, unless it is known.
+    /// Follows the rope that starts at end `start % 2` of edge `start / 2`, unless its edge is in
+    /// use.
     fn follow(&mut self, start: usize, graph: &Graph, zones: &Zones) {
         let from = self.legs.len() as u32;
         let (mut slot, mut length_px) = (start, 0.0);

@@ -1,5 +1,5 @@
-//! A long overlap laid straight, so that what its arms bend against it can be told from how both
-//! strands bend together.
+//! A long overlap, laid straight. This separates how its arms bend against it from how both strands
+//! bend together.
 
 use super::Graph;
 use super::arm::Arm;
@@ -7,14 +7,14 @@ use super::necks::Necks;
 use crate::skeleton::Skeleton;
 use crate::vec2::{self, Vec2};
 
-/// Overlaps shorter than this many half-widths tell nothing: strands that cross at more than 67° are as wide there as
-/// strands side by side (see `zones`).
+/// Minimum length of an overlap, in half-widths. In a shorter one, strands that cross at more than
+/// 67° are as wide as strands side by side (see `zones`).
 const SHORTEST_HALVES: f32 = 1.5;
 
-/// From this length on the sides are sure.
+/// Minimum length of an overlap whose sides are certain, in half-widths.
 const SURE_HALVES: f32 = 6.0;
 
-/// The motion that lays the far end of an overlap straight ahead of its near end.
+/// The rigid motion that lays the far end of an overlap straight ahead of its near end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unroll {
     from: Vec2,
@@ -22,14 +22,15 @@ pub(crate) struct Unroll {
     to: Vec2,
     to_tangent: Vec2,
     length_px: f32,
-    /// Whether the strands change sides in it an even number of times (none, mostly); nothing when that is not known.
+    /// True if the strands change sides an even number of times (mostly zero), `None` if unknown.
     keeps_sides: Option<bool>,
-    /// How sure that is, 0 to 1: in a short overlap a pixel more or less tells.
+    /// Certainty of `keeps_sides`, from 0 to 1. In a short overlap it may depend on a single pixel.
     sureness: f32,
 }
 
 impl Unroll {
-    /// The motion for edge `e`, from its first node to its second; nothing for a short one.
+    /// The motion for edge `e`, from its first node to its second, or `None` if the edge is too
+    /// short.
     pub(crate) fn of(e: usize, graph: &Graph, skeleton: &Skeleton, half_px: f32) -> Option<Self> {
         let length_px = graph.edges[e].length_px;
         if length_px < SHORTEST_HALVES * half_px {
@@ -51,7 +52,7 @@ impl Unroll {
         })
     }
 
-    /// Moves an arm of the far end.
+    /// Moves an arm of the far end, and sets its side.
     pub(crate) fn apply(&self, arm: &mut Arm) {
         let turn = |v: Vec2| {
             let (ahead, aside) = (
@@ -69,17 +70,18 @@ impl Unroll {
         self.note_side(arm, true);
     }
 
-    /// Whether the strands surely change sides in the overlap.
+    /// Returns whether the strands are known to change sides in the overlap.
     pub(crate) fn changes_sides(&self) -> bool {
         self.keeps_sides == Some(false)
     }
 
-    /// Notes on which side of the overlap an arm of the near end lies.
+    /// Sets the side of an arm of the near end.
     pub(crate) fn tell_side(&self, arm: &mut Arm) {
         self.note_side(arm, false);
     }
 
-    /// Notes the side; of the (moved) far end that on which its strand lies at the near one.
+    /// Sets an arm's side. An arm of the (moved) far end gets the side that its strand has at the
+    /// near end.
     fn note_side(&self, arm: &mut Arm, is_far: bool) {
         if let Some(keeps_sides) = self.keeps_sides {
             let side = vec2::cross(self.from_tangent, vec2::sub(arm.at, self.from)).signum();

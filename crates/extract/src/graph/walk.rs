@@ -1,14 +1,24 @@
-//! One rope, or a few, through all of a piece of the mask.
+//! Walks: one rope, or a few, through a whole connected piece of the mask.
 //!
-//! Judging crossings one by one goes wrong where several merge: a ring is cut off that is not there, strands are exchanged, a part of
-//! the mask belongs to no rope. A piece of the mask with two tips is mostly one rope. That rope is a walk over the skeleton from one tip
-//! to the other. The walk takes each edge that is one strand once, and edges where strands lie on each other as often as it likes. A
-//! piece with more tips is several ropes, found one after the other: each begins at the first tip that is left, and ends at another tip
-//! or on a strand.
+//! Deciding each crossing by itself fails where several merge. It cuts off rings that do not exist,
+//! exchanges strands, or leaves a part of the mask to no rope. A piece of the mask with two tips is
+//! mostly one rope, that is, a walk over the skeleton from one tip to the other. The walk takes
+//! each edge that is a single strand once, and passes edges where strands overlap any number of
+//! times. A piece with more tips is several ropes, found one after the other. Each starts at the
+//! first unused tip, and ends at another tip or on a strand.
 //!
-//! The cheapest walk wins, by a beam search. A walk costs what it bends beyond the bends of its strands, what it runs outside of the mask,
-//! and what it leaves out of the mask. Several ropes also pay for overlaps where only one strand is seen. The walk replaces what the
-//! crossings say if that costs more as a walk, and is several ropes or one that is wound up.
+//! A beam search looks for the cheapest walk. Its cost is the sum of:
+//!
+//! - the joints between edges: bending beyond that of the strands themselves, difference in width,
+//!   and the part outside of the mask;
+//! - edges passed although they are a single strand, and overlaps taken as a single strand;
+//! - edges of the piece that it leaves out, and, with several ropes, overlaps that only one strand
+//!   runs over;
+//! - ends that are not tips.
+//!
+//! The result of the pairing is scored by the same cost. The walk overrules it if that costs more
+//! by a margin (`BETTER`), and the piece is several ropes, or one that is wound up or that the
+//! pairing split. See `Walker::improve` for the exceptions.
 
 mod piece;
 
@@ -19,42 +29,49 @@ use crate::bitmap::bits::BitPlane;
 use crate::skeleton::{NONE, Skeleton};
 use piece::{Component, Ground, Visited, is_tip};
 
-/// Walks that are kept at a time, walks one step on from them and places of their hash, and steps of all walks.
+/// Number of walks kept after each step.
 const BEAM: usize = 128;
+/// Maximum number of walks one step further, before the cheapest are kept.
 const MOST_NEXT: usize = 4096;
+/// Size of the hash table of those walks.
 const PLACES: usize = 2 * MOST_NEXT;
+/// Number of steps, over all walks, at which the search stops.
 const MOST_STEPS: usize = 16384;
-/// What an end that is no tip costs, and a ring.
+/// Cost of an end that is not a tip.
 const END: f32 = 0.6;
+/// Cost of a ring.
 const RING: f32 = 0.6;
-/// The most that the joint of two legs costs that do not hang together.
+/// Maximum cost of a joint between two legs, without that of the second leg. It is also the cost if
+/// no way joins them.
 const TORN: f32 = 2.0;
-/// How much less a walk must cost than what was there, and one that is several ropes.
+/// Minimum gain for which a walk of one rope replaces the result of the pairing.
 const BETTER: f32 = 0.15;
+/// Same minimum for a walk of several ropes.
 const BETTER_AS_SEVERAL: f32 = 0.3;
-/// A walk so far, by its last step.
+/// The last step of a walk. `before` leads to the others.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     before: u32,
-    /// The end of an edge at which the walk comes out of it. A rope begins with an edge whose other end is a tip.
+    /// End of an edge at which the walk leaves it. A rope starts with an edge whose other end is a
+    /// tip.
     slot: u32,
     cost: f32,
     seen: Visited,
 }
 
-/// Memory and result of the search.
+/// Buffers and result of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Walker {
     piece: Component,
     steps: Vec<Step>,
     next: Layer,
-    /// The last steps of walks that have arrived, and what they cost in all, the cheapest first.
+    /// Last steps and total costs of the finished walks, the cheapest first.
     done: Vec<(u32, f32)>,
     way: Vec<u32>,
 }
 
 impl Walker {
-    /// Makes room for the walks of a tangled rope.
+    /// Reserves memory for the walks of a tangled rope.
     pub(crate) fn reserve(&mut self) {
         self.piece.reserve();
         self.steps.reserve(MOST_STEPS + MOST_NEXT);
@@ -63,7 +80,11 @@ impl Walker {
         self.way.reserve(128);
     }
 
-    /// Puts the best walk in the place of strands that cost more.
+    /// Replaces the strands of each piece by its best walk if they cost more.
+    ///
+    /// Some pieces stay as they are. With two tips: a single strand that is not wound up. With
+    /// more: if the strands have legs that no way joins, or if an edge with a tip is wide, so that
+    /// widths do not show overlaps.
     pub(crate) fn improve(
         &mut self,
         (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
@@ -80,7 +101,8 @@ impl Walker {
                 mask,
             };
             self.piece.gather(self.piece.candidates[k], of);
-            // What is one rope crossing by crossing is right more often than the cheapest walk, unless it is wound up.
+            // A rope that the pairing found as one strand is right more often than the cheapest
+            // walk, unless it is wound up.
             let (before, ropes, is_torn) = self.cost_of(legs, strands, of);
             let is_one = self.piece.tips.len() == 2;
             let is_left = match is_one {
@@ -101,7 +123,8 @@ impl Walker {
         }
     }
 
-    /// What the strands of the piece cost as they are, how many they are, and whether they have legs that no walk joins.
+    /// Returns the cost of the piece's strands as a walk, their number, and whether they have legs
+    /// that no way joins.
     fn cost_of(&self, legs: &[Leg], strands: &[Strand], of: Ground) -> (f32, usize, bool) {
         let (mut cost, mut seen, mut ropes, mut is_torn) = (0.0, Visited::default(), 0, false);
         for strand in strands {
@@ -134,7 +157,8 @@ impl Walker {
         (cost + self.piece.left_out(&seen), ropes, is_torn)
     }
 
-    /// Finds the cheapest walks from tip to tip. What is several ropes is still one walk: where a rope has ended, the next one begins.
+    /// Searches for the cheapest walks. Several ropes are one walk: where one rope ends, the next
+    /// one starts.
     fn search(&mut self, of: Ground) {
         self.steps.clear();
         self.next.restart();
@@ -174,8 +198,8 @@ impl Walker {
         (self.done).sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
     }
 
-    /// Enters the walks one step on from step `s`, as far as they cost less than `least`. Returns what the cheapest walk costs now: it may
-    /// have ended there.
+    /// Adds the walks one step on from step `s` that cost less than `least`. Returns the new least
+    /// cost, as a walk may have ended here.
     fn go_on(&mut self, s: u32, least: f32, of: Ground) -> f32 {
         let piece = &self.piece;
         let step = Step {
@@ -203,7 +227,7 @@ impl Walker {
                 });
             }
         }
-        // Where the tips tell of several ropes, one may end on another.
+        // With more than two tips there are several ropes, so one may end on another.
         if piece.tips.len() == 2 {
             return least;
         }
@@ -217,7 +241,7 @@ impl Walker {
         least.min(cost)
     }
 
-    /// Puts the best walk in the place of the strands of its piece.
+    /// Replaces the strands of the piece by the best walk.
     fn take(
         &mut self,
         legs: &mut Vec<Leg>,
@@ -258,16 +282,18 @@ impl Walker {
     }
 }
 
-/// The end of its edge at which a leg begins, and at which it ends.
+/// End of a leg's edge at which the leg starts.
 fn into(leg: &Leg) -> u32 {
     2 * leg.edge + u32::from(leg.reversed)
 }
 
+/// End of a leg's edge at which the leg ends.
 fn out(leg: &Leg) -> u32 {
     into(leg) ^ 1
 }
 
-/// A walk on from `step`, where a rope has ended, to the next one: the first edge with a tip that is left, if there is any.
+/// Continues a walk at the start of the next rope, on the first edge with an unused tip, if any.
+/// `step` is the end of the previous rope.
 fn begin(piece: &Component, step: Step, of: Ground) -> Option<Step> {
     let bit = |slot: u32| piece.bit(slot / 2).unwrap_or(0);
     let &tip = (piece.tips.iter()).find(|&&tip| step.seen.used & bit(tip) == 0)?;
@@ -281,12 +307,12 @@ fn begin(piece: &Component, step: Step, of: Ground) -> Option<Step> {
     })
 }
 
-/// Walks one step on, each once.
+/// Walks one step on, without duplicates.
 #[derive(Debug, Default)]
 struct Layer {
     steps: Vec<Step>,
-    /// Where in `steps` a walk is, by a hash of its edges and its end: the lower half; the upper is the layer's number, so that
-    /// what former layers left here need not be cleared.
+    /// Hash table, by a walk's edges and end. The low 16 bits are an index in `steps`. The high
+    /// bits are the layer's number, so that entries of earlier layers need not be cleared.
     places: Vec<u32>,
     number: u32,
 }
@@ -297,7 +323,7 @@ impl Layer {
         self.places.reserve(PLACES);
     }
 
-    /// Forgets all layers.
+    /// Clears all layers.
     fn restart(&mut self) {
         self.places.clear();
         self.places.resize(PLACES, 0);
@@ -309,7 +335,8 @@ impl Layer {
         self.number += 1;
     }
 
-    /// Enters a walk, unless one is there that has come to the same place over the same edges and is cheaper.
+    /// Adds a walk, unless another one has reached the same end over the same edges at no greater
+    /// cost.
     fn enter(&mut self, new: Step) {
         let used = new.seen.used;
         let mixed = (used as u64 ^ (used >> 64) as u64).wrapping_add(u64::from(new.slot) << 40);
@@ -342,7 +369,7 @@ impl Layer {
     }
 }
 
-/// Fills `way` with the ends at which a walk comes out of its edges, the last first.
+/// Fills `way` with the ends at which a walk leaves its edges, the last first.
 fn trace(steps: &[Step], last: u32, way: &mut Vec<u32>) {
     way.clear();
     let mut at = last;

@@ -1,12 +1,12 @@
-//! Which junctions of the skeleton are one crossing, and the arms that come out of it.
+//! Zones: groups of junctions that are one crossing, and the arms that leave them.
 //!
-//! Two strands of width w that cross at an angle a do not meet in one skeleton point: their union's
-//! skeleton runs along the bisector between two junctions. With s = sin(a/2) and circles inscribed
-//! at the junctions of radius r, plane geometry gives r = w / (1 + s), and a distance between the
-//! junctions of w (1 − s) / (s (1 + s)). So the radius that is measured tells the length that is to
-//! be expected: an edge about that long, and as wide all along as such an overlap is, is no strand
-//! but both strands at once, and its junctions are one zone. Strands that run along each other
-//! show as an edge that is nearly two ropes wide.
+//! Two strands of width w that cross at an angle a do not meet in one skeleton point. The skeleton
+//! of their union runs along the bisector, between two junctions. With s = sin(a/2) and inscribed
+//! circles of radius r at the junctions, plane geometry gives r = w / (1 + s), and a distance
+//! between the junctions of w (1 − s) / (s (1 + s)). The measured radius thus predicts the length
+//! of the overlap. An edge of about that length, and as wide as such an overlap, is both strands at
+//! once, and its junctions are one zone. Strands that run along each other show as an edge nearly
+//! two ropes wide.
 
 use super::Graph;
 use super::arm::{Arm, reach_px};
@@ -17,36 +17,38 @@ use crate::skeleton::{NONE, Skeleton};
 use crate::statistics::quantile_of_positive;
 use crate::vec2::{self, Vec2};
 
-/// How many times as wide as most a strand is that is called wider.
+/// Minimum half-width of a strand that counts as wider than most, relative to the usual one.
 const WIDER: f32 = 1.25;
 
-/// How much wider than along its edge a strand is where it is part of a crossing, as a factor, and px for whole pixels.
+/// Half-width of a strand, relative to its edge, above which it is part of a crossing. `SWOLLEN_PX`
+/// is added for whole pixels.
 const SWOLLEN: f32 = 1.12;
 const SWOLLEN_PX: f32 = 0.3;
-/// A strand that rises to the camera becomes wider by and by, a crossing's width falls: so many half-widths ahead, from and to, a strand is
-/// still as wide as here. It is no wider than this many times its edge, as two strands beside each other are.
+/// Range ahead, in half-widths, that tells a rising strand from a crossing. A strand that rises
+/// toward the camera widens gradually, so it is still as wide there. A crossing's width falls.
 const AHEAD_HALVES: [f32; 2] = [4.0, 8.0];
+/// Maximum half-width of a rising strand, relative to its edge. Two strands side by side are wider.
 const RISEN: f32 = 1.6;
 
-/// Memory and result of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Zones {
-    /// For each node, another of its zone; a root points to itself.
+    /// For each node, another node of its zone. A root points to itself.
     parent: Vec<u32>,
     halves: Vec<f32>,
     /// Half the rope's width along each edge, away from crossings.
     pub(crate) edge_half_px: Vec<f32>,
-    /// For each edge whether it is the overlap inside of a zone.
+    /// For each edge, true if it is an overlap inside a zone.
     pub(crate) inside: Vec<bool>,
     /// Arms sorted by zone.
     pub(crate) arms: Vec<Arm>,
-    /// For each end of each edge (2·edge + end) its arm, as an index into `arms`, or `NONE`.
+    /// Arm of each end of each edge (2·edge + end), as an index into `arms`, or `NONE`.
     arm_of: Vec<u32>,
-    /// For each node the two widest strands that come to it: edge and half-width.
+    /// For each node, the two widest edges that end there, with their half-widths.
     widest: Vec<[(u32, f32); 2]>,
-    /// Half the width of most strands in the image.
+    /// Usual half-width of a strand in the image.
     pub(crate) half_px: f32,
-    /// What the last image knows of the strands, if anything.
+    /// The prior: the ropes of the last image.
     pub(crate) past: Past,
 }
 
@@ -67,7 +69,7 @@ impl Zones {
         self.collect_arms(image, graph, skeleton);
     }
 
-    /// Makes edge `e` the inside of a zone, and its two nodes one.
+    /// Makes edge `e` the inside of a zone, and merges the zones of its two nodes.
     pub(crate) fn join(&mut self, e: usize, graph: &Graph) {
         self.inside[e] = true;
         let [a, b] = graph.edges[e].nodes;
@@ -105,13 +107,13 @@ impl Zones {
         self.unroll_arms(graph, skeleton);
     }
 
-    /// The arm that end `slot` (2·edge + end) is.
+    /// Index of the arm at end `slot` (2·edge + end).
     pub(crate) fn arm_at(&self, slot: usize) -> Option<usize> {
         let arm = *self.arm_of.get(slot)?;
         (arm != NONE).then_some(arm as usize)
     }
 
-    /// Where the arms of a zone lie in the list.
+    /// Range of a zone's arms in `arms`.
     pub(crate) fn arms_of(&self, zone: u32) -> std::ops::Range<usize> {
         let from = self.arms.partition_point(|arm| arm.zone < zone);
         from..from + self.arms[from..].partition_point(|arm| arm.zone == zone)
@@ -135,7 +137,8 @@ impl Zones {
         }
     }
 
-    /// Moves the arms at the far end of each long overlap to where they would be were it straight.
+    /// Moves the arms at the far end of each long overlap to where they would be if it were
+    /// straight.
     fn unroll_arms(&mut self, graph: &Graph, skeleton: &Skeleton) {
         for e in 0..graph.edges.len() {
             if !self.inside[e] {
@@ -159,13 +162,13 @@ impl Zones {
         }
     }
 
-    /// Whether strands meet anywhere: in a crossing, or an end on a strand.
+    /// Returns whether strands meet anywhere: in a crossing, or an end on a strand.
     pub(crate) fn has_meeting(&self) -> bool {
         let zones = self.arms.chunk_by(|a, b| a.zone == b.zone);
         zones.into_iter().any(|arms| arms.len() >= 3)
     }
 
-    /// Where the arms of the zone that begins at `from` end.
+    /// End of the range of arms of the zone that starts at `from`.
     pub(crate) fn zone_end(&self, from: usize) -> usize {
         let zone = self.arms[from].zone;
         from + self.arms[from..]
@@ -174,7 +177,7 @@ impl Zones {
             .count()
     }
 
-    /// Half the width of the widest strand that comes to edge `e`.
+    /// Half-width of the widest strand at either node of edge `e`.
     pub(crate) fn widest_half_px(&self, e: usize, graph: &Graph) -> f32 {
         let nodes = graph.edges[e].nodes.into_iter();
         let strands = nodes.flat_map(|node| self.widest.get(node as usize).into_iter().flatten());
@@ -194,7 +197,7 @@ impl Zones {
         node
     }
 
-    /// The rope's half-width over all edges and along each that is long enough to tell.
+    /// Measures the half-width over all edges, and along each edge of more than six half-widths.
     fn measure_halves(&mut self, graph: &Graph, skeleton: &Skeleton) {
         let half = |&p: &u32| skeleton.pixels[p as usize].half_px;
         self.halves.clear();
@@ -214,7 +217,7 @@ impl Zones {
         }
     }
 
-    /// Whether edge `e` is where two strands lie over or beside each other.
+    /// Returns whether edge `e` is two strands, on top of each other or side by side.
     fn is_overlap(&self, e: usize, graph: &Graph, skeleton: &Skeleton) -> bool {
         let edge = &graph.edges[e];
         let [a, b] = edge.nodes;
@@ -225,26 +228,26 @@ impl Zones {
         if a.degree < 3 || b.degree < 3 {
             return false;
         }
-        // Beside a strand that is wider than most, its width counts: it is no overlap for being that wide.
+        // Next to a strand that is wider than most, that strand's width is the reference.
         let widest = self.widest_half_px(e, graph);
         let half_px = match widest > WIDER * self.half_px {
             true => widest,
             false => self.half_px,
         };
         let width = 2.0 * half_px;
-        // Nearer than this, even two crossings of their own are better resolved together.
+        // At this distance, even two separate crossings are better resolved together.
         if edge.length_px <= 0.8 * width + 1.0 {
             return true;
         }
         let radius = |pixel: u32| skeleton.pixels[pixel as usize].half_px;
         let at_ends = 0.5 * (radius(a.pixel) + radius(b.pixel));
-        // Narrower crossings than s = 0.05 (6°) are the business of the width alone.
+        // Below s = 0.05 (6°), only the width decides.
         let s = (width / at_ends - 1.0).clamp(0.05, 1.0);
         let expected = width * (1.0 - s) / (s * (1.0 + s));
         let pixels = graph.pixels(e);
         let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
-        // Along a crossing's bisector the half-width falls evenly from the junctions to the middle,
-        // along a strand at once; the rest allows for whole pixels.
+        // Along a crossing's bisector, the half-width falls evenly from the junctions to the
+        // middle. Along a strand it falls at once. The rest allows for whole pixels.
         let wide = mean >= 0.5 * (at_ends + half_px) - 0.06 * width;
         let swollen = mean >= 1.12 * half_px + 0.15;
         wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
@@ -275,7 +278,7 @@ impl Zones {
             let [from, to] = AHEAD_HALVES.map(|halves| (halves * half_px) as usize + 1);
             let is_risen = |trim: usize| {
                 let window = trim + from..trim + to;
-                // At the far end of the edge may be a crossing, too.
+                // There may be another crossing at the far end of the edge.
                 if window.end + to > pixels.len() {
                     return false;
                 }
@@ -309,7 +312,7 @@ impl Zones {
     }
 }
 
-/// The mean color along the arm's strand, just outside of the crossing.
+/// Mean color along the arm's strand, just outside of the crossing.
 fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) -> [f32; 3] {
     let pixels = graph.pixels(arm.edge as usize);
     let from = arm.trim as usize;
@@ -330,7 +333,7 @@ fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) ->
     sum.map(|s| s / (to - from).max(1) as f32)
 }
 
-/// The direction of the least-squares line through `points`, pointing away from `far`, their last.
+/// Direction of the least-squares line through `points`, away from `far`, which is the last one.
 fn line_direction(points: impl Iterator<Item = Vec2> + Clone, far: Vec2) -> Vec2 {
     let (mut count, mut sum) = (0.0, [0.0; 2]);
     let first = points.clone().next().unwrap_or(far);

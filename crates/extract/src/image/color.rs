@@ -1,15 +1,15 @@
-//! Pixels as three numbers, whatever the format: what colors are compared in.
+//! Pixels as three numbers in any format. Colors are compared in this form.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::ray::{LANES, Lanes};
 use super::{Image, PixelFormat, unpack};
 
-/// Bytes that are read at once where two pixels stand side by side.
+/// Bytes read at once to get two adjacent pixels.
 const EIGHT: usize = 8;
 
-/// The pixel in the image's own color space: red, green, blue of the RGB formats; Y, U, V of the
-/// YUV formats; the brightness alone, three times the same, of gray ones.
+/// The pixel in the image's own color space: red, green, blue for RGB formats, Y, U, V for YUV
+/// formats. Gray formats repeat the brightness three times.
 #[inline]
 pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     let row = image.row(y);
@@ -39,8 +39,8 @@ pub(crate) fn native(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
-/// Fills `out` with the native colors of the pixels `xs` of row `y`: the channels of each are the bytes of a number, the
-/// first the lowest.
+/// Fills `out` with the native colors of pixels `xs` of row `y`. The channels are the bytes of each
+/// number, the first channel in the lowest byte. `Gray8` sets only the lowest.
 pub(crate) fn at_places(
     image: &Image,
     y: usize,
@@ -49,7 +49,8 @@ pub(crate) fn at_places(
 ) {
     let row = image.row(y);
     let places = out.iter_mut().zip(xs);
-    // Four bytes at once hold a pixel, whatever the format; those of the last one end with the row.
+    // Four bytes contain a whole pixel of any of these formats. The last pixel's four bytes may
+    // pass the row's end.
     let four = |from: usize| {
         row.get(from..from + 4)
             .and_then(|bytes| bytes.first_chunk())
@@ -58,7 +59,7 @@ pub(crate) fn at_places(
         let [a, b, c] = native(image, x, y);
         [a, b, c, 0]
     };
-    // The loop a format at a time: it is the reading of the format over and over that costs.
+    // One loop per format: checking the format at each pixel would be slow.
     match image.format() {
         PixelFormat::Rgb8 => places.for_each(|(out, x)| {
             *out = u32::from_le_bytes(four(3 * x).copied().unwrap_or_else(|| plain(x)));
@@ -85,12 +86,12 @@ pub(crate) fn at_places(
     }
 }
 
-/// As [`at_places`], of the first pixels of a row.
+/// As [`at_places`], for the first pixels of a row.
 pub(crate) fn along(image: &Image, y: usize, out: &mut [u32]) {
     Arch::new().dispatch(ReadRow { image, y, out });
 }
 
-/// The reading of a row, for the widest registers.
+/// Reads a row with the widest registers.
 struct ReadRow<'a> {
     image: &'a Image<'a>,
     y: usize,
@@ -116,7 +117,7 @@ impl NullaryFnOnce for ReadRow<'_> {
     }
 }
 
-/// Calls `put` with the number and the native color of each of `count` pixels, from [x, y] down.
+/// Calls `put` with the index and native color of each of `count` pixels, downward from [x, y].
 #[inline(always)]
 pub(crate) fn down(
     image: &Image,
@@ -159,7 +160,7 @@ pub(crate) fn down(
     }
 }
 
-/// The native color at a position between pixels, bilinear; past the edge the edge's goes on.
+/// Native color at a position between pixels, bilinear. Past the edge, the edge's color continues.
 pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     let (right, bottom) = (image.width() - 1, image.height() - 1);
     let (x, y) = (x.clamp(0.0, right as f32), y.clamp(0.0, bottom as f32));
@@ -177,11 +178,11 @@ pub(crate) fn between(image: &Image, [x, y]: [f32; 2]) -> [f32; 3] {
     color
 }
 
-/// As [`between`], at a position in each lane: a channel each.
+/// As [`between`], for one position per lane. Returns one array per channel.
 #[inline(always)]
 pub(crate) fn between_each(image: &Image, at: &[Lanes; 2]) -> [Lanes; 3] {
     let (right, bottom) = (image.width() - 1, image.height() - 1);
-    // The pixel to the right of it and that below it are in the image, too, if it has two.
+    // The last pixel that has neighbors to the right and below.
     let last = [right.saturating_sub(1), bottom.saturating_sub(1)];
     let (mut whole, mut part) = ([[0; LANES]; 2], [[0.0; LANES]; 2]);
     for c in 0..2 {
@@ -216,18 +217,20 @@ pub(crate) fn between_each(image: &Image, at: &[Lanes; 2]) -> [Lanes; 3] {
     colors
 }
 
-/// The native colors of each pixel, of that to its right, and of the two below, a byte a channel: all of them in the image, which
-/// has [`EIGHT`] bytes.
+/// Native colors of each pixel, its right neighbor and the two below, one byte per channel. All of
+/// them must be in the image, which must have at least [`EIGHT`] bytes.
 #[inline(always)]
 fn corners_each(image: &Image, whole: &[[i32; LANES]; 2], fours: &mut [[u32; LANES]; 4]) {
     let (bytes, stride) = (image.bytes(), image.stride());
-    // Eight bytes hold what stands side by side in two pixels; those that end with the image are shifted.
+    // Eight bytes hold the data of two adjacent pixels. A read that would pass the image's end
+    // starts earlier and is shifted.
     let eight = |place: usize| {
         let from = place.min(bytes.len() - EIGHT);
         let word = bytes[from..].first_chunk::<EIGHT>().copied();
         word.map_or(0, u64::from_le_bytes) >> ((8 * (place - from)) & 63)
     };
-    // Of two pixels of pairs, the first of which is the second of its pair if `x` is odd: where their light stands, and their color.
+    // Two adjacent pixels of a format that stores pixels in pairs. If `x` is odd, the first is the
+    // second of its pair. `light` is the offset of Y in the two bytes of a pixel.
     let pairs = |word: u64, x: usize, light: usize| {
         let odd = x & 1;
         let bits = |at: usize| (word >> (8 * at) & 0xff) as u32;
@@ -277,10 +280,10 @@ fn corners_each(image: &Image, whole: &[[i32; LANES]; 2], fours: &mut [[u32; LAN
     }
 }
 
-/// The native colors of the four pixels of two columns and rows, the upper row first.
+/// Native colors of the four pixels at two columns and two rows, the upper row first.
 #[inline(always)]
 fn corners(image: &Image, [x0, x1]: [usize; 2], [y0, y1]: [usize; 2]) -> [[u8; 3]; 4] {
-    // The format asked once, and each row taken once.
+    // Match the format once and take each row once.
     let interleaved = |order: [usize; 3]| {
         let [upper, lower] = [image.row(y0), image.row(y1)];
         let pixel = |row: &[u8], x: usize| {
@@ -311,7 +314,7 @@ pub(crate) fn rgb(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
-/// How much a difference of the second and third channel counts beside one of the first: see [`distance`].
+/// Weight of a difference of the second or third channel relative to the first; see [`distance`].
 pub(crate) fn chroma_weight(format: PixelFormat) -> f32 {
     if is_yuv(format) { 2.0 } else { 1.0 }
 }
@@ -323,11 +326,11 @@ pub(crate) fn is_yuv(format: PixelFormat) -> bool {
     )
 }
 
-/// BT.601, full range.
+/// Converts a color by BT.601, full range.
 #[inline(always)]
 pub(crate) fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
     let (y, u, v) = (f32::from(y), f32::from(u) - 128.0, f32::from(v) - 128.0);
-    // By way of an integer of a float's size, or many at a time would be converted one by one.
+    // Through an integer as wide as a float: otherwise vectors are converted one lane at a time.
     let to_byte = |c: f32| (c + 0.5).clamp(0.0, 255.0) as i32 as u8;
     [
         to_byte(y + 1.402 * v),
@@ -336,11 +339,11 @@ pub(crate) fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
     ]
 }
 
-/// How far two native colors lie apart: the largest difference of a channel, U and V counting
-/// double because they span half the range that red, green and blue do.
+/// Distance of two native colors: the largest difference of a channel. U and V count double because
+/// their range is half that of red, green and blue.
 ///
-/// A mixture of rope and table at a share α lies exactly α times as far from the table as the rope
-/// does, in this measure: that is what the sub-pixel edges are read from.
+/// A mixture with a share α of rope is exactly α times as far from the table as the rope is.
+/// Sub-pixel edges are computed from this.
 pub(crate) fn distance(a: [f32; 3], b: [f32; 3], yuv: bool) -> f32 {
     let chroma = if yuv { 2.0 } else { 1.0 };
     let d = |i: usize| (a[i] - b[i]).abs();
@@ -368,7 +371,7 @@ mod tests {
             };
             let stride = bytes_a_row + padding;
             let rows = if format == PixelFormat::Nv12 { height + height.div_ceil(2) } else { height };
-            // Not a byte more than the image needs.
+            // Exactly the bytes that the image needs.
             let bytes = &bytes[..stride * (rows - 1) + bytes_a_row];
             let image = Image::new(bytes, width, height, stride, format).expect("a whole image");
             let mut at = [[0.0; LANES]; 2];

@@ -1,16 +1,17 @@
-//! Pixels asked for before they are read, so that many are on their way from memory at once.
+//! Prefetches pixels, so that many are on their way from memory at once.
 //!
-//! `unsafe` is needed as the hint takes a pointer; it reads nothing through it, and what it is given points at a byte of the image.
+//! `unsafe` is needed because the prefetch instruction takes a pointer. Nothing is read through it,
+//! and it always points at a byte of the image.
 #![allow(unsafe_code)]
 
 use super::Image;
 use std::ops::Range;
 
-/// Bytes that come from memory together.
+/// Size of a cache line, in bytes.
 const LINE: usize = 64;
 
 impl Image<'_> {
-    /// Asks for the pixels of a stretch of row (axis 0) or column number `line`, as far as it lies in the image.
+    /// Prefetches a stretch of row (axis 0) or column (axis 1) `line`, clipped to the image.
     #[inline]
     pub(crate) fn fetch(&self, axis: usize, line: usize, stretch: Range<usize>) {
         let to = stretch.end.min([self.width(), self.height()][axis]);
@@ -29,20 +30,21 @@ impl Image<'_> {
     }
 }
 
-/// Asks for the line that holds a byte, if there is such a byte.
+/// Prefetches the cache line of a byte, if there is such a byte.
 #[inline(always)]
 fn fetch(bytes: &[u8], place: usize) {
     let Some(byte) = bytes.get(place).map(std::ptr::from_ref) else {
         return;
     };
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: every x86-64 has it, and it points at a byte of the slice.
+    // SAFETY: every x86-64 has the instruction, and the pointer is to a byte of the slice.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         _mm_prefetch::<_MM_HINT_T0>(byte.cast());
     }
     #[cfg(target_arch = "aarch64")]
-    // SAFETY: every AArch64 has it, it points at a byte of the slice, and it changes neither memory nor registers.
+    // SAFETY: every AArch64 has the instruction, the pointer is to a byte of the slice, and neither
+    // memory nor registers change.
     unsafe {
         std::arch::asm!("prfm pldl1keep, [{}]", in(reg) byte, options(nostack, preserves_flags, readonly));
     }

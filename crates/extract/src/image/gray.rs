@@ -1,22 +1,23 @@
-//! A picture of one byte a pixel: how unlike the table each pixel is.
+//! A plane of one byte per pixel: its difference from the table.
 
 use std::ops::Range;
 
-/// One byte a pixel, rows one after the other.
+/// One byte per pixel, row after row.
 #[derive(Debug, Default)]
 pub(crate) struct GrayPlane {
     bytes: Vec<u8>,
     width: usize,
     height: usize,
-    /// Whether a block may hold anything but zeros, those of a strip of eight rows one after the other.
+    /// True if a block may hold anything but zeros. Blocks are stored strip by strip, each strip
+    /// eight rows high.
     written: Vec<bool>,
 }
 
-/// Rows of a block, and its pixels along them.
+/// Rows of a block, and pixels in each of its rows.
 const BLOCK: [usize; 2] = [8, 64];
 
 impl GrayPlane {
-    /// Takes this size, keeping the memory it has; the bytes are whatever they were.
+    /// Sets the size and reuses the memory. The bytes keep whatever values they had.
     pub(crate) fn resize(&mut self, width: usize, height: usize) {
         if (self.width, self.height) == (width, height) {
             return;
@@ -28,14 +29,14 @@ impl GrayPlane {
         self.written.resize(blocks, true);
     }
 
-    /// Whether each block of eight rows, 64 pixels of each, from row `top` on may hold anything but zeros.
+    /// The `written` flags of the strip of eight rows that contains row `top`, one per 64 pixels.
     fn written_mut(&mut self, top: usize) -> &mut [bool] {
         let blocks = self.width.div_ceil(BLOCK[1]);
         &mut self.written[top / BLOCK[0] * blocks..][..blocks]
     }
 
-    /// Makes eight rows from `top` on, a multiple of eight, as many as there are, zero in all blocks of 64 pixels that are
-    /// not `kept`, and gives them to be written in the others.
+    /// Clears all blocks of a strip that are not `kept`, and returns the strip's rows so that the
+    /// kept blocks can be written. The strip has up to eight rows from `top`, a multiple of eight.
     pub(crate) fn keep_blocks(&mut self, top: usize, kept: &[bool]) -> &mut [u8] {
         let (width, end) = (self.width, (top + BLOCK[0]).min(self.height));
         let written = top / BLOCK[0] * kept.len();
@@ -53,7 +54,7 @@ impl GrayPlane {
         rows
     }
 
-    /// Takes size and bytes of another.
+    /// Copies the size and bytes of another plane.
     pub(crate) fn copy_from(&mut self, other: &GrayPlane) {
         self.resize(other.width, other.height);
         self.bytes.copy_from_slice(&other.bytes);
@@ -91,14 +92,15 @@ impl GrayPlane {
         &mut self.bytes[self.width * rows.start..self.width * rows.end]
     }
 
-    /// Whether the position lies between the outermost pixels' centers.
+    /// Returns whether the position is between the outermost pixels' centers.
     #[inline]
     pub(crate) fn holds(&self, [x, y]: [f32; 2]) -> bool {
         let (right, bottom) = (self.width as f32 - 1.0, self.height as f32 - 1.0);
         x >= 0.0 && y >= 0.0 && x <= right && y <= bottom
     }
 
-    /// The share of the way from a position that the plane holds to one that it does not, up to its border.
+    /// The share of the way from `from`, inside the plane, to `to` that is within the plane's
+    /// border.
     pub(crate) fn part_within(&self, from: [f32; 2], to: [f32; 2]) -> f32 {
         let limits = [(self.width - 1) as f32, (self.height - 1) as f32];
         let share = |c: usize| {
@@ -113,7 +115,7 @@ impl GrayPlane {
         share(0).min(share(1)).clamp(0.0, 1.0)
     }
 
-    /// The value at a position between pixels, bilinear; past the edge the edge's value goes on.
+    /// Value at a position between pixels, bilinear. Past the edge, the edge's value continues.
     #[inline]
     pub(crate) fn sample(&self, [x, y]: [f32; 2]) -> f32 {
         let x = x.clamp(0.0, (self.width - 1) as f32);
@@ -127,7 +129,7 @@ impl GrayPlane {
         top + fy * (bottom - top)
     }
 
-    /// The values at some distances along a line.
+    /// Values at the distances `far_px` along a line.
     pub(crate) fn sample_each<const N: usize>(
         &self,
         from: [f32; 2],

@@ -1,5 +1,5 @@
-//! The loops over all pixels that a compiler does not make fast by itself: written for AVX-512 and AVX2, chosen when the
-//! program runs, and as the plain loops that define what they do.
+//! Loops over all pixels that a compiler alone does not make fast. Each exists for AVX-512 and
+//! AVX2, chosen at run time, and as the plain loop that defines its result.
 
 mod scan;
 mod spread;
@@ -15,27 +15,29 @@ pub(crate) use x86::{channels_256, orders, pixels_256, twice};
 /// Pixels along a row that share one level of the table.
 pub(crate) const BLOCK: usize = 8;
 
-/// Some rows of a picture whose channels are interleaved, the table along them, and what is made of them.
+/// Some rows of a picture with interleaved channels, the table along them, and the buffers for the
+/// result.
 pub(crate) struct Band<'a> {
-    /// From the first row's first byte to the last one's last: a block of rows, or fewer.
+    /// The bytes from the first row's start to the last row's end: at most one block of rows.
     pub(crate) rows: &'a [u8],
     /// Bytes from one row's start to the next.
     pub(crate) stride: usize,
-    /// As long as a row, or longer.
+    /// At least as long as a row.
     pub(crate) table: &'a [u8],
     /// Pixels in a row.
     pub(crate) width: usize,
-    /// The difference, a byte a pixel, and bytes from one row's start to the next.
+    /// Difference, one byte per pixel. The stride is in bytes.
     pub(crate) out: &'a mut [u8],
     pub(crate) out_stride: usize,
-    /// Where that is `≥ least`: a bit a pixel, each row in words of its own, and words from one row's start to the next.
+    /// One bit per pixel, set where the difference is `≥ least`. Each row has its own words. The
+    /// stride is in words.
     pub(crate) faint: &'a mut [u64],
     pub(crate) faint_stride: usize,
     pub(crate) least: u8,
 }
 
 impl Band<'_> {
-    /// Calls `row` with each row, the table, its place in `out` and that in `faint`.
+    /// Calls `row` with each row, the table, and the row's parts of `out` and `faint`.
     #[inline(always)]
     fn for_each_row(self, mut row: impl FnMut(&[u8], &[u8], &mut [u8], &mut [u64])) {
         let bytes = 3 * self.width;
@@ -50,40 +52,42 @@ impl Band<'_> {
     }
 }
 
-/// Some rows of a picture, looked at for anything that is not just the table: in strips of 64 pixels.
+/// Some rows of a picture to be searched, in strips of 64 pixels, for anything other than the
+/// table.
 pub(crate) struct Rows<'a> {
-    /// From the first row's first byte to the last one's last: a block of rows, or fewer.
+    /// The bytes from the first row's start to the last row's end: at most one block of rows.
     pub(crate) rows: &'a [u8],
-    /// Bytes from one row's start to the next, and those of a row.
+    /// Bytes from one row's start to the next, and bytes of a row.
     pub(crate) stride: usize,
     pub(crate) row: usize,
-    /// Bytes of a pixel, no more than three.
+    /// Bytes per pixel, at most three.
     pub(crate) bytes: usize,
-    /// As long as a row, or longer.
+    /// At least as long as a row.
     pub(crate) table: &'a [u8],
-    /// How far the even bytes and the odd ones have to be off the table's; not 0.
+    /// Minimum difference from the table, for the even bytes and the odd ones; not 0.
     pub(crate) least: [u8; 2],
-    /// For each strip where it has any that is: a sum of the following.
+    /// For each strip, the sum of the flags below that apply.
     pub(crate) hits: &'a mut [u8],
 }
 
 impl Rows<'_> {
-    /// Anywhere in the strip, among its first eight pixels, among its last ones.
+    /// Flags of a strip that differs from the table anywhere, among its first eight pixels, or
+    /// among its last eight.
     pub(crate) const ANY: u8 = 1;
     pub(crate) const LEFT: u8 = 2;
     pub(crate) const RIGHT: u8 = 4;
-    /// The pixels at a strip's sides that are told apart from the others.
+    /// Pixels at each side of a strip that have a flag of their own.
     pub(crate) const SIDE: usize = 8;
 }
 
-/// Some rows of a plane of bytes, no more than 64 pixels of each.
+/// Some rows of a plane of bytes, at most 64 pixels of each.
 #[derive(Clone, Copy)]
 pub(crate) struct Patch<'a> {
-    /// From the first row's first byte on.
+    /// The bytes from the first row's start.
     pub(crate) bytes: &'a [u8],
     /// Bytes from one row's start to the next.
     pub(crate) stride: usize,
-    /// Pixels of each row.
+    /// Pixels in each row.
     pub(crate) width: usize,
 }
 
@@ -92,31 +96,35 @@ type Spread = fn(PixelFormat, [&[u8]; 3], &mut [u8], &mut [u8]);
 /// The kernels for this machine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kernels {
-    /// `difference` of three interleaved channels: a row, the table along it (as long or longer), and a byte a pixel.
+    /// Writes the difference of three interleaved channels from the table. Takes a row, the table
+    /// along it (at least as long), and an output of one byte per pixel.
     pub(crate) three_channels: fn(&[u8], &[u8], &mut [u8]),
-    /// A level of each channel for each block of pixels, some multiple of eight of them, in the order of the bytes of the
-    /// first plane of a format, and of the second if it has one.
+    /// Repeats one level per channel and block of pixels in the byte order of a format's first
+    /// plane, and of its second if it has one. The number of blocks is a multiple of eight.
     pub(crate) spread: Spread,
-    /// As `three_channels` for some rows, and which of its bytes reach a level.
+    /// As `three_channels` for some rows; also marks which results reach a level.
     pub(crate) three_channel_band: fn(Band),
-    /// The same for pixels of Y₀ U Y₁ V, U and V counting double, if the machine has registers that make it worth while.
+    /// As `three_channel_band` for Y₀ U Y₁ V, with U and V counted double. `None` unless the
+    /// machine has registers that make it worthwhile.
     pub(crate) yuyv_band: Option<fn(Band)>,
-    /// The same of U Y₀ V Y₁.
+    /// As `yuyv_band` for U Y₀ V Y₁.
     pub(crate) uyvy_band: Option<fn(Band)>,
-    /// Where some rows are not just the table.
+    /// Finds where some rows differ from the table.
     pub(crate) look: fn(Rows),
-    /// Pixels of blue, green, red and nothing as ones of red, green and blue.
+    /// Packs pixels of blue, green, red and a fourth byte as red, green and blue.
     pub(crate) pack: fn(&[[u8; 4]], &mut [u8]),
-    /// The bytes of a row whose bits are set, one after the other, to where there is room for 64 more; how many there are.
+    /// Collects the bytes of a row whose bits are set and returns their number. The output needs
+    /// room for 64 more.
     pub(crate) collect: fn(&[u8], &[u64], &mut [u8]) -> usize,
-    /// One bit a byte, whether it is `≥ cut`: a word for each row of a patch.
+    /// Compares a patch with `cut`: one word per row, one bit per byte, set if the byte is `≥ cut`.
     pub(crate) patch_at_least: fn(Patch, u8, &mut [u64]),
-    /// One bit a byte, whether it is `≥ cut`, 64 to a word; returns the sum of the bytes.
+    /// Compares a row with `cut`: one bit per byte, 64 to a word, set if the byte is `≥ cut`.
+    /// Returns the sum of the bytes.
     pub(crate) at_least: fn(&[u8], u8, &mut [u64]) -> u64,
 }
 
 impl Kernels {
-    /// The fastest that this machine can run.
+    /// The fastest kernels that this machine can run.
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(kernels) = x86::detect() {
@@ -202,7 +210,7 @@ fn patch_at_least(patch: Patch, cut: u8, words: &mut [u64]) {
     }
 }
 
-/// Eight comparisons at a time become eight bits by one multiplication.
+/// Turns eight comparisons at a time into eight bits with one multiplication.
 #[inline(always)]
 fn at_least(row: &[u8], cut: u8, words: &mut [u64]) -> u64 {
     let mut sum = 0;
@@ -228,7 +236,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// All that this machine can run.
+    /// All kernels that this machine can run.
     fn all() -> Vec<Kernels> {
         let mut all = vec![Kernels::detect()];
         #[cfg(target_arch = "x86_64")]
@@ -315,7 +323,7 @@ mod tests {
             row in 1usize..300, gap in 0usize..20, rows in 1usize..=BLOCK, of in 1usize..=3,
             least in prop::array::uniform2(1u8..60),
         ) {
-            // Like the table, but for some bytes.
+            // Like the table except for some bytes.
             let stride = row + gap;
             let pixel = |k: usize| match far.iter().find(|(at, _)| *at == k) {
                 Some((_, byte)) => *byte,

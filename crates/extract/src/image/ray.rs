@@ -1,14 +1,18 @@
-//! Reading a plane along straight lines that lie well inside of it: no clamping, and positions in 1/256 px, which
-//! the sum with a power of two leaves in the lowest bits of a float. One line at a time, or one in each lane of a register.
+//! Reads a plane along straight lines well inside it, one line at a time or one in each lane of a
+//! register.
+//!
+//! Positions are not clamped. They are in 1/256 px: adding a power of two leaves them in the lowest
+//! bits of a float.
 
 use super::gray::GrayPlane;
 use crate::vec2::Vec2;
 
-/// Added to a position below it, the lowest bit of the sum stands for 1/256: 2¹⁵ has 8 binary places in an `f32`.
+/// Added to a position below it, makes the lowest bit of the sum worth 1/256: an `f32` near 2¹⁵ has
+/// 8 binary places.
 const FIX: f32 = 32_768.0;
 /// Binary places of a position.
 const PLACES: u32 = 8;
-/// Its part behind the point, and that before it.
+/// Masks of the fractional part of a position and of its whole part.
 const PART: u32 = (1 << PLACES) - 1;
 const WHOLE: u32 = 0x7fff;
 
@@ -17,7 +21,7 @@ const WHOLE: u32 = 0x7fff;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray<'a> {
     bytes: &'a [u8],
-    /// The same from the second row on.
+    /// The bytes from the second row on.
     below: &'a [u8],
     row: u32,
     from: Vec2,
@@ -26,8 +30,8 @@ pub(crate) struct Ray<'a> {
 
 #[cfg(test)]
 impl<'a> Ray<'a> {
-    /// The line through `from` in the direction `along`, a unit; nothing when it may leave the plane within `reach_px`
-    /// to either side.
+    /// Returns the line through `from` in the direction `along`, a unit vector. `None` if the line
+    /// may leave the plane within `reach_px` to either side.
     #[inline(always)]
     pub(crate) fn new(
         plane: &'a GrayPlane,
@@ -35,7 +39,7 @@ impl<'a> Ray<'a> {
         along: Vec2,
         reach_px: f32,
     ) -> Option<Self> {
-        // The pixel to the right and the rounding stay inside, too.
+        // The pixel to the right and the rounding must also stay inside.
         let right = (plane.width() as f32).min(FIX) - 2.0;
         let bottom = (plane.height() as f32).min(FIX) - 2.0;
         let [x, y] = from;
@@ -49,7 +53,7 @@ impl<'a> Ray<'a> {
         })
     }
 
-    /// The values at some distances from the start, bilinear.
+    /// Values at some distances from the start, bilinear.
     #[inline(always)]
     pub(crate) fn at_each<const N: usize>(&self, far_px: [f32; N]) -> [f32; N] {
         // Three loops, so that only the one that fetches goes pixel by pixel.
@@ -72,35 +76,36 @@ impl<'a> Ray<'a> {
     }
 }
 
-/// Lines that are read at once: one in each lane of the widest registers.
+/// Number of lines read at once: one in each lane of the widest registers.
 pub(crate) const LANES: usize = 16;
-/// A number for each of them.
+/// One number per line.
 pub(crate) type Lanes = [f32; LANES];
 
-/// As many lines through a plane.
+/// [`LANES`] lines through a plane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rays {
     pub(crate) from: [Lanes; 2],
-    /// Their directions, units.
+    /// Directions of the lines, unit vectors.
     pub(crate) along: [Lanes; 2],
 }
 
 impl Rays {
-    /// Lays line `lane` through `from`, at right angles to `slope`, which need be no unit until [`unify`](Self::unify).
+    /// Lays line `lane` through `from`, at right angles to `slope`. `slope` can have any length if
+    /// [`unify`](Self::unify) follows.
     #[inline(always)]
     pub(crate) fn lay(&mut self, lane: usize, from: Vec2, slope: Vec2) {
         (self.from[0][lane], self.from[1][lane]) = (from[0], from[1]);
         (self.along[0][lane], self.along[1][lane]) = (-slope[1], slope[0]);
     }
 
-    /// Makes units of the directions.
+    /// Scales the directions to unit length.
     #[inline(always)]
     pub(crate) fn unify(&mut self) {
         let [along_x, along_y] = &mut self.along;
         for (x, y) in along_x.iter_mut().zip(along_y) {
             let length = (*x * *x + *y * *y).sqrt();
             let (has, share) = (length > 1e-6, 1.0 / length);
-            // The normal of what has no direction, as if it ran to the right.
+            // Without a direction, use the normal of a slope to the right.
             (*x, *y) = (
                 if has { *x * share } else { 0.0 },
                 if has { *y * share } else { 1.0 },
@@ -108,14 +113,14 @@ impl Rays {
         }
     }
 
-    /// Line `lane`.
+    /// Start and direction of line `lane`.
     #[inline(always)]
     pub(crate) fn line(&self, lane: usize) -> (Vec2, Vec2) {
         let of = |both: &[Lanes; 2]| [both[0][lane], both[1][lane]];
         (of(&self.from), of(&self.along))
     }
 
-    /// Which of the lines stay within the plane to `reach_px` to either side.
+    /// Returns which of the lines stay within the plane up to `reach_px` to either side.
     #[inline(always)]
     pub(crate) fn are_inside(&self, plane: &GrayPlane, reach_px: f32) -> [bool; LANES] {
         let right = (plane.width() as f32).min(FIX) - 2.0;
@@ -129,8 +134,8 @@ impl Rays {
         inside
     }
 
-    /// Fills `values` with those at some distances along each line, as the plain `Ray` of the tests reads them; what is read along
-    /// a line that leaves the plane means nothing.
+    /// Fills `values` with the values at some distances along each line, as the plain `Ray` of the
+    /// tests reads them. Values of a line that leaves the plane are meaningless.
     #[inline(always)]
     pub(crate) fn read<const K: usize>(
         &self,
@@ -168,7 +173,7 @@ impl Rays {
     }
 }
 
-/// Between four pixels: the two of the upper row in the lower bytes.
+/// Interpolates between four pixels. The upper row's two are in the lower bytes.
 #[inline(always)]
 fn mix(four: u32, x: u32, y: u32) -> f32 {
     let part = |c: u32| (c & PART) as i32 as f32 * (1.0 / (PART + 1) as f32);
@@ -178,7 +183,7 @@ fn mix(four: u32, x: u32, y: u32) -> f32 {
     top + part(y) * (low - top)
 }
 
-/// Two bytes side by side.
+/// Two adjacent bytes.
 #[inline(always)]
 fn pair(bytes: &[u8], at: usize) -> u32 {
     let pair = &bytes[at..at + 2];
@@ -207,7 +212,7 @@ mod tests {
         fn a_ray_reads_what_a_sample_does(x in 12.0f32..46.0, y in 12.0f32..32.0, turn in -3.0f32..3.0, far in -12.0f32..12.0) {
             let (plane, along) = (plane(), [turn.cos(), turn.sin()]);
             let ray = Ray::new(&plane, [x, y], along, 12.0).expect("well inside");
-            // Two coordinates rounded to 1/512 px, over steps of at most 255 levels.
+            // Two coordinates, each off by at most 1/512 px, across steps of at most 255 levels.
             let expected = plane.sample(vec2::along([x, y], along, far));
             prop_assert!((ray.at_each([far])[0] - expected).abs() <= 2.0 * 255.0 / 512.0 + 0.1);
             prop_assert_eq!(ray.at_each([0.0, far, -far]), [0.0, far, -far].map(|far| ray.at_each([far])[0]));

@@ -1,9 +1,12 @@
-//! A part of a picture: what lies outside of it is not read.
+//! A part of a picture. Nothing outside of it is read.
 //!
-//! `roi` makes the extractor's image a view into the same memory (`Image::region`): no pixel outside is read, or, where
-//! a wide load takes in some, counts. Its edge is the image's edge to the extractor: a rope that crosses it *leaves the image*. Points,
-//! crossings, `start` and masks from elsewhere are those of the whole image. Where pixels share their colour it begins at an even
-//! column (YUYV, NV12, Bayer) and row (NV12, Bayer), a pixel before what was asked for.
+//! The setting `roi` makes the extractor's image a view into the same memory (`Image::region`). No
+//! pixel outside counts, although a wide load may read some. Its edge is the image's edge to the
+//! extractor: a rope that crosses it *leaves the image*. Points, crossings, `start` and masks from
+//! elsewhere refer to the whole image.
+//!
+//! If pixels share their color, the region begins at an even column (YUYV, NV12, Bayer) and row
+//! (NV12, Bayer). This may be one pixel before the requested start.
 
 use super::{Image, PixelFormat};
 
@@ -14,14 +17,14 @@ pub struct Region {
     pub x: usize,
     /// The first row.
     pub y: usize,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
 }
 
 impl Region {
-    /// All of an image.
+    /// The region of a whole image.
     pub(crate) fn whole(image: &Image) -> Self {
         Self {
             x: 0,
@@ -31,10 +34,11 @@ impl Region {
         }
     }
 
-    /// What of the region lies in an image; `None` if nothing does.
+    /// Returns the part of the region that is in an image; `None` if no part is.
     ///
-    /// Where pixels share their colour it begins with the first of those that do: in `Yuyv` and `Uyvy` one column, in `Nv12` and the
-    /// Bayer patterns also one row earlier than asked for, if that is an odd one.
+    /// If pixels share their color, the part begins with the first of them. For an odd requested
+    /// start, that is one column earlier in `Yuyv`, `Uyvy`, `Nv12` and the Bayer patterns. In
+    /// `Nv12` and the Bayer patterns, the same holds for rows.
     pub fn within(&self, image: &Image) -> Option<Self> {
         let [even_x, even_y] = match image.format() {
             PixelFormat::Gray8 | PixelFormat::Rgb8 | PixelFormat::Bgr8 => [false, false],

@@ -1,12 +1,15 @@
-//! Pictures in formats that the steps do not read, as ones that they do, once for each image: `Bgra8` and the Bayer patterns
-//! as `Rgb8`, `Gray16` as `Gray8`.
+//! Converts pictures in formats that the steps do not read, once per image: `Bgra8` and the Bayer
+//! patterns to `Rgb8`, `Gray16` to `Gray8`.
 //!
-//! A Bayer pattern is filled in bilinearly: each colour that a pixel lacks is the mean of its nearest samples, two beside it
-//! or four around it. These lie about the pixel evenly, so that edges stay where they are; the other simple way, a
-//! pixel made of 2 × 2 samples, moves each colour by half a pixel or more, in a direction of its own. What sharpens by the other
-//! colours' slopes (Malvar, He and Cutler 2004) overshoots beside edges: ropes that are followed lay nearer to the truth by it (0.05
-//! px instead of 0.08; 0.02 in full colour), but lost their ends by up to 4 px now and then.
-//! [`color::native`](crate::image::color::native) is the definition, pixel by pixel.
+//! A Bayer pattern is filled in bilinearly. Each color that a pixel lacks is the mean of its
+//! nearest samples, two next to it or four around it. These surround the pixel evenly, so edges
+//! stay where they are. The other simple way, one pixel per 2 × 2 samples, moves each color by half
+//! a pixel or more, in a direction of its own.
+//!
+//! Sharpening by the other colors' slopes (Malvar, He and Cutler 2004) overshoots next to edges.
+//! With it, followed ropes were nearer to the truth, but sometimes lost up to 4 px at their ends.
+//!
+//! [`color::native`](crate::image::color::native) defines the result, pixel by pixel.
 
 use super::kernels::Kernels;
 use super::{Image, PixelFormat};
@@ -17,12 +20,12 @@ use lariat_portable::Arch;
 pub(crate) struct Unpacker {
     kernels: Kernels,
     pixels: Vec<u8>,
-    /// A row as blue, green, red and nothing.
+    /// A row as blue, green, red and an unused byte.
     row: Vec<[u8; 4]>,
 }
 
 impl Unpacker {
-    /// The image as the steps read it: itself, if they do.
+    /// Returns the image as the steps read it: unchanged if they read its format.
     pub(crate) fn unpack<'a>(&'a mut self, image: &'a Image<'a>) -> Image<'a> {
         let (width, height) = (image.width(), image.height());
         let format = match image.format() {
@@ -50,10 +53,10 @@ impl Unpacker {
     }
 }
 
-/// Of 65,536 levels the nearest of 256: 65535 is 255.
+/// Nearest of 256 levels to one of 65,536: 65535 becomes 255.
 #[inline(always)]
 pub(crate) fn level(two: [u8; 2]) -> u8 {
-    // By 257, rounded, without a division.
+    // Divides by 257 and rounds, without a division.
     ((u32::from(u16::from_ne_bytes(two)) * 255 + 32_895) >> 16) as u8
 }
 
@@ -64,11 +67,11 @@ fn levels(row: &[u8], out: &mut [u8]) {
     }
 }
 
-/// How far around a pixel of a Bayer pattern its colours come from.
+/// Distance to the samples that a pixel of a Bayer pattern takes its colors from, in pixels.
 const REACH: usize = 1;
 
-/// A pixel of a Bayer pattern as red, green and blue. Past its edges the picture is mirrored about the outermost pixels,
-/// where the pattern goes on as it is.
+/// A pixel of a Bayer pattern as red, green and blue. Past its edges, the picture is mirrored about
+/// the outermost pixels, which continues the pattern.
 pub(crate) fn demosaiced(image: &Image, x: usize, y: usize) -> [u8; 3] {
     let columns = around(x, image.width());
     let rows = around(y, image.height()).map(|y| columns.map(|x| image.row(y)[x]));
@@ -83,17 +86,18 @@ pub(crate) fn demosaiced(image: &Image, x: usize, y: usize) -> [u8; 3] {
     }
 }
 
-/// The places about one on a side of so many, mirrored.
+/// Positions around `at` on a side of `side` pixels, mirrored at both ends.
 fn around(at: usize, side: usize) -> [usize; 2 * REACH + 1] {
     let last = side as isize - 1;
     std::array::from_fn(|k| {
         let place = (at + k) as isize - REACH as isize;
-        // A side of one or two pixels has nothing to mirror.
+        // A side of one pixel has nothing to mirror.
         (last - (last - place.abs()).abs()).clamp(0, last) as usize
     })
 }
 
-/// Of the middle of nine samples the colour that its row has beside green, the green, and the third.
+/// Colors of the middle of nine samples: the one that its row has as well as green, then green,
+/// then the third.
 fn mixed([above, own, below]: [[u8; 3]; 3], is_green: bool) -> [u8; 3] {
     if is_green {
         [two(own[0], own[2]), own[1], two(above[1], below[1])]
@@ -116,7 +120,8 @@ fn four(a: u8, b: u8, c: u8, d: u8) -> u8 {
     ((u16::from(a) + u16::from(b) + u16::from(c) + u16::from(d) + 2) >> 2) as u8
 }
 
-/// Fills in a row: in blocks, the last of which is moved back to end with the row or a pixel before; what is left by itself.
+/// Fills in a row in blocks. The last block is moved back, to end one or two pixels before the
+/// row's end. The outermost pixels are filled in one by one.
 fn fill_in(image: &Image, [red_x, red_y]: [usize; 2], y: usize, out: &mut [[u8; 4]]) {
     let width = out.len();
     let alone = |x: usize| {
@@ -133,7 +138,7 @@ fn fill_in(image: &Image, [red_x, red_y]: [usize; 2], y: usize, out: &mut [[u8; 
     }
     let rows = around(y, image.height()).map(|y| image.row(y));
     let in_red_row = y % 2 == red_y;
-    // Blocks begin at odd places.
+    // Blocks begin at odd columns.
     let first_is_green = (red_x == 1) != in_red_row;
     let last = (inner - BLOCK) & !1;
     Arch::new().dispatch(|| {
@@ -149,7 +154,7 @@ fn fill_in(image: &Image, [red_x, red_y]: [usize; 2], y: usize, out: &mut [[u8; 
 /// Pixels that are filled in together.
 const BLOCK: usize = 64;
 
-/// All bits in the first of each two pixels, and in the second.
+/// Masks with all bits set in the first of every two pixels, and in the second.
 const EVERY_OTHER: [[u8; BLOCK]; 2] = {
     let mut masks = [[0; BLOCK]; 2];
     let mut k = 0;
@@ -160,8 +165,11 @@ const EVERY_OTHER: [[u8; BLOCK]; 2] = {
     masks
 };
 
-/// Fills in the pixels one behind place `from` of the middle row on: all means of all pixels, then of each those that are its.
-/// Loops over plain arrays, without a closure or a call, are what a compiler makes vectors of.
+/// Fills in the pixels of the middle row from `from + 1` on. Computes all means for all pixels,
+/// then selects those that each pixel needs.
+///
+/// These are loops over plain arrays, without closures or calls, because compilers vectorize such
+/// loops.
 #[inline(always)]
 fn fill_block(
     [above, own, below]: [&[u8]; 3],
@@ -244,7 +252,7 @@ mod tests {
             }
         }
 
-        /// Where brightness goes up evenly the means are exact: no colour is displaced.
+        /// On an even slope of brightness, the means are exact: no color is displaced.
         #[test]
         fn a_slope_behind_a_mosaic_is_the_slope(steps in prop::array::uniform2(0..6usize), place in 2..7usize) {
             let (width, height) = (12, 10);

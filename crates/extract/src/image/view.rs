@@ -4,42 +4,44 @@ use super::{Region, color};
 use std::ops::Range;
 use thiserror::Error;
 
-/// Longest side accepted, so that positions and areas stay far from any overflow.
+/// Maximum side in pixels, so that positions and areas stay far from overflow.
 const MAX_SIDE: usize = 16_384;
 
-/// How the bytes of an [`Image`] encode its pixels.
+/// Encoding of an [`Image`]'s pixels in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PixelFormat {
-    /// One byte a pixel: brightness.
+    /// One byte per pixel: brightness.
     Gray8,
-    /// Three bytes a pixel: red, green, blue.
+    /// Three bytes per pixel: red, green, blue.
     Rgb8,
-    /// Three bytes a pixel: blue, green, red.
+    /// Three bytes per pixel: blue, green, red.
     Bgr8,
-    /// Four bytes for two pixels side by side: Y₀ U Y₁ V (BT.601, full range).
+    /// Four bytes for two adjacent pixels: Y₀ U Y₁ V (BT.601, full range).
     Yuyv,
-    /// The same in another order: U Y₀ V Y₁.
+    /// Four bytes for two adjacent pixels: U Y₀ V Y₁ (BT.601, full range).
     Uyvy,
-    /// A plane of Y, then a plane of half the height of U V pairs, each for 2×2 pixels, both of the
-    /// same stride (BT.601, full range).
+    /// A plane of Y, then a plane of U V pairs of half the height. Each pair covers 2×2 pixels.
+    /// Both planes have the same stride (BT.601, full range).
     Nv12,
-    /// Four bytes a pixel: blue, green, red, and one that is not looked at.
+    /// Four bytes per pixel: blue, green, red, and one that is ignored.
     Bgra8,
-    /// Two bytes of brightness a pixel, in the machine's own order; of all 65,536 levels the nearest of 256 is read.
+    /// Two bytes of brightness per pixel, in the machine's byte order. The nearest of 256 levels is
+    /// used.
     Gray16,
-    /// One byte a pixel, behind a mosaic of colour filters: R G in the first row, G B in the second, and so on. The
-    /// colours that a pixel lacks are made of its neighbours about it, evenly, so that nothing is displaced.
+    /// One byte per pixel behind a mosaic of color filters: R G in the first row, G B in the
+    /// second, and so on. Missing colors are means of the neighbors around the pixel, so nothing is
+    /// displaced.
     BayerRggb8,
-    /// The same of B G and G R.
+    /// A mosaic of B G and G R.
     BayerBggr8,
-    /// The same of G R and B G.
+    /// A mosaic of G R and B G.
     BayerGrbg8,
-    /// The same of G B and R G.
+    /// A mosaic of G B and R G.
     BayerGbrg8,
 }
 
 impl PixelFormat {
-    /// Those that are read as they are.
+    /// Formats that are read without conversion.
     #[cfg(test)]
     pub(crate) const DIRECT: [Self; 6] = [
         Self::Gray8,
@@ -50,7 +52,7 @@ impl PixelFormat {
         Self::Nv12,
     ];
 
-    /// Bytes that hold one row of `width` pixels (of the first plane).
+    /// Bytes of one row of `width` pixels (in the first plane).
     pub fn row_bytes(self, width: usize) -> usize {
         match self {
             PixelFormat::Gray8 => width,
@@ -66,7 +68,7 @@ impl PixelFormat {
         }
     }
 
-    /// The column and the row of the first red pixel of a Bayer pattern.
+    /// Column and row of the first red pixel of a Bayer pattern.
     pub(crate) fn red(self) -> Option<[usize; 2]> {
         Some(match self {
             PixelFormat::BayerRggb8 => [0, 0],
@@ -77,7 +79,7 @@ impl PixelFormat {
         })
     }
 
-    /// Rows of bytes, all planes together.
+    /// Rows of bytes for `height` rows of pixels, all planes together.
     pub fn rows(self, height: usize) -> usize {
         match self {
             PixelFormat::Nv12 => height + height.div_ceil(2),
@@ -86,24 +88,24 @@ impl PixelFormat {
     }
 }
 
-/// Why bytes and a size do not make an [`Image`].
+/// Reason why bytes and a size do not form an [`Image`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
     /// Width or height is zero.
     #[error("the image is {width}×{height} pixels: both sides must be at least 1")]
     Empty {
-        /// Width asked for, in pixels.
+        /// Requested width, in pixels.
         width: usize,
-        /// Height asked for, in pixels.
+        /// Requested height, in pixels.
         height: usize,
     },
-    /// A side is longer than the extractor takes.
+    /// A side is longer than the extractor accepts.
     #[error("the image is {width}×{height} pixels: scale it down to at most {MAX_SIDE} a side")]
     TooLarge {
-        /// Width asked for, in pixels.
+        /// Requested width, in pixels.
         width: usize,
-        /// Height asked for, in pixels.
+        /// Requested height, in pixels.
         height: usize,
     },
     /// The stride is shorter than a row.
@@ -114,14 +116,14 @@ pub enum ImageError {
     Stride {
         /// Stride given, in bytes.
         stride: usize,
-        /// Bytes that one row takes.
+        /// Bytes of one row.
         needed: usize,
         /// Width, in pixels.
         width: usize,
         /// The pixel format.
         format: PixelFormat,
     },
-    /// Fewer bytes than the size, the stride and the format ask for.
+    /// There are fewer bytes than the size, stride and format require.
     #[error(
         "{width}×{height} pixels of {format:?} need {needed} bytes and only {given} were given: \
          check size, stride and pixel format"
@@ -140,7 +142,7 @@ pub enum ImageError {
     },
 }
 
-/// A picture that somebody else owns, checked once so that every later read is in bounds.
+/// A borrowed picture, checked once so that every later read is in bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Image<'a> {
     bytes: &'a [u8],
@@ -148,18 +150,20 @@ pub struct Image<'a> {
     height: usize,
     stride: usize,
     format: PixelFormat,
-    /// Rows of bytes from the first one of Y to the first one of U and V, of an `Nv12` picture.
+    /// In an `Nv12` picture, rows of bytes from the first one of Y to the first one of U and V.
     chroma: usize,
 }
 
 impl<'a> Image<'a> {
-    /// A picture of `width` × `height` pixels in `bytes`, whose rows start `stride` bytes apart.
+    /// Creates a picture of `width` × `height` pixels in `bytes`, with rows that start `stride`
+    /// bytes apart.
     ///
-    /// Bytes after the last row's last pixel may be missing; more are ignored. Sides may be odd: a
-    /// `Yuyv` or `Uyvy` row then holds one pixel more than is used, as does an `Nv12` plane of U and V.
+    /// Bytes after the last row's last pixel may be missing; extra ones are ignored. Sides may be
+    /// odd. A `Yuyv` or `Uyvy` row then holds one pixel more than is used, as does an `Nv12` plane
+    /// of U and V.
     ///
     /// # Errors
-    /// When a side is 0 or above 16,384, the stride is shorter than a row, or bytes are missing.
+    /// If a side is 0 or above 16,384, the stride is shorter than a row, or bytes are missing.
     pub fn new(
         bytes: &'a [u8],
         width: usize,
@@ -204,8 +208,10 @@ impl<'a> Image<'a> {
         })
     }
 
-    /// A part of the picture, in the same memory, as a picture of its own. `None` if the region does not lie in it, is
-    /// empty, or begins within pixels that share their colour ([`Region::within`] makes one that does not).
+    /// Returns a part of the picture as a picture of its own, in the same memory.
+    ///
+    /// `None` if the region is empty, is not inside the picture, or begins between pixels that
+    /// share their color. [`Region::within`] returns one that is valid.
     pub fn region(&self, region: Region) -> Option<Self> {
         if region.within(self) != Some(region) {
             return None;
@@ -216,7 +222,8 @@ impl<'a> Image<'a> {
             width,
             height,
         } = region;
-        // Where colour is shared x is even: then this is where the pixel's, or its pair's, bytes begin, of U and V too.
+        // `x` is even where color is shared. The bytes of the pixel or its pair, U and V included,
+        // therefore begin here.
         let column = match self.format {
             PixelFormat::Gray8 | PixelFormat::Nv12 => x,
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => 3 * x,
@@ -251,12 +258,12 @@ impl<'a> Image<'a> {
         self.stride
     }
 
-    /// How the bytes encode pixels.
+    /// The pixel format.
     pub fn format(&self) -> PixelFormat {
         self.format
     }
 
-    /// All pixels as red, green and blue, row after row: the colours that masks go by.
+    /// All pixels as red, green and blue, row after row: the colors that masks use.
     pub fn to_rgb(&self) -> Vec<u8> {
         let mut rgb = Vec::with_capacity(3 * self.width * self.height);
         for y in 0..self.height {
@@ -268,7 +275,7 @@ impl<'a> Image<'a> {
         rgb
     }
 
-    /// All bytes, those between the rows as well.
+    /// All bytes, including those between rows.
     #[inline(always)]
     pub(crate) fn bytes(&self) -> &'a [u8] {
         self.bytes
@@ -277,13 +284,13 @@ impl<'a> Image<'a> {
     /// The bytes of row `y` of the first plane, exactly as long as the row.
     ///
     /// # Panics
-    /// The image has no such row.
+    /// If the image has no such row.
     pub fn row(&self, y: usize) -> &'a [u8] {
         let start = y * self.stride;
         &self.bytes[start..start + self.format.row_bytes(self.width)]
     }
 
-    /// The bytes of the first plane from byte `from` of row `y` on.
+    /// The bytes of the first plane from byte `from` of row `y`.
     #[inline(always)]
     pub(crate) fn bytes_from(&self, from: usize, y: usize) -> &'a [u8] {
         &self.bytes[y * self.stride + from..]
@@ -295,7 +302,8 @@ impl<'a> Image<'a> {
         &self.bytes[rows.start * self.stride..last + self.format.row_bytes(self.width)]
     }
 
-    /// The bytes of the first plane from byte `from` of row `y` on, and of each row after it, up to the next one's.
+    /// For row `y` and each row after it, yields the bytes from byte `from` up to the same byte of
+    /// the next row.
     pub(crate) fn rows_from(&self, from: usize, y: usize) -> impl Iterator<Item = &'a [u8]> {
         self.bytes[y * self.stride + from..].chunks(self.stride)
     }
@@ -306,7 +314,7 @@ impl<'a> Image<'a> {
         &self.bytes[start..start + self.format.row_bytes(self.width)]
     }
 
-    /// How many rows of bytes after the first the U and V for row `y` of an `Nv12` picture stand.
+    /// In an `Nv12` picture, rows of bytes from the first row to the U and V of row `y`.
     #[inline(always)]
     pub(crate) fn chroma_line(&self, y: usize) -> usize {
         self.chroma + y / 2

@@ -1,20 +1,24 @@
-//! The Alexander polynomial of a rope whose ends are joined over everything, at a few whole numbers.
+//! The Alexander polynomial of a rope whose ends are joined over everything, at a few whole
+//! numbers.
 //!
-//! Wirtinger's presentation of the knot group, read in the Alexander module: the strand between two passes under is an
-//! arc; where it goes on from arc `b` to `c` under the arc `a`, `c = t·b + (1 − t)·a`, or `b = t·c + (1 − t)·a` for the
-//! other sign. Δ(t) is any minor of these relations that leaves one arc out, up to ±tᵏ, and 1 for a straight rope.
+//! This is Wirtinger's presentation of the knot group, in the Alexander module. The strand between
+//! two passes under is an arc. If the strand continues from arc `b` to `c` under the arc `a`, then
+//! `c = t·b + (1 − t)·a`, or `b = t·c + (1 − t)·a` for the other sign. Δ(t) is any minor of these
+//! relations that leaves one arc out, up to ±tᵏ. It is 1 for a straight rope.
 //!
-//! An arc that joins the ends *under* everything adds only the one relation that is redundant anyway (Turaev 2012,
-//! section 2.4), and needs no place in the plane. So the rope is looked at from below: over and under exchanged.
+//! An arc that joins the ends *under* everything adds only the one relation that is redundant
+//! anyway (Turaev 2012, section 2.4), and needs no place in the plane. The rope is therefore viewed
+//! from below, with over and under exchanged.
 
 use super::Pass;
 
-/// A prime that a product of two residues of fits into `u128`; values below it are exact.
+/// A prime. A product of two residues fits into `u128`, and values below the prime are exact.
 const PRIME: u64 = (1 << 61) - 1;
-/// Where the polynomial is taken: −1 is the knot's determinant; the others tell knots whose determinant is 1.
+/// Points where the polynomial is evaluated. −1 gives the knot's determinant; the others detect
+/// knots of determinant 1.
 const PLACES: [u64; 4] = [PRIME - 1, 2, 3, 5];
 
-/// Whether the closed rope is proven to be a knot. `signs`: of each crossing.
+/// Returns whether the closed rope is proven to be a knot. `signs` has one entry per crossing.
 pub(super) fn proves_a_knot(passes: &[Pass], signs: &[bool]) -> bool {
     // A straight rope's minor is a polynomial of at most this degree, and so one of ±1, ±t, ±t² …
     let most = signs.len();
@@ -30,7 +34,7 @@ pub(super) fn proves_a_knot(passes: &[Pass], signs: &[bool]) -> bool {
     })
 }
 
-/// The minor of the relations without the first arc, at `t`, modulo [`PRIME`]; its sign is left open.
+/// The minor of the relations without the first arc, at `t`, modulo [`PRIME`], up to its sign.
 pub(super) fn minor(passes: &[Pass], signs: &[bool], t: u64) -> u64 {
     let n = signs.len();
     let mut relations = vec![vec![0u64; n + 1]; n];
@@ -39,7 +43,7 @@ pub(super) fn minor(passes: &[Pass], signs: &[bool], t: u64) -> u64 {
         let relation = &mut relations[pass.crossing];
         let mut add = |arc: usize, value: u64| relation[arc] = plus(relation[arc], value);
         if pass.over {
-            // Seen from below this is the strand that passes under, and its arc ends.
+            // Seen from below, this is the strand that passes under, and its arc ends.
             let (before, after) = if signs[pass.crossing] {
                 (t, PRIME - 1)
             } else {
@@ -56,7 +60,7 @@ pub(super) fn minor(passes: &[Pass], signs: &[bool], t: u64) -> u64 {
     determinant(&mut square)
 }
 
-/// By elimination, up to its sign.
+/// The determinant by elimination, up to its sign.
 fn determinant(rows: &mut [Vec<u64>]) -> u64 {
     let n = rows.len();
     let mut product = 1;

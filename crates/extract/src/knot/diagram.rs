@@ -1,27 +1,30 @@
-//! A rope's picture as a diagram, and the moves that take crossings away from it.
+//! A rope's picture as a diagram, and the moves that remove crossings from it.
 //!
-//! Kept as a signed Gauss code: the passes in their order and the sign of each crossing. Together they fix the diagram
-//! on the sphere, its faces included (the cyclic order of the four directions at each crossing), so that a move is a
-//! matter of passes that stand beside each other. A rope is in one piece, so a face that a move needs empty is empty.
+//! The diagram is a signed Gauss code: the passes in order and the sign of each crossing. Together
+//! they fix the diagram on the sphere, including its faces (the cyclic order of the four directions
+//! at each crossing). A move therefore depends only on adjacent passes. A rope is in one piece, so
+//! a face that a move needs empty is empty.
 
 use super::Pass;
 use std::collections::HashSet;
 
-/// Diagrams looked at on the way to a straight rope. Each is made by one third move, of which a tangle of the most
-/// crossings reported has some tens: enough for several in a row, in milliseconds.
+/// Maximum number of diagrams examined on the way to a straight rope. Each is made by one third
+/// move. A tangle of the most crossings reported has some tens of these. The limit is enough for
+/// several in a row, in milliseconds.
 const MOST_DIAGRAMS: usize = 500;
 
 /// A signed Gauss code.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Diagram {
     passes: Vec<Pass>,
-    /// Of each crossing: whether the lower strand's direction lies counter-clockwise of the upper one's (with y up;
-    /// with y down all signs are the others, which is the same diagram in a mirror, knotted as much).
+    /// For each crossing, true if the lower strand's direction is counterclockwise of the upper
+    /// one's, with y up. With y down, all signs are opposite: the mirror image of the diagram,
+    /// which is just as knotted.
     signs: Vec<bool>,
 }
 
 impl Diagram {
-    /// Of passes of which each crossing of `signs` has two, one over and one under.
+    /// Creates a diagram. Each crossing of `signs` has two of the passes, one over and one under.
     pub(super) fn new(passes: &[Pass], signs: &[bool]) -> Self {
         Self {
             passes: passes.to_vec(),
@@ -37,7 +40,7 @@ impl Diagram {
         &self.signs
     }
 
-    /// The same with only the crossings of `order`, which are then numbered by it.
+    /// The same diagram with only the crossings of `order`, which gives their new numbers.
     pub(super) fn renumbered(&self, order: &[usize]) -> Self {
         let renamed = |pass: &Pass| {
             let crossing = order.iter().position(|&old| old == pass.crossing)?;
@@ -49,7 +52,7 @@ impl Diagram {
         }
     }
 
-    /// Exchanges upper and lower strand of a crossing.
+    /// Exchanges the upper and lower strand of a crossing.
     pub(super) fn turn_over(&mut self, crossing: usize) {
         self.signs[crossing] = !self.signs[crossing];
         for pass in &mut self.passes {
@@ -57,14 +60,15 @@ impl Diagram {
         }
     }
 
-    /// Whether it can be drawn in the plane without further crossings, by Euler's formula.
+    /// Returns whether the diagram can be drawn in the plane without further crossings, by Euler's
+    /// formula.
     ///
     /// n crossings and two ends are n + 2 vertices, joined by 2n + 1 edges: n + 1 faces.
     pub(super) fn is_planar(&self) -> bool {
         self.faces().len() == self.signs.len() + 1
     }
 
-    /// Whether the moves take every crossing away.
+    /// Returns whether the moves remove every crossing.
     pub(super) fn comes_apart(mut self) -> bool {
         self.simplify();
         let mut seen = HashSet::from([self.clone()]);
@@ -79,13 +83,13 @@ impl Diagram {
                     waiting.push(next);
                 }
             }
-            // The fewest crossings are looked at first: the last.
+            // The diagram with the fewest crossings is examined first; it is the last.
             waiting.sort_by_key(|diagram| std::cmp::Reverse(diagram.signs.len()));
         }
         false
     }
 
-    /// Takes crossings away as long as an end slips out, or the first or the second move applies.
+    /// Removes crossings as long as an end slips out, or the first or the second move applies.
     fn simplify(&mut self) {
         while let Some(gone) = self.end_over().or(self.first_move()).or(self.second_move()) {
             let rest: Vec<usize> = (0..self.signs.len())
@@ -95,21 +99,21 @@ impl Diagram {
         }
     }
 
-    /// An end that lies over its outermost crossing slips out of it.
+    /// Finds an end that lies over its outermost crossing, so that it slips out.
     fn end_over(&self) -> Option<[usize; 2]> {
         let ends = [self.passes.first(), self.passes.last()];
         let end = ends.into_iter().flatten().find(|pass| pass.over)?;
         Some([end.crossing; 2])
     }
 
-    /// A loop with nothing across it opens.
+    /// Finds a loop with nothing across it, which opens.
     fn first_move(&self) -> Option<[usize; 2]> {
         let mut pairs = self.passes.windows(2);
         let twist = pairs.find(|pair| pair[0].crossing == pair[1].crossing)?;
         Some([twist[0].crossing; 2])
     }
 
-    /// A strand that lies across another twice in a row slips off it.
+    /// Finds a strand that lies across another twice in a row, so that it slips off.
     fn second_move(&self) -> Option<[usize; 2]> {
         self.passes.windows(2).find_map(|pair| {
             let [a, b] = [pair[0].crossing, pair[1].crossing];
@@ -123,7 +127,8 @@ impl Diagram {
         })
     }
 
-    /// The diagrams that the third move makes: a strand moves across a crossing that lies wholly above or below it.
+    /// The diagrams that the third move makes: a strand moves across a crossing that is entirely
+    /// above or below it.
     fn third_moves(&self) -> Vec<Self> {
         let last = 2 * self.signs.len();
         let mut moved = Vec::new();
@@ -132,7 +137,8 @@ impl Diagram {
             if edges.len() != 3 || edges.contains(&0) || edges.contains(&last) {
                 continue;
             }
-            // How often each side of the triangle passes over: the top one twice, the middle one once, the bottom not.
+            // Number of times that each side of the triangle passes over: the top one twice, the
+            // middle one once, the bottom never.
             let mut overs = [0, 1, 2].map(|side| {
                 let edge: usize = edges[side];
                 usize::from(self.passes[edge - 1].over) + usize::from(self.passes[edge].over)
@@ -156,11 +162,12 @@ impl Diagram {
 
     /// The faces, each as the darts along its border.
     ///
-    /// Edge e runs from pass e − 1 to pass e; the first begins and the last ends at an end of the rope. Dart 2e is the
-    /// edge as it runs, 2e + 1 the edge backwards. After a dart comes the next in turn around the vertex it runs to.
+    /// Edge e runs from pass e − 1 to pass e. The first edge begins at an end of the rope, and the
+    /// last ends at one. Dart 2e is the edge in its direction, and 2e + 1 the edge backward. A dart
+    /// is followed by the next one around the vertex that it runs to.
     fn faces(&self) -> Vec<Vec<usize>> {
         let darts = 2 * (2 * self.signs.len() + 1);
-        // At an end of the rope the way leads back.
+        // At an end of the rope, the path turns back.
         let mut turn: Vec<usize> = (0..darts).collect();
         for (crossing, &sign) in self.signs.iter().enumerate() {
             let place = |over: bool| {

@@ -1,4 +1,4 @@
-//! Ropes in space, looked at from above: which strand is higher says which is over.
+//! Ropes in space, seen from above: the height tells which strand is on top.
 
 use super::*;
 use crate::scene::{Crossing, Curve};
@@ -7,7 +7,7 @@ type Vec3 = [f64; 3];
 /// Width of all ropes here: thin compared with their loops.
 const WIDTH: f32 = 0.05;
 
-/// What an extractor would see of a rope that lies along `space`, y down and all.
+/// Returns what an extractor would see of a rope along `space`, with y down.
 fn seen(space: &[Vec3]) -> (Vec<Curve>, Vec<Crossing>) {
     let mut lengths = vec![0.0f64];
     for pair in space.windows(2) {
@@ -61,7 +61,7 @@ fn seen(space: &[Vec3]) -> (Vec<Curve>, Vec<Crossing>) {
     (vec![curve], crossings)
 }
 
-/// Where two segments cross, as shares of each.
+/// The place where two segments cross, as shares of each.
 fn meet([a, b]: [Vec3; 2], [c, d]: [Vec3; 2]) -> Option<(f64, f64)> {
     let (ab, cd) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);
     let ac = [c[0] - a[0], c[1] - a[1]];
@@ -86,14 +86,15 @@ fn sequence_of((curves, crossings): &(Vec<Curve>, Vec<Crossing>)) -> CrossingSeq
     CrossingSequence::of(&scene, 0)
 }
 
-/// Along `curve` from −`half` to `half`.
+/// Samples of `curve` from −`half` to `half`.
 fn along_curve(half: f64, curve: impl Fn(f64) -> Vec3) -> Vec<Vec3> {
     (0..=800)
         .map(|i| curve(half * (f64::from(i) / 400.0 - 1.0)))
         .collect()
 }
 
-/// The long trefoil as a polynomial curve (A. R. Shastri, "Polynomial representations of knots", 1992).
+/// The long trefoil as a polynomial curve (A. R. Shastri, "Polynomial representations of knots",
+/// 1992).
 fn overhand_knot() -> Vec<Vec3> {
     along_curve(2.3, |t| {
         [
@@ -104,7 +105,7 @@ fn overhand_knot() -> Vec<Vec3> {
     })
 }
 
-/// The long figure-eight knot, likewise.
+/// The long figure-eight knot, also as a polynomial curve.
 fn figure_eight() -> Vec<Vec3> {
     along_curve(2.15, |t| {
         [
@@ -132,7 +133,7 @@ fn coils(count: u32, is_over: impl Fn(u32) -> bool) -> Vec<Vec3> {
         .collect()
 }
 
-/// The same rope with upper and lower strand of one crossing exchanged.
+/// The same rope with the upper and lower strand of one crossing exchanged.
 fn turned_over(space: &[Vec3], crossing: usize) -> CrossingSequence {
     let (curves, mut crossings) = seen(space);
     let turned = &mut crossings[crossing];
@@ -167,7 +168,8 @@ fn a_figure_eight_is_knotted() {
     assert_eq!(knot.pulls_straight(), Some(false));
     for crossing in 0..knot.confidences.len() {
         let loose = turned_over(&figure_eight(), crossing);
-        // Whichever crossing is turned over, it falls apart: it takes one exchange of strands to undo this knot.
+        // Whichever crossing is turned over, the knot falls apart: one exchange of strands undoes
+        // it.
         assert_eq!(loose.pulls_straight(), Some(true), "{loose}");
     }
 }
@@ -188,8 +190,8 @@ fn loops_pull_straight() {
     }
 }
 
-/// Random smooth ropes, each coordinate a few waves along the rope. Where a crossing is so flat that its sign is read
-/// wrong, the diagram is off, and said to be; those few are left out.
+/// Random smooth ropes, each coordinate a few waves along the rope. If a crossing is so flat that
+/// its sign is wrong, the diagram does not fit into a plane. Those few are left out.
 fn random_ropes(is_laid_down: bool) -> Vec<CrossingSequence> {
     let mut seed = 1u64;
     let mut random = || {
@@ -219,7 +221,7 @@ fn random_ropes(is_laid_down: bool) -> Vec<CrossingSequence> {
 
 #[test]
 fn a_rope_laid_down_from_end_to_end_pulls_straight_however_it_lies() {
-    // It only ever lies on what lay there before: no such rope is knotted.
+    // It only ever lies on what was there before, so no such rope is knotted.
     for rope in random_ropes(true) {
         assert_eq!(rope.pulls_straight(), Some(true), "{rope}");
     }
@@ -227,7 +229,7 @@ fn a_rope_laid_down_from_end_to_end_pulls_straight_however_it_lies() {
 
 #[test]
 fn no_rope_is_both_straight_and_knotted() {
-    // Moves and invariant know nothing of each other.
+    // The moves and the invariant are independent of each other.
     let mut answers = [0; 3];
     for rope in random_ropes(false) {
         let diagram = &rope.diagram;
@@ -254,7 +256,7 @@ fn a_crossing_that_was_not_seen_clearly_counts_both_ways() {
     let mut knot = seen(&overhand_knot());
     knot.1[1].confidence = 0.05;
     assert_eq!(sequence_of(&knot).pulls_straight(), None);
-    // Of a plain loop it does not matter.
+    // For a plain loop, it does not matter.
     let mut plain = seen(&coils(1, |_| true));
     plain.1[0].confidence = 0.0;
     assert_eq!(sequence_of(&plain).pulls_straight(), Some(true));
@@ -263,7 +265,7 @@ fn a_crossing_that_was_not_seen_clearly_counts_both_ways() {
 
 #[test]
 fn an_answer_needs_the_probability_of_curve_and_crossings_together() {
-    // Three crossings at 0.97 each, which one of them turned over would undo: 0.913.
+    // Three crossings at 0.97 each: 0.913. Any one of them turned over would undo the knot.
     let answer = |curve: f32, crossing: f32| {
         let mut knot = seen(&overhand_knot());
         knot.0[0].confidence = curve;
@@ -275,7 +277,7 @@ fn an_answer_needs_the_probability_of_curve_and_crossings_together() {
     assert_eq!(answer(1.0, 0.97), Some(false));
     assert_eq!(answer(0.95, 0.97), None);
     assert_eq!(answer(1.0, 0.95), None);
-    // Nothing of a straight rope is to be doubted but the curve.
+    // For a straight rope, only the curve can be in doubt.
     let (mut curves, crossings) = seen(&[[0.0; 3], [9.0, 0.0, 0.0]]);
     for (confidence, answer) in [(0.95, Some(true)), (0.5, None)] {
         curves[0].confidence = confidence;
@@ -289,7 +291,7 @@ fn a_bump_may_be_a_tight_knot() {
     let (mut curves, crossings) = seen(&[[0.0; 3], [9.0, 0.0, 0.0]]);
     curves[0].widths_px[100] = 2.0 * WIDTH;
     assert_eq!(sequence_of(&(curves, crossings)).pulls_straight(), None);
-    // It looks wide at its crossing.
+    // A rope looks wide at its crossing.
     let (mut curves, crossings) = seen(&coils(1, |_| true));
     let crossed = (199.0 * crossings[0].over_rho).round() as usize;
     curves[0].widths_px[crossed] = 2.0 * WIDTH;
@@ -314,7 +316,7 @@ fn nothing_is_said_of_a_rope_that_is_not_seen_whole() {
     let hidden = (curves.clone(), crossings.clone());
     assert_eq!(sequence_of(&hidden).pulls_straight(), None);
     curves[0].hidden[50] = false;
-    // With a crossing missed, the rest fits into no plane.
+    // With a crossing missed, the rest does not fit into a plane.
     crossings.remove(1);
     assert_eq!(sequence_of(&(curves, crossings)).pulls_straight(), None);
 }

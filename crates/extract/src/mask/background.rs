@@ -1,9 +1,9 @@
-//! The table's color everywhere, from the image alone.
+//! The table's color at each place, from the image alone.
 //!
-//! A rope covers a small share of the pixels, so the table is what most of a sparse grid of pixels
-//! agrees on: a quadratic surface per channel (light falls off smoothly over a table, and lenses
-//! vignette), fitted by least squares again and again to the pixels that lie within a few times the
-//! median residual. Up to about 40% of the samples may be rope.
+//! A rope covers a small share of the pixels, so most pixels of a sparse grid show the table. Its
+//! color is a quadratic surface per channel, because light falls off smoothly over a table and
+//! lenses vignette. Least squares fit the surface repeatedly to the pixels within a few median
+//! residuals of it. Up to about 40% of the samples may be rope.
 
 mod middle;
 mod samples;
@@ -15,17 +15,17 @@ use middle::Middle;
 use samples::{Levels, MOST_STEPS, Measure, STEPS, Samples};
 use sums::{Sum, cholesky, solve};
 
-/// Samples along each side of the grid: enough for six coefficients and a sharp median, few enough
-/// to cost less than one pass over a 640×480 image.
+/// Samples along each side of the grid. They are enough for six coefficients and a sharp median,
+/// and cost less than one pass over a 640×480 image.
 const GRID: usize = 48;
 const ROUNDS: usize = 8;
-/// Samples farther than this many median residuals from the surface are taken for rope.
+/// Samples farther than this many median residuals from the surface are treated as rope.
 const OUTLIER: f32 = 3.0;
-/// The terms of the surface: 1, u, v, u², uv, v².
+/// Number of terms of the surface: 1, u, v, u², uv, v².
 const TERMS: usize = 6;
-/// Samples that are worked on side by side.
+/// Samples that are processed in parallel.
 const LANES: usize = 16;
-/// Rows of the grid from one to the next of which the table's first guess is made.
+/// Step between the rows of the grid that give the first estimate of the table.
 const GLANCE: usize = 3;
 
 type Lanes = [f32; LANES];
@@ -33,20 +33,20 @@ type Lanes = [f32; LANES];
 /// Memory of the fit and its result.
 #[derive(Debug, Default)]
 pub(crate) struct Background {
-    /// The pixels of the grid's columns, and their positions from −1 to 1, filled up to whole lanes.
+    /// The grid's columns in pixels, and their positions from −1 to 1, padded to whole lanes.
     x: Vec<usize>,
     u: Vec<Lanes>,
-    /// The same of its rows.
+    /// The grid's rows in pixels, and their positions from −1 to 1.
     y: Vec<usize>,
     v: Vec<f32>,
-    /// The samples row by row, filled up to whole lanes.
+    /// The samples row by row, padded to whole lanes.
     pixels: Vec<[u32; LANES]>,
-    /// What the middle one of is sought.
+    /// Values whose median is computed.
     steps: Vec<u16>,
     coefficients: [[f32; TERMS]; 3],
     width: f32,
     height: f32,
-    /// The median distance of the table's pixels from the surface, at least half a level.
+    /// Median distance of the table's pixels from the surface, at least half a level.
     pub(crate) noise: f32,
 }
 
@@ -55,7 +55,7 @@ impl Background {
     pub(crate) fn estimate(&mut self, image: &Image) {
         self.lay_grid(image.width(), image.height());
         self.take_samples(image);
-        // The three channels of a gray picture are one.
+        // All three channels of a gray picture are the same.
         if image.format() == PixelFormat::Gray8 {
             self.fit::<1>(1.0);
             self.coefficients = [self.coefficients[0]; 3];
@@ -64,21 +64,22 @@ impl Background {
         }
     }
 
-    /// Fits the surface to the samples, of which there are `N` channels.
+    /// Fits the surface to the samples, which have `N` channels.
     fn fit<const N: usize>(&mut self, chroma: f32) {
         let arch = Arch::new();
         self.coefficients = [[0.0; TERMS]; 3];
         for channel in 0..N {
             self.coefficients[channel][0] = self.median_level::<N>(arch, channel);
         }
-        // Every few rows show what is table; all of them how it is lit.
+        // A few rows are enough to tell what is table. All rows show how it is lit.
         let glance = self.measure::<N>(arch, GLANCE, chroma);
         let scale = self.refine::<N>(arch, GLANCE, glance, chroma);
         self.noise = self.refine::<N>(arch, 1, scale, chroma).max(0.5);
     }
 
-    /// Fits the surface, over and over, to the samples of every `stride`-th row of the grid that lie near it, at first
-    /// within a few times `scale`, the median residual. Returns the new one.
+    /// Fits the surface repeatedly to the samples near it, from every `stride`-th row of the grid.
+    /// The first fit takes the samples within a few times `scale`, the median residual. Returns the
+    /// new median residual.
     fn refine<const N: usize>(
         &mut self,
         arch: Arch,
@@ -104,7 +105,7 @@ impl Background {
         self.at_place([x as f32, y as f32])
     }
 
-    /// The table's color at some pixels of a row, a channel at a time.
+    /// The table's color at some pixels of a row, one channel after the other.
     #[inline(always)]
     pub(crate) fn at_each(&self, xs: &[usize], y: usize, out: [&mut [f32]; 3]) {
         let v = unit(y as f32, self.height);
@@ -116,7 +117,7 @@ impl Background {
         }
     }
 
-    /// The same for kernels, that have numbers of the same kind for everything.
+    /// The table's color at a position. For kernels, which use one type of number for everything.
     #[inline(always)]
     pub(crate) fn at_place(&self, [x, y]: [f32; 2]) -> [f32; 3] {
         let (u, v) = (unit(x, self.width), unit(y, self.height));
@@ -126,7 +127,7 @@ impl Background {
         [level(a), level(b), level(c)]
     }
 
-    /// The table's color at each of some pixels in whole levels, a byte each in a word.
+    /// The table's color at some pixels in whole levels, one byte per channel in a word.
     #[inline(always)]
     pub(crate) fn at_all<const N: usize>(&self, x: &[f32; N], y: &[f32; N], out: &mut [u32; N]) {
         for i in 0..N {
@@ -137,7 +138,8 @@ impl Background {
         }
     }
 
-    /// The table's levels along a row, from pixel [x, y] on, one for each block of pixels, taken in its middle.
+    /// The table's levels along a row from pixel [x, y], one per block of pixels, at the block's
+    /// middle.
     pub(crate) fn row(&self, [x, y]: [usize; 2], block: usize, out: [&mut [u8]; 3]) {
         let v = unit(y as f32, self.height);
         Arch::new().dispatch(AlongRow {
@@ -176,7 +178,8 @@ impl Background {
         }
     }
 
-    /// The samples of every `stride`-th row, and what they are held against, beside the memory for the steps.
+    /// The samples of every `stride`-th row with the surface they are compared with, and the memory
+    /// for `steps`.
     fn samples<const N: usize>(
         &mut self,
         stride: usize,
@@ -194,7 +197,7 @@ impl Background {
         (samples, &mut self.steps)
     }
 
-    /// The middle level of a channel, at a glance.
+    /// Median level of a channel, from every [`GLANCE`]-th row.
     fn median_level<const N: usize>(&mut self, arch: Arch, channel: usize) -> f32 {
         let (samples, levels) = self.samples::<N>(GLANCE, 1.0);
         let count = arch.dispatch(Levels {
@@ -206,7 +209,7 @@ impl Background {
         f32::from(arch.dispatch(Middle { values, most }))
     }
 
-    /// The median distance of the samples from the surface.
+    /// Median distance of the samples from the surface.
     fn measure<const N: usize>(&mut self, arch: Arch, stride: usize, chroma: f32) -> f32 {
         let (samples, steps) = self.samples::<N>(stride, chroma);
         let count = arch.dispatch(Measure { samples, steps });
@@ -214,8 +217,8 @@ impl Background {
         (f32::from(arch.dispatch(Middle { values, most })) + 0.5) / STEPS
     }
 
-    /// Least squares over the samples within `limit` of the surface. False when they do not
-    /// determine it.
+    /// Fits the surface by least squares to the samples within `limit` of it. Returns false if they
+    /// do not determine it.
     fn solve<const N: usize>(
         &mut self,
         arch: Arch,
@@ -235,7 +238,7 @@ impl Background {
     }
 }
 
-/// The surface along a row, as a polynomial of u.
+/// The surface along a row, as a polynomial in u.
 #[inline(always)]
 fn along_row(c: &[f32; TERMS], v: f32) -> [f32; 3] {
     [c[0] + v * (c[2] + v * c[5]), c[1] + v * c[4], c[3]]
@@ -246,7 +249,7 @@ fn surface(row: &[f32; 3], u: f32) -> f32 {
     row[0] + u * (row[1] + u * row[2])
 }
 
-/// The surfaces along a row in whole levels, from `middle` on at each `step`.
+/// Computes the surfaces along a row in whole levels, from `middle` in steps of `step`.
 struct AlongRow<'a> {
     surfaces: [[f32; 3]; 3],
     middle: f32,
@@ -268,14 +271,14 @@ impl WithSimd for AlongRow<'_> {
     }
 }
 
-/// The nearest whole number from 0 to `most`, which is below 2²³: where a float's last bit stands for 1.
+/// Nearest whole number from 0 to `most`. `most` is below 2²³, where a float's last bit is worth 1.
 #[inline(always)]
 fn rounded(value: f32, most: f32) -> u32 {
     const ONES: f32 = 8_388_608.0;
     ((if value > 0.0 { value } else { 0.0 }).min(most) + ONES).to_bits() - ONES.to_bits()
 }
 
-/// A pixel's position on a scale from −1 to 1 across the image.
+/// Position of a pixel on a scale from −1 to 1 across the image.
 #[inline(always)]
 fn unit(position: f32, side: f32) -> f32 {
     (position + 0.5) * (2.0 / side) - 1.0

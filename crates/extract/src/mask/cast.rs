@@ -1,10 +1,12 @@
-//! The ropes' own cast shadow in the automatic mask, told from the ropes.
+//! Finds the ropes' own cast shadow in the automatic mask.
 //!
-//! A shadow has the table's color in less light, which a gray rope has too. But it is also a copy of the rope that casts
-//! it, moved by one step that is the same for all of them: so the mask is parted by color, or by light where nothing in it
-//! has another color, and the step is sought that carries the one part onto the other. A rope that runs parallel to
-//! another keeps its distance and not the step: the two differ where the rope bends. Where it does not bend, nothing but
-//! doubt is left.
+//! A shadow has the table's color in less light, but so has a gray rope. A shadow is also a copy of
+//! the rope that casts it, moved by one step that is the same for all ropes. The mask is therefore
+//! split by color, or by light if nothing in it has another color. Then the step is sought that
+//! carries one part onto the other.
+//!
+//! A rope parallel to another keeps its distance but not the step: the two differ where the rope
+//! bends. Along a straight rope, the result stays in doubt.
 
 use super::background::Background;
 use super::shadow;
@@ -13,50 +15,59 @@ use crate::image::Image;
 use crate::vec2::{self, Vec2};
 use std::ops::Range;
 
-/// Pixels of the mask that are looked at first, and, if as much of them may be shadow as is to be half sure, then.
+/// Number of mask pixels that are sampled first, and number sampled next. The second sample follows
+/// if half the needed share of the first may be shadow.
 const FIRST: usize = 64;
 const GLANCE: usize = 400;
-/// Shares of them that have the table's color, below which there is no shadow to speak of, and above which ropes must be
-/// told from it by their light.
+/// Minimum share of these pixels that have the table's color, for a notable shadow. Also the
+/// minimum share with other colors for telling ropes from shadow by color; with fewer, their light
+/// must tell.
 const SOME: f32 = 0.06;
-/// The light of ropes and of shadow lie apart by so much, and so much of the light's variance is between the two: that of a
-/// rope that is lit from one side spreads evenly, and has three quarters.
+/// Minimum difference between the light of ropes and of shadow, and the minimum share of the
+/// light's variance that is between the two. The light of a rope lit from one side spreads evenly,
+/// which gives three quarters.
 const APART: f32 = 0.15;
 const PARTED: f32 = 0.85;
-/// The least share of ropes, one in so many, that is inside of their edges.
+/// The ropes' inside is used if it has at least one in this many of their pixels.
 const INSIDE: usize = 2;
-/// Places of either part that are held against the other.
+/// Number of places of each part that are compared with the other part.
 const PLACES: usize = 256;
-/// The steps looked for, in widths of the rope.
+/// Minimum and maximum step of the search, in rope widths.
 const STEPS: (f32, f32) = (0.35, 5.0);
-/// The least shares of the shadow that the step carries the ropes onto, and of the ropes that it carries onto less light.
+/// Minimum share of the shadow that the step carries the ropes onto, and of the ropes that it
+/// carries onto less light.
 const CARRIED: (f32, f32) = (0.8, 0.9);
-/// If the step does not carry the ropes onto all of the shadow that is in the mask, then it must carry all of them onto less
-/// light, and most of them onto that shadow: a rope that touches another has not both.
+/// If the step does not carry the ropes onto `ALL` of the mask's shadow, it must carry `ALL` of
+/// them onto less light and `MOST` of them onto that shadow. A rope that touches another does not
+/// meet both conditions.
 const MOST: f32 = 0.75;
 const ALL: f32 = 0.95;
-/// A rope's own dark side lies within so many widths, and the shares that are carried either way add up to less than this.
+/// A step below this many widths leads to a rope's own dark side if the shares carried in both
+/// directions sum to less than `BOTH_WAYS`.
 const NEAR: f32 = 1.6;
 const BOTH_WAYS: f32 = 1.7;
-/// One in so many of the ropes' places must be carried to where no rope lies, to tell.
+/// A step is judged only if it carries at least one in this many of the ropes' places off the
+/// ropes.
 const SEEN: i32 = 8;
-/// A step that is a width off carries at most this share of it, or the step is not sure.
+/// Maximum share, relative to the step's, that a step one width away from it may carry. Otherwise
+/// the step is in doubt.
 const SHARP: f32 = 0.75;
-/// How far a shadow's soft edge reaches beyond the rope's, in widths.
+/// Width of a shadow's soft edge beyond the rope's, in rope widths.
 const SOFT: f32 = 0.35;
-/// One in so many places of a shadow is its darkest, and what has this share of that light is no shadow: a rope's dark side.
+/// One in this many places of a shadow is its darkest. Pixels with less than `DARKER` of the light
+/// there are a rope's dark side, not shadow.
 const DARKEST: usize = 10;
 const DARKER: f32 = 0.85;
 
-/// What of a mask is shadow.
+/// The part of a mask that is shadow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Cast {
-    /// Nothing.
+    /// No part.
     #[default]
     None,
-    /// What is set in the plane, or it is a rope parallel to another.
+    /// The pixels set in the plane, unless they are a rope parallel to another.
     Maybe,
-    /// What is set in the plane.
+    /// The pixels set in the plane.
     Sure,
 }
 
@@ -68,13 +79,13 @@ pub(crate) struct Shadows {
     spare: BitPlane,
     bodies: Vec<[i32; 2]>,
     pales: Vec<[i32; 2]>,
-    /// The pixels of the mask that are shadow, or may be.
+    /// Pixels of the mask that are or may be shadow.
     pub(crate) plane: BitPlane,
     pub(crate) cast: Cast,
 }
 
 impl Shadows {
-    /// Makes the buffers for images of this size.
+    /// Reserves the buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.lights.reserve(4 * GLANCE);
         self.bodies.reserve(4 * PLACES);
@@ -84,7 +95,7 @@ impl Shadows {
         }
     }
 
-    /// Looks for the ropes' shadow in `mask`, in which `area` pixels are set.
+    /// Searches `mask`, in which `area` pixels are set, for the ropes' shadow.
     pub(crate) fn find(
         &mut self,
         image: &Image,
@@ -123,8 +134,9 @@ impl Shadows {
         self.cast
     }
 
-    /// From which light on pixels of the table's color may be shadow: any, where ropes have other colors, and that above
-    /// the light of dark ropes.
+    /// Minimum light at which pixels of the table's color may be shadow. The first value is for
+    /// ropes of other colors and allows any light. The second is for dark ropes and is above their
+    /// light.
     fn glance(
         &mut self,
         image: &Image,
@@ -157,10 +169,11 @@ impl Shadows {
         ]
     }
 
-    /// Parts the mask into what has the table's color in at least this light, in `plane`, and the rest. The rope's own
-    /// edge, which is mixed with the table, stays with the rope.
+    /// Splits the mask: `plane` gets what has the table's color in at least `palest` light, and
+    /// `body` gets the rest. The rope's own edge, which is mixed with the table, stays with the
+    /// rope.
     fn part(&mut self, image: &Image, background: &Background, mask: &BitPlane, palest: f32) {
-        // Nothing is surely the rope's.
+        // No pixel is known to be rope.
         self.spare.resize(mask.width(), mask.height());
         self.body.copy_from(mask);
         shadow::clear(image, background, palest, &mut self.body, &self.spare);
@@ -175,8 +188,8 @@ impl Shadows {
         words.for_each(|(body, pale)| *body &= !pale);
     }
 
-    /// The step that carries the ropes onto their shadow, if there is one, and whether no other does. `is_dim` says where
-    /// the picture is darker than the table.
+    /// Finds the step that carries the ropes onto their shadow, and whether it is the only one.
+    /// `is_dim` tells where the picture is darker than the table.
     fn step(&self, width_px: f32, is_dim: impl Fn([i32; 2]) -> bool) -> Option<(Vec2, bool)> {
         let onto = |step: Vec2| {
             let by = whole(step);
@@ -189,7 +202,7 @@ impl Shadows {
         let from = |step: Vec2| {
             let by = whole(step);
             let moved = self.bodies.iter().map(|at| [at[0] + by[0], at[1] + by[1]]);
-            // On itself or another rope no shadow is seen.
+            // A shadow on the rope itself or on another rope is not visible.
             let seen = moved.filter(|at| !self.body.get(at[0], at[1]));
             let (mut all, mut dim, mut pale) = (0, 0, 0);
             for at in seen {
@@ -242,7 +255,8 @@ impl Shadows {
         Some((step, around.fold(0.0, f32::max) <= SHARP * share))
     }
 
-    /// Leaves in the plane what the step carries the ropes onto, and the soft edge of it, but for what is darker.
+    /// Keeps in the plane only the pixels that the step carries the ropes onto and their soft edge,
+    /// without darker pixels.
     fn keep_carried(&mut self, image: &Image, background: &Background, step: Vec2, width_px: f32) {
         let light =
             |x: usize, y: usize| shadow::light_left(image, background, [x, y]).unwrap_or(0.0);
@@ -273,7 +287,8 @@ impl Shadows {
     }
 }
 
-/// How many places come from a body's pixels by 64 steps side by side: the digits of all 64 numbers, the lowest first.
+/// Counts the places that come from a body's pixels, for 64 adjacent steps at once. `digits` holds
+/// the binary digits of all 64 counts, the lowest first.
 #[derive(Default)]
 struct Carried {
     digits: [u64; 16],
@@ -282,7 +297,7 @@ struct Carried {
 }
 
 impl Carried {
-    /// How many do by a step, which lies in the same row as those asked for before.
+    /// The count for a step, which must be in the same row as those of earlier calls.
     fn by(&mut self, [x, y]: [i32; 2], places: &[[i32; 2]], body: &BitPlane) -> u32 {
         if !self.steps.contains(&x) {
             (self.digits, self.steps) = ([0; 16], x..x + 64);
@@ -303,7 +318,7 @@ impl Carried {
     }
 }
 
-/// Eight directions, by sine and cosine.
+/// Eight directions, as sine and cosine.
 const AROUND: [(f32, f32); 8] = {
     const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
     [
@@ -322,7 +337,8 @@ fn whole(step: Vec2) -> [i32; 2] {
     step.map(|c| libm::roundf(c) as i32)
 }
 
-/// Whether the picture has the table's color in clearly less light at a place. Beyond the picture it may.
+/// Returns whether the picture has the table's color in clearly less light at a place. True outside
+/// the picture.
 fn is_dim(image: &Image, background: &Background, [x, y]: [i32; 2]) -> bool {
     if x < 0 || y < 0 || x as usize >= image.width() || y as usize >= image.height() {
         return true;
@@ -331,8 +347,9 @@ fn is_dim(image: &Image, background: &Background, [x, y]: [i32; 2]) -> bool {
         .is_some_and(|light| light < 0.93)
 }
 
-/// Where sorted numbers part best in two: how many are in the lower part, the share of the variance that is between the
-/// two, and how far their means are apart (Otsu, "A threshold selection method from gray-level histograms", 1979).
+/// Splits sorted numbers best in two (Otsu, "A threshold selection method from gray-level
+/// histograms", 1979). Returns the size of the lower part, the share of the variance between the
+/// parts, and the distance of their means.
 fn part_in_two(sorted: &[f32]) -> (usize, f32, f32) {
     let count = sorted.len() as f32;
     let sum: f32 = sorted.iter().sum();
@@ -351,7 +368,8 @@ fn part_in_two(sorted: &[f32]) -> (usize, f32, f32) {
     (best.0, best.1 / variance.max(1e-9), best.2)
 }
 
-/// Calls `visit` with about `wanted` of the plane's `area` set pixels, or with all of them, spread evenly.
+/// Calls `visit` with about `wanted` of the plane's `area` set pixels, spread evenly, or with all
+/// of them.
 pub(super) fn for_each_some(
     plane: &BitPlane,
     area: usize,
@@ -377,7 +395,7 @@ pub(super) fn for_each_some(
     }
 }
 
-/// Some places of a plane.
+/// Lists some places of a plane.
 fn gather(plane: &BitPlane, area: usize, places: &mut Vec<[i32; 2]>) {
     places.clear();
     for_each_some(plane, area, PLACES, |x, y| {
@@ -385,7 +403,7 @@ fn gather(plane: &BitPlane, area: usize, places: &mut Vec<[i32; 2]>) {
     });
 }
 
-/// The width of what is long, from its area and its outline: see `mask`.
+/// Width of a long shape in pixels, from its area and its outline; see `outline`.
 fn width_px(plane: &BitPlane, area: usize) -> f32 {
     let mut sides = 0;
     for y in 0..plane.height() {
@@ -398,7 +416,7 @@ fn width_px(plane: &BitPlane, area: usize) -> f32 {
     2.0 * area as f32 / (sides as f32 * std::f32::consts::FRAC_PI_4).max(1.0)
 }
 
-/// The pixels whose neighbors by a side are all set.
+/// Sets `out` to the pixels whose four nearest neighbors are all set.
 fn shrink(plane: &BitPlane, out: &mut BitPlane) {
     out.copy_from(plane);
     for y in 0..plane.height() {

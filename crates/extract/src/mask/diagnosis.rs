@@ -1,9 +1,12 @@
-//! Whether the automatic mask can be trusted, from what it was made of.
+//! Judges whether the automatic mask can be trusted, from the data that it was made of.
 //!
-//! The mask is sure of itself when a gap parts the table's levels from the rope's: the cut then lies above the floor that
-//! the table's noise sets. Where it lies on the floor, or nothing was found, the reason is sought: a table with a pattern
-//! (`pattern`), a rope too like it (`faint`), no light at all. A mask that came out of a wide gap and is no picture of
-//! ropes after all tells it by how much it covers and by its holes.
+//! The mask is trusted if a gap separates the table's levels from the rope's: the cut is then above
+//! the floor that the table's noise sets. If the cut is at the floor, or nothing was found, the
+//! reason is sought. It can be a table with a pattern (`pattern`), a rope too similar to the table
+//! (`faint`), or no light at all.
+//!
+//! A mask with a wide gap may still not show ropes. This is recognized by its coverage and its
+//! holes.
 
 use super::background::Background;
 use super::faint::Faint;
@@ -16,33 +19,36 @@ use crate::image::{Image, color};
 use crate::notice::Notice;
 use crate::scene::MOST_CROSSINGS;
 
-/// Samples along each side of the grid on which the difference is looked at, as the table's own.
+/// Samples of the difference along each side of the grid.
 const GRID: usize = 64;
-/// Ropes that cover more of the image than this are not to be expected: a rope of a twentieth of the image's side would
-/// have to be six times as long as the side. A checkered table has a half.
+/// Maximum share of the image that ropes cover. A rope that covers more and is as wide as a
+/// twentieth of the image's side would be six times as long as the side. A checkered table covers
+/// half.
 const MOST_COVERED: f32 = 0.3;
-/// Where a row passes from rope to table or back more often than this in the mean, what covers the image is a pattern
-/// and not one large thing.
+/// Mean number of changes between rope and table per row above which the image is covered by a
+/// pattern. With fewer, it is covered by one large object.
 const CHANGES: f32 = 4.0;
-/// The pixels whose difference is just below the cut (from 0.6 of it on), in shares of those above: from here on there is
-/// no gap between. Where noise sets the cut, a clear rope's blurred edges have up to a tenth.
+/// Minimum number of pixels just below the cut (from 0.6 of it), as a share of those above, if no
+/// gap separates rope and table. If noise sets the cut, a clear rope's blurred edges have up to a
+/// tenth.
 const FRINGE: f32 = 0.2;
-/// A pixel is black below and white above these levels: the ends of the camera's range, with some noise.
+/// A pixel is black up to the first level and white from the second. These are the ends of the
+/// camera's range, with some noise.
 const BLACK: u8 = 6;
 const WHITE: u8 = 249;
 /// The share of pixels at an end of the range that makes the image black or white.
 const WHOLE: f32 = 0.99;
 
-/// What the mask of an image was made of.
+/// The data that an image's mask was made of.
 pub(crate) struct Evidence<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
     pub(crate) difference: &'a GrayPlane,
-    /// The least cut that the table's noise allows, in levels of difference.
+    /// Minimum cut that the table's noise allows, in levels of difference.
     pub(crate) floor: f32,
-    /// The cut that was taken, and what it covers.
+    /// The cut that was used, and its coverage.
     pub(crate) cut: Cut,
-    /// What came of it, cleaned.
+    /// The resulting mask, cleaned.
     pub(crate) mask: &'a Strips,
 }
 
@@ -52,18 +58,18 @@ pub(crate) struct Diagnosis {
     faint: Faint,
 }
 
-/// How many more holes a mask has than pieces.
+/// Number of a mask's holes minus the number of its pieces.
 pub(crate) fn holes_beyond_pieces(mask: &Strips) -> i64 {
     -lariat_portable::Arch::new().dispatch(PiecesLessHoles(mask))
 }
 
-/// Whether what was cut covers more than ropes do, whatever comes of the mask.
+/// Returns whether the cut covers more than ropes do, whatever the mask becomes.
 pub(crate) fn covers_much(cut: Cut) -> bool {
     cut.covered > MOST_COVERED
 }
 
 impl Diagnosis {
-    /// What to say about the mask; nothing when it is sure.
+    /// The notice about the mask; `None` if the mask is trusted.
     pub(crate) fn notice(&mut self, of: &Evidence, components: &mut Components) -> Option<Notice> {
         let cut = of.cut.rope;
         if covers_much(of.cut) {
@@ -104,11 +110,11 @@ impl Diagnosis {
     }
 }
 
-/// What a grid of the differences shows.
+/// Statistics of the difference on a grid.
 struct GridStatistics {
-    /// How often a row passes the cut, in the mean.
+    /// Mean number of times that a row passes the cut.
     changes: f32,
-    /// How many lie just below the cut, in shares of those above.
+    /// Number of samples just below the cut, as a share of those above.
     fringe: f32,
 }
 
@@ -137,10 +143,12 @@ impl GridStatistics {
     }
 }
 
-/// Euler's number of a mask: its pieces (of pixels that touch by side or corner) less the holes in them.
+/// Euler number of a mask: its pieces (of pixels that touch by side or corner) minus the holes in
+/// them.
 ///
-/// Taken as closed squares the pixels have it as vertices − edges + faces. Along a row all but the ends of runs cancel,
-/// so it is the number of runs in the unions of neighboring rows less the number of runs in the rows.
+/// With pixels as closed squares, it equals vertices − edges + faces. Along a row, all but the ends
+/// of runs cancel. The result is the number of runs in the unions of neighboring rows, minus the
+/// number of runs in the rows.
 struct PiecesLessHoles<'a>(&'a Strips);
 
 impl lariat_portable::NullaryFnOnce for PiecesLessHoles<'_> {
@@ -154,7 +162,7 @@ impl lariat_portable::NullaryFnOnce for PiecesLessHoles<'_> {
         let mut number = 0;
         for (from, count) in used.runs(shape) {
             let (strip, y) = shape.place(from);
-            // The first row below a stretch of blocks, too, if none follows.
+            // Include the first row below a run of blocks, unless another block follows there.
             let below = usize::from(!used.holds(shape, strip, (y + count) / BLOCK));
             for at in from..from + count + below {
                 let left = at - shape.stride;
@@ -168,13 +176,13 @@ impl lariat_portable::NullaryFnOnce for PiecesLessHoles<'_> {
     }
 }
 
-/// How many runs of set bits begin in `word`, which stands after `before`.
+/// Number of runs of set bits that begin in `word`, which follows `before`.
 #[inline(always)]
 fn starts(word: u64, before: u64) -> u32 {
     (word & !(word << 1 | before >> 63)).count_ones()
 }
 
-/// Whether the image is at one end of the camera's range nearly everywhere.
+/// Returns a notice if nearly all of the image is at one end of the camera's range.
 fn clipped(image: &Image) -> Option<Notice> {
     let (width, height) = (image.width(), image.height());
     let (columns, rows) = (GRID.min(width), GRID.min(height));
@@ -215,7 +223,7 @@ mod tests {
             let set = |x: usize, y: usize| word(y * 3 + x / 64) >> (x % 64) & 1 == 1;
             let mut plane = BitPlane::default();
             plane.resize(width, height);
-            // A frame of unset pixels, so that what is outside is one hole more.
+            // A frame of unset pixels, so that the outside is one more hole.
             let mut picture = image::GrayImage::new(width as u32 + 2, height as u32 + 2);
             for y in 0..height {
                 for x in (0..width).filter(|&x| set(x, y)) {

@@ -1,8 +1,10 @@
-//! How unlike the table each pixel is, straight from the camera's bytes, and which pixels are not just its noise.
+//! Difference of each pixel from the table, straight from the camera's bytes, and the pixels that
+//! exceed the table's noise.
 //!
-//! `difference = max over channels |pixel − table|`, U and V counting double. Because the maximum
-//! scales with the share of rope in a pixel (see `color::distance`), half the rope's own difference
-//! is the rope's edge, whatever its color. All that is asked of every pixel is asked here, while a row is in reach.
+//! `difference = max over channels |pixel − table|`, with U and V counted double. The maximum
+//! scales with the share of rope in a pixel (see `color::distance`). The rope's edge is therefore
+//! at half the rope's own difference, whatever its color. Everything that is needed from every
+//! pixel is computed here, while the row is in cache.
 
 mod planes;
 mod table;
@@ -16,38 +18,40 @@ use crate::image::{Image, PixelFormat, color};
 use std::ops::Range;
 use table::Table;
 
-/// Rows, and pixels along a row, that share one evaluation of the table's surface: it changes by a level over many more.
+/// Rows, and pixels along a row, that share one evaluation of the table's surface. The surface
+/// takes many more pixels to change by one level.
 const BLOCK: usize = kernels::BLOCK;
 
-/// Pixels along a row that are worked out together.
+/// Pixels along a row that are processed together.
 const STRIP: usize = 64;
 
-/// Pixels down a column that are worked on together.
+/// Pixels down a column that are processed together.
 const PART: usize = 64;
 
-/// The largest level that the table's noise may reach where only what stands out of it is worked out: from here on
-/// something lies there for those who read the difference beside the mask, too.
+/// Maximum noise level of the table at which only the parts that exceed the noise are computed.
+/// Differences above this level also matter to steps that read the difference alongside the mask.
 const MOST_NOISE: u8 = 24;
 
 /// Memory of the differencing.
 #[derive(Debug, Default)]
 pub(crate) struct Differencer {
     kernels: Kernels,
-    /// Along the band that is looked at.
+    /// The table along the current band.
     table: Table,
-    /// Along the one before it.
+    /// The table along the previous band.
     before: Table,
-    /// What is seen in each strip of the bands, with one of nothing at each end and a band of nothing above and below.
+    /// Hits of each strip of the bands, with an empty strip at each end and an empty band above and
+    /// below.
     hits: Vec<u8>,
-    /// The same of the second plane of a band.
+    /// Hits in the second plane of a band.
     chroma_hits: Vec<u8>,
-    /// The blocks that were worked out, a band after the other; none if all were.
+    /// The blocks that were computed, band after band; empty if all were.
     kept: Vec<bool>,
     /// One row of the difference.
     row: Vec<u8>,
 }
 
-/// What the difference of an image is made of.
+/// The inputs of an image's difference.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
     image: &'a Image<'a>,
@@ -56,12 +60,12 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The rows of the band from `top` on.
+    /// The rows of the band that begins at `top`.
     fn band(&self, top: usize) -> Range<usize> {
         top..(top + BLOCK).min(self.image.height())
     }
 
-    /// The number of bands, and that of strips of 64 pixels.
+    /// Number of bands, and number of strips of 64 pixels.
     fn blocks(&self) -> (usize, usize) {
         let (width, height) = (self.image.width(), self.image.height());
         (height.div_ceil(BLOCK), width.div_ceil(STRIP))
@@ -69,10 +73,11 @@ impl Scene<'_> {
 }
 
 impl Differencer {
-    /// Fills `out` with the difference of each pixel of `image` from `background`, `faint` with those from the level
-    /// `least` on, and takes the levels.
+    /// Fills `out` with the difference of each pixel of `image` from `background`. Marks pixels of
+    /// at least `least` in `faint` and records the levels.
     ///
-    /// Where nothing reaches `least` within eight pixels, `out` may be 0 until it is [filled](Self::fill).
+    /// If nothing reaches `least` within eight pixels of a pixel, `out` may be 0 there until it is
+    /// [filled](Self::fill).
     pub(crate) fn run(
         &mut self,
         image: &Image,
@@ -90,7 +95,7 @@ impl Differencer {
         self.work(scene, least <= MOST_NOISE, out, faint, levels);
     }
 
-    /// As [`run`](Self::run), only where something is seen or everywhere.
+    /// As [`run`](Self::run), only where there are hits or everywhere.
     fn work(
         &mut self,
         scene: Scene,
@@ -119,7 +124,7 @@ impl Differencer {
         levels.close();
     }
 
-    /// Works out what [`run`](Self::run) left 0, and leaves what has been lifted since.
+    /// Computes what [`run`](Self::run) left at 0. Keeps levels that have been lifted since then.
     pub(crate) fn fill(&mut self, image: &Image, background: &Background, out: &mut GrayPlane) {
         if self.kept.is_empty() {
             return;
@@ -181,8 +186,8 @@ impl Differencer {
         }
     }
 
-    /// Each band is looked at, and when the one below it has been, worked out where either or the one above shows
-    /// something: while its bytes are still near.
+    /// Searches each band. Once the band below has also been searched, computes the parts with hits
+    /// in the band or in one next to it, while the bytes are still in cache.
     fn run_where_seen(
         &mut self,
         scene: Scene,
@@ -204,7 +209,7 @@ impl Differencer {
         }
     }
 
-    /// Lays the table along a band, and looks for what is not just that.
+    /// Lays the table along a band and searches the band for anything else.
     fn look_at(&mut self, scene: Scene, band: usize, levels: &mut Levels) {
         let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
         let (width, top) = (image.width(), BLOCK * band);
@@ -259,7 +264,7 @@ impl Differencer {
         }
     }
 
-    /// Works out a band where it has been seen to show something, or to lie beside that.
+    /// Computes a band where it has hits or is next to hits.
     fn work_out(
         &mut self,
         scene: Scene,
@@ -324,7 +329,8 @@ impl Differencer {
         }
     }
 
-    /// The difference down a column, compiled for the registers of whoever calls it, from pixel [x, y] on, into `out`. The table has one color for all of it.
+    /// Computes the difference down a column from pixel [x, y] into `out`, compiled for the
+    /// caller's registers. The table has one color along all of it.
     #[inline(always)]
     pub(crate) fn down(image: &Image, table: [u8; 3], [x, y]: [usize; 2], out: &mut [u8]) {
         // U and V count double.
@@ -342,8 +348,8 @@ impl Differencer {
         }
     }
 
-    /// Forgets what was seen of the last image, and makes room for what may be of this one: a camera's first noisy frame
-    /// is no reason to grow anything.
+    /// Clears the hits of the last image and reserves all memory that this one may need, so that a
+    /// camera's first noisy frame allocates nothing.
     fn reserve_blocks(&mut self, scene: Scene) {
         let (bands, strips) = scene.blocks();
         self.hits.clear();
@@ -355,7 +361,7 @@ impl Differencer {
     }
 }
 
-/// The difference of pixels of four bytes, the last of which is nothing.
+/// Differences of pixels of four bytes. The last byte is unused.
 #[inline(always)]
 fn four_channels(pixels: &[[u8; 4]; PART], [a, b, c]: [u8; 3], more: u8, out: &mut [u8]) {
     let mut differences = [0; PART];
@@ -372,7 +378,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// What an image is made into: its difference and that filled, what is faint of it, and what is seen of its levels.
+    /// Returns an image's difference, the filled difference, the faint pixels, and the cut that its
+    /// levels give.
     fn made(
         (by, is_sparse): (&mut Differencer, bool),
         (image, background, least): (&Image, &Background, u8),
@@ -395,7 +402,8 @@ mod tests {
     }
 
     proptest! {
-        /// Of two images one after the other, so that the second finds what the first has left.
+        /// Runs on several images in sequence, so that each meets the state that the one before has
+        /// left.
         #[test]
         fn what_is_not_worked_out_is_the_tables(
             width in 1usize..300, height in 1usize..60, seed: u64, noise in 1u64..14, least in 10u8..30,

@@ -1,26 +1,26 @@
-//! A mask that was painted stretch by stretch, with its outline evened: where rope and ground have much the same color it frays,
-//! and what frays has a skeleton with spurs.
+//! Smooths the outline of a mask that was painted span by span. The outline frays where rope and
+//! ground have similar colors, and the skeleton of a frayed outline has spurs.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use crate::image::gray::GrayPlane;
 
-/// What a pixel gets of those around it, from two before to two behind, along the row and across it: 1, 2, 2, 2, 1 eighths. Half of a
-/// rope of three pixels is left in its middle.
+/// Reach of the filter in pixels, along the row and across it. The weights of the five pixels are
+/// 1, 2, 2, 2, 1 eighths. A rope of three pixels keeps more than half of its level in the middle.
 const REACH: usize = 2;
 const ROWS: usize = 2 * REACH + 1;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Evener {
-    /// A row, with the first and the last pixel's repeated beyond.
+    /// A row, padded with copies of its first and last pixels.
     row: Vec<u16>,
-    /// Some rows, summed along themselves.
+    /// Some rows, each filtered along itself.
     rows: [Vec<u16>; ROWS],
 }
 
 impl Evener {
-    /// Makes the buffers for images of this width.
+    /// Reserves the buffers for images of this width.
     pub(crate) fn reserve(&mut self, width: usize) {
         self.row.resize(width + 2 * REACH, 0);
         for row in &mut self.rows {
@@ -28,7 +28,7 @@ impl Evener {
         }
     }
 
-    /// Evens `levels` in their place.
+    /// Smooths `levels` in place.
     pub(crate) fn run(&mut self, levels: &mut GrayPlane) {
         self.reserve(levels.width());
         let evener = self;
@@ -74,7 +74,7 @@ impl NullaryFnOnce for Evened<'_> {
     }
 }
 
-/// Eight times the weighed mean of five rows.
+/// Eight times the weighted mean of five rows.
 #[inline(always)]
 fn sum([a, b, c, d, e]: [&[u16]; ROWS], out: &mut [u16]) {
     let ends = a.iter().zip(e);
@@ -88,7 +88,7 @@ fn sum([a, b, c, d, e]: [&[u16]; ROWS], out: &mut [u16]) {
 mod tests {
     use super::*;
 
-    /// The middle row of a plane of rows like one.
+    /// The middle row of a smoothed plane whose rows are all equal.
     fn evened(row: &[u8]) -> Vec<u8> {
         let mut levels = GrayPlane::default();
         levels.resize(row.len(), 3);

@@ -1,8 +1,9 @@
-//! Whether something thin lies on the table that is too faint for the mask: a rope of the table's colour.
+//! Detects a thin object on the table that is too faint for the mask: a rope of the table's color.
 //!
-//! In the mean over a block of pixels noise shrinks and a rope does not. A block is held against the mean of the two
-//! blocks a little way to either side of it, and of those above and below: what is wider than that (shadows, the light)
-//! cancels, a strip stays. How far the blocks of the mere table spread is read from all of them, robustly.
+//! In the mean over a block of pixels, noise shrinks and a rope does not. Each block is compared
+//! with the mean of two blocks at some distance to its left and right, and with that of two above
+//! and below. Anything wider than this distance, such as shadows or uneven light, cancels; a strip
+//! remains. The spread of the bare table's blocks is estimated robustly from all blocks.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::components::Components;
@@ -11,36 +12,38 @@ use crate::statistics::median;
 use lariat_portable::{Arch, NullaryFnOnce};
 use std::ops::Range;
 
-/// Blocks along the shorter side of the image: some three across a rope of a fortieth of it.
+/// Blocks along the shorter side of the image: about three across a rope of a fortieth of that
+/// side.
 const BLOCKS: usize = 120;
-/// From a block to those it is held against, in blocks: farther than a rope is wide.
+/// Distance to the blocks that a block is compared with, in blocks: more than the width of a rope.
 const REACH: usize = 6;
-/// Spreads above the middle that noise does not reach: one block in some 10⁶.
+/// Standard deviations above the median that noise does not reach: about one block in 10⁶ does.
 const SPREADS: f32 = 5.0;
-/// What stands out does so by a level at least: an image without noise is rounded to whole ones.
+/// Minimum excess of a block, in levels: an image without noise is rounded to whole ones.
 const LEAST: f32 = 1.0;
-/// Blocks that stand out and touch, a piece of rope's worth: fewer are dirt, or noise after all.
+/// Minimum number of touching blocks that stand out, about a piece of rope. Fewer are dirt or
+/// noise.
 const PIECE: u32 = 16;
-/// The share of blocks that stand out when a rope is there: half of one that is as long as the image's longer side and
-/// a hundredth of it wide.
+/// Minimum share of blocks that stand out if there is a rope. It is half the share of a rope as
+/// long as the image's longer side and a hundredth of it wide.
 const SHARE: f32 = 0.006;
-/// The median of absolute deviations is this much less than the standard deviation (normal distribution).
+/// Ratio of the standard deviation to the median of absolute deviations (normal distribution).
 const MAD_TO_DEVIATION: f32 = 1.4826;
 
 /// Memory of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Faint {
-    /// A row of blocks, added up down the picture.
+    /// A row of blocks, summed down the picture.
     sums: Vec<u32>,
     blocks: Vec<f32>,
     responses: Vec<f32>,
     sorted: Vec<f32>,
-    /// The blocks that stand out.
+    /// Blocks that stand out.
     hot: BitPlane,
 }
 
 impl Faint {
-    /// Whether more blocks stand out than the table's noise explains.
+    /// Returns whether more blocks stand out than the table's noise explains.
     pub(crate) fn is_there(&mut self, difference: &GrayPlane, components: &mut Components) -> bool {
         let (columns, rows) = self.average(difference);
         self.respond(columns, rows);
@@ -65,14 +68,15 @@ impl Faint {
         {
             self.hot.fill(i / width, i % width, i % width + 1, true);
         }
-        // More runs than a picture of ropes has are no rope either.
+        // With more runs than a picture of ropes has, it is not a rope either.
         if components.drop_specks(&mut self.hot, PIECE).is_err() {
             return false;
         }
         self.hot.count() as f32 > SHARE * self.responses.len() as f32
     }
 
-    /// The mean difference of each block; how many blocks there are each way.
+    /// Computes the mean difference of each block. Returns the number of columns and rows of
+    /// blocks.
     fn average(&mut self, difference: &GrayPlane) -> (usize, usize) {
         let side = (difference.width().min(difference.height()) / BLOCKS).max(2);
         let (columns, rows) = (difference.width() / side, difference.height() / side);
@@ -94,7 +98,8 @@ impl Faint {
         (columns, rows)
     }
 
-    /// By how much each block exceeds its neighbors, those at the edges of the image left out.
+    /// Computes the excess of each block over its neighbors, except for blocks at the image's
+    /// edges.
     fn respond(&mut self, columns: usize, rows: usize) {
         self.responses.clear();
         let blocks = &self.blocks;
@@ -116,7 +121,7 @@ impl Faint {
     }
 }
 
-/// The means of a row of blocks, each as wide as high.
+/// Means of a row of square blocks.
 struct Average<'a> {
     difference: &'a GrayPlane,
     rows: Range<usize>,

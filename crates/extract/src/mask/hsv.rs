@@ -1,6 +1,7 @@
-//! The mask by color ranges in hue, saturation and value, as users know them.
+//! The mask from ranges of hue, saturation and value.
 //!
-//! [`contains`] says what the ranges hold; [`selector`] has its answers ready for every color and looks them up.
+//! [`contains`] defines which colors the ranges contain. [`selector`] prepares the answers for all
+//! colors and looks them up.
 
 mod channels;
 mod cube;
@@ -12,7 +13,7 @@ pub(crate) use selector::Selector;
 
 use crate::options::HsvRange;
 
-/// Whether a color lies in any of the ranges.
+/// Returns whether a color is in any of the ranges.
 pub(crate) fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
     let (hue, saturation, value) = hsv(rgb);
     ranges
@@ -20,7 +21,7 @@ pub(crate) fn contains(ranges: &[HsvRange], rgb: [u8; 3]) -> bool {
         .any(|range| holds(range, [hue, saturation, value]))
 }
 
-/// Whether a range holds this hue in degrees, saturation and value.
+/// Returns whether a range contains this hue in degrees, saturation and value.
 pub(crate) fn holds(range: &HsvRange, [hue, saturation, value]: [f32; 3]) -> bool {
     let within = |[low, high]: [f32; 2], v: f32| (low..=high).contains(&v);
     let [low, high] = range.hue_deg;
@@ -32,7 +33,7 @@ pub(crate) fn holds(range: &HsvRange, [hue, saturation, value]: [f32; 3]) -> boo
     hue_fits && within(range.saturation, saturation) && within(range.value, value)
 }
 
-/// Hue in degrees (0 of a gray), saturation and value from 0 to 1.
+/// Hue in degrees (0 for a gray), saturation and value from 0 to 1.
 pub(crate) fn hsv(rgb: [u8; 3]) -> (f32, f32, f32) {
     let [r, g, b] = rgb.map(|c| f32::from(c) / 255.0);
     let value = r.max(g).max(b);

@@ -1,11 +1,14 @@
-//! Hysteresis: what the cut left out of a rope because its color comes near the table's there.
+//! Hysteresis: restores the parts of a rope that the cut left out because their color is close to
+//! the table's.
 //!
-//! A highlight as light as the table splits a dark rope lengthwise; the dark dashes of a coarse twist are
-//! bitten out of its side. Such places are narrower than the rope is elsewhere, and that is what is looked for:
-//! around them, and only there, fainter pixels (those that stand out of the table's noise at all) count as rope too, as
-//! in Canny's edges ("A computational approach to edge detection", 1986), and slits between them are closed. Of that
-//! stays what gives the rope its own width back. A rope that is as wide everywhere is left as it is, so that blurred
-//! edges and shadows beside it, which are faint too, stay out.
+//! A highlight as light as the table splits a dark rope lengthwise. The dark dashes of a coarse
+//! twist cut into its side. Such places are narrower than the rest of the rope, and this is how
+//! they are found. Around them, and only there, fainter pixels also count as rope: all that exceed
+//! the table's noise, as in Canny's edges ("A computational approach to edge detection", 1986).
+//! Slits between them are closed. Only what restores the rope's own width is kept in the end.
+//!
+//! A rope of constant width is left unchanged. Blurred edges and shadows next to it, which are also
+//! faint, therefore stay out.
 
 use super::background::Background;
 use super::shadow::{self, DARKEST};
@@ -18,20 +21,24 @@ use crate::bitmap::strips::{Blocks, Strips};
 use crate::image::Image;
 use crate::image::gray::GrayPlane;
 
-/// The rope's width is the median by area of the widths along it; its edges' blur is what faint pixels add at this quantile.
+/// The rope's width is the median by area of the widths along it. Its edges' blur is what faint
+/// pixels add at the quantile `LEAST`.
 const MIDDLE: f32 = 0.5;
 const LEAST: f32 = 0.08;
-/// Faint pixels count as more than an edge's blur where they are thicker than at this quantile.
+/// Quantile of the thickness that faint pixels add. Above it, they count as more than an edge's
+/// blur.
 const USUAL: f32 = 0.3;
-/// A place is thin when a disc this share of the rope's width across does not fit in.
+/// A place is thin if a disc of this share of the rope's width does not fit in it.
 const THIN: f32 = 0.86;
-/// Faint pixels so far from the ropes, in widths, are none of theirs; so many of them for each pixel of the ropes' length are the
-/// traces of JPEG, of which plain pictures have none.
+/// Faint pixels farther than this from the ropes, in widths, do not belong to them. If they number
+/// more than `RINGING` per pixel of the ropes' length, they are traces of JPEG. Uncompressed
+/// pictures do not have them.
 const APART: f32 = 0.5;
 const RINGING: f32 = 0.02;
-/// Half of the widest slit that is closed without a trace of rope in it, in widths.
+/// Half the maximum width of a slit that is closed without a trace of rope in it, in rope widths.
 const SLIT: f32 = 0.2;
-/// What is wider than this share of the picture's shorter side, an arm for instance, is left as it is: its width costs, and gains nothing.
+/// Objects wider than this share of the picture's shorter side, such as an arm, are left unchanged.
+/// Their width takes time and gains nothing.
 const WIDEST: f32 = 1.0 / 6.0;
 
 /// Memory of the step.
@@ -40,20 +47,24 @@ pub(crate) struct Hysteresis {
     morphology: Morphology,
     pub(crate) pieces: Pieces,
     widths: Widths,
-    /// The pixels that are not just the table's noise, as the difference has them; less the shadows in the end.
+    /// Pixels that exceed the table's noise, found with the difference. In the end, shadows are
+    /// removed.
     pub(crate) faint: BitPlane,
     weak: Strips,
-    /// Where the rope is thin, then all around that.
+    /// Places where the rope is thin, then their surroundings too.
     thin: Strips,
     wider: Strips,
     fits: Strips,
-    /// The blocks that are near enough to a thin place to be looked at.
+    /// Blocks close enough to a thin place to be processed.
     window: Blocks,
 }
 
 impl Hysteresis {
-    /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack, and lifts the difference of that to the
-    /// ropes' mean, so that their outer edges are found. In `rows` stands what the mask is before that.
+    /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack. `rows` is the mask
+    /// before that.
+    ///
+    /// The difference of the added pixels is lifted to the ropes' mean, so that their outer edges
+    /// are found.
     pub(crate) fn extend(
         &mut self,
         image: &Image,
@@ -77,7 +88,7 @@ impl Hysteresis {
         }
         let rings = self.rings(mask, width_px);
         let slit = ((SLIT * width_px) as usize).max(1);
-        // No step from here on looks farther from a place where something may be added.
+        // No later step looks farther from a place where something may be added.
         let reach = (2 * slit).max(across + fringe_px) + 1;
         self.window.near(&self.thin, reach);
         self.wider.take_within(mask, &self.window);
@@ -87,7 +98,7 @@ impl Hysteresis {
         self.morphology.close_within(&mut self.fits, slit);
         self.wider
             .zip_within(&self.fits, &self.thin, |m, c, t| m | c & t);
-        // What has the rope's width now, with the corners that a disc does not reach.
+        // Keep what now has the rope's width, plus the corners that a disc does not reach.
         self.fits.take_within(&self.wider, &self.window);
         self.morphology.open(&mut self.fits, across);
         self.morphology.dilate_within(&mut self.fits, fringe_px);
@@ -95,7 +106,8 @@ impl Hysteresis {
             .zip_within(&self.fits, mask, |w, f, m| w & f & !m);
         self.drop_fringe(mask, slit, fringe_px);
         if rings {
-            // A tip has traces before it that are as wide as the rope: what is added lies between what there is.
+            // A tip has traces in front of it that are as wide as the rope. Only what is between
+            // parts of the mask is added.
             self.fits.take_within(mask, &self.window);
             self.morphology.close_within(&mut self.fits, across / 2);
             self.wider.zip_within(&self.fits, mask, |w, f, _| w & f);
@@ -105,12 +117,13 @@ impl Hysteresis {
         mask.add(&self.wider);
     }
 
-    /// Leaves of a mask what a disc so many pixels across reaches.
+    /// Keeps only the part of a mask that a disc `across` pixels wide covers.
     pub(super) fn open(&mut self, mask: &mut Strips, across: usize) {
         self.morphology.open(mask, across);
     }
 
-    /// Makes all memory for images of another size at once, lest a rope that is first thin in a later one cost some.
+    /// Allocates all memory for a new image size at once. Otherwise, the first thin rope in a later
+    /// image would allocate some.
     pub(super) fn reserve(&mut self, mask: &Strips) {
         if self.fits.shape == mask.shape {
             return;
@@ -122,8 +135,8 @@ impl Hysteresis {
         self.morphology.reserve(mask);
     }
 
-    /// Takes out of what is to be added what is no thicker than the faint fringe of a sharp edge, and no slit in the rope:
-    /// at the corners of a tip a disc finds thin places, too.
+    /// Removes added pixels that are only as thick as the faint fringe of a sharp edge, unless they
+    /// fill a slit in the rope. A disc also finds thin places at the corners of a tip.
     fn drop_fringe(&mut self, mask: &Strips, slit: usize, fringe_px: usize) {
         self.thin.take_within(mask, &self.window);
         self.morphology.close_within(&mut self.thin, slit);
@@ -134,10 +147,10 @@ impl Hysteresis {
             .zip_within(&self.fits, &self.thin, |w, f, c| w & (f | c));
     }
 
-    /// The width of the ropes in pixels, 0 when there is none, and how wide the faint fringe of their edges is.
+    /// Width of the ropes in pixels, 0 without ropes, and width of the faint fringe of their edges.
     ///
-    /// Faint pixels stand beside a blurred edge, too: what the faint ones add where they add least is that, and the
-    /// rope's width is what they reach elsewhere, less it.
+    /// There are also faint pixels next to a blurred edge. The blur is what the faint pixels add
+    /// where they add least. The rope's width is what they reach elsewhere, minus the blur.
     fn rope_width(&mut self) -> (f32, usize) {
         let edges_px = self.widths.edge(LEAST);
         let width_px = self.widths.width(MIDDLE) - edges_px;
@@ -145,8 +158,9 @@ impl Hysteresis {
         (width_px, fringe_px as usize)
     }
 
-    /// Whether there are faint pixels apart from the ropes, about their length, as JPEG leaves them beside all that is sharp: what
-    /// a rope lacks lies against it.
+    /// Returns whether there are many faint pixels apart from the ropes, relative to the ropes'
+    /// length. JPEG leaves such pixels next to everything sharp. Pixels that a rope lacks would be
+    /// adjacent to it.
     fn rings(&mut self, mask: &Strips, width_px: f32) -> bool {
         let apart = (APART * width_px).ceil() as usize + 1;
         self.fits.copy_from(mask);
@@ -157,12 +171,13 @@ impl Hysteresis {
         self.wider.count() as f32 > RINGING * length_px
     }
 
-    /// Finds where the rope is thin, and all around it that could be rope.
+    /// Finds the places where the rope is thin and everything around them that could be rope.
+    /// Returns false without such places.
     fn find_thin(&mut self, mask: &Strips, across: usize, width_px: f32, fringe_px: usize) -> bool {
         self.fits.copy_from(mask);
         self.morphology.open(&mut self.fits, across);
         if fringe_px == 1 {
-            // What one step reaches within the mask it reaches from beside it.
+            // A single step reaches the mask's pixels directly from its own blocks.
             self.morphology.dilate_within(&mut self.fits, 1);
         } else {
             self.morphology.dilate(&mut self.fits, fringe_px);
@@ -181,7 +196,8 @@ impl Hysteresis {
     }
 }
 
-/// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where they end.
+/// Lifts the difference of the `added` pixels to `level`, so that the rope's edges are found where
+/// these pixels end.
 pub(super) fn lift(difference: &mut GrayPlane, added: &Strips, level: u8) {
     added.for_each_word(|y, strip, mut word| {
         let row = difference.row_mut(y);
@@ -203,7 +219,7 @@ mod tests {
     const TABLE: [u8; 3] = [200, 196, 190];
     const ROPE: [u8; 3] = [40, 60, 120];
 
-    /// A picture of boxes: columns, rows and color of each.
+    /// A picture of boxes, given by their columns, rows and color.
     fn picture(boxes: &[([usize; 2], [usize; 2], [u8; 3])]) -> Vec<u8> {
         let mut pixels = TABLE.repeat(SIZE[0] * SIZE[1]);
         for &([left, right], [top, bottom], color) in boxes {
@@ -238,7 +254,7 @@ mod tests {
 
     #[test]
     fn a_pale_side_belongs_to_the_rope() {
-        // 35 levels off the table in blue alone: far below the cut, and no shadow.
+        // 35 levels off the table in blue alone: far below the cut, and not a shadow.
         let pale = [200, 196, 225];
         let masker = masked(&picture(&[
             ([40, 360], [40, 52], ROPE),

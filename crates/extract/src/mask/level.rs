@@ -1,37 +1,41 @@
-//! From which of its bytes on a mask that was made elsewhere is rope.
+//! Chooses the minimum byte value of rope in a mask that was made elsewhere.
 //!
-//! A network's probabilities have two heaps, near 0 and near 255, and a long slope between: what it has not seen often, an
-//! edge, a strand below another, lies on it. Ridler and Calvard's iteration (see [`threshold`](super::threshold)) finds the
-//! heaps, and the cut lies near the lower one, so that a rope breaks only where the network has hardly a doubt. A mask of 0
-//! and 255 is the same whatever the level.
+//! A network's probabilities have two clusters, near 0 and near 255, and a long slope between them.
+//! On the slope are things that the network has rarely seen, edges, and strands below others.
+//! Ridler and Calvard's iteration (see [`threshold`](super::threshold)) finds the clusters, and the
+//! cut is near the lower one. A rope then breaks only where the network is almost certain of
+//! background. A mask of 0 and 255 is the same at any level.
 
 use crate::image::gray::GrayPlane;
 
-/// The upper half of the bytes: what a mask means that has no two heaps.
+/// Upper half of the bytes: the meaning of a mask without two clusters.
 const HALF: u8 = 128;
-/// Where the cut lies between the mean of the rest and the mean of the rope: at a probability of an eighth. Anything from a
-/// twentieth to a sixth leaves real masks as whole.
+/// Position of the cut between the mean of the rest and that of the rope: at a probability of an
+/// eighth. Real masks are as whole with anything from a twentieth to a sixth.
 const SHARE: f32 = 0.12;
-/// Least distance from the mean of the rest, in mean deviations: 5 standard deviations of Gaussian noise.
+/// Minimum distance of the cut from the mean of the rest, in mean deviations: 5 standard deviations
+/// of Gaussian noise.
 const DEVIATIONS: f32 = 6.0;
-/// The least mean of ropes in any mask. Below it, ropes have to stand out; otherwise only pixels that are likelier rope than not
-/// are taken.
+/// Minimum mean of ropes in any mask. Below it, ropes have to stand out. Otherwise, only pixels
+/// that are more likely rope than not are taken.
 const LEAST_ROPE: f32 = 96.0;
-/// The least mean of ropes in a weak mask: a probability of an eighth, at which a mask of full strength is cut.
+/// Minimum mean of ropes in a weak mask: a probability of an eighth, the cut of a mask of full
+/// strength.
 const LEAST_WEAK: f32 = 32.0;
-/// The least distance of that mean from the rest's, in mean deviations of the rest: twice that of the cut.
+/// Minimum distance of that mean from the rest's, in mean deviations of the rest: twice that of the
+/// cut.
 const APART: f32 = 2.0 * DEVIATIONS;
-/// Rows that are counted, evenly spread: the means change little from row to row.
+/// Number of rows that are counted, evenly spread. The means change little from row to row.
 const ROWS: usize = 64;
 
-/// How often each byte occurs in some rows of `mask`.
+/// Number of times that each byte value occurs in some rows of `mask`.
 fn histogram(mask: &GrayPlane) -> [u32; 256] {
     let mut counts = [0; 256];
     let mut nothing = 0;
     for y in (0..mask.height()).step_by((mask.height() / ROWS).max(1)) {
         let (eights, rest) = mask.row(y).as_chunks::<8>();
         for eight in eights {
-            // Most of a mask is none.
+            // Most of a mask is 0.
             if u64::from_ne_bytes(*eight) == 0 {
                 nothing += 8;
             } else {
@@ -44,7 +48,7 @@ fn histogram(mask: &GrayPlane) -> [u32; 256] {
     counts
 }
 
-/// The level by the mask's own histogram.
+/// Chooses the level from the mask's own histogram.
 pub(crate) fn choose(mask: &GrayPlane) -> u8 {
     let counts = histogram(mask);
     let mean = |range: std::ops::Range<usize>, of: &dyn Fn(usize) -> f32| {
@@ -79,7 +83,7 @@ pub(crate) fn choose(mask: &GrayPlane) -> u8 {
 mod tests {
     use super::*;
 
-    /// A plane in which the levels come round again and again, each as often as it is listed.
+    /// A plane in which the levels repeat in a cycle, each as often as it is listed.
     fn plane(levels: &[u8]) -> GrayPlane {
         let mut plane = GrayPlane::default();
         plane.resize(100, 10);

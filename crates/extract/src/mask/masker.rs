@@ -1,4 +1,4 @@
-//! The first step: from an image to one bit a pixel, rope or not, cleaned of specks and pinholes.
+//! The first step: from an image to one bit per pixel, rope or not, without specks and pinholes.
 
 use super::background::Background;
 use super::cast::{Cast, Shadows};
@@ -30,29 +30,30 @@ use std::ops::Range;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// The largest share of the image that ropes may cover; more means that the ranges or the light
-/// are wrong, and a "skeleton" of it would mean nothing.
+/// Maximum share of the image that ropes may cover. With more, the ranges or the light are wrong,
+/// and a skeleton would be meaningless.
 const MOST_COVERED: f32 = 0.6;
 
-/// Holes more than pieces that ropes' mask from elsewhere or by color has at most: they would cross four times as often as is
-/// reported. A net has more.
+/// Maximum number of holes minus pieces in the ropes' mask from elsewhere or by color. At this
+/// number, ropes would cross four times as often as is reported. A net has more.
 const MOST_HOLES: i64 = 4 * MOST_CROSSINGS as i64;
 
-/// The share of the picture's border from which on what lies there is no rope.
+/// Share of the picture's border in the mask above which the mask there is not rope.
 const FRAMED: f32 = 0.18;
 
-/// What is left between two seams is a strand from this share of its width on, and from so many squares of it.
+/// Minimum width of the remainder between two seams to count as a strand, as a share of the
+/// strand's width, and its minimum area in widths squared.
 const THINNEST: f32 = 0.3;
 const SPECK: f32 = 0.5;
 
-/// From this level on a pixel is rope.
+/// Minimum level of a rope pixel.
 const ROPE_LEVEL: u8 = 128;
 
-/// Why a mask that was made elsewhere cannot be used.
+/// Reason why a mask that was made elsewhere cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MaskError {
-    /// The mask has another size than the image.
+    /// The mask and the image have different sizes.
     #[error(
         "the mask is {}×{} pixels and its image {}×{}: give each image a mask of its own size",
         .mask[0], .mask[1], .image[0], .image[1]
@@ -66,14 +67,14 @@ pub enum MaskError {
     /// The mask has more than one channel.
     #[error("the mask is {0:?}: give one byte a pixel (Gray8), 255 for rope and 0 for the rest")]
     Format(PixelFormat),
-    /// All of its pixels have this level, which is not 0.
+    /// All pixels of the mask have this level, which is not 0.
     #[error(
         "the mask has the level {0} everywhere, and so shows no rope: give a mask that is 0 on the background"
     )]
     OneLevel(u8),
 }
 
-/// Whether a notice says that what differs from the table may not be the ropes.
+/// Returns whether a notice says that differences from the table may not be ropes.
 fn is_no_plain_table(notice: Notice) -> bool {
     use Notice::*;
     matches!(notice, CheckeredTable | UnevenTable | Covered)
@@ -92,42 +93,44 @@ pub(crate) struct Masker {
     rims: Rims,
     smoothed: Strips,
     diagnosis: Diagnosis,
-    /// The ropes' own shadow: taken out of the mask where it is surely that.
+    /// The ropes' own shadow, which is removed from the mask if it is certain.
     pub(crate) shadows: Shadows,
     pub(crate) seeker: Seeker,
     seams: Seams,
-    /// The difference and the mask as they were before they were [cut at their seams](Self::cut_seams).
+    /// The difference and the mask before they were [cut at their seams](Self::cut_seams).
     pub(crate) whole: (GrayPlane, BitPlane),
-    /// How unlike the table each pixel is (255 and 0 when the mask is by color ranges, the mask's own bytes when it
-    /// was made elsewhere). 0 where nothing within eight pixels leaves the table's noise, unless the mask is in doubt.
+    /// Difference of each pixel from the table. With color ranges, it is 255 and 0; with a mask
+    /// from elsewhere, it is the mask's own bytes. It is 0 where nothing within eight pixels
+    /// exceeds the table's noise, unless the mask is in doubt.
     pub(crate) difference: GrayPlane,
     /// The mask, row by row and in strips.
     pub(crate) mask: BitPlane,
     pub(crate) strips: Strips,
-    /// The rope's width as guessed from area and outline of the mask, in pixels.
+    /// The rope's width in pixels, estimated from the area and outline of the mask.
     pub(crate) width_px: f32,
-    /// From which difference on a pixel was taken for rope; nothing unless the mask is automatic.
+    /// Minimum difference of a rope pixel; `None` unless the mask is automatic.
     pub(crate) cut: Option<u8>,
-    /// The columns and rows within which all lies that differs from the table, before anything is taken out.
+    /// Columns and rows that contain everything that differs from the table, before anything is
+    /// removed.
     differs: Option<[Range<usize>; 2]>,
-    /// Whether the mask was made elsewhere: the difference is then its own bytes.
+    /// True if the mask was made elsewhere. The difference is then its own bytes.
     pub(crate) is_given: bool,
-    /// Whether it is of what the network was asked for.
+    /// True if the mask was requested from the network.
     pub(crate) is_sought: bool,
-    /// Whether the mask was cut from the picture smoothed: pixel by pixel the ropes are hidden by noise.
+    /// True if the mask was cut from the smoothed picture, because noise hides the ropes in single
+    /// pixels.
     pub(crate) is_smoothed: bool,
-    /// What the automatic mask is unsure of.
+    /// Doubt about the mask, if any.
     pub(crate) notice: Option<Notice>,
 }
 
 impl Masker {
-    /// Asks another network.
+    /// Sets another network.
     pub(crate) fn use_network(&mut self, network: Arc<Network>) {
         self.seeker.use_network(network);
     }
 
-    /// Makes the mask of `image`. An image without rope, or one that is no picture of ropes, gets
-    /// an empty mask.
+    /// Makes the mask of `image`. The mask is empty unless the image shows ropes.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
         let mut chosen = None;
         match how {
@@ -140,7 +143,7 @@ impl Masker {
                 (self.differencer).run(image, &self.background, least, difference, faint, levels);
                 let cut = threshold::choose(levels, noise);
                 if diagnosis::covers_much(cut) {
-                    // The network will be asked, whatever the mask would be.
+                    // The network is asked in any case.
                     self.mask.resize(image.width(), image.height());
                     self.empty();
                 } else {
@@ -191,7 +194,8 @@ impl Masker {
         }
     }
 
-    /// Whether much of the picture's border is in the mask: the table ends in the picture.
+    /// Returns whether much of the picture's border is in the mask, which means that the table ends
+    /// in the picture.
     fn is_framed(&self) -> bool {
         let mask = &self.mask;
         let (width, height) = (mask.width(), mask.height());
@@ -202,7 +206,7 @@ impl Masker {
         border as f32 > FRAMED * 2.0 * (width + height) as f32
     }
 
-    /// Takes the ropes that the network finds in the part `within` of the image in the place of what differs from the table.
+    /// Replaces the mask with the ropes that the network finds in the part `within` of the image.
     fn seek(&mut self, image: &Image, within: Region) {
         self.seeker.run(image, within, &mut self.difference);
         let notice = self.notice;
@@ -212,7 +216,7 @@ impl Masker {
         self.seeker.has_found = self.is_of_network() && !self.strips.used.is_empty();
     }
 
-    /// Whether the mask is of ropes that the network saw.
+    /// Returns whether the mask shows ropes that the network saw.
     pub(crate) fn is_of_network(&self) -> bool {
         self.is_sought && !self.seeker.is_blind
     }
@@ -222,7 +226,8 @@ impl Masker {
         self.seeker.has_found = false;
     }
 
-    /// An automatic mask that seemed sure, and held no rope, is not sure. Whether it is such a one.
+    /// Marks an automatic mask as doubtful if it was trusted but held no rope. Returns true if it
+    /// did.
     pub(crate) fn doubts_itself(&mut self, why: Notice) -> bool {
         let seemed_sure = self.notice.is_none() && self.cut.is_some();
         if seemed_sure {
@@ -231,8 +236,8 @@ impl Masker {
         seemed_sure
     }
 
-    /// Marks an automatic mask that holds nothing as noisy if the noise would hide a rope that differs from the table by
-    /// `level`. Returns true if it did.
+    /// Marks an empty automatic mask as noisy if the noise would hide a rope that differs from the
+    /// table by `level`. Returns true if it did.
     pub(crate) fn doubts_noise(&mut self, level: f32) -> bool {
         let is_hidden = threshold::floor(self.background.noise) > level;
         let seemed_sure = self.notice.is_none() && self.cut.is_some() && is_hidden;
@@ -242,25 +247,28 @@ impl Masker {
         seemed_sure
     }
 
-    /// Looks for ropes with the network instead, anywhere. Whether there is anything.
+    /// Searches the whole image for ropes with the network instead. Returns whether it found
+    /// anything.
     pub(crate) fn seek_instead(&mut self, image: &Image) -> bool {
         self.seek(image, Region::whole(image));
         !self.strips.used.is_empty()
     }
 
-    /// Looks for ropes with the network, where this image differs from a table that seemed plain. Whether there is anything.
+    /// Searches for ropes with the network where this image differs from a table that seemed plain.
+    /// Returns whether it found anything.
     pub(crate) fn seek_on_table(&mut self, image: &Image) -> bool {
         let differs = self.differs.clone().map(|part| neural::grown(part, image));
         self.seek(image, differs.unwrap_or(Region::whole(image)));
         !self.strips.used.is_empty()
     }
 
-    /// Cuts the mask out of the difference, and adds what the cut leaves out of the ropes.
+    /// Cuts the mask out of the difference, then adds the parts of the ropes that the cut leaves
+    /// out.
     fn cut_out(&mut self, image: &Image, cut: Cut) {
         let (kernels, strips) = (&self.kernels, &mut self.strips);
         let faint = &self.hysteresis.faint;
         threshold::apply_within(kernels, &self.difference, cut.rope, faint, strips);
-        // The rows are written when it is extended.
+        // The rows are written when the mask is extended.
         self.mask.resize(image.width(), image.height());
         self.extend(image, cut);
         self.clean_or_empty();
@@ -273,12 +281,12 @@ impl Masker {
         }
     }
 
-    /// Whether it is the table's noise that sets the least cut.
+    /// Returns whether the minimum cut is set by the table's noise.
     fn is_noisy(&self) -> bool {
         threshold::floor(self.background.noise) > threshold::LEVEL_FLOOR
     }
 
-    /// Cuts the mask again from the picture smoothed: noise may be all that hides the ropes.
+    /// Cuts the mask again from the smoothed picture, in case only noise hides the ropes.
     fn take_smoothed(&mut self, image: &Image) {
         let noise = (self.smoother).run(image, &self.background, &mut self.difference);
         let least = threshold::faint(noise);
@@ -310,7 +318,7 @@ impl Masker {
         self.is_smoothed = true;
     }
 
-    /// Makes the buffers that the drawn picture of [`prepare`](Self::prepare) has no use for.
+    /// Reserves the buffers that the picture drawn by the extractor's `prepare` does not use.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.shadows.reserve(width, height);
         self.seeker.reserve(width, height);
@@ -322,7 +330,7 @@ impl Masker {
         self.rims.reserve(&self.strips, &self.mask);
     }
 
-    /// Takes the ropes' own shadow out of an automatic mask.
+    /// Removes the ropes' own shadow from an automatic mask.
     fn take_shadows_out(&mut self, image: &Image) {
         let mask = (&self.mask, self.strips.count());
         match self.shadows.find(image, &self.background, mask) {
@@ -337,14 +345,14 @@ impl Masker {
         }
     }
 
-    /// Makes beforehand what images of this many pixels need.
+    /// Prepares what images of this many pixels need.
     pub(crate) fn prepare(&mut self, how: &Mask, pixels: usize) {
         if let Mask::Hsv(ranges) = how {
             self.selector.prepare(ranges, pixels, false);
         }
     }
 
-    /// What to say about an automatic mask.
+    /// Returns the notice about an automatic mask.
     fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
         let floor = threshold::floor(self.background.noise);
         if !cut.is_sure(floor) || self.strips.used.is_empty() {
@@ -363,11 +371,14 @@ impl Masker {
         self.diagnosis.notice(&evidence, components)
     }
 
-    /// Takes the mask of `image` that somebody else made, rope from `level` on, or by its histogram. Its edges are where it passes through half of the rope's own
-    /// level, so that one of probabilities is as good between pixels as an image.
+    /// Takes a mask of `image` that was made elsewhere: rope from `level` on, or from the level
+    /// that its histogram gives.
+    ///
+    /// Its edges are where it passes through half of the rope's own level. A mask of probabilities
+    /// is therefore as good between pixels as an image.
     ///
     /// # Errors
-    /// When it is no `Gray8` of the image's size.
+    /// If the mask is not `Gray8` or differs from the image in size.
     pub(crate) fn take(
         &mut self,
         image: &Image,
@@ -393,7 +404,7 @@ impl Masker {
         Ok(())
     }
 
-    /// Makes the mask of the levels that lie in the difference, rope from one on.
+    /// Makes the mask from the levels in the difference: rope from `level` on.
     fn take_levels(&mut self, level: u8) {
         threshold::apply(&self.kernels, &self.difference, level, &mut self.mask);
         self.strips.take(&self.mask);
@@ -406,7 +417,7 @@ impl Masker {
         self.notice = self.leave_net_out();
     }
 
-    /// Empties a mask that is a net, and says so.
+    /// Empties a mask that is a net, and returns a notice of it.
     fn leave_net_out(&mut self) -> Option<Notice> {
         let is_net = diagnosis::holes_beyond_pieces(&self.strips) > MOST_HOLES;
         if is_net {
@@ -415,7 +426,7 @@ impl Masker {
         is_net.then_some(Notice::TooMany)
     }
 
-    /// Cleans the mask; one that is no picture of ropes is emptied.
+    /// Cleans the mask. A mask that does not show ropes is emptied.
     fn clean_or_empty(&mut self) {
         if self.clean() {
             self.strips.put(&mut self.mask);
@@ -430,7 +441,8 @@ impl Masker {
         self.strips.resize(&Shape::of(&self.mask));
     }
 
-    /// Takes what is set in `occluder` out of the mask and the difference, as if the table lay there.
+    /// Removes the pixels of `occluder` from the mask and the difference, as if the table were
+    /// there.
     pub(crate) fn take_out(&mut self, occluder: &BitPlane) {
         for y in 0..self.mask.height() {
             let words = self.mask.row_mut(y).iter_mut().zip(occluder.row(y));
@@ -442,7 +454,8 @@ impl Masker {
         self.clean_or_empty();
     }
 
-    /// Looks for what lies between the strands of the mask of `image`, which are about so wide.
+    /// Prepares the search for seams between the strands of the mask of `image`. The strands are
+    /// about `width_px` wide.
     pub(crate) fn see_seams(&mut self, image: &Image, width_px: f32) {
         let (difference, mask) = &mut self.whole;
         difference.copy_from(&self.difference);
@@ -450,8 +463,8 @@ impl Masker {
         self.seams.smooth(image, &self.mask, width_px);
     }
 
-    /// Cuts the mask whose [seams were looked for](Self::see_seams), and the difference too, where the light bends upward by `bent`, in
-    /// standard deviations of the ropes' light.
+    /// Cuts the mask and the difference at the seams, after [`see_seams`](Self::see_seams). A seam
+    /// is where the light bends upward by `bent`, in standard deviations of the ropes' light.
     pub(crate) fn cut_seams(&mut self, width_px: f32, bent: f32) {
         self.seams.find(&self.mask, bent);
         for y in 0..self.mask.height() {
@@ -475,21 +488,21 @@ impl Masker {
         self.strips.put(&mut self.mask);
     }
 
-    /// Takes back that it was cut.
+    /// Undoes [`cut_seams`](Self::cut_seams).
     pub(crate) fn uncut(&mut self) {
         self.difference.copy_from(&self.whole.0);
         self.mask.copy_from(&self.whole.1);
         self.strips.take(&self.mask);
     }
 
-    /// Adds what the cut left out of the ropes.
+    /// Adds the parts of the ropes that the cut left out.
     fn extend(&mut self, image: &Image, cut: Cut) {
         self.smooth();
         let pixels = self.mask.width() * self.mask.height();
         let area = self.strips.count();
         if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
             self.strips.put(&mut self.mask);
-            // The noise is gone, and its blocks need no more looking at.
+            // The noise is gone, so its blocks need no more work.
             self.strips.tighten();
             let (table, difference) = (&self.background, &mut self.difference);
             let mask = (&mut self.strips, &self.mask);
@@ -497,7 +510,7 @@ impl Masker {
         }
     }
 
-    /// Drops specks and fills pinholes; false when the mask is no picture of ropes.
+    /// Drops specks and fills pinholes. Returns false if the mask does not show ropes.
     fn clean(&mut self) -> bool {
         let pixels = self.mask.width() * self.mask.height();
         self.smooth();
@@ -507,23 +520,25 @@ impl Masker {
         }
         self.width_px = width_from_outline(area, sides);
         let square = self.width_px * self.width_px;
-        // A rope is longer than wide; a hole smaller than half a width squared is shine or dirt.
+        // A rope is longer than wide. A hole of less than half a squared width is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
         let pieces = &mut self.hysteresis.pieces;
         pieces.drop_specks(&mut self.strips, speck).is_ok()
             && pieces.fill_holes(&mut self.strips, hole).is_ok()
     }
 
-    /// Takes pixels without two neighbors in a row or column away and fills single unset pixels, all
-    /// words at once: most of the noise, before anything counts pieces.
+    /// Removes pixels without a neighbor by a side and fills single unset pixels, whole words at
+    /// once. This removes most of the noise before anything counts pieces.
     fn smooth(&mut self) {
         neighbors::step(Smooth, &mut self.strips, &mut self.smoothed);
     }
 }
 
-/// The mask of `image` as extraction takes it, cleaned: 255 for rope and 0 for the rest, a byte a pixel, row by row.
+/// The mask of `image` as extraction uses it, cleaned: 255 for rope and 0 for the rest, one byte
+/// per pixel, row by row.
 ///
-/// All 0 if it is no picture of ropes, and with [`Mask::External`]. For looking at: allocates.
+/// All 0 if the image does not show ropes, and with [`Mask::External`]. For inspection only:
+/// allocates.
 pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
     let (mut unpacker, mut masker) = <(Unpacker, Masker)>::default();
     masker.run(&unpacker.unpack(image), how);
@@ -534,7 +549,7 @@ pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
         .collect()
 }
 
-/// See [`Masker::smooth`].
+/// The rule of [`Masker::smooth`].
 struct Smooth;
 
 impl Rule for Smooth {
@@ -544,7 +559,7 @@ impl Rule for Smooth {
             here, n, s, w, e, ..
         } = around;
         let filled = here | n & s & w & e;
-        // A lone pixel has no neighbor by a side: it goes.
+        // A lone pixel lacks a neighbor by a side and is removed.
         filled & (n | s | w | e)
     }
 }

@@ -1,52 +1,56 @@
-//! The meaning of a mask's bytes.
+//! Meaning of a mask's bytes.
 //!
-//! Extraction takes a mask that is high where a rope is. Programs also write 0 and 1, the numbers of instances, or ropes
-//! that are black on white. Each is recognised by the mask alone and turned into what extraction takes, with a notice.
+//! Extraction expects a mask that is high where a rope is. Programs also write 0 and 1, instance
+//! numbers, or ropes that are black on white. Each of these is recognized from the mask alone and
+//! converted to what extraction expects, with a notice.
 
 use super::MaskError;
 use crate::image::{Image, ImageError, PixelFormat};
 
-/// The least level that the automatic cut keeps, alone or next to a rope of 255: an eighth (`level.rs`).
+/// Minimum level that the automatic cut keeps, alone or next to a rope of 255: an eighth
+/// (`level.rs`).
 const LEAST_KEPT: u8 = 32;
-/// The level of pixels without a label, next to labels that are small numbers (PASCAL VOC, Cityscapes).
+/// Level of pixels without a label, next to labels that are small numbers (PASCAL VOC, Cityscapes).
 const UNLABELLED: u8 = 255;
-/// The smallest share of the pixels with small levels that lie inside of areas of one level, where these are labels. All pixels
-/// of a label's area do but single corners; in a soft edge or noise, few.
+/// Minimum share of the pixels with small levels that are inside areas of one level, if these
+/// levels are labels. In a label's area, all pixels except single corners are inside. In a soft
+/// edge or noise, few are.
 const INSIDE: f32 = 0.9;
-/// Small levels that are looked at one by one, and the rows that are looked at of a mask with more, evenly spread: in noise
-/// all over VGA that is a fifth of the pixels.
+/// Maximum number of small levels that are checked one by one. In a mask with more, this many rows
+/// are checked, evenly spread.
 const MOST_SMALL: usize = 1 << 15;
 const ROWS: usize = 64;
 
-/// A mask that extraction can take, and a sentence if its bytes meant something else.
+/// A mask that extraction can use, and a sentence if its bytes meant something else.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaskLevels {
-    /// A byte a pixel, row by row without padding; the higher the likelier rope.
+    /// One byte per pixel, row by row without padding. The higher, the more likely rope.
     pub levels: Vec<u8>,
     /// Width and height, in pixels.
     pub size: [usize; 2],
-    /// A sentence on what the mask's bytes mean.
+    /// A sentence on the meaning of the mask's bytes.
     pub notice: Option<String>,
 }
 
 impl MaskLevels {
-    /// The levels as extraction takes them.
+    /// The levels as an image for extraction.
     ///
     /// # Errors
-    /// They are more than extraction takes.
+    /// If they are more than extraction accepts.
     pub fn image(&self) -> Result<Image<'_>, ImageError> {
         let [width, height] = self.size;
         Image::new(&self.levels, width, height, width, PixelFormat::Gray8)
     }
 }
 
-/// Reads the levels of a mask whose level is chosen by its own histogram.
+/// Reads the levels of a mask whose level is chosen by its own histogram. `None` if extraction can
+/// use the mask as it is.
 ///
 /// # Errors
-/// All of its pixels have one level that is not 0: nothing tells ropes from the rest.
+/// If all pixels have the same level and it is not 0: nothing tells ropes from the rest.
 pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>, MaskError> {
-    // The extractor refuses masks of other formats.
+    // The extractor rejects masks of other formats.
     if mask.format() != PixelFormat::Gray8 {
         return Ok(None);
     }
@@ -64,7 +68,7 @@ pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>, MaskError> {
     }
     let bright: usize = counts[(least + most).div_ceil(2)..].iter().sum();
     let is_inverted = 2 * bright > total;
-    // The smallest level above the ground's.
+    // Offset of the smallest level above the ground's.
     let step = counts[least + 1..].iter().position(|&count| count > 0);
     let has_small = step.is_some_and(|step| step + 1 < usize::from(LEAST_KEPT));
     if !is_inverted && !has_small {
@@ -102,7 +106,8 @@ pub fn mask_levels(mask: &Image) -> Result<Option<MaskLevels>, MaskError> {
     }))
 }
 
-/// Turns labels into 255, and says so. `ground`: what was subtracted from them; `top`: the largest.
+/// Replaces labels with 255 and describes them. `ground` is what was subtracted from them, and
+/// `top` is the largest.
 fn number_labels(levels: &mut [u8], ground: u8, top: u8) -> Option<String> {
     let mut seen = [false; 256];
     (levels.iter()).for_each(|&level| seen[usize::from(level)] = true);
@@ -128,11 +133,11 @@ fn number_labels(levels: &mut [u8], ground: u8, top: u8) -> Option<String> {
         ""
     };
     Some(format!(
-        "the mask's levels are numbers: {numbers} is taken for rope{beside} (mask_level says otherwise)"
+        "the mask's levels are numbers: {numbers} counts as rope{beside} (mask_level changes this)"
     ))
 }
 
-/// The number of pixels of each level.
+/// Number of pixels of each level.
 fn histogram(mask: &Image) -> [usize; 256] {
     let mut counts = [0; 256];
     let mut zeros = 0;
@@ -155,9 +160,10 @@ fn histogram(mask: &Image) -> [usize; 256] {
     counts
 }
 
-/// Returns true if there are small levels, once `turned`, and they are labels: areas of one level, not slopes or noise.
+/// Returns whether there are small levels, once `turned`, that are labels: areas of one level, not
+/// slopes or noise.
 ///
-/// A pixel is inside of an area if a square of 2 × 2 pixels that it belongs to has its level.
+/// A pixel is inside an area if a square of 2 × 2 pixels that contains it has one level.
 fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -> bool {
     let (width, height) = (mask.width(), mask.height());
     let is_small = |level: u8| (1..LEAST_KEPT).contains(&turned(level));
@@ -209,7 +215,7 @@ mod tests {
         mask
     }
 
-    /// The levels, and the sentence on them.
+    /// The levels, and the notice about them.
     type Read = Option<(Vec<u8>, Option<String>)>;
 
     fn read(mask: &[u8]) -> Result<Read, MaskError> {
@@ -241,7 +247,7 @@ mod tests {
         assert!(read(&bars(0, &[255, 255])).unwrap().is_none());
         assert!(read(&bars(0, &[60, 250])).unwrap().is_none());
         assert!(read(&bars(0, &[])).unwrap().is_none());
-        // A soft mask whose slopes begin at 1.
+        // A soft mask with slopes that begin at 1.
         let mut soft = bars(0, &[255]);
         for x in 0..SIZE.0 {
             for (y, level) in [(0, 9), (1, 120), (8, 120), (9, 9)] {

@@ -1,4 +1,4 @@
-//! The mask by the network, for pictures of any size and format.
+//! The mask from the network, for pictures of any size and format.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,27 +9,28 @@ use lariat_portable::{Arch, NullaryFnOnce};
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, PixelFormat, Region, color};
 
-/// Pixels that the network looks at, at most: of larger pictures it sees the means of blocks.
+/// Maximum number of pixels that the network gets. Larger pictures are reduced to the means of
+/// blocks.
 const MOST_PIXELS: usize = 640 * 640;
-/// How many times smaller a picture is glanced at than it is looked at, and the share of it that is likely where there is a rope:
-/// 4 pixels wide and as long as a quarter of a VGA picture's height.
+/// Reduction of a glance's picture relative to a search's. Ropes are likely if one in `LEAST` of
+/// its pixels is: that is 4 pixels wide and a quarter of a VGA picture's height long.
 const GLANCE: usize = 2;
 const LEAST: usize = 640;
-/// What is looked at around what may be rope, in pixels of the image.
+/// Margin that the search adds around what may be rope, in pixels of the image.
 const AROUND_PX: usize = 96;
 
-/// The network with its memory.
+/// The network and its memory.
 #[derive(Debug)]
 pub(crate) struct Finder {
     network: Arc<Network>,
     workspace: Workspace,
-    /// What the network looks at.
+    /// The network's input.
     rgb: Vec<u8>,
     rope: Vec<u8>,
     seam: Vec<u8>,
     row: Vec<u32>,
     line: Vec<[u8; 3]>,
-    /// A row of blocks, added up down the picture: three numbers a pixel.
+    /// A row of blocks, summed down the picture: three numbers per pixel.
     sums: Vec<u32>,
 }
 
@@ -53,8 +54,8 @@ impl Finder {
         }
     }
 
-    /// Whether a rope may be in the part `within` of `image`, at a glance that costs a quarter of finding it: whether enough of it is at least as
-    /// `likely`.
+    /// Returns whether a rope may be in the part `within` of `image`: whether enough of it is at
+    /// least as `likely`. Costs a quarter of finding the rope.
     pub(crate) fn glance(&mut self, image: &Image, within: Region, likely: u8) -> bool {
         let scale = GLANCE * scale_of(image.width(), image.height());
         let Some(part) = image.region(within) else {
@@ -66,8 +67,9 @@ impl Finder {
         !is_seen || LEAST * guessed() >= pixels
     }
 
-    /// Fills `levels`, of the image's size, with how surely each pixel is of a rope: 255 for certain, and 0 outside of the part `within`. A
-    /// seam between two ropes side by side is of none.
+    /// Fills `levels`, of the image's size, with the probability that each pixel is rope. It is 255
+    /// for certain, and 0 outside the part `within`. A seam between two adjacent ropes belongs to
+    /// neither.
     pub(crate) fn find(&mut self, image: &Image, within: Region, levels: &mut GrayPlane) {
         levels.resize(image.width(), image.height());
         (0..image.height()).for_each(|y| levels.row_mut(y).fill(0));
@@ -82,8 +84,8 @@ impl Finder {
         self.spread(scale, pixels, within, levels);
     }
 
-    /// Has the network look at the means of blocks of so many pixels each way, and says how many there are; nothing of a strip
-    /// too long for it, or where there are none.
+    /// Runs the network on the means of blocks of `scale` × `scale` pixels, and returns the number
+    /// of columns and rows. `None` for a strip that is too long for the network, or without blocks.
     fn look(&mut self, image: &Image, scale: usize) -> Option<[usize; 2]> {
         let (columns, rows) = (image.width() / scale, image.height() / scale);
         self.rope.resize(columns * rows, 0);
@@ -111,7 +113,7 @@ impl Finder {
         seen.ok().map(|()| [columns, rows])
     }
 
-    /// The means of blocks in red, green and blue.
+    /// Computes the means of blocks in red, green and blue.
     fn read(&mut self, image: &Image, scale: usize, [columns, rows]: [usize; 2]) {
         let format = image.format();
         self.row.resize(columns * scale, 0);
@@ -152,7 +154,7 @@ impl Finder {
         }
     }
 
-    /// The map at the picture's size: between the middles of blocks in even steps.
+    /// Writes the map at the picture's size, interpolated between the middles of blocks.
     fn spread(
         &self,
         scale: usize,
@@ -189,7 +191,7 @@ impl Finder {
         }
     }
 
-    /// Makes the buffers for images of this size.
+    /// Reserves the buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         let scale = scale_of(width, height);
         let (columns, rows) = (width / scale, height / scale);
@@ -203,7 +205,8 @@ impl Finder {
     }
 }
 
-/// The part of an image in these columns and rows, with what the network needs around it. It begins where whole blocks of pixels do.
+/// The part of an image in these columns and rows, with the margin that the network needs. It
+/// begins at the start of whole blocks of pixels.
 pub(super) fn grown([columns, rows]: [Range<usize>; 2], image: &Image) -> Region {
     let begin = |at: usize| at.saturating_sub(AROUND_PX) / Network::MULTIPLE * Network::MULTIPLE;
     let end = |at: usize| (at + AROUND_PX).next_multiple_of(Network::MULTIPLE);
@@ -216,14 +219,14 @@ pub(super) fn grown([columns, rows]: [Range<usize>; 2], image: &Image) -> Region
     }
 }
 
-/// Pixels of the image along one that the network sees.
+/// Pixels of the image, along one axis, per pixel of the network's input.
 fn scale_of(width: usize, height: usize) -> usize {
     (1..)
         .find(|scale| (width / scale) * (height / scale) <= MOST_PIXELS)
         .unwrap_or(1)
 }
 
-/// A row of pixels in red, green and blue.
+/// Converts a row of pixels to red, green and blue.
 struct InRgb<'a> {
     pixels: &'a [u32],
     format: PixelFormat,
@@ -253,7 +256,7 @@ impl InRgb<'_> {
     }
 }
 
-/// Adds the levels of a line to those above it.
+/// Adds the levels of a line to the sums of those above it.
 struct AddLine<'a> {
     line: &'a [u8],
     sums: &'a mut [u32],
@@ -270,7 +273,7 @@ impl NullaryFnOnce for AddLine<'_> {
     }
 }
 
-/// The means of blocks whose columns are added up.
+/// Means of blocks whose columns have been summed.
 struct Means<'a> {
     sums: &'a [u32],
     scale: usize,
@@ -283,7 +286,7 @@ impl NullaryFnOnce for Means<'_> {
     #[inline(always)]
     fn call(self) {
         let count = (self.scale * self.scale) as u32;
-        // Division by multiplication: exact, as a sum times the count is below 2⁴⁰.
+        // Division by multiplication. It is exact because a sum times the count is below 2⁴⁰.
         let share = (1u64 << 40).div_ceil(u64::from(count));
         for (out, block) in (self.out.iter_mut()).zip(self.sums.chunks_exact(3 * self.scale)) {
             let mut sum = [count / 2; 3];

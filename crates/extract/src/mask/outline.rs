@@ -1,13 +1,13 @@
-//! Area and outline of a mask, and the width of rope that they tell of.
+//! Area and outline of a mask, and the rope's width that follows from them.
 
 use crate::bitmap::strips::Strips;
 
-/// How many pixels are set, and how many of their sides are the outline.
+/// Number of set pixels, and number of their sides that are on the outline.
 pub(super) fn outline(mask: &Strips) -> (usize, usize) {
     lariat_portable::Arch::new().dispatch(Outline(mask))
 }
 
-/// The same, to be compiled for each kind of machine.
+/// Computes [`outline`]; compiled for each kind of machine.
 struct Outline<'a>(&'a Strips);
 
 impl lariat_portable::NullaryFnOnce for Outline<'_> {
@@ -25,7 +25,7 @@ impl lariat_portable::NullaryFnOnce for Outline<'_> {
                 area += here.count_ones() as usize;
                 sides += (here & !west).count_ones() as usize;
                 sides += (here & !east).count_ones() as usize;
-                // As many sides below as above.
+                // There are as many sides below as above.
                 sides += 2 * (here & !words[at - 1]).count_ones() as usize;
             }
         }
@@ -33,8 +33,8 @@ impl lariat_portable::NullaryFnOnce for Outline<'_> {
     }
 }
 
-/// A long shape's width is twice its area over its outline; sides of pixels overstate the outline of
-/// a slanted edge by 4/π in the mean.
+/// Width of a long shape: twice its area divided by its outline. Pixel sides overstate the outline
+/// of a slanted edge by 4/π on average.
 pub(super) fn width_from_outline(area: usize, sides: usize) -> f32 {
     2.0 * area as f32 / (sides as f32 * std::f32::consts::FRAC_PI_4).max(1.0)
 }

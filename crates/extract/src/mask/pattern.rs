@@ -1,8 +1,8 @@
-//! Whether the table's deviations from a smooth colour are a pattern or noise.
+//! Tells whether the table's deviations from a smooth color are a pattern or noise.
 //!
-//! Noise at one pixel says nothing about the next but one; a pattern does. The covariance of the deviations at pixels a
-//! few steps apart (the autocovariance of the residuals, as a variogram has it) is the pattern's own variance, freed of
-//! the noise's.
+//! Noise at one pixel says nothing about a pixel two steps away; a pattern does. The covariance of
+//! the deviations at pixels a few steps apart (the autocovariance of the residuals, as in a
+//! variogram) is the pattern's own variance, without that of the noise.
 
 use super::background::Background;
 use super::threshold;
@@ -10,27 +10,32 @@ use crate::image::gray::GrayPlane;
 use crate::image::{Image, PixelFormat, color};
 use lariat_portable::{Arch, NullaryFnOnce};
 
-/// Samples along each side of the grid at most, and pixels from one to the next at least: a small picture has fewer.
+/// Maximum number of samples along each side of the grid, and minimum distance between them in
+/// pixels. A small picture has fewer samples.
 const GRID: usize = 64;
 const PITCH: usize = 3;
-/// Samples that are worked on side by side.
+/// Samples that are processed in parallel.
 const LANES: usize = 16;
-/// Steps from a pixel to the one it is compared with, to the right and down. Sensors that interpolate colour and cameras
-/// that code the image spread noise to direct neighbors; squares of a few pixels change sign between two and six.
+/// Distances from a pixel to those it is compared with, to the right and down, in pixels. Sensors
+/// that interpolate color and cameras that compress the image spread noise to direct neighbors.
+/// Squares of a few pixels change sign between two and six.
 const LAGS: [usize; 3] = [2, 4, 6];
-/// Deviations count up to this many times the table's noise (their median): a faint rope is far off in a few places, a
-/// pattern deviates everywhere.
+/// Maximum deviation that counts, as a multiple of the table's noise (the median deviation). A
+/// faint rope deviates a lot in a few places, a pattern everywhere.
 const MOST: f32 = 1.5;
-/// The least deviation that matters, in levels: with more, noise alone would lift the floor of the cut.
+/// Minimum deviation that matters, in levels. Above it, noise alone would raise the floor of the
+/// cut.
 const LEAST: f32 = threshold::LEVEL_FLOOR / threshold::NOISE_FLOOR;
-/// A pattern is at least this share of all deviation: smoothing of noise by a camera's coding reaches a third.
+/// Minimum ratio of a pattern to all deviation. Noise that a camera's compression has smoothed
+/// reaches a third.
 const SHARE: f32 = 0.5;
-/// An eighth and an eleventh of the image's shorter side are wider than ropes are, and no period fits both.
+/// Distances for telling light and shade, as fractions of the image's shorter side. An eighth and
+/// an eleventh are wider than ropes are, and no period fits both.
 const FAR: [usize; 2] = [8, 11];
-/// The share of their covariance that light and shade keep over that distance.
+/// Minimum share of their covariance that light and shade keep over that distance.
 const STILL: f32 = 0.6;
 
-/// What the table's deviations from a smooth colour are.
+/// Kind of the table's deviations from a smooth color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Deviation {
     /// Noise, or too little to matter.
@@ -41,7 +46,7 @@ pub(crate) enum Deviation {
     Uneven,
 }
 
-/// What sets the floor of the cut: the table's noise and the coding of the image, or more.
+/// Finds what sets the floor of the cut: the table's noise and the image's compression, or more.
 pub(crate) fn deviation(table: &Table) -> Deviation {
     let all = LAGS.map(|lag| table.covariances(lag));
     let largest = all.into_iter().flatten().map(f32::abs).fold(0.0, f32::max);
@@ -60,18 +65,18 @@ pub(crate) fn deviation(table: &Table) -> Deviation {
     }
 }
 
-/// An image, what was taken for its table, and which pixels were.
+/// An image, its estimated table, and the pixels that are table.
 pub(crate) struct Table<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
     pub(crate) difference: &'a GrayPlane,
-    /// Below this difference a pixel is table.
+    /// A pixel is table below this difference.
     pub(crate) cut: u8,
 }
 
 impl Table<'_> {
-    /// The covariance of the deviations `lag` pixels apart, to the right and down: that of the channel where it is
-    /// largest, in squared levels.
+    /// Covariances of the deviations `lag` pixels apart, to the right and down, in squared levels.
+    /// Each is that of the channel where it is largest.
     fn covariances(&self, lag: usize) -> [f32; 2] {
         let (width, height) = (self.image.width(), self.image.height());
         if width <= lag || height <= lag {
@@ -98,7 +103,8 @@ impl Table<'_> {
         compared.covariances()
     }
 
-    /// How far each pixel's channels are off the table's surface, in levels; 0 where it is not table.
+    /// Deviation of each pixel's channels from the table's surface, in levels; 0 where the pixel is
+    /// not table.
     #[inline(always)]
     fn residuals(&self, (xs, y): (&[usize], usize)) -> Residuals {
         let mut pixels = [0; GRID];
@@ -110,7 +116,8 @@ impl Table<'_> {
         for (is_table, &x) in off.is_table.iter_mut().zip(xs) {
             *is_table = if difference[x] < self.cut { 1.0 } else { 0.0 };
         }
-        // Twice the least: squares of one color taken for the table, those of the other count in full.
+        // Twice the minimum: if squares of one color are treated as the table, those of the other
+        // color count in full.
         let most = (MOST * self.background.noise).max(2.0 * LEAST);
         let weights = match self.image.format() {
             PixelFormat::Gray8 => [1.0, 0.0, 0.0],
@@ -128,10 +135,10 @@ impl Table<'_> {
     }
 }
 
-/// A row of the grid.
+/// The deviations of a row of the grid.
 struct Residuals {
     channels: [[f32; GRID]; 3],
-    /// 1 for a pixel of the table, 0 for another.
+    /// 1 for a pixel of the table, 0 for any other.
     is_table: [f32; GRID],
 }
 
@@ -145,7 +152,8 @@ impl Default for Residuals {
     }
 }
 
-/// Sums over pairs of pixels, to the right and down: how many, and the products of their residuals in each channel.
+/// Sums over pairs of pixels, to the right and down: their number, and the products of their
+/// residuals in each channel.
 #[derive(Default)]
 struct Compared {
     counts: [Lanes; 2],

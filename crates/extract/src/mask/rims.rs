@@ -1,8 +1,10 @@
-//! Ropes that are lighter than the table on one side and darker on the other: white ones on light gray.
+//! Ropes that are lighter than the table on one side and darker on the other, such as white ropes
+//! on light gray.
 //!
-//! Where its shading passes through the table's light, such a rope differs from the table by nothing, and the mask has two ropes
-//! instead of it, or three. Ropes that are lighter or darker as a whole have no such places. So where much of the mask is
-//! lighter than the table and some is darker, what lies between the two is rope.
+//! Such a rope does not differ from the table where its shading passes through the table's light.
+//! The mask then has two or three ropes instead of one. This does not happen to ropes that are
+//! lighter or darker as a whole. Therefore, if much of the mask is lighter than the table and some
+//! is darker, what lies between the two is rope.
 
 use super::background::Background;
 use super::cast::for_each_some;
@@ -13,13 +15,15 @@ use crate::bitmap::strips::Strips;
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 
-/// Pixels of the mask that are looked at first, and, if half as many of them are lighter as are to be, then; and the least shares of
-/// them that are lighter and darker than the table: a highlight on a dark rope is a tenth.
+/// Number of mask pixels that are sampled first, and number sampled next. The second sample follows
+/// if at least half of `LIGHTER` of the first are lighter than the table. `LIGHTER` and `DARKER`
+/// are the minimum shares that are lighter and darker than the table; a highlight on a dark rope is
+/// a tenth.
 const FIRST: usize = 64;
 const GLANCE: usize = 400;
 const LIGHTER: f32 = 0.4;
 const DARKER: f32 = 0.08;
-/// What lies between is at most so far from both, in pixels.
+/// Maximum distance of such a gap from the lighter and from the darker pixels.
 const REACH: usize = 3;
 
 /// Memory of the step.
@@ -33,7 +37,7 @@ pub(crate) struct Rims {
 }
 
 impl Rims {
-    /// Makes the buffers for planes of this one's shape.
+    /// Reserves the buffers for planes of this one's shape.
     pub(crate) fn reserve(&mut self, mask: &Strips, rows: &BitPlane) {
         self.plane.copy_from(rows);
         for plane in [&mut self.light, &mut self.dark, &mut self.gap] {
@@ -42,7 +46,8 @@ impl Rims {
         self.morphology.reserve(mask);
     }
 
-    /// Whether much of the mask, in which `area` pixels are set, is lighter than the table and some is darker.
+    /// Returns whether much of the mask, in which `area` pixels are set, is lighter than the table
+    /// and some is darker.
     pub(crate) fn are_there(
         image: &Image,
         background: &Background,
@@ -63,8 +68,8 @@ impl Rims {
         share > LIGHTER && share < 1.0 - DARKER
     }
 
-    /// Adds to `mask`, which is `rows`, what lies between lighter and darker pixels of it, and lifts the difference there
-    /// to `level`.
+    /// Adds to `mask` what lies between its lighter and its darker pixels, and lifts the difference
+    /// there to `level`. `rows` is the same mask row by row.
     pub(crate) fn fill(
         &mut self,
         image: &Image,

@@ -1,46 +1,49 @@
-//! Seams: where, within a mask, one strand ends and another begins.
+//! Seams: places within a mask where one strand ends and another begins.
 //!
-//! A strand is round: light leaves its sides darker than its middle, and where it lies on another one it throws a narrow
-//! shadow. So there is a valley of light between two strands that touch or cross, whatever their color. A valley is where
-//! the light, smoothed over a part of the rope's width, bends upward across (the larger eigenvalue of its second
-//! derivatives: Steger, "An unbiased detector of curvilinear structures", 1998).
+//! A strand is round, so light leaves its sides darker than its middle. On top of another strand,
+//! it also casts a narrow shadow. There is therefore a valley of light between two strands that
+//! touch or cross, whatever their color. In a valley, the light bends upward across it, after
+//! smoothing over a part of the rope's width. The bend is the larger eigenvalue of the second
+//! derivatives (Steger, "An unbiased detector of curvilinear structures", 1998).
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use crate::bitmap::bits::BitPlane;
 use crate::image::{Image, PixelFormat, color};
 
-/// Over how much of the rope's width the light is smoothed (a standard deviation), and at most so many pixels: a wider rope's
-/// seams are no finer.
+/// Standard deviation of the smoothing, as a share of the rope's width, and its maximum in pixels
+/// for wide ropes.
 const SMOOTHED: f32 = 0.21;
 const MOST_PX: f32 = 4.0;
-/// Standard deviations that are smoothed over, to either side.
+/// Reach of the smoothing to either side, in standard deviations.
 const REACH: f32 = 3.0;
 
-/// Pixels around the mask that are no part of it.
+/// Maximum reach of the smoothing in pixels, and maximum margin around the mask.
 const MOST_REACH: usize = (REACH * MOST_PX) as usize;
 const MOST_PAD: usize = MOST_REACH + 1;
 
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Seams {
-    /// The light of the mask's pixels and of those around, all of which are as light as the ropes' mean.
+    /// Light of the mask's pixels and of a margin around them. Pixels outside the mask have the
+    /// ropes' mean light.
     light: Vec<f32>,
     smoothed: Vec<f32>,
     row: Vec<u32>,
     is_bent: Vec<bool>,
     taps: Vec<f32>,
-    /// Where in `light` the mask's rectangle lies: pixels to its every side, and the length of a row.
+    /// Place of the mask's rectangle in `light`: the margin on each side, and the length of a row.
     pad: usize,
     width: usize,
-    /// A bend that is as deep as the ropes' light deviates, per square pixel.
+    /// Unit of bending, per square pixel: a bend as deep as the standard deviation of the ropes'
+    /// light.
     unit: f32,
-    /// The pixels of the mask that are a seam's.
+    /// Pixels of the mask that belong to a seam.
     pub(crate) plane: BitPlane,
 }
 
 impl Seams {
-    /// Makes room for images of this size.
+    /// Reserves memory for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         let pixels = (width + 2 * MOST_PAD) * (height + 2 * MOST_PAD);
         self.light.reserve(pixels);
@@ -51,7 +54,7 @@ impl Seams {
         self.plane.resize(width, height);
     }
 
-    /// Smooths the light of `mask`, whose ropes are about so wide in `image`.
+    /// Smooths the light of `mask`, whose ropes are about `width_px` wide in `image`.
     pub(crate) fn smooth(&mut self, image: &Image, mask: &BitPlane, width_px: f32) {
         let Some([columns, rows]) = mask.bounds() else {
             return;
@@ -77,8 +80,8 @@ impl Seams {
         self.unit = deviation / (deviation_px * deviation_px);
     }
 
-    /// Finds the seams of the mask whose light was [smoothed](Self::smooth): where it bends upward by `bent`, in standard deviations of
-    /// the ropes' light.
+    /// Finds the seams of the mask whose light was [smoothed](Self::smooth). A seam is where the
+    /// light bends upward by `bent`, in standard deviations of the ropes' light.
     pub(crate) fn find(&mut self, mask: &BitPlane, bent: f32) {
         self.plane.resize(mask.width(), mask.height());
         let Some([columns, rows]) = mask.bounds() else {
@@ -103,7 +106,7 @@ impl Seams {
         }
     }
 
-    /// Reads the mask's light, and returns its standard deviation.
+    /// Reads the mask's light and returns its standard deviation.
     fn read(
         &mut self,
         image: &Image,
@@ -152,7 +155,8 @@ impl Seams {
     }
 }
 
-/// Smooths the light along rows, then down columns; what lies nearer to the sides than a kernel reaches stays as it is.
+/// Smooths the light along rows, then down columns. Pixels nearer to the border than the kernel
+/// reaches are unchanged.
 struct Smooth<'a> {
     light: &'a mut Vec<f32>,
     smoothed: &'a mut Vec<f32>,
@@ -198,7 +202,8 @@ impl NullaryFnOnce for Smooth<'_> {
     }
 }
 
-/// Whether the light bends upward by at least so much across, pixel by pixel of a row; three rows begin a pixel before it.
+/// For each pixel of a row, tests whether the light bends upward across by at least `least`. The
+/// three input rows begin one pixel before the first.
 struct Bend<'a> {
     above: &'a [f32],
     here: &'a [f32],
@@ -235,7 +240,8 @@ mod tests {
 
     const SIZE: [usize; 2] = [120, 80];
 
-    /// Bars from left to right, so many pixels wide, their middles in these rows, lighter in their middles; their mask and picture.
+    /// Bars from left to right, `width_px` wide, with their middles in these rows and lighter
+    /// there. Returns their mask and picture.
     fn bars(width_px: f32, middles: &[f32]) -> (BitPlane, Vec<u8>) {
         let mut mask = BitPlane::default();
         mask.resize(SIZE[0], SIZE[1]);

@@ -1,4 +1,5 @@
-//! Ropes where no plain table is: the network says about where, and their edges are those that are seen there.
+//! Ropes on a background that is not a plain table. The network tells roughly where they are, and
+//! their edges are then found in the image.
 
 use std::sync::Arc;
 
@@ -11,8 +12,9 @@ use crate::image::gray::GrayPlane;
 use crate::image::{Image, Region};
 use crate::ribbons::Ribbons;
 
-/// How likely the network finds what it sees, of 255, and what it guesses; which share of what it guesses it must see to be believed;
-/// and how likely all are when it is not.
+/// Minimum probability, of 255, of pixels that the network sees as rope, and of those that it
+/// guesses. It is believed if more than the share `BELIEVED` of the guessed pixels is seen.
+/// Otherwise, every pixel gets the probability `UNKNOWN`.
 const SEES: u8 = 191;
 const GUESSES: u8 = 64;
 const BELIEVED: f32 = 0.3;
@@ -24,22 +26,22 @@ pub(crate) struct Seeker {
     finder: Finder,
     ribbons: Ribbons,
     evener: Evener,
-    /// How likely the network says that each pixel is of a rope.
+    /// The network's probability that each pixel is rope, of 255.
     pub(crate) likely: GrayPlane,
-    /// Whether it saw none, so that they are found by their shape alone.
+    /// True if the network saw no rope, so that ropes are found by their shape alone.
     pub(crate) is_blind: bool,
-    /// Whether there were ropes in the last image that it was asked about.
+    /// True if there were ropes in the last image that the network was asked about.
     pub(crate) has_found: bool,
 }
 
 impl Seeker {
-    /// Asks another network.
+    /// Sets another network.
     pub(crate) fn use_network(&mut self, network: Arc<Network>) {
         self.finder = Finder::new(network);
     }
 
-    /// Paints the ropes in the part `within` of `image` into `levels`, of its size. Where the network guesses none at a glance it is left at
-    /// that, unless the last image had some.
+    /// Paints the ropes in the part `within` of `image` into `levels`, which gets the image's size.
+    /// If a glance of the network shows none, nothing more is done, unless the last image had some.
     pub(crate) fn run(&mut self, image: &Image, within: Region, levels: &mut GrayPlane) {
         levels.resize(image.width(), image.height());
         self.is_blind = !self.has_found && !self.finder.glance(image, within, GUESSES);
@@ -56,7 +58,7 @@ impl Seeker {
         let [seen, guessed] = [SEES, GUESSES].map(|least| Arch::new().dispatch(reaches(least)));
         self.is_blind = seen as f32 <= BELIEVED * guessed as f32;
         if self.is_blind {
-            // What it knows nothing of may still have a rope's shape.
+            // Pixels unknown to the network may still have a rope's shape.
             let columns = within.x..within.x + within.width;
             for y in within.y..within.y + within.height {
                 self.likely.row_mut(y)[columns.clone()].fill(UNKNOWN);
@@ -66,7 +68,7 @@ impl Seeker {
         self.evener.run(levels);
     }
 
-    /// Makes the buffers for images of this size.
+    /// Reserves the buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.ribbons.reserve(width, height);
         self.evener.reserve(width);
@@ -75,7 +77,7 @@ impl Seeker {
     }
 }
 
-/// Counts the levels that reach one.
+/// Counts the levels of at least `least`.
 struct Count<'a> {
     likely: &'a [u8],
     least: u8,
@@ -86,7 +88,7 @@ impl NullaryFnOnce for Count<'_> {
 
     #[inline(always)]
     fn call(self) -> u32 {
-        // A byte counts so many.
+        // A byte can count this many.
         let some = self.likely.chunks(128).map(|levels| {
             let levels = levels.iter().map(|&level| u8::from(level >= self.least));
             u32::from(levels.sum::<u8>())

@@ -1,28 +1,31 @@
-//! What may be the table in shadow: pixels darker than the table there, and of its color.
+//! Finds pixels that may be the table in shadow: darker than the table there, and of its color.
 //!
-//! A shadow takes the same share of the light from every channel, so that the pixel is the table's color times a number
-//! below one (Horprasert, Harwood and Davis, "A statistical approach for real-time robust background subtraction and
-//! shadow detection", 1999). A gray rope on a gray table cannot be told from a shadow by this; nor can anything darker in
-//! an image without color.
+//! A shadow takes the same share of the light from every channel. The pixel is therefore the
+//! table's color times a number below one (Horprasert, Harwood and Davis, "A statistical approach
+//! for real-time robust background subtraction and shadow detection", 1999). A gray rope on a gray
+//! table passes this test too, as does anything darker in an image without color.
 //!
-//! What is looked at lies strewn along the ropes' edges: it is gathered, and judged by the widest registers.
+//! The pixels in question are scattered along the ropes' edges. They are gathered, and judged in
+//! the widest registers.
 
 use super::background::Background;
 use crate::bitmap::bits::BitPlane;
 use crate::image::{Image, PixelFormat, color};
 
-/// A shadow leaves at least this share of the table's light; what is darker is a thing.
+/// Minimum share of the table's light that a shadow leaves. Anything darker is an object.
 pub(crate) const DARKEST: f32 = 0.3;
-/// How far a channel may lie from the shaded table's, in the table's noise, and at least in levels.
+/// Maximum deviation of a channel from the shaded table's: a multiple of the table's noise, and at
+/// least this many levels.
 const NOISES: f32 = 3.0;
 const LEVELS: f32 = 6.0;
-/// Pixels that are judged at once, and words that are looked through at once for any.
+/// Pixels that are judged at once, and words that are searched at once.
 const LANES: usize = 64;
 const WORDS: usize = 8;
-/// Words that are taken before their pixels are.
+/// Words that are collected before their pixels are gathered.
 const MOST_WORDS: usize = 128;
 
-/// Clears of `faint` what may be shadow that leaves at least the share `darkest` of the light and is not in `sure`, and sets what is.
+/// Clears pixels of `faint` that may be shadow and are not in `sure`, and sets those in `sure`. A
+/// shadow leaves at least the share `darkest` of the light.
 pub(crate) fn clear(
     image: &Image,
     background: &Background,
@@ -58,7 +61,7 @@ fn three(image: &Image, x: usize, y: usize) -> [u8; 3] {
     [bytes[0], bytes[1], bytes[2]]
 }
 
-/// The clearing, to be compiled for each kind of machine. `pixel` reads one.
+/// The clearing, compiled for each kind of machine. `pixel` reads one pixel.
 struct Clear<'a, P> {
     background: &'a Background,
     faint: &'a mut BitPlane,
@@ -124,11 +127,13 @@ impl<P: Fn(usize, usize) -> [u8; 3]> lariat_portable::NullaryFnOnce for Clear<'_
 }
 
 impl<P: Fn(usize, usize) -> [u8; 3]> Clear<'_, P> {
-    /// Gathers the pixels of words that have some each, judges those that fill the lanes, and forgets the words.
+    /// Gathers the pixels of the collected words, judges them whenever they fill the lanes, and
+    /// forgets the words.
     #[inline(always)]
     fn gather(&mut self, asked: &mut Asked, gathered: &mut Gathered) {
         let words_per_row = self.faint.words_per_row() as u64;
-        // Division by a small number: exact below 2³² / words_per_row, which is beyond the largest image.
+        // Division by a small number. It is exact below 2³² / words_per_row, which is beyond the
+        // largest image.
         let inverse = (1u64 << 32).div_ceil(words_per_row);
         let words = &asked.words[..asked.count];
         let pixels: u32 = words.iter().map(|(word, _)| word.count_ones()).sum();
@@ -142,7 +147,7 @@ impl<P: Fn(usize, usize) -> [u8; 3]> Clear<'_, P> {
             if gathered.push(at, [x, y], (self.pixel)(x, y)) {
                 self.judge(gathered);
             }
-            // How many pixels a word has is chance, that no branch guesses.
+            // The number of pixels in a word is random, so a branch on it would be mispredicted.
             i += usize::from(word == 0);
             let next = asked.words[i % MOST_WORDS];
             (word, at) = (if word == 0 { next.0 } else { word }, next.1);
@@ -150,7 +155,7 @@ impl<P: Fn(usize, usize) -> [u8; 3]> Clear<'_, P> {
         asked.count = 0;
     }
 
-    /// Clears those of the gathered pixels that are shade, and forgets all of them.
+    /// Clears the gathered pixels that are shade, and forgets all gathered pixels.
     #[inline(always)]
     fn judge(&mut self, gathered: &mut Gathered) {
         let limits = (self.darkest, self.tolerance);
@@ -168,7 +173,7 @@ impl<P: Fn(usize, usize) -> [u8; 3]> Clear<'_, P> {
     }
 }
 
-/// Words of pixels that are asked for, and which they are.
+/// Words with pixels to judge, and their indices.
 struct Asked {
     count: usize,
     words: [(u64, u32); MOST_WORDS],
@@ -184,17 +189,18 @@ impl Default for Asked {
 }
 
 impl Asked {
-    /// Adds those of some words, from `from` on, in which anything is set.
+    /// Adds the words, from index `from` on, in which anything is set.
     #[inline(always)]
     fn add(&mut self, from: u32, words: [u64; WORDS]) {
         for (at, word) in (from..).zip(words) {
-            // Written always, kept where there is any: chance decides, and no branch guesses that.
+            // Always written, but kept only if any bit is set. This is random, so a branch on it
+            // would be mispredicted.
             self.words[self.count % MOST_WORDS] = (word, at);
             self.count += usize::from(word != 0);
         }
     }
 
-    /// Whether there is no room for as many more, and one behind.
+    /// Returns true if there is not enough room for `WORDS` more and one after them.
     #[inline(always)]
     fn is_full(&self) -> bool {
         self.count + WORDS >= MOST_WORDS
@@ -204,7 +210,7 @@ impl Asked {
 /// Some pixels that may be shade.
 struct Gathered {
     count: usize,
-    /// The word of each, its place, and its channels, a byte each.
+    /// For each pixel, the index of its word, its position, and its channels, one byte each.
     words: [u32; LANES],
     x: [u32; LANES],
     y: [u32; LANES],
@@ -224,7 +230,7 @@ impl Default for Gathered {
 }
 
 impl Gathered {
-    /// Takes one more; whether there is room for no other.
+    /// Adds a pixel. Returns true if this was the last that fits.
     #[inline(always)]
     fn push(&mut self, word: u32, [x, y]: [usize; 2], [a, b, c]: [u8; 3]) -> bool {
         let i = self.count % LANES;
@@ -235,7 +241,7 @@ impl Gathered {
         self.count == LANES
     }
 
-    /// Which of them are the table in less light.
+    /// Returns which of the pixels are the table in less light.
     #[inline(always)]
     fn shade<const YUV: bool>(&self, background: &Background, limits: (f32, f32)) -> [u32; LANES] {
         let mut shade = [0; LANES];
@@ -249,7 +255,7 @@ impl Gathered {
     }
 }
 
-/// Whether `pixel` is `table` in less light.
+/// Returns whether `pixel` is `table` in less light.
 #[inline(always)]
 fn is_shade<const YUV: bool>(
     pixel: [f32; 3],
@@ -260,21 +266,23 @@ fn is_shade<const YUV: bool>(
     (own < all) & (own >= darkest * all) & (off <= tolerance)
 }
 
-/// The light of a pixel and of the table there, and how far the pixel lies from the table in just so much light, in levels.
+/// Light of a pixel, light of the table there, and the pixel's distance in levels from the table at
+/// the pixel's light.
 #[inline(always)]
 fn light<const YUV: bool>(pixel: [f32; 3], table: [f32; 3]) -> (f32, f32, f32) {
     let light = |[a, b, c]: [f32; 3]| if YUV { a } else { a + b + c };
     let larger = |a: f32, b: f32| if a > b { a } else { b };
     let (own, all) = (light(pixel), larger(light(table), 1.0));
     let share = own / all;
-    // U and V are measured from their middle, and count double as in `color::distance`.
+    // U and V are measured from their middle and count double, as in `color::distance`.
     let (zero, weight) = if YUV { (128.0, 2.0) } else { (0.0, 1.0) };
     let off = |c: usize, zero: f32| (pixel[c] - (zero + share * (table[c] - zero))).abs();
     let far = larger(off(0, 0.0), weight * larger(off(1, zero), off(2, zero)));
     (own, all, far)
 }
 
-/// What is left of the table's light in pixel (x, y), where that has the table's color; nothing where it has another.
+/// Share of the table's light that is left in pixel (x, y); `None` if the pixel does not have the
+/// table's color.
 pub(crate) fn light_left(
     image: &Image,
     background: &Background,
@@ -334,7 +342,7 @@ mod tests {
         ));
     }
 
-    /// The definition, one pixel at a time.
+    /// Definition of `is_shade`, one pixel at a time.
     fn is_shade_plain(pixel: [f32; 3], table: [f32; 3], yuv: bool, tolerance: f32) -> bool {
         let light = |color: [f32; 3]| if yuv { color[0] } else { color.iter().sum() };
         let (own, all) = (light(pixel), light(table).max(1.0));

@@ -1,34 +1,37 @@
-//! The difference from the table of the picture smoothed, for pictures whose noise hides the rope pixel by pixel.
+//! Difference of the smoothed picture from the table, for pictures in which noise hides the rope in
+//! single pixels.
 //!
-//! Noise of one pixel knows nothing of the next, and grain little of the next but two; a rope is wider. So each channel's
-//! deviation from the table is averaged around every pixel before the channels are compared, with its sign: noise shrinks to a fifth, and
-//! the rope's edges stay where they are.
+//! Noise is independent from pixel to pixel, and grain nearly so at a distance of three; a rope is
+//! wider. Each channel's signed deviation from the table is therefore averaged around every pixel
+//! before the channels are compared. Noise shrinks to a fifth, and the rope's edges stay where they
+//! are.
 
 use super::background::Background;
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::statistics::median;
 
-/// A Gaussian of 1.3 px, from its middle outward, and its sum: wide enough for grain of two pixels, narrower than ropes.
+/// A Gaussian of 1.3 px, from its middle outward, and its sum. It is wide enough for grain of two
+/// pixels and narrower than ropes.
 const GAUSSIAN: [f32; 4] = [1.0, 0.744, 0.306, 0.070];
 const SUM: f32 = 3.240;
 const REACH: usize = GAUSSIAN.len() - 1;
 const ROWS: usize = 2 * REACH + 1;
-/// Samples along each side of the grid on which the noise that is left is measured.
+/// Samples along each side of the grid on which the remaining noise is measured.
 const GRID: usize = 48;
 
 /// Memory of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Smoother {
-    /// The deviations along one row, with the first and the last pixel's repeated beyond.
+    /// Deviations along one row, padded with copies of those of the first and last pixels.
     row: Vec<[f32; 3]>,
-    /// Some rows, smoothed along themselves.
+    /// Some rows, each smoothed along itself.
     rows: [Vec<[f32; 3]>; ROWS],
     samples: Vec<f32>,
 }
 
 impl Smoother {
-    /// Makes the buffers for images of this width.
+    /// Reserves the buffers for images of this width.
     pub(crate) fn reserve(&mut self, width: usize) {
         self.row.resize(width + 2 * REACH, [0.0; 3]);
         for row in &mut self.rows {
@@ -37,7 +40,7 @@ impl Smoother {
         self.samples.reserve(GRID * GRID);
     }
 
-    /// Writes the difference into `out`. Returns the noise that is left: the median of it.
+    /// Writes the difference to `out`. Returns the remaining noise: the median of the difference.
     pub(crate) fn run(
         &mut self,
         image: &Image,

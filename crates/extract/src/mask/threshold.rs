@@ -1,10 +1,10 @@
-//! Where the table ends and the rope begins, and the mask that follows.
+//! Chooses the level that separates ropes from the table, and makes the mask from it.
 //!
 //! Ridler and Calvard, "Picture thresholding using an iterative selection method" (1978): the level
-//! halfway between the means of what lies below and above it, found by iteration. The mask is cut
-//! somewhat below that, so that the dimmer of several ropes stays whole (edges are placed at half of
-//! each rope's own contrast later), and never below a multiple of the table's noise: an empty table
-//! has no rope.
+//! halfway between the mean below it and the mean above it, found by iteration. The mask is cut
+//! somewhat below that level, so that the dimmer of several ropes stays whole. Edges are later
+//! placed at half of each rope's own contrast. A multiple of the table's noise is the minimum cut,
+//! so that an empty table shows no rope.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::{BLOCK, Shape, Strips};
@@ -12,68 +12,71 @@ use crate::image::gray::GrayPlane;
 use crate::image::kernels::{Kernels, Patch};
 use lariat_portable::Arch;
 
-/// Least difference taken for rope, in median residuals of the table: noise exceeds this once in
-/// some 10⁹ pixels when it is Gaussian (the median residual of three channels is about one standard
-/// deviation), and single pixels are dropped anyway.
+/// Minimum difference of rope, in median residuals of the table. Gaussian noise exceeds this about
+/// once in 10⁹ pixels: the median residual of three channels is about one standard deviation.
+/// Single pixels are dropped anyway.
 pub(crate) const NOISE_FLOOR: f32 = 6.0;
-/// The same where a mean of the ropes' is known that stands out: five standard deviations, once in some 10⁶ pixels.
+/// Minimum difference of rope, in median residuals, if a mean of the ropes is known that stands
+/// out. It is five standard deviations, which noise exceeds about once in 10⁶ pixels.
 const FAINT_FLOOR: f32 = 4.0;
-/// Least difference taken for rope, in levels: coding artefacts of JPEG and video reach this far.
+/// Minimum difference of rope, in levels: compression artifacts of JPEG and video reach this far.
 pub(crate) const LEVEL_FLOOR: f32 = 14.0;
-/// Where the cut lies between the mean of the table and the mean of the rope.
+/// Position of the cut between the mean of the table and the mean of the rope.
 const SHARE: f32 = 0.42;
 
-/// The least cut that the table's noise allows, in levels of difference.
+/// Minimum cut that the table's noise allows, in levels of difference.
 pub(crate) fn floor(noise: f32) -> f32 {
     (NOISE_FLOOR * noise).max(LEVEL_FLOOR)
 }
 
-/// What separates the ropes from the table, in levels of difference.
+/// The cut between the ropes and the table, in levels of difference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut {
-    /// From here on a pixel is rope.
+    /// Minimum level of a rope pixel.
     pub(crate) rope: u8,
-    /// The ropes' mean.
+    /// Mean level of the ropes.
     pub(crate) level: u8,
-    /// The share of the image that is rope by that.
+    /// Share of the image that is rope at this cut.
     pub(crate) covered: f32,
 }
 
 impl Cut {
-    /// Whether the ropes' levels set the cut, and not the table's noise, which sets this floor.
+    /// Returns whether the ropes' levels set the cut, and not the table's noise, which sets this
+    /// floor.
     pub(crate) fn is_sure(&self, floor: f32) -> bool {
         f32::from(self.rope) > floor.ceil()
     }
 }
 
-/// The least level that is not just the table's noise.
+/// Minimum level that is not just the table's noise.
 pub(crate) fn faint(noise: f32) -> u8 {
     whole((FAINT_FLOOR * noise).max(LEVEL_FLOOR))
 }
 
-/// The levels of so many rows are looked at, evenly spread: of an image of twice as many every other row. The ropes'
-/// mean changes little from row to row.
+/// Number of rows, evenly spread, whose levels are taken. An image of twice as many rows uses every
+/// other row. The ropes' mean changes little from row to row.
 const ROWS: usize = 240;
-/// Of those, the rows from one whose table is looked at to the next.
+/// Step, among those rows, between the ones that also give the table's levels.
 const TABLE_STEP: usize = 16;
 
-/// The levels of difference in some rows: those that are not the mere table's one by one, the others in the mean.
+/// Levels of difference in some rows. Those that are not just the table's are kept one by one, the
+/// others as a mean.
 #[derive(Debug, Default)]
 pub(crate) struct Levels {
-    /// Rows of the image from one that counts to the next, a power of two.
+    /// Step between the rows that count, a power of two.
     step: usize,
-    /// The first `count` are this image's, in no order; the rest is memory.
+    /// The first `count` are this image's, in no order; the rest is unused memory.
     levels: Vec<u8>,
     count: usize,
     sum: usize,
-    /// Pixels of the rows that count.
+    /// Pixels in the rows that count.
     pixels: usize,
-    /// How many of the table's were, and the sum of their levels.
+    /// Number of the table's levels that were taken, and their sum.
     table: (usize, usize),
 }
 
 impl Levels {
-    /// None of an image of this size, yet.
+    /// Clears the levels for an image of this size.
     pub(crate) fn clear(&mut self, width: usize, height: usize) {
         self.step = 1 << (height / ROWS).max(1).ilog2();
         let rows = height.div_ceil(self.step);
@@ -83,8 +86,8 @@ impl Levels {
         self.levels.resize(width * rows + 64, 0);
     }
 
-    /// Takes up those of row `y`, which are not just the table's where `bits` are set, and only looked at there: a row
-    /// without any may be left out.
+    /// Adds the levels of row `y` where `bits` are set, because these are not just the table's. A
+    /// row without set bits may be left out.
     pub(crate) fn add(&mut self, kernels: &Kernels, y: usize, row: &[u8], bits: &[u64]) {
         if y & (self.step - 1) != 0 {
             return;
@@ -92,12 +95,12 @@ impl Levels {
         self.count += (kernels.collect)(row, bits, &mut self.levels[self.count..]);
     }
 
-    /// Whether the table's are asked for in row `y`.
+    /// Returns whether the table's levels are needed from row `y`.
     pub(crate) fn asks_table(&self, y: usize) -> bool {
         y & (TABLE_STEP * self.step - 1) == 0
     }
 
-    /// Takes up those of a whole row that are the table's: below `least`.
+    /// Adds the table's levels of a whole row: those below `least`.
     pub(crate) fn add_table(&mut self, row: &[u8], least: u8) {
         let above = Arch::new().dispatch(Above(row, least));
         let all = Arch::new().dispatch(Above(row, 0));
@@ -105,18 +108,18 @@ impl Levels {
         self.table.1 += all.1 - above.1;
     }
 
-    /// That were all.
+    /// Finishes the collection.
     pub(crate) fn close(&mut self) {
         self.sum = self.above(0).1;
     }
 
-    /// How many of the levels are not below `from`, which is not the table's, and their sum.
+    /// Number and sum of the levels that are at least `from`, which must be above the table's.
     fn above(&self, from: u8) -> (usize, usize) {
         Arch::new().dispatch(Above(&self.levels[..self.count], from))
     }
 }
 
-/// How many bytes are not below a level, and their sum.
+/// Counts and sums the bytes that are at least a level.
 struct Above<'a>(&'a [u8], u8);
 
 impl lariat_portable::NullaryFnOnce for Above<'_> {
@@ -126,7 +129,7 @@ impl lariat_portable::NullaryFnOnce for Above<'_> {
     fn call(self) -> (usize, usize) {
         let Self(bytes, from) = self;
         let (mut count, mut sum) = (0, 0);
-        // As long as sums of two bytes at a time fit into 16 bits.
+        // In chunks short enough for sums of two bytes at a time to fit into 16 bits.
         for bytes in bytes.chunks(64 * 128) {
             let (mut counts, mut sums) = ([0u8; 64], [0u16; 32]);
             let (blocks, rest) = bytes.as_chunks::<64>();
@@ -150,7 +153,8 @@ impl lariat_portable::NullaryFnOnce for Above<'_> {
     }
 }
 
-/// Finds the cut, given the levels of an image (those from [`faint`] on one by one) and the table's noise.
+/// Finds the cut from the levels of an image (those from [`faint`] on one by one) and the table's
+/// noise.
 pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     let means = |cut| means(levels, cut);
     let floor = floor(noise);
@@ -167,7 +171,7 @@ pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     let (below, above) = means(cut);
     let above = above.unwrap_or(floor);
     let share = below + SHARE * (above - below);
-    // Where ropes stand well out of the noise, their share decides.
+    // If ropes stand well out of the noise, `SHARE` decides.
     let rope = if share >= (FAINT_FLOOR * noise).max(LEVEL_FLOOR) {
         share
     } else {
@@ -180,12 +184,12 @@ pub(crate) fn choose(levels: &Levels, noise: f32) -> Cut {
     }
 }
 
-/// The least level that is not below `value`.
+/// The smallest level that is not below `value`.
 fn whole(value: f32) -> u8 {
     value.min(255.0).ceil() as u8
 }
 
-/// The mean level below `cut` and, if there is any, from `cut` on.
+/// Mean level below `cut` and, if there is any, from `cut` on.
 fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
     let (count, sum) = levels.above(whole(cut));
     let above = (count > 0).then(|| sum as f32 / count as f32);
@@ -195,7 +199,7 @@ fn means(levels: &Levels, cut: f32) -> (f32, Option<f32>) {
     (below, above)
 }
 
-/// One bit a pixel: difference ≥ cut.
+/// Sets the pixels with difference ≥ cut.
 pub(crate) fn apply(kernels: &Kernels, difference: &GrayPlane, cut: u8, mask: &mut BitPlane) {
     mask.resize(difference.width(), difference.height());
     for y in 0..difference.height() {
@@ -203,7 +207,7 @@ pub(crate) fn apply(kernels: &Kernels, difference: &GrayPlane, cut: u8, mask: &m
     }
 }
 
-/// The same, where all pixels that can be rope lie in `faint`.
+/// As [`apply`], if all pixels that can be rope are in `faint`.
 pub(crate) fn apply_within(
     kernels: &Kernels,
     difference: &GrayPlane,
@@ -218,7 +222,7 @@ pub(crate) fn apply_within(
     let bands = faint.words().chunks(BLOCK * words).enumerate();
     for (block, band) in bands {
         let (top, rows) = (BLOCK * block, band.len() / words);
-        // Most blocks hold nothing: a row of them at a time is asked whether they do.
+        // Most blocks are empty, so a row of blocks is tested at once.
         if band.iter().fold(0, |all, word| all | word) == 0 {
             continue;
         }

@@ -1,16 +1,17 @@
-//! How wide the ropes of a mask are, taken at places along them, and how much wider with their faint edges.
+//! Widths of a mask's ropes, measured at places along them, and the width that their faint edges
+//! add.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::components::for_each_run;
 use crate::bitmap::edge_distance::EdgeDistance;
 use crate::bitmap::strips::Strips;
 
-/// Rows from one that the width is taken in to the next, and the most widths that are taken.
+/// Step between the rows in which widths are measured, and maximum number of widths.
 const STRIDE: usize = 3;
 const MOST_WIDTHS: usize = 2048;
-/// Of a longer run of pixels several widths are taken.
+/// Maximum length of a run of pixels that gets a single width; longer runs get several.
 const LONGEST_PX: usize = 24;
-/// How far a rope's side is sought from a pixel.
+/// Maximum distance of a rope's side from a pixel, in the search for it.
 const WIDEST_PX: usize = 128;
 
 /// Memory and result of the step.
@@ -18,7 +19,8 @@ const WIDEST_PX: usize = 128;
 pub(crate) struct Widths {
     sure: EdgeDistance,
     all: EdgeDistance,
-    /// Where widths are taken, each with the pixels that it stands for: their share of the ropes' area.
+    /// Places where widths are measured, each with the number of pixels that it stands for: its
+    /// share of the ropes' area.
     places: Vec<([usize; 2], f32)>,
     /// Widths along the ropes and what faint pixels add to them, weighted by area.
     widths: Vec<Weighted>,
@@ -29,7 +31,8 @@ pub(crate) struct Widths {
 type Both<'a> = (&'a Strips, &'a BitPlane);
 
 impl Widths {
-    /// Takes the widths of the ropes in `sure`, and of those in `all`, which has all of its pixels.
+    /// Measures the widths of the ropes in `sure`, and with the pixels of `all`, which include
+    /// those of `sure`.
     pub(crate) fn take(&mut self, sure: Both, all: Both) {
         self.sure.take(sure.0);
         self.all.take(all.0);
@@ -47,12 +50,12 @@ impl Widths {
         self.edges.sort_unstable();
     }
 
-    /// The width below which this share of the ropes' area lies; 0 of nothing.
+    /// Width below which this share of the ropes' area is; 0 without ropes.
     pub(crate) fn width(&self, share: f32) -> f32 {
         quantile(&self.widths, share)
     }
 
-    /// The same of what faint pixels add to the width.
+    /// As [`width`](Self::width), but the part of the width that faint pixels add.
     pub(crate) fn edge(&self, share: f32) -> f32 {
         quantile(&self.edges, share)
     }
@@ -86,7 +89,7 @@ impl Widths {
     }
 }
 
-/// The measuring, to be compiled for each kind of machine.
+/// The measuring, compiled for each kind of machine.
 struct Measure<'a> {
     widths: &'a mut Widths,
     sure: Both<'a>,
@@ -102,26 +105,27 @@ impl lariat_portable::NullaryFnOnce for Measure<'_> {
     }
 }
 
-/// The width of the rope about a pixel in its middle. An even number of pixels has none there: half a pixel is lacking
-/// then, a quarter in the mean.
+/// Width of the rope around a pixel in its middle. A rope of an even number of pixels lacks a
+/// middle pixel and measures too little, which the constant corrects on average.
 #[inline(always)]
 fn width_at(edge_distance: &EdgeDistance, rows: &BitPlane, [x, y]: [usize; 2]) -> f32 {
     2.0 * edge_distance.half_px(rows, x as u16, y as u16) + 0.25
 }
 
-/// The middle of a straight rope near the set pixel (x, y): that of its row's or its column's run, the shorter of the two.
+/// Middle of a straight rope near the set pixel (x, y): that of its row's or its column's run,
+/// whichever is shorter.
 #[inline(always)]
 fn middle(mask: &Strips, [x, y]: [usize; 2]) -> [usize; 2] {
     let (left, right) = mask.reach_along_row([x, y], WIDEST_PX);
     let across = left + right;
-    // Most ropes are thin enough to be seen at once.
+    // Most ropes are thin enough for a single look.
     let (up, down, is_all) = mask.column([x, y]);
     if across < up + down {
         return [towards(x, left, right), y];
     } else if is_all {
         return [x, towards(y, up, down)];
     }
-    // The column is followed only until it is longer.
+    // The column is followed only until it is longer than the row's run.
     let down = mask.reach_down([x, y], WIDEST_PX.min(across + 1));
     let up = mask.reach_up([x, y], WIDEST_PX.min(across + 1 - down));
     if across < up + down {
@@ -131,7 +135,7 @@ fn middle(mask: &Strips, [x, y]: [usize; 2]) -> [usize; 2] {
     }
 }
 
-/// The middle between so many pixels before `at` and so many behind it, from `at` rounded.
+/// Middle of a run with `before` pixels before `at` and `behind` after it, rounded toward `at`.
 #[inline(always)]
 fn towards(at: usize, before: usize, behind: usize) -> usize {
     if behind > before {
@@ -141,7 +145,8 @@ fn towards(at: usize, before: usize, behind: usize) -> usize {
     }
 }
 
-/// A value and its weight, both positive: as bits they stand in the same order, and one comparison sorts them.
+/// A value and its weight, both positive. Their bits have the same order as the values, so one
+/// comparison sorts them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Weighted(u64);
 
@@ -160,7 +165,7 @@ impl Weighted {
     }
 }
 
-/// The value below which `share` of the weights of sorted `values` lie; 0 of nothing.
+/// Value below which `share` of the weights of the sorted `values` lie; 0 without values.
 fn quantile(values: &[Weighted], share: f32) -> f32 {
     let all: f32 = values.iter().map(|v| v.weight()).sum();
     let mut sum = 0.0;

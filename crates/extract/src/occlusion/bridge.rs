@@ -1,9 +1,23 @@
-//! Pieces of one rope joined over what hides the rest of it: a gripper, a hand, anything.
+//! Joins the fragments of a rope across whatever hides the rest of it: a gripper, a hand, or any
+//! other occluder.
 //!
-//! Two ends are one rope where the last image had it run from the one to the other, or, of a rope not
-//! seen before, where they face each other so straight, so near and so alike that chance is no
-//! explanation. The hidden way is that of the last image, moved along with the two ends; without one
-//! it is the cubic that leaves both ends as they point (the way of least bending, for small turns).
+//! Candidates are pairs of ends. There are three kinds, in the order of their cost:
+//!
+//! - consecutive fragments of a rope of the prior, if an occluder covers the way between them or
+//!   the rope leaves the image there: `NEIGHBORS.1`;
+//! - ends between which a rope of the prior ran: `known_way`. Consecutive fragments whose way is
+//!   not covered cost `NEIGHBORS.0`;
+//! - ends that the prior leaves open, if they face each other so straight and so near that chance
+//!   is unlikely: `plain_cost`, which is 100 or more.
+//!
+//! `known_way` and `plain_cost` also require similar color and width.
+//!
+//! The cheapest candidate wins its two ends, then the next one. Two rules then overrule this
+//! result: `untangle` exchanges ways, and `tear` drops ways over the bare table. Finally,
+//! `join_pairs` joins remaining ends at a common occluder.
+//!
+//! The hidden way is that of the prior, moved along with the two ends. Without one, it is the cubic
+//! that leaves both ends as they point, which is the way of least bending for small turns.
 
 mod reassign;
 #[cfg(test)]
@@ -19,7 +33,7 @@ use crate::image::color;
 use crate::past::{FormerPlace, Move, Rope};
 use crate::vec2::{self, Vec2};
 
-/// A stretch of a joined line that is hidden, in arc length from the line's first sample.
+/// A hidden stretch of a joined line, as arc length from the line's first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gap {
     pub(crate) line: usize,
@@ -27,31 +41,36 @@ pub(crate) struct Gap {
     pub(crate) to_px: f32,
 }
 
-/// How far aside of each other two lines run that are one rope's, in widths; and the largest share of one that does.
+/// Maximum distance between two lines of one rope that run past each other, in widths.
 const BESIDE: f32 = 0.75;
+/// Maximum share of either line that runs along the other one.
 const DOUBLED: f32 = 0.7;
-/// How opposed the directions are in which they end, by the cosine.
+/// Maximum cosine between the directions in which they end, which must be opposed.
 const OPPOSED: f32 = -0.7;
-/// How far each is cut back from the middle of what is doubled, in widths.
+/// Length cut off each line, from the middle of the doubled part, in widths.
 const BACK: f32 = 2.0;
 
-/// What it costs to join two of them: more than ends that say themselves where they go on, less than all that is not known; and
-/// where what hides the way between them is seen, less than anything, as ends under a hand may point along any strand.
+/// Cost of joining consecutive fragments of a known rope, if nothing covers the way between them,
+/// and if an occluder does. The first is more than ends that the prior joins by themselves, and
+/// less than any join without a prior. The second is less than anything else, because ends under a
+/// hand may point along any strand.
 const NEIGHBORS: (f32, f32) = (50.0, -1.0);
-/// The share of that way that must lie under something then.
+/// Minimum share of a way that must be under an occluder for it to be covered.
 const COVERED: f32 = 0.75;
 
-/// How far ahead of an end the thing that it runs into begins, in widths, and at how many places it is looked for.
+/// Maximum distance from an end to the occluder that it runs into, in widths, and number of places
+/// sampled up to there.
 const INTO: (f32, usize) = (1.5, 6);
 
-/// How many widths apart two ends are at least between which a known rope is found to be two; and the most of its way there that shows
-/// anything but the bare table.
+/// Minimum gap, in widths, at which a known rope can be found to be two. Maximum share of its way,
+/// straight and along the prior, that may show anything but the bare table.
 const SPLIT: (f32, f32) = (3.0, 0.5);
-/// How many times as long as it was for long such a rope would be at least, straight from the one end to the other.
+/// Minimum length of such a rope, if it were joined by a straight line, relative to its usual
+/// length.
 const TOO_LONG: f32 = 1.02;
 
-/// Of several ends that run into the same thing the most bending between two that are joined (a turn by 99°), and how many times as
-/// much any other has.
+/// For several ends at one occluder: maximum bending between two that are joined (a turn by 99°),
+/// and minimum ratio of the next larger bending to it.
 const BENT: (f32, f32) = (0.75, 2.0);
 
 /// Two ends that may be joined.
@@ -59,28 +78,29 @@ const BENT: (f32, f32) = (0.75, 2.0);
 struct Candidate {
     cost: f32,
     ends: [usize; 2],
-    /// The way between them as the past has it.
+    /// Places of both ends on a rope of the prior.
     way: Option<[FormerPlace; 2]>,
 }
 
-/// Memory and result of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Bridger {
     ends: Vec<End>,
     candidates: Vec<Candidate>,
     pieces: Vec<Fragment>,
-    /// How the ropes of the past have moved, as far as pieces of them are seen: rope by rope, in their order along each.
+    /// Movement of the prior's ropes, where fragments of them are visible: rope by rope, in order
+    /// along each.
     pub(crate) moves: Vec<Move>,
     pub(crate) gaps: Vec<Gap>,
-    /// Whether what was known of hidden ways was found wrong.
+    /// True if the prior's hidden ways were found to be wrong. The refit is then skipped.
     pub(crate) is_reassigned: bool,
-    /// Whether what was known as one rope was found to be several.
+    /// True if a rope of the prior was found to be several.
     pub(crate) is_split: bool,
     spaced: Vec<Sample>,
 }
 
 impl Bridger {
-    /// Makes the buffers for lines of up to `samples` samples.
+    /// Allocates buffers for lines of up to `samples` samples.
     pub(crate) fn reserve(&mut self, samples: usize) {
         self.ends.reserve(256);
         self.candidates.reserve(256);
@@ -90,8 +110,8 @@ impl Bridger {
         self.spaced.reserve(samples);
     }
 
-    /// Joins those of the first `count` of `lines`, of these mean colors, that are pieces of one rope,
-    /// and sorts them by length. Returns how many lines are left.
+    /// Joins those of `lines`, which have these mean colors, that are fragments of one rope, and
+    /// sorts them by length. Returns the number of lines left.
     pub(crate) fn join(
         &mut self,
         lines: &mut [Line],
@@ -116,7 +136,7 @@ impl Bridger {
         self.sort(lines, colors)
     }
 
-    /// Keeps of the candidates for each end the cheapest, in the order of their cost.
+    /// Keeps the cheapest candidates, in order of cost, with at most one for each end.
     fn keep_cheapest(&mut self) {
         self.candidates
             .sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -144,8 +164,9 @@ impl Bridger {
                 let at = |back: usize| line.samples[if last { n - 1 - back } else { back }].at;
                 let from = |widths| vec2::unit_or(vec2::sub(at(0), at(back(widths))), [1.0, 0.0]);
                 let leaves = line.border[usize::from(last)];
-                // The direction over two widths: the tip itself may be frayed by what covers it. Where the picture cuts the rope off,
-                // as it is there, at the end of an arc.
+                // The direction over two widths, since the occluder may fray the tip itself. At the
+                // image's border, the direction at the tip itself is extrapolated, as if the rope
+                // were an arc.
                 let out = match leaves {
                     true => vec2::unit_or(
                         vec2::sub(vec2::scale(from(1.0), 2.0), from(2.0)),
@@ -169,8 +190,8 @@ impl Bridger {
         }
     }
 
-    /// In a mask that is a guess two pieces of a rope may run on past each other, side by side: both are cut back to where they face
-    /// each other. Whether there are such.
+    /// Cuts back fragments that run past each other side by side, to where they face each other.
+    /// This occurs in a mask that is an estimate. Returns whether there were any.
     fn part(&self, lines: &mut [Line], scenery: &Scenery) -> bool {
         let mut is_any = false;
         for (i, a) in self.ends.iter().enumerate() {
@@ -221,10 +242,10 @@ impl Bridger {
         }
     }
 
-    /// Leaves ways out along which a rope was known, where the bare table is seen there and the rope would be longer than it was for long:
-    /// what is seen of it leaves too little for the way.
+    /// Drops joins along a rope of the prior if the bare table shows on the way and the rope would
+    /// become longer than usual. The visible fragments then leave too little length for the way.
     fn split(&mut self, lines: &[Line], scenery: &Scenery) {
-        // A mask that is of ropes alone says nothing of what lies on them.
+        // A mask that contains ropes only cannot show occluders.
         if scenery.elsewhere.is_some() || scenery.picked.is_some() {
             return;
         }
@@ -258,7 +279,8 @@ impl Bridger {
         self.is_reassigned |= self.is_split;
     }
 
-    /// Joins ends that run into the same thing, of one rope as far as they show: it goes in at the one and comes out at the other.
+    /// Joins remaining ends that run into the same occluder, if they look alike, the prior leaves
+    /// them open, and each is the partner of the other.
     fn join_pairs(&mut self, lines: &mut [Line], scenery: &Scenery) {
         self.candidates.clear();
         for i in 0..self.ends.len() {
@@ -281,15 +303,15 @@ impl Bridger {
             let candidate = self.candidates[i];
             let [a, b] = candidate.ends.map(|end| &self.ends[end]);
             if a.line != b.line {
-                // What is known of pieces is no reason to take them apart again.
+                // The prior knew them only as fragments, so the refit must not separate them again.
                 self.is_reassigned |= scenery.past.are_pieces([&a.past, &b.past]);
                 self.bridge(&candidate, lines, scenery);
             }
         }
     }
 
-    /// The only other end that runs into the same thing, however the rope bends under it; or, of several, one to which it bends
-    /// far less than to any other.
+    /// Returns the end at which the rope leaves the occluder that end `i` runs into: the only other
+    /// end there, at any bending, or the one with far less bending than any other.
     fn partner(&self, i: usize, scenery: &Scenery) -> Option<usize> {
         let a = &self.ends[i];
         let (mut first, mut second) = ((f32::INFINITY, None), f32::INFINITY);
@@ -306,13 +328,13 @@ impl Bridger {
         first.1.filter(|_| second == f32::INFINITY || is_plain)
     }
 
-    /// Whether two free ends run into the same thing.
+    /// Returns whether two free ends run into the same occluder.
     fn is_pair(&self, i: usize, j: usize, scenery: &Scenery) -> bool {
         let (a, b) = (&self.ends[i], &self.ends[j]);
         i != j && !a.used && !b.used && !a.leaves && !b.leaves && runs_into(a, b, scenery)
     }
 
-    /// The ends between two pieces of a known rope that follow each other along it.
+    /// Lists consecutive fragments of each known rope as candidates.
     fn list_neighbors(&mut self, lines: &[Line], scenery: &Scenery) {
         let past = scenery.past;
         pieces::list(lines, past, &mut self.pieces);
@@ -361,7 +383,7 @@ impl Bridger {
         }
     }
 
-    /// Joins two ends' lines into the first one's, or closes the line that both belong to.
+    /// Joins the lines of two ends into the first one's, or closes the line that both belong to.
     fn bridge(&mut self, candidate: &Candidate, lines: &mut [Line], scenery: &Scenery) {
         let [i, j] = candidate.ends;
         (self.ends[i].used, self.ends[j].used) = (true, true);
@@ -375,12 +397,12 @@ impl Bridger {
         let (from, to) = (self.ends[i], self.ends[j]);
         let from_px = lines[a].length_px();
         let way = candidate.way.map(|way| (way, scenery.past));
-        // A way on which the table is seen is not the one that is hidden.
+        // A way that shows the table is not the hidden one.
         let way = way.filter(|_| {
             !runs_into(&from, &to, scenery) || way::covered(&from, &to, way, scenery) >= COVERED
         });
         way::lay(&mut lines[a].samples, &from, &to, way);
-        // To the first sample of what follows, which is yet to come.
+        // The gap ends at the first sample of the second line, which is not yet appended.
         let last = lines[a].samples.len() - 1;
         let to_px = lines[a].length_px() + vec2::distance(lines[a].samples[last].at, to.at);
         if a == b {
@@ -407,7 +429,7 @@ impl Bridger {
             from_px,
             to_px,
         });
-        // Whoever works on lines counts on even steps.
+        // Later steps rely on evenly spaced samples.
         let count = lines[a].samples.len();
         lines[a].resample(count, &mut self.spaced);
         std::mem::swap(&mut lines[a].samples, &mut self.spaced);
@@ -429,8 +451,8 @@ impl Bridger {
         }
     }
 
-    /// Sorts lines by length, the longest first; those that were taken into others go last. Returns
-    /// how many are left.
+    /// Sorts lines by length, the longest first. Those that were joined to others come last.
+    /// Returns the number of lines left.
     fn sort(&mut self, lines: &mut [Line], colors: &mut [[f32; 3]]) -> usize {
         if self.gaps.is_empty() {
             return lines.len();
@@ -460,20 +482,21 @@ impl Bridger {
     }
 }
 
-/// Whether two ends look like one rope's.
+/// Returns whether two ends are similar in color and width.
 fn is_like(a: &End, b: &End, scenery: &Scenery) -> bool {
     let width = (a.width_px / b.width_px).max(b.width_px / a.width_px);
     let (like_levels, like_width) = scenery.alike();
     color::distance(a.color, b.color, scenery.yuv) <= like_levels && width <= like_width
 }
 
-/// Whether the past leaves open that two ends are one rope's: where one was lost under something and another came out of it, they may be.
+/// Returns whether the prior leaves open that two ends are of one rope. It does so unless both are
+/// on known ropes that were not lost under an occluder there.
 fn are_open(a: &End, b: &End, scenery: &Scenery) -> bool {
     let known = |end: &End| !scenery.past.was_covered(&end.past);
     !(known(a) && known(b))
 }
 
-/// Whether two ends run into a thing that reaches from the one to the other.
+/// Returns whether two ends run into an occluder that reaches from one to the other.
 fn runs_into(a: &End, b: &End, scenery: &Scenery) -> bool {
     const ASKED: usize = 16;
     let is_thing = |at: Vec2| scenery.occluder.has(at);
@@ -500,7 +523,8 @@ fn runs_into(a: &End, b: &End, scenery: &Scenery) -> bool {
     hits.count() as f32 >= COVERED * ASKED as f32
 }
 
-/// The share of a rope's stretch, in arc length, that lies under something that is no rope, as far as its width reaches.
+/// Share of a rope's stretch, in arc length, that is under an occluder. Half a width around it
+/// counts.
 fn covered(rope: &Rope, [from_px, to_px]: [f32; 2], scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
     let hits = (0..ASKED).filter(|&k| {
@@ -510,10 +534,12 @@ fn covered(rope: &Rope, [from_px, to_px]: [f32; 2], scenery: &Scenery) -> f32 {
     hits.count() as f32 / ASKED as f32
 }
 
-/// Of two lines that run on past each other at these ends, how many samples of each are kept.
+/// Number of samples to keep of each of two lines that run past each other at these ends. `None` if
+/// they do not, or too little of either would be left.
 fn kept(a: &End, b: &End, lines: &[Line]) -> Option<[usize; 2]> {
     let width_px = a.width_px.max(b.width_px);
-    // How many samples of an end's line come before the one that is nearest to a place, and how far that is.
+    // Number of samples of an end's line before the one nearest to a place. `None` if that is too
+    // far away.
     let nearest = |end: &End, at: Vec2| {
         let samples = &lines[end.line].samples;
         let off = |sample: &Sample| vec2::distance(sample.at, at);

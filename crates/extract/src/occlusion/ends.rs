@@ -1,4 +1,7 @@
-//! Whether two ends of lines are of one rope, whose rest between them is hidden.
+//! Ends of lines, and the cost of joining two of them across a hidden part of the rope.
+//!
+//! There are two costs. `known_way` applies if a rope of the prior ran between the ends, and
+//! `plain_cost` if not. The latter starts at 100, which places it after the former.
 
 use super::way::{cubic, share};
 use crate::bitmap::bits::BitPlane;
@@ -8,76 +11,84 @@ use crate::image::{Image, color};
 use crate::past::{FormerPlace, FormerPlaces, Past, Rope};
 use crate::vec2::{self, Vec2};
 
-/// Without a past: the widest gap that shows the table, in widths, and the most bending over it (a
-/// turn by 20°). It is a flaw of the mask, such as shine, not a thing that lies on the rope.
+/// For a gap of bare table, without a prior: maximum gap in widths, and maximum bending (a turn by
+/// 20°). Such a gap is a flaw of the mask, such as shine, not an occluder.
 pub(super) const FLAW: (f32, f32) = (2.5, 0.03);
-/// Without a past: the same where something else than the table shows in the gap (a turn by 57°).
+/// Same limits for a gap in which something other than the table shows (a turn by 57°).
 const COVERED: (f32, f32) = (16.0, 0.25);
-/// Share of a gap that must differ from the table for something to lie there.
+/// Minimum share of a gap that must differ from the table for something to be in it.
 const SHOWN: f32 = 0.6;
-/// The same where the mask says nothing of it: of the picture, and levels by which it must differ from the ground beside both ends.
+/// For a mask of ropes only, in which occluders do not show: minimum share of a gap that must
+/// differ from the ground in the image, and minimum difference from it, in levels. The ground is
+/// sampled on both sides of both ends.
 const UNLIKE: (f32, f32) = (0.85, 24.0);
-/// And the widest gap then, and the most bending (a turn by 81°): nothing but ropes has ends in such a mask.
+/// Maximum gap and maximum bending (a turn by 81°) of such a gap. In such a mask, only ropes have
+/// ends.
 const HIDDEN: (f32, f32) = (16.0, 0.5);
-/// Levels of color, and factor of width, by which the two sides may differ.
+/// Maximum difference of two ends of one rope: levels of color, and factor of width.
 pub(crate) const ALIKE: (f32, f32) = (40.0, 1.35);
-/// The same of a mask that was made elsewhere: it thins before it breaks.
+/// Same for a mask made elsewhere, which thins before it breaks.
 const ALIKE_ELSEWHERE: (f32, f32) = (60.0, 2.5);
-/// And the widest gap there in which the rope, or another one over it, is seen, and the most bending (a turn by 44°).
+/// For a mask made elsewhere: maximum gap and maximum bending (a turn by 44°) if the gap shows the
+/// rope, or another one over it.
 const SEEN: (f32, f32) = (24.0, 0.15);
-/// Levels of such a mask that are not just its background's: a network gives this to what it knows a little.
+/// Minimum level of such a mask that is more than background. A network gives it where it is
+/// slightly certain.
 const TRACE: f32 = 6.0;
-/// How much nearer to the ropes' color than what lies on both sides of it the picture is where a rope shows, and how near
-/// in levels.
+/// Maximum color difference from the rope at a place that shows it: as a share of the difference on
+/// either side, and in levels.
 const RIDGE: (f32, f32) = (0.6, 48.0);
-/// Where the rope leaves the picture and comes back: the widest gap, in widths, and the most bending (a turn by 99°).
+/// For a rope that leaves the image and returns: maximum gap in widths, and maximum bending (a turn
+/// by 99°).
 const OUTSIDE: (f32, f32) = (16.0, 0.75);
-/// Pixels by which the way between may come into the picture.
+/// Maximum depth, in pixels, to which the way between may come into the image.
 const INTO_PX: f32 = 1.5;
-/// With a past: widths, and share of its way, that a gap may be shorter or longer than the rope was.
+/// With a prior: maximum difference between the gap and the same stretch of the prior's rope, in
+/// widths, plus a share of the way along the rope.
 const STRETCH: (f32, f32) = (4.0, 0.35);
-/// With a past: the way that counts as much as ends that lie a width off.
+/// With a prior: length of the way that costs as much as an end that is one width off, in widths.
 const WAY_WIDTHS: f32 = 5.0;
-/// With a past: the sharpest turn of an end against its gap, in radians.
+/// With a prior: maximum turn of an end against its gap, in radians.
 const SHARPEST: f32 = 1.6;
-/// The largest share of a rope that may be hidden at one place.
+/// Maximum share of a rope that may be hidden in one gap.
 const LONGEST_SHARE: f32 = 0.7;
 
 /// An end of a line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct End {
     pub(crate) line: usize,
-    /// Whether it is the line's last sample.
+    /// True if it is the line's last sample.
     pub(crate) last: bool,
     pub(crate) at: Vec2,
-    /// The direction out of the line.
+    /// Direction out of the line.
     pub(crate) out: Vec2,
     pub(crate) width_px: f32,
     pub(crate) color: [f32; 3],
-    /// Whether the line leaves the picture there.
+    /// True if the line leaves the image there.
     pub(crate) leaves: bool,
     pub(crate) past: FormerPlaces,
     pub(crate) used: bool,
 }
 
-/// What the ends are judged by.
+/// Data for judging ends.
 pub(crate) struct Scenery<'a> {
     pub(crate) past: &'a Past,
-    /// How unlike the table each pixel is.
+    /// Difference of each pixel from the table.
     pub(crate) difference: &'a GrayPlane,
-    /// From this difference on something lies there.
+    /// Minimum difference at which something is on the table.
     pub(crate) level: f32,
-    /// What was found to be no rope.
+    /// Occluders.
     pub(crate) occluder: &'a BitPlane,
     pub(crate) yuv: bool,
-    /// The image, where the mask was made elsewhere: what the mask has missed may be seen in it.
+    /// The image, if the mask was made elsewhere. It may show what the mask has missed.
     pub(crate) elsewhere: Option<&'a Image<'a>>,
-    /// The image, where the mask is of the ropes alone, whoever made it: what lies over them is not in it.
+    /// The image, if the mask contains ropes only, whatever its origin. Occluders are then not in
+    /// it.
     pub(crate) picked: Option<&'a Image<'a>>,
 }
 
 impl Scenery<'_> {
-    /// Levels of color, and factor of width, by which two ends of one rope may differ.
+    /// Maximum difference of two ends of one rope: levels of color, and factor of width.
     pub(crate) fn alike(&self) -> (f32, f32) {
         match self.elsewhere {
             Some(_) => ALIKE_ELSEWHERE,
@@ -85,13 +96,13 @@ impl Scenery<'_> {
         }
     }
 
-    /// Whether anything but the table is seen at a place.
+    /// Returns whether anything but the table shows at a place.
     pub(super) fn is_shown(&self, at: Vec2) -> bool {
         let covered = self.occluder.get(at[0] as i32, at[1] as i32);
         covered || self.difference.sample(at) >= self.level
     }
 
-    /// Whether something that is no rope lies within so many pixels of a place.
+    /// Returns whether an occluder is at a place, or this distance left, right, above or below it.
     pub(crate) fn is_hidden(&self, [x, y]: Vec2, reach_px: f32) -> bool {
         let around = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
         around.iter().any(|[dx, dy]| {
@@ -101,7 +112,17 @@ impl Scenery<'_> {
     }
 }
 
-/// What it costs to join ends between which a rope of the past ran, and the way it took.
+/// Cost of joining ends between which a rope of the prior ran, and its places there. If both ends
+/// are of one line (`same`), only a closed rope counts.
+///
+/// The cost is a sum:
+///
+/// - the distances of both ends from the rope, in widths;
+/// - the squared misfit of the gap's length, in units of `STRETCH`;
+/// - the way along the rope, in units of `WAY_WIDTHS`.
+///
+/// The cheapest pair of possible places counts. `None` if no rope fits, or if an end points away
+/// from the other one.
 pub(crate) fn known_way(
     a: &End,
     b: &End,
@@ -113,7 +134,7 @@ pub(crate) fn known_way(
     let width_px = 0.5 * (a.width_px + b.width_px);
     let mut best: Option<(f32, [FormerPlace; 2])> = None;
     for ta in a.past.likely(past) {
-        // The way in at b is the way out of it, turned around.
+        // The direction into the line at b is the opposite of the one out of it.
         for tb in b
             .past
             .likely(past)
@@ -130,14 +151,14 @@ pub(crate) fn known_way(
                 continue;
             }
             let miss = (chord_px - apart_px) / (slack_px + STRETCH.1 * way_px.max(0.0));
-            // The next piece along the rope comes first: a farther one would leave it out.
+            // The next fragment along the rope has priority: joining a farther one would skip it.
             let cost = ta.off + tb.off + miss * miss + way_px.max(0.0) / (WAY_WIDTHS * width_px);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, [*ta, *tb]));
             }
         }
     }
-    // Ends that point away from where they are to go did not come from there.
+    // Ends that point away from each other are not joined.
     let (out, back) = (vec2::dot(a.out, chord), vec2::dot(b.out, chord));
     let faces = chord_px < width_px
         || a.leaves
@@ -145,8 +166,8 @@ pub(crate) fn known_way(
     best.filter(|_| faces)
 }
 
-/// Whether two ends, `chord_px` apart, lie nearer or farther than the way between them along the rope allows, or that is too
-/// long.
+/// Returns whether the distance between two ends, `chord_px`, differs too much from that of their
+/// places on the rope, or whether the way along the rope is too long.
 pub(crate) fn is_stretched(
     rope: &Rope,
     way: &[FormerPlace; 2],
@@ -158,7 +179,12 @@ pub(crate) fn is_stretched(
     way_px > LONGEST_SHARE * rope.length_px || (chord_px - vec2::distance(a, b)).abs() > most_px
 }
 
-/// What it costs to join ends of which nothing is known, if they may be one rope.
+/// Cost of joining ends without a prior, or `None` if they cannot be of one rope.
+///
+/// The cost is 100, plus the bending and the gap as shares of their limits. The limits depend on
+/// what the gap shows: something other than the table (`COVERED`, or `SEEN` for a mask made
+/// elsewhere), an object in the image on a mask of ropes only (`HIDDEN`), or bare table (`FLAW`).
+/// For ends that leave the image, they are those of `OUTSIDE`.
 pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) -> Option<f32> {
     let chord_px = vec2::distance(a.at, b.at);
     let width_px = 0.5 * (a.width_px + b.width_px);
@@ -177,7 +203,7 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
         return None;
     }
     let bend = bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0));
-    // Most ends do not face each other, and that is known at once.
+    // Most ends do not face each other. This rejects them early.
     let most = scenery.picked.map_or(over.1, |_| HIDDEN.1);
     if bend > most.max(FLAW.1) {
         return None;
@@ -196,12 +222,12 @@ pub(crate) fn plain_cost(a: &End, b: &End, length_px: f32, scenery: &Scenery) ->
         _ if is_hidden() => HIDDEN,
         _ => FLAW,
     };
-    // Later than all that the past knows, and the straighter and nearer the earlier.
+    // The offset of 100 places them after all joins that the prior knows.
     (gap_widths <= widest && bend <= most_bent)
         .then_some(100.0 + bend / most_bent + gap_widths / widest)
 }
 
-/// Whether the plain way from a to b lies outside of the picture.
+/// Returns whether the cubic between a and b is outside of the image, within `INTO_PX`.
 fn is_outside(a: &End, b: &End, scenery: &Scenery) -> bool {
     const ASKED: usize = 16;
     let plane = scenery.difference;
@@ -213,7 +239,7 @@ fn is_outside(a: &End, b: &End, scenery: &Scenery) -> bool {
     })
 }
 
-/// The share of the straight way from a to b, less half a width at each end, that is not table.
+/// Share of the straight way from a to b that is not bare table. It excludes both ends.
 pub(super) fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     share(
         |t| vec2::along(a, vec2::sub(b, a), t),
@@ -221,7 +247,8 @@ pub(super) fn shown(a: Vec2, b: Vec2, scenery: &Scenery) -> f32 {
     )
 }
 
-/// The share of the straight way from a to b, less half a width at each end, that is unlike the ground beside the ropes there.
+/// Share of the straight way from a to b that differs from the ground next to the ropes. It
+/// excludes an eighth at each end.
 fn unlike_ground(a: &End, b: &End, image: &Image, yuv: bool) -> f32 {
     const ASKED: usize = 16;
     let beside = [a, b].map(|end| {
@@ -240,8 +267,9 @@ fn unlike_ground(a: &End, b: &End, image: &Image, yuv: bool) -> f32 {
     hits.count() as f32 / (ASKED - 3) as f32
 }
 
-/// The share of the way from a to b on which the mask has a trace of the rope, or lies on another one, or the picture shows a
-/// band of the ropes' color: not so on a bare table.
+/// Share of the cubic from a to b that shows the rope. A place counts if the mask has a trace of
+/// the rope or an occluder is there, or if the image shows a band of the ropes' color. A bare table
+/// shows neither.
 fn seen(a: &End, b: &End, image: &Image, scenery: &Scenery) -> f32 {
     const ASKED: usize = 24;
     let aside = vec2::normal(vec2::unit_or(vec2::sub(b.at, a.at), a.out));

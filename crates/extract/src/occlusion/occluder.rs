@@ -1,10 +1,13 @@
-//! What stands out from the table and is no rope: a gripper, a hand, a tool that lies at a rope.
+//! Occluders: objects that differ from the table and are not ropes, such as a gripper, a hand, or a
+//! tool at a rope.
 //!
-//! It shows as a place where the mask is far wider than the ropes are, in a color of its own; from
-//! there its whole area is taken by color, and of ropes that are known its rim, which is in less
-//! light, by width. It is taken out of the mask, so that no curve runs into it or around it; what it
-//! hides of a rope is bridged later. Strands that lie close beside each other are wide too, but have
-//! the rope's color, or many, and a thick rope among thin ones is long.
+//! An occluder shows as a place where the mask is far wider than the ropes, in a color of its own.
+//! From there, its whole area is filled by color. If the ropes' width is known, its rim, which gets
+//! less light, is added by width. The occluder is removed from the mask, so that no curve runs into
+//! it or around it. Hidden parts of a rope are bridged later.
+//!
+//! Two kinds of wide places stay in the mask. Strands close to each other have the rope's color, or
+//! many colors. A thick rope among thin ones is long.
 
 use std::ops::Range;
 
@@ -19,51 +22,53 @@ use crate::statistics::{quantile, quantile_of_positive};
 use crate::vec2;
 use lariat_portable::{Arch, NullaryFnOnce};
 
-/// The share of the skeleton that is narrower than the ropes usually are.
+/// Quantile of the skeleton's half-widths that is the ropes' usual half-width.
 const USUAL: f32 = 0.35;
-/// Times as wide as a rope, and pixels more, that a thing is which is no rope.
+/// Minimum half-width of an occluder, if the ropes' width is not known: factor of the ropes'
+/// half-width, plus pixels.
 const WIDE: (f32, f32) = (2.6, 2.0);
-/// The same where the ropes' width is known: more than two strands beside each other.
+/// Same if it is known: more than two strands side by side.
 const WIDE_KNOWN: (f32, f32) = (2.2, 1.0);
-/// Times as wide as a rope that a thing of the rope's own color is: no strands lie so close.
+/// Factor for an occluder of the ropes' own color. Strands are never that wide together.
 const WIDE_ALIKE: f32 = 5.0;
-/// Levels of color within which a thing has the rope's own.
+/// Maximum color difference at which an occluder has the ropes' color, in levels.
 const ALIKE: f32 = 28.0;
-/// The least share of a thing's middle that has its color: among strands that lie on each other, with shade between them, a third.
+/// Minimum share of an occluder's middle that has its color. Strands on top of each other, with
+/// shade between them, reach a third. Only if the ropes' width is not known.
 const ONE_COLOR: f32 = 0.6;
-/// Squares of its own width that a thing covers at most; a rope covers more. Of a rope already known
-/// the width is known, and nothing else is asked.
+/// Maximum area of an occluder, in squares of its own width. A rope has more. Only if the ropes'
+/// width is not known.
 const SQUARES: f32 = 5.0;
-/// A pixel is the thing's when its color is nearer to the thing's than this share of its distance to
-/// the rope's.
+/// Maximum distance of an occluder's pixel from the occluder's color, as a share of its distance
+/// from the rope's color.
 const NEARER: f32 = 0.6;
-/// Pixels around a thing that are neither it nor the table.
+/// Number of pixels around an occluder that are neither it nor the table.
 const RIM: usize = 2;
-/// The most things in one image.
+/// Maximum number of occluders in one image.
 const MOST: usize = 6;
 
-/// Memory and result of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Occluder {
     halves: Vec<f32>,
     channel: Vec<f32>,
-    /// Those of a row.
+    /// Colors of one row.
     colors: Vec<u32>,
     alike: BitPlane,
     thing: BitPlane,
     grown: BitPlane,
     morphology: Morphology,
     opened: Strips,
-    /// Where the mask is far wider than the ropes.
+    /// Places where the mask is far wider than the ropes.
     wide: BitPlane,
-    /// The pixels of all things.
+    /// Pixels of all occluders.
     pub(crate) plane: BitPlane,
-    /// Whether there is any.
+    /// True if there is any occluder.
     found: bool,
 }
 
 impl Occluder {
-    /// Whether one of the things lies within `reach_px` of a place.
+    /// Returns whether an occluder is within `reach_px` of a place.
     pub(crate) fn is_near(&self, [x, y]: [f32; 2], reach_px: f32) -> bool {
         let reach = reach_px as i32;
         let (x, y) = (x as i32, y as i32);
@@ -71,7 +76,7 @@ impl Occluder {
         offsets().any(|dy| offsets().any(|dx| self.plane.get(x + dx, y + dy)))
     }
 
-    /// Makes the buffers for images of this size.
+    /// Allocates buffers for images of this size.
     pub(crate) fn reserve(&mut self, width: usize, height: usize) {
         self.channel.reserve(self.halves.capacity());
         self.colors.reserve(width);
@@ -88,13 +93,16 @@ impl Occluder {
         self.morphology.reserve(&self.opened);
     }
 
-    /// Whether there is any.
+    /// Returns whether there is any occluder.
     pub(crate) fn any(&self) -> bool {
         self.found
     }
 
-    /// Looks for things that are no rope, of which those of the past are known. Where none is known, what has the ropes' color and a
-    /// larger half-width than `widest_half_px` is left where it is, as it may have fingers. Returns whether there are any.
+    /// Finds occluders, starting from the widest places. Returns whether there are any.
+    ///
+    /// If the prior knows the ropes' width, width and color decide. If not, an occluder must also
+    /// have one color and a limited area. One of the ropes' own color then stays in the mask if its
+    /// half-width is at least `widest_half_px`, as it may have fingers.
     pub(crate) fn find(
         &mut self,
         image: &Image,
@@ -171,7 +179,7 @@ impl Occluder {
         self.found
     }
 
-    /// The typical color of what is about as wide as a rope.
+    /// Median color of the skeleton where it is about as wide as a rope.
     fn rope_color(&mut self, image: &Image, skeleton: &Skeleton, half_px: f32) -> [f32; 3] {
         let narrow = |half: f32| half <= 1.5 * half_px + 1.0;
         let mut color = [0.0; 3];
@@ -188,7 +196,7 @@ impl Occluder {
         color
     }
 
-    /// Takes the thing around `seed` into the plane, if it is one.
+    /// Adds the occluder around `seed` to the plane. Returns false if it is not an occluder.
     fn take(
         &mut self,
         image: &Image,
@@ -208,7 +216,7 @@ impl Occluder {
             if seed.half_px <= least_px || seed.half_px >= halves_px.end {
                 return false;
             }
-            // Color tells nothing: all that is within the widest place.
+            // Color does not tell them apart, so everything inside the widest place is taken.
             seed.fill(&mut self.thing, 1.1);
             self.alike.copy_from(mask);
         } else {
@@ -249,29 +257,30 @@ impl Occluder {
         for _ in 0..RIM {
             grow(&mut self.thing, &self.alike, &mut self.grown);
         }
-        // Of ropes that are not known what is wide beside the thing may be a thicker one.
+        // If the ropes' width is not known, a wide place next to the occluder may be a thicker
+        // rope.
         if known {
             let planes = (&mut self.thing, &mut self.wide);
             spread(planes, 0..mask.height(), f32::INFINITY, |_, _| {});
         }
         or(&mut self.plane, &self.thing);
-        // The seed is judged even where its very pixel was not taken.
+        // The seed is done, even if its own pixel was not taken.
         self.plane.fill(seed.y, seed.x, seed.x + 1, true);
         true
     }
 }
 
-/// Whether no place is far wider than the ropes usually are: so many are near the widest in width that the usual
-/// width, whatever it is exactly, is.
+/// Returns whether no place is far wider than the ropes usually are. This holds if enough places
+/// are near the widest one in width that the usual width must be, too.
 fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
     let pixels = &skeleton.pixels;
-    // A thousandth more than it takes, for what rounding does.
+    // A thousandth more than necessary, for rounding.
     let near_px = 1.001 * (widest_px - WIDE.1).max(0.0) / WIDE.0;
     let narrow = pixels.iter().filter(|p| p.half_px < near_px).count();
     narrow <= ((pixels.len().max(1) - 1) as f32 * USUAL) as usize
 }
 
-/// Clears what lies along a rope: beside an arm the mask of both is as wide as a thing.
+/// Clears the area along a rope. Next to an arm, the mask of both is as wide as an occluder.
 fn clear_along(plane: &mut BitPlane, rope: &Rope) {
     let steps = (2.0 * rope.length_px / rope.width_px) as usize;
     for step in 0..=steps {
@@ -288,7 +297,7 @@ fn clear_along(plane: &mut BitPlane, rope: &Rope) {
     }
 }
 
-/// The middle of a wide place.
+/// Middle of a wide place.
 struct Seed {
     x: usize,
     y: usize,
@@ -296,7 +305,7 @@ struct Seed {
 }
 
 impl Seed {
-    /// The mean color around it.
+    /// Mean color around it.
     fn color(&self, image: &Image) -> [f32; 3] {
         let reach = 0.6 * self.half_px;
         let (mut sum, mut count) = ([0.0; 3], 0.0f32);
@@ -312,7 +321,7 @@ impl Seed {
         sum.map(|s| s / count)
     }
 
-    /// The rows within `share` of the half-width, of so many.
+    /// Rows within `share` of the half-width, in an image of this height.
     fn rows(&self, share: f32, height: usize) -> Range<usize> {
         let reach = (share * self.half_px) as usize;
         self.y.saturating_sub(reach)..(self.y + reach + 1).min(height)
@@ -330,7 +339,8 @@ impl Seed {
     }
 }
 
-/// Leaves of a row's bits those of pixels that are nearer to the thing's own color than this share of their distance to the rope's.
+/// Keeps the bits of a row whose pixels are near the occluder's own color: at most `share` times as
+/// far from it as from the rope's.
 struct Nearer<'a> {
     colors: &'a [u32],
     own: [f32; 3],
@@ -378,7 +388,7 @@ fn or(plane: &mut BitPlane, other: &BitPlane) {
     }
 }
 
-/// Grows `plane` within `limits` by one pixel to all sides.
+/// Grows `plane` by one pixel in all directions, within `limits`.
 fn grow(plane: &mut BitPlane, limits: &BitPlane, grown: &mut BitPlane) {
     grown.copy_from(plane);
     for y in 0..plane.height() {

@@ -1,47 +1,52 @@
-//! Which lines are pieces of a rope that is known, and in which order they lie along it.
+//! Fragments of known ropes among the lines, in their order along each rope.
 //!
-//! A finger on a loop leaves two ends that point the same way, a hand on a crossing four, frayed by its rim: by
-//! themselves they say little of where each goes on. But the pieces between them lie along the rope as it was, each from
-//! one place to another, and a rope does not tear.
+//! A finger on a loop leaves two ends that point the same way. A hand on a crossing leaves four,
+//! frayed by its rim. Such ends hardly tell where each strand continues. But the fragments between
+//! them are along the rope of the prior, each from one place to another, and a rope does not tear.
 
 use crate::centerline::line::Line;
 use crate::past::{Move, Past, Rope};
 use crate::vec2;
 
-/// A piece is so many times as long as wide: of a shorter one it is not said where it lies.
+/// Minimum length of a fragment, in widths. A shorter one cannot be placed.
 const LEAST_WIDTHS: f32 = 2.5;
-/// How far along the rope a piece is looked for from where its middle says that it lies, and in which steps, in widths.
+/// Range along the rope in which a fragment is sought, to both sides of the place that its middle
+/// suggests, in widths.
 const ALONG_WIDTHS: f32 = 2.0;
+/// Step of that search, in widths.
 const STEP_WIDTHS: f32 = 0.25;
-/// Widths, beside those that the ropes have moved, by which a piece may lie off the rope, in the mean.
+/// Maximum mean distance of a fragment from the rope, in widths, in addition to the ropes' mean
+/// movement.
 const APART_WIDTHS: f32 = 1.0;
-/// Widths along a rope over which two of its pieces may both seem to lie.
+/// Maximum overlap of two fragments along a rope, in widths.
 const DOUBLED_WIDTHS: f32 = 2.0;
-/// Stretches between the places of a piece of which it is said how they have moved.
+/// Number of intervals between the places of a fragment whose movement is listed.
 const MOVES: usize = 12;
-/// A piece from so many widths on may have moved as one, which counts as this share of what bends it.
+/// Minimum length of a fragment whose common movement is discounted, in widths.
 const LONG_WIDTHS: f32 = 8.0;
+/// Weight of its common movement, relative to its remaining distance from the rope.
 const SHIFTED: f32 = 0.35;
-/// Places along a piece that are compared with the rope.
+/// Number of places along a fragment that are compared with the rope.
 const COMPARED: usize = 32;
 
-/// A piece of a rope.
+/// A fragment of a rope.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fragment {
     pub(super) line: usize,
-    /// The number of the rope of the past.
+    /// Index of the rope in the prior.
     pub(super) rope: u32,
-    /// From where to where along the rope it lies.
+    /// Start along the rope, in arc length.
     pub(super) from_px: f32,
+    /// End along the rope, in arc length.
     pub(super) to_px: f32,
-    /// Whether the line runs against the rope.
+    /// True if the line runs against the rope.
     pub(super) reversed: bool,
-    /// How far it lies off the rope, in its widths.
+    /// Mean distance from the rope, in its widths (see `apart_widths`).
     pub(super) off: f32,
 }
 
-/// Lists the pieces among `lines`, rope by rope and in their order along each. Of two that seem to lie in one place the shorter is no
-/// piece.
+/// Lists the fragments among `lines`, rope by rope and in their order along each. If two overlap by
+/// more than `DOUBLED_WIDTHS`, drops the shorter.
 pub(super) fn list(lines: &[Line], past: &Past, pieces: &mut Vec<Fragment>) {
     pieces.clear();
     let placed = lines.iter().enumerate();
@@ -66,7 +71,7 @@ impl Fragment {
         self.to_px - self.from_px
     }
 
-    /// Lists how the piece, which is that line, has moved, from its one end to the other.
+    /// Lists the movement of places on the fragment, which is `line`, from its start to its end.
     pub(super) fn list_moves(&self, line: &Line, past: &Past, moves: &mut Vec<Move>) {
         let rope = &past.ropes()[self.rope as usize];
         let last = line.samples.len() - 1;
@@ -84,7 +89,8 @@ impl Fragment {
     }
 }
 
-/// Where a line lies along which open rope.
+/// Places a line along the open rope with the least mean distance. `None` if the line is too short
+/// or that distance is too large.
 fn place(l: usize, line: &Line, past: &Past) -> Option<Fragment> {
     let n = line.samples.len();
     if line.closed || n < 8 {
@@ -120,8 +126,8 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Fragment> {
     best.filter(|piece| piece.off <= APART_WIDTHS + past.moved())
 }
 
-/// How far the line's places lie from the stretch of the rope that begins at `from_px`, in the mean and in widths; what a long
-/// piece has moved as a whole counts for less.
+/// Mean distance of a line from the stretch of the rope that starts at `from_px`, in widths. In a
+/// long fragment, the common movement of all places counts only by `SHIFTED`.
 fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
     let last = (line.samples.len() - 1) as f32;
     let apart = |k: usize| {

@@ -1,11 +1,11 @@
-//! The hidden way between two ends: as the past has it, or the nearest to an arc.
+//! The hidden way between two ends: that of the prior, or nearly an arc.
 
 use super::ends::{End, Scenery};
 use crate::centerline::line::Sample;
 use crate::past::{FormerPlace, Past};
 use crate::vec2::{self, Vec2};
 
-/// The share of the way between two ends that lies under something.
+/// Share of the way between two ends that is under an occluder.
 pub(super) fn covered(
     from: &End,
     to: &End,
@@ -16,16 +16,19 @@ pub(super) fn covered(
     share(between(from, to, way), |at| scenery.is_hidden(at, reach_px))
 }
 
-/// The share of the places on a way, from 0 to 1 and without its ends, of which something is so.
+/// Share of the places on a way for which `is_so` holds, from 0 to 1, without its ends.
 pub(super) fn share(way: impl Fn(f32) -> Vec2, is_so: impl Fn(Vec2) -> bool) -> f32 {
     const ASKED: usize = 16;
     let hits = (1..ASKED).filter(|&k| is_so(way(k as f32 / ASKED as f32)));
     hits.count() as f32 / (ASKED - 1) as f32
 }
 
-/// The places between two ends, from 0 to 1: as the past has them, moved along with both ends, or on the cubic that leaves both as
-/// they point. Where the past's rope is longer than it has been for long, that is a hidden way's, which then comes the nearer to the
-/// cubic; where it is shorter as it slides out of the picture, the way outside bends the farther from the chord.
+/// The way between two ends, as a function from 0 to 1. With `way`, it is the prior's, moved along
+/// with both ends. Otherwise it is the cubic that leaves both as they point.
+///
+/// The prior's way is corrected toward the rope's usual length. If the rope was longer than usual,
+/// the hidden way is drawn in toward the cubic. If it was shorter and leaves the image here, the
+/// way outside bends farther from the chord.
 pub(super) fn between(
     from: &End,
     to: &End,
@@ -77,7 +80,8 @@ pub(super) fn between(
     }
 }
 
-/// How many times as far from its chord a way of so many pixels bends, by its length at so many times, from 1 to the most.
+/// Factor, from 1 to `MOST`, to apply to a way's distance from its chord for it to become
+/// `wanted_px` long. `length_px` is its length for a given factor.
 pub(crate) fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 {
     const MOST: f32 = 2.0;
     const HALVINGS: usize = 6;
@@ -92,7 +96,7 @@ pub(crate) fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 
     least
 }
 
-/// Lays the samples between two ends behind the first one's.
+/// Appends samples between two ends, behind those of the first.
 pub(super) fn lay(
     samples: &mut Vec<Sample>,
     from: &End,
@@ -120,8 +124,8 @@ pub(super) fn lay(
     }
 }
 
-/// Hermite's cubic from one place and the direction out of it to another, as fast at both as makes it nearly a circle's arc where both turn
-/// alike.
+/// Hermite cubic from one place, in the direction out of it, to another. Its speed at both ends
+/// makes it nearly an arc of a circle if both turn by the same angle.
 pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
     // 4 tan(θ/4) radii for a turn by θ.
     let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
@@ -134,14 +138,15 @@ pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f3
     }
 }
 
-/// The length of a way from 0 to 1.
+/// Length of a way from 0 to 1.
 pub(crate) fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
     const PIECES: usize = 12;
     let at = |k: usize| at(k as f32 / PIECES as f32);
     (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
 }
 
-/// How far a hidden way is to come to a plain one, from 0 to 1, to be so much shorter.
+/// Share, from 0 to 1, of the distance to a plain way that a hidden way must move to become
+/// `spare_px` shorter.
 pub(crate) fn drawn_in(spare_px: f32, way_px: f32, plain_px: f32) -> f32 {
     match way_px - plain_px {
         longer_px if spare_px > 0.0 && longer_px > 0.0 => (spare_px / longer_px).min(1.0),

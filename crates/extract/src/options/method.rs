@@ -1,19 +1,20 @@
-//! The ways to a centerline, by name.
+//! Methods for the centerline, by name.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// How the rope's pixels become a centerline.
+/// The method that turns the rope's pixels into a centerline.
 ///
-/// All but the first are those of the paper (F. Chen, arXiv 2312.16502, fig. 1): [`Options::points`](crate::Options::points)
-/// centers for each piece of the mask, put in order. They are for comparing: the first is more accurate, faster, and the only
-/// one that follows a rope from frame to frame.
+/// All but the first are those of the paper (F. Chen, arXiv 2312.16502, fig. 1). They put
+/// [`Options::points`](crate::Options::points) centers on each component of the mask and order
+/// them. They exist for comparison. The first is more accurate, faster, and the only one that
+/// follows a rope from frame to frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
-    /// The mask is thinned, and each cross-section measured between pixels.
+    /// Thins the mask and measures each cross-section with subpixel accuracy.
     #[default]
     Skeleton,
     /// Centers by `KMeans` of the clusterings.
@@ -27,7 +28,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, by name.
+    /// All methods with their names.
     pub const ALL: [(&'static str, Self); 5] = [
         ("skeleton", Self::Skeleton),
         ("kmeans", Self::KMeans),
@@ -44,7 +45,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// There is no method of this name.
+/// No method has this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no method '{0}': choose one of {list}", list = Method::ALL.map(|(name, _)| name).join(", "))]
 pub struct UnknownMethod(pub String);

@@ -1,9 +1,12 @@
-//! Which colours are the rope's at some points: of the ranges that many regions give, those whose mask is most of a rope.
+//! Chooses the rope's colors at some points: of the ranges from many regions, those whose mask is
+//! most likely a rope.
 //!
-//! A region of like colour that grows from a point says little by itself of whether it is the rope: on a plain table most tolerances do,
-//! in clutter a few. So a range is fitted to each, and its mask looked at as a whole: the more of the picture it holds and the more of that
-//! lies along ropes like the one at the point, the better. What of the best masks lies along those ropes is then evidence for
-//! new ranges, which hence depend on the rope and not on the point.
+//! A region of similar color that grows from a point tells little about whether it is the rope. On
+//! a plain table most tolerances give the rope, in clutter only a few do. So a range is fitted to
+//! each region, and its whole mask is examined. A mask is better the more of the picture it
+//! contains, and the more of it is along ropes like the one at the point. The parts of the best
+//! masks along those ropes are then evidence for new ranges, which hence depend on the rope and not
+//! on the point.
 
 use super::evidence::{self, Evidence, Label};
 use super::palette::Palette;
@@ -13,28 +16,31 @@ use crate::image::Image;
 use crate::options::{HsvRange, Mask};
 use crate::vec2::Vec2;
 
-/// How much what lies beside ropes of the own one's width counts against a mask: a tenth of it as much as four tenths of its area.
+/// Exponent of the purity: a tenth of a mask outside of ropes of the chosen rope's width costs as
+/// much as four tenths of the mask's area.
 const PURITY: f32 = 4.0;
-/// Added to the confidence, of which the root counts: colour ranges' masks have little of it at crossings.
+/// Added to the confidence, before its square root is taken. Masks by color have low confidence at
+/// crossings.
 const LEAST_CONFIDENCE: f32 = 0.1;
-/// Greatest distance of a point from the middle of its curve, in half-widths.
+/// Maximum distance of a point from the middle of its curve, in half-widths.
 pub(super) const ON: f32 = 1.5;
-/// A mask of more of the picture is no rope's, nor one of fewer pixels.
+/// Maximum share of the picture for a mask of ropes, and its minimum number of pixels.
 const MOST: f32 = 0.35;
 const LEAST_PX: f32 = 20.0;
-/// A mask of which less lies along ropes of one width is a pattern, unless the one at the points is as sure as this: then
-/// other things have its colour.
+/// Minimum purity: the share of a mask along ropes of the chosen rope's width. A less pure mask is
+/// a pattern, unless the rope at the points has at least the confidence `SURE`. Other objects then
+/// have its color.
 const LEAST_PURITY: f32 = 0.6;
 const SURE: f32 = 0.3;
-/// Masks that share so much are one.
+/// Masks that overlap by at least this share are treated as one.
 const SAME: f32 = 0.97;
-/// So many of the best masks are evidence for new ones, so many times.
+/// Number of the best masks that are evidence for new ones, and number of rounds.
 const BEST: usize = 3;
 const ROUNDS: usize = 2;
-/// Two ranges are better than one if they agree so much more with the rope.
+/// Minimum gain in agreement for two ranges instead of one.
 const TWO: f32 = 0.05;
 
-/// Ranges, and what is seen in their mask.
+/// Ranges, and the ropes in their mask.
 #[derive(Debug)]
 pub(super) struct Choice {
     pub(super) ranges: Vec<HsvRange>,
@@ -43,7 +49,7 @@ pub(super) struct Choice {
     pub(super) seen: MaskCurves,
 }
 
-/// The best ranges for the rope at the points; `None` if no mask has a rope there.
+/// The best ranges for the rope at the points, or `None` if no mask has a rope there.
 pub(super) fn ranges(image: &Image, points: &[Vec2]) -> Option<Choice> {
     let palette = Palette::new(image);
     let mut chooser = Chooser {
@@ -77,15 +83,15 @@ struct Chooser<'a> {
     image: &'a Image<'a>,
     points: &'a [Vec2],
     palette: &'a Palette,
-    /// The colours that each mask that was tried holds.
+    /// The colors in each tried mask.
     tried: Vec<Vec<bool>>,
-    /// The best one first.
+    /// The best choice first.
     choices: Vec<Choice>,
 }
 
 impl Chooser<'_> {
-    /// Tries the ranges of a region, and those of all that has its colours: the rope goes on where the region does not
-    /// reach, behind another strand, and that is no table.
+    /// Tries the ranges of a region, and those of all pixels with its colors. Parts of the rope
+    /// beyond the region, behind another strand, are not table.
     fn grown(&mut self, mut region: Vec<bool>) {
         let width = self.image.width();
         let Some(ranges) = self.fit(&Evidence::of_region(&region, width), 0) else {
@@ -98,7 +104,7 @@ impl Chooser<'_> {
         self.fit(&Evidence::of_region(&region, width), 0);
     }
 
-    /// Tries ranges of what lies along the ropes in the best masks.
+    /// Tries ranges fitted to the best masks along their ropes.
     fn again(&mut self) {
         let labels: Vec<Evidence> = (self.choices.iter().take(BEST))
             .map(|choice| self.along(&choice.ranges, &choice.seen))
@@ -108,7 +114,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// The mask along the curves that are like the own one is rope.
+    /// Evidence where the mask along curves like the chosen one is rope.
     fn along(&self, ranges: &[HsvRange], seen: &MaskCurves) -> Evidence {
         let held = self.palette.held(ranges);
         Evidence::of_owners(self.image.width(), &seen.owners, |i, curve| {
@@ -116,7 +122,7 @@ impl Chooser<'_> {
         })
     }
 
-    /// Tries the range of a class, and one for each of its two colours where these agree better.
+    /// Tries the range of a class, and one range for each of its two colors if these agree better.
     fn fit(&mut self, evidence: &Evidence, class: usize) -> Option<Vec<HsvRange>> {
         let is_rope = |label: &Label| matches!(label, Label::Rope(c) if usize::from(*c) == class);
         let counts = range::counts(self.palette, evidence, is_rope);
@@ -133,7 +139,7 @@ impl Chooser<'_> {
         Some(best)
     }
 
-    /// Looks at the mask of these ranges, unless it is like another.
+    /// Examines the mask of these ranges, unless it is like another.
     fn consider(&mut self, ranges: &[HsvRange], agreement: f32) {
         let held = self.palette.held(ranges);
         let area = self.palette.pixels(|color| held[color]);

@@ -1,4 +1,4 @@
-//! What is known of each pixel before a colour is picked: rope of one class or another, table, or neither for sure.
+//! Labels of pixels before a color is picked: rope of some class, table, or uncertain.
 
 use crate::bitmap::bits::BitPlane;
 use crate::extractor::Extractor;
@@ -11,34 +11,35 @@ use crate::vec2;
 
 /// Pixels this near to a rope are mixtures of rope and table, and evidence of neither.
 const GUARD_PX: i32 = 2;
-/// So much of a mask must lie along the curves found in it; less, and it is a pattern, not ropes.
+/// Minimum share of a mask along the curves found in it. With less, it is a pattern, not ropes.
 const LEAST_ALONG: f32 = 0.7;
-/// The part of a half-width in which a rope's own colour is looked for.
+/// Part of a half-width in which a rope's own color is read.
 const CORE: f32 = 0.6;
-/// Beyond this part of a half-width a rope's pixels are mixtures with the table.
+/// Part of a half-width beyond which a rope's pixels are mixtures with the table.
 const EDGE: f32 = 0.8;
-/// Ropes whose hues differ by less are of one colour, in degrees.
+/// Ropes whose hues differ by less have one color, in degrees.
 const SAME_HUE_DEG: f32 = 20.0;
-/// Ropes without colour whose values differ by less are of one class.
+/// Ropes without color whose values differ by less are of one class.
 const SAME_VALUE: f32 = 0.25;
-/// A colour whose largest and smallest channel differ by less, as a share of full scale, has no hue to speak of: noise
-/// and the light's tint reach that far.
+/// Minimum difference of a color's largest and smallest channel for it to have a hue, as a share of
+/// full scale. Noise and the light's tint stay below it.
 const LEAST_CHROMA: f32 = 0.12;
 
-/// One pixel's.
+/// Label of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Label {
     /// Rope of this class.
     Rope(u8),
     Table,
-    /// A mixture, or not clear.
+    /// A mixture, or unclear.
     Unknown,
 }
 
-/// The curve that a pixel of a mask is nearest to, and how far from its middle in half-widths; `None` of one beside all.
+/// The curve nearest to a mask pixel, and the distance from its middle in half-widths; `None` if
+/// the pixel is next to no curve.
 pub(super) type Owner = Option<(u8, f32)>;
 
-/// All pixels'.
+/// Labels of all pixels.
 #[derive(Clone, Debug)]
 pub(super) struct Evidence {
     width: usize,
@@ -47,7 +48,7 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// The label of each pixel, in the order of the rows.
+    /// The label of each pixel, in row order.
     pub(super) fn labels(&self) -> &[Label] {
         &self.labels
     }
@@ -57,7 +58,7 @@ impl Evidence {
         (x < self.width).then(|| self.labels.get(y * self.width + x).copied())?
     }
 
-    /// One class of the pixels that are set; all others but those beside them are table.
+    /// One class for the pixels that are set. All others are table, except those next to them.
     pub(super) fn of_region(region: &[bool], width: usize) -> Self {
         let rope = |&set: &bool| if set { Label::Rope(0) } else { Label::Table };
         let mut evidence = Self {
@@ -69,8 +70,8 @@ impl Evidence {
         evidence
     }
 
-    /// One class of the pixels along curves that are rope, but for their rims; all others but those beside them are
-    /// table.
+    /// One class for the pixels along rope curves, except for their rims. All others are table,
+    /// except those next to them.
     pub(super) fn of_owners(
         width: usize,
         owners: &[Owner],
@@ -91,7 +92,7 @@ impl Evidence {
         evidence
     }
 
-    /// Makes the table beside rope unknown.
+    /// Marks table next to rope as unknown.
     fn guard(&mut self, is_rope: impl Fn(usize) -> bool) {
         let (width, height) = (self.width as i32, (self.labels.len() / self.width) as i32);
         for y in 0..height {
@@ -112,8 +113,8 @@ impl Evidence {
     }
 }
 
-/// What a mask knows, if extraction finds ropes in it: its pixels belong to the curve that they are nearest to, and
-/// curves of one colour are one class.
+/// Evidence from a mask, if extraction finds ropes in it. Its pixels belong to the nearest curve,
+/// and curves of one color are one class.
 pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
     let options = Options {
         mask,
@@ -148,7 +149,7 @@ pub(super) fn of_mask(image: &Image, mask: Mask) -> Option<Evidence> {
     Some(evidence)
 }
 
-/// Each pixel's of the mask.
+/// The owner of each pixel of the mask.
 pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Owner> {
     let width = mask.width() as i32;
     let mut owner: Vec<Owner> = vec![None; mask.width() * mask.height()];
@@ -180,7 +181,7 @@ pub(super) fn owners(curves: &[Curve], mask: &BitPlane) -> Vec<Owner> {
     owner
 }
 
-/// Each curve's class: curves of like colour share one.
+/// The class of each curve. Curves of similar color share one.
 fn classes(image: &Image, curves: &[Curve], owner: &[Owner]) -> Vec<u8> {
     let mut known: Vec<[f32; 3]> = Vec::new();
     let mut classes = Vec::new();
@@ -200,7 +201,7 @@ fn classes(image: &Image, curves: &[Curve], owner: &[Owner]) -> Vec<u8> {
     classes
 }
 
-/// The median of each channel; black of nothing.
+/// Median of each channel; black for an empty slice.
 pub(super) fn median_color(pixels: &[[u8; 3]]) -> [f32; 3] {
     std::array::from_fn(|channel| {
         let mut levels: Vec<f32> = pixels.iter().map(|p| f32::from(p[channel])).collect();
@@ -220,7 +221,7 @@ fn is_alike(a: [f32; 3], b: [f32; 3]) -> bool {
     }
 }
 
-/// Whether a colour (levels of red, green, blue) has a hue to speak of.
+/// Returns whether a color (levels of red, green and blue) has a hue.
 pub(super) fn has_hue(color: [f32; 3]) -> bool {
     let largest = color.iter().copied().fold(0.0, f32::max);
     let smallest = color.iter().copied().fold(255.0, f32::min);

@@ -1,32 +1,34 @@
-//! The rope at some points: connected regions of like colour, one for each of many tolerances.
+//! The rope at some points, as connected regions of similar color, one for each of many tolerances.
 //!
-//! What is like is asked of smoothed colours: chroma over more pixels than light, since a camera's chroma is coarser and
-//! noisier, and edges are seen in the light. A rope has an edge all around, so that its region hardly grows over a span of
-//! tolerances; which of them is the rope is for its mask to show (`choose`).
+//! Similarity is measured on smoothed colors. Chroma is smoothed over more pixels than light,
+//! because a camera's chroma is coarser and noisier, and edges are visible in the light. A rope has
+//! an edge all around, so its region hardly grows over a range of tolerances. The masks show which
+//! of the regions is the rope (`choose`).
 
 use crate::image::{Image, color};
 use crate::mask::background::Background;
 use crate::vec2::Vec2;
 
-/// Tolerances tried, in levels: from noise to any edge that a camera shows, by steps of a fifth.
+/// Tolerances tried, in levels: from noise to any edge that a camera shows, in steps of a fifth.
 const TOLERANCES: [f32; 15] = [
     6.0, 7.3, 8.8, 10.7, 13.0, 15.8, 19.2, 23.4, 28.4, 34.6, 42.1, 51.2, 62.3, 75.8, 92.2,
 ];
-/// How much a difference of light counts beside one of chroma: as much, or, for ropes in light and shade, less.
+/// Weight of a difference in light relative to one in chroma: equal, or less for ropes in light and
+/// shade.
 const LIGHT: [f32; 2] = [1.0, 0.35];
-/// The largest share of the image that is a rope's.
+/// Maximum share of the image for a rope.
 const MOST: f32 = 0.25;
-/// Regions that grow by less than this are one.
+/// A region that has grown by less than this factor is the same one.
 const SAME: f32 = 1.05;
-/// A table whose pixels lie farther than this from a smooth surface (in the median, in levels) is not plain, and no
-/// point can be told to be on it by its colour.
+/// Maximum distance of a plain table's pixels from a smooth surface (median, in levels). On a table
+/// that is not plain, a point's color cannot tell whether it is on the table.
 const PLAIN: f32 = 8.0;
-/// On a plain table a point within this many levels of the surface, or median residuals, is table: the floors of the
-/// automatic mask.
+/// On a plain table, a point is table if it is within this many levels of the surface, or within
+/// this many median residuals. These are the floors of the automatic mask.
 const TABLE_LEVELS: f32 = 14.0;
 const TABLE_RESIDUALS: f32 = 6.0;
 
-/// Smoothed colours: light, and blue and red less light.
+/// Smoothed colors: light, blue minus light, and red minus light.
 pub(super) fn smoothed(image: &Image) -> Vec<[f32; 3]> {
     let (width, height) = (image.width(), image.height());
     let mut colors: Vec<[f32; 3]> = Vec::with_capacity(width * height);
@@ -37,7 +39,7 @@ pub(super) fn smoothed(image: &Image) -> Vec<[f32; 3]> {
             colors.push([light, b - light, r - light]);
         }
     }
-    // Across, then down: one, four, six, four, one for chroma; one, six, one for light.
+    // Across, then down: weights 1, 4, 6, 4, 1 for chroma, and 1, 6, 1 for light.
     for (step, count, stride, rows) in [(1, width, width, height), (width, height, 1, width)] {
         let mut line = vec![[0.0f32; 3]; count];
         for row in 0..rows {
@@ -56,7 +58,7 @@ pub(super) fn smoothed(image: &Image) -> Vec<[f32; 3]> {
     colors
 }
 
-/// The regions that grow from the points, all in the image, over the tolerances.
+/// The regions that grow from the points, which are all in the image, over the tolerances.
 pub(super) fn regions(colors: &[[f32; 3]], width: usize, points: &[[usize; 2]]) -> Vec<Vec<bool>> {
     let seeds: Vec<[f32; 3]> = points.iter().map(|&[x, y]| colors[y * width + x]).collect();
     let mut regions = Vec::new();
@@ -69,7 +71,7 @@ pub(super) fn regions(colors: &[[f32; 3]], width: usize, points: &[[usize; 2]]) 
             let squares = seeds.iter().map(|seed| square(color, seed));
             libm::sqrtf(squares.fold(f32::INFINITY, f32::min))
         };
-        // How far each pixel is from the nearest seed's colour, once for all tolerances.
+        // Distance of each pixel's color from the nearest seed's, computed once for all tolerances.
         let far: Vec<f32> = colors.iter().map(far).collect();
         let mut last = 0.0f32;
         for tolerance in TOLERANCES {
@@ -87,12 +89,12 @@ pub(super) fn regions(colors: &[[f32; 3]], width: usize, points: &[[usize; 2]]) 
     regions
 }
 
-/// Whether the table is plain and the pixel has its colour.
+/// Returns whether the table is plain and the pixel has its color.
 pub(super) fn is_table(image: &Image, at: Vec2) -> bool {
     Table::of(image).is_at(image, at)
 }
 
-/// A point of the user's, moved onto what lies within `reach_px` of it if it shows the table.
+/// Moves a user's point that shows the table onto an object within `reach_px`, if there is one.
 pub(super) fn snapped(image: &Image, at: Vec2, reach_px: f32) -> Vec2 {
     let table = Table::of(image);
     if !table.is_at(image, at) {
@@ -112,7 +114,7 @@ pub(super) fn snapped(image: &Image, at: Vec2, reach_px: f32) -> Vec2 {
     let Some((away_px, edge)) = nearest else {
         return at;
     };
-    // The first pixel is a mixture of both: its neighbour behind it is the rope's own.
+    // The first pixel is a mixture of both. The one behind it is the rope's own.
     let behind = [0, 1].map(|axis| {
         let step = (edge[axis] - at[axis]) / away_px.max(1.0);
         (edge[axis] + 2.0 * step).clamp(0.0, last[axis])
@@ -124,7 +126,7 @@ pub(super) fn snapped(image: &Image, at: Vec2, reach_px: f32) -> Vec2 {
     }
 }
 
-/// The colour of the table, place by place.
+/// The color of the table at each place.
 struct Table(Background);
 
 impl Table {
@@ -134,7 +136,7 @@ impl Table {
         Self(background)
     }
 
-    /// Whether the table is plain and the pixel has its colour.
+    /// Returns whether the table is plain and the pixel has its color.
     fn is_at(&self, image: &Image, at: Vec2) -> bool {
         let [x, y] = pixel(image, at);
         let own = color::native(image, x, y).map(f32::from);
@@ -150,8 +152,8 @@ pub(super) fn pixel(image: &Image, at: Vec2) -> [usize; 2] {
     [0, 1].map(|c| (at[c].round().max(0.0) as usize).min(last[c]))
 }
 
-/// The pixels within `tolerance` that are joined to the points through each other, or near them: a point itself may be
-/// a speck.
+/// The pixels within `tolerance` that are connected to the points or their neighbors. A point
+/// itself may be a speck.
 fn flood(far: &[f32], width: usize, points: &[[usize; 2]], tolerance: f32) -> Vec<bool> {
     let height = far.len() / width;
     let mut region = vec![false; far.len()];

@@ -1,22 +1,22 @@
-//! The colours of a picture, each once: what a range holds is counted by colours instead of by pixels.
+//! The distinct colors of a picture. A range's content is counted by color instead of by pixel.
 
 use crate::image::{Image, color};
 use crate::mask::hsv;
 use crate::options::HsvRange;
 
-/// Bits of each channel that tell colours apart here: finer steps are a camera's noise.
+/// Bits of each channel that distinguish colors. Finer steps are camera noise.
 const BITS: usize = 6;
 
-/// The colours of a picture.
+/// The colors of a picture.
 #[derive(Debug)]
 pub(super) struct Palette {
-    /// Hue in degrees, saturation and value of each: the mean of the pixels that share it.
+    /// Hue in degrees, saturation and value of each: the mean of its pixels.
     pub(super) colors: Vec<[f32; 3]>,
-    /// Red, green and blue of the same.
+    /// Red, green and blue of each.
     pub(super) levels: Vec<[f32; 3]>,
-    /// How many pixels have each.
+    /// Number of pixels of each.
     count: Vec<f32>,
-    /// The colour of each pixel, in the order of the rows.
+    /// The color of each pixel, in row order.
     pub(super) of: Vec<u32>,
 }
 
@@ -57,13 +57,13 @@ impl Palette {
         }
     }
 
-    /// Which colours the ranges hold.
+    /// True for each color that is in one of the ranges.
     pub(super) fn held(&self, ranges: &[HsvRange]) -> Vec<bool> {
         let is_held = |color: &[f32; 3]| ranges.iter().any(|range| hsv::holds(range, *color));
         self.colors.iter().map(is_held).collect()
     }
 
-    /// How many pixels have such colours.
+    /// Number of pixels with such colors.
     pub(super) fn pixels(&self, is_such: impl Fn(usize) -> bool) -> f32 {
         let count = self.count.iter().enumerate();
         count.filter(|(i, _)| is_such(*i)).map(|(_, n)| n).sum()

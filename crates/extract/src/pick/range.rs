@@ -1,48 +1,50 @@
-//! A box in hue, saturation and value that holds one class of pixels and keeps the others out.
+//! A box in hue, saturation and value that contains one class of pixels and excludes the others.
 //!
-//! Its six sides are moved one after the other to where the agreement (rope within over rope and all others within) is
-//! best, until none moves: coordinate ascent, from the box of the middle 98 % of the rope. Then each side goes out as
-//! far as the agreement allows, and back half the way: the margin is shared between rope and table, so that neither a
-//! change of light nor noise spoils it at once.
+//! Its six sides are moved in turn to the best agreement (rope within over rope and all others
+//! within) until none moves. This is coordinate ascent from the box of the middle 98 % of the rope.
+//! Then each side moves outward as far as the agreement allows, and half the way back. The margin
+//! is shared between rope and table, so that neither a change of light nor noise breaks the mask at
+//! once.
 
 use super::evidence::{Evidence, Label, has_hue};
 use super::palette::Palette;
 use crate::options::HsvRange;
 
-/// Steps of saturation and of value.
+/// Number of steps of saturation and of value.
 const STEPS: usize = 100;
-/// Steps of hue: degrees around the rope's own, from −180.
+/// Number of steps of hue: degrees around the rope's own, from −180.
 const HUES: usize = 360;
-/// How much of the agreement a wider box may cost: that of single odd pixels.
+/// Share of the agreement that a wider box may cost: that of single stray pixels.
 const COST: f32 = 0.002;
-/// How far a hue goes on where nothing stops it, in degrees: a sixth of the circle is another colour.
+/// Distance that a hue extends if nothing limits it, in degrees. A sixth of the circle away is
+/// another color.
 const FREE_HUE: usize = 20;
-/// A rope without colour that reaches below this value is a dark one: a fifth of the scale.
+/// A rope without color that reaches below this value is dark: a fifth of the scale.
 const DARK: usize = STEPS / 5;
-/// Rounds of the ascent; it has come to rest after two or three.
+/// Maximum number of rounds of the ascent. It settles after two or three.
 const ROUNDS: usize = 6;
 
 const HUE: usize = 0;
 const SATURATION: usize = 1;
 const VALUE: usize = 2;
 
-/// The range, and how well it tells its class from the rest.
+/// A range, and how well it separates its class from the rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
     pub(super) range: HsvRange,
     pub(super) agreement: f32,
 }
 
-/// A colour in steps of each channel, and how many pixels of the rope and of the table have it.
+/// A color in steps of each channel, and its number of rope and table pixels.
 struct Color {
     at: [u16; 3],
     count: [f32; 2],
 }
 
-/// First and last step of each channel, both within.
+/// First and last step of each channel, inclusive.
 type Box3 = [[usize; 2]; 3];
 
-/// Of each colour, how many pixels are rope, and how many are sure not to be.
+/// For each color, the number of pixels that are rope, and of those that are certainly not.
 pub(super) type Counts = Vec<[f32; 2]>;
 
 pub(super) fn counts(
@@ -59,14 +61,14 @@ pub(super) fn counts(
     counts
 }
 
-/// A range for each of the rope's two colours, if it has two that lie apart, and how well both together tell it from the
-/// rest.
+/// A range for each of the rope's two colors, if it has two distinct ones, and how well both
+/// together separate it from the rest.
 pub(super) fn fit_two(palette: &Palette, counts: &Counts) -> Option<(Vec<HsvRange>, f32)> {
     let is_second = halves(palette, counts);
     let part = |which: bool| -> Counts {
         let own = |(count, &second): (&[f32; 2], &bool)| match second == which {
             true => *count,
-            // The other colour is no table.
+            // The other color is not table.
             false => [0.0, count[1]],
         };
         counts.iter().zip(&is_second).map(own).collect()
@@ -87,7 +89,8 @@ pub(super) fn fit_two(palette: &Palette, counts: &Counts) -> Option<(Vec<HsvRang
     Some((ranges, within / (rope + others)))
 }
 
-/// The rope's colours in two heaps, by their means (Lloyd's, of two): whether each is in the second.
+/// Splits the rope's colors into two clusters by their means (Lloyd's algorithm). True for those in
+/// the second.
 fn halves(palette: &Palette, counts: &Counts) -> Vec<bool> {
     let mut is_second: Vec<bool> = Vec::new();
     let colors = || palette.levels.iter().zip(counts);
@@ -104,7 +107,7 @@ fn halves(palette: &Palette, counts: &Counts) -> Vec<bool> {
     let square =
         |a: [f32; 3], b: [f32; 3]| (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f32>();
     let middle = mean(&|_| true);
-    // The farthest colour, each by how many pixels have it, is where the second heap begins.
+    // The second cluster begins at the farthest color, weighted by its number of pixels.
     let weight = |levels: [f32; 3], own: f32| own * square(levels, middle);
     let farthest = colors()
         .max_by(|a, b| weight(*a.0, a.1[0]).total_cmp(&weight(*b.0, b.1[0])))
@@ -119,7 +122,8 @@ fn halves(palette: &Palette, counts: &Counts) -> Vec<bool> {
     is_second
 }
 
-/// The range that holds the rope's colours and keeps the others out; `None` if the rope has none.
+/// The range that contains the rope's colors and excludes the others, or `None` without rope
+/// pixels.
 pub(super) fn fit(palette: &Palette, counts: &Counts) -> Option<Fit> {
     let rope: f32 = counts.iter().map(|count| count[0]).sum();
     if rope == 0.0 {
@@ -146,7 +150,7 @@ pub(super) fn fit(palette: &Palette, counts: &Counts) -> Option<Fit> {
     })
 }
 
-/// The hue that the rope's pixels have in the mean, each by its chroma; `None` of a rope without colour.
+/// Mean hue of the rope's pixels, weighted by chroma, or `None` for a rope without color.
 fn own_hue(palette: &Palette, counts: &Counts) -> Option<f32> {
     let mut sum = [0.0f32; 2];
     for (&[hue, saturation, value], [rope, _]) in palette.colors.iter().zip(counts) {
@@ -158,7 +162,7 @@ fn own_hue(palette: &Palette, counts: &Counts) -> Option<f32> {
     has_hue.then(|| libm::atan2f(sum[1], sum[0]).to_degrees().rem_euclid(360.0))
 }
 
-/// The median of each channel of the rope's pixels.
+/// Median of each channel of the rope's pixels.
 fn median_color(palette: &Palette, counts: &Counts) -> [f32; 3] {
     std::array::from_fn(|channel| {
         let mut at = [0.0f32; 256];
@@ -186,14 +190,14 @@ fn steps([hue, saturation, value]: [f32; 3], middle: f32) -> [u16; 3] {
     ]
 }
 
-/// From steps to the user's units. A hue that is free is the whole circle.
+/// Converts steps to the user's units. A free hue is the whole circle.
 fn range(sides: &Box3, middle: Option<f32>) -> HsvRange {
     let share = |[low, high]: [usize; 2]| [low, high + 1].map(|s| s as f32 / STEPS as f32);
     let hue_deg = match middle {
         None => [0.0, 360.0],
         Some(middle) => {
             let [low, high] = sides[HUE];
-            // Whole degrees, outwards by less than one.
+            // Whole degrees, rounded outward by less than one.
             [
                 (middle + low as f32 - 180.0).floor(),
                 (middle + high as f32 - 179.0).ceil(),
@@ -211,7 +215,7 @@ fn range(sides: &Box3, middle: Option<f32>) -> HsvRange {
 struct Search {
     colors: Vec<Color>,
     has_hue: bool,
-    /// How many pixels are rope.
+    /// Number of rope pixels.
     rope: f32,
 }
 
@@ -233,7 +237,7 @@ impl Search {
         sides
     }
 
-    /// From the first to the last percentile of each channel.
+    /// The box from the first to the last percentile of each channel.
     fn middle_of_the_rope(&self) -> Box3 {
         let mut sides = [[0, HUES - 1], [0, STEPS - 1], [0, STEPS - 1]];
         for (channel, side) in sides.iter_mut().enumerate() {
@@ -264,22 +268,23 @@ impl Search {
         sides
     }
 
-    /// Moves both sides of a channel, the others held: to the best agreement, or from there outwards.
+    /// Moves both sides of a channel while the others are fixed: to the best agreement, or outward
+    /// from there.
     fn move_sides(&self, channel: usize, sides: &mut Box3, outwards: bool) {
         if channel == HUE && !self.has_hue {
             return;
         }
         let counts = self.counts(channel, sides);
         let last = if channel == HUE { HUES } else { STEPS } - 1;
-        // The upper side is the lower one of the scale read backwards.
+        // The upper side is the lower one of the scale read backward.
         let mut backwards = counts[..=last].to_vec();
         backwards.reverse();
         let [low, high] = &mut sides[channel];
-        // A rope without colour has no least saturation.
+        // For a rope without color, the minimum saturation stays 0.
         if channel != SATURATION || self.has_hue {
             *low = self.lower_side(&counts[..=last], *high, outwards, |best| match channel {
                 HUE => best.saturating_sub(FREE_HUE),
-                // A black rope in the shade is still black; a red one has no hue any more.
+                // A black rope in the shade is still black. A red one loses its hue there.
                 VALUE if !self.has_hue && best < DARK => 0,
                 _ => best / 2,
             });
@@ -292,7 +297,7 @@ impl Search {
             });
     }
 
-    /// Rope and others at each step of a channel, of the pixels within the other sides.
+    /// Rope and other pixels at each step of a channel, within the other channels' sides.
     fn counts(&self, channel: usize, sides: &Box3) -> [[f32; 2]; HUES] {
         let mut counts = [[0.0; 2]; HUES];
         for color in &self.colors {
@@ -308,8 +313,9 @@ impl Search {
         counts
     }
 
-    /// Where the lower side is best for an upper side at `high`. `outwards`: as far below that as costs nothing, and
-    /// half the way back; `free`: where it then is if nothing stops it.
+    /// The best place of the lower side, if the upper side is at `high`. With `outwards`, the side
+    /// moves from there as far as it costs nothing, and half the way back. `free` gives its place
+    /// if nothing limits it.
     fn lower_side(
         &self,
         counts: &[[f32; 2]],
@@ -324,7 +330,7 @@ impl Search {
             others += counts[step][1];
             agreement[step] = rope / (self.rope + others);
         }
-        // The innermost of equals.
+        // The innermost of equally good ones.
         let best = (0..=high)
             .max_by(|&a, &b| agreement[a].total_cmp(&agreement[b]))
             .unwrap_or(0);

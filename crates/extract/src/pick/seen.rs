@@ -1,4 +1,4 @@
-//! What a mask of picked colours looks like when ropes are traced in it.
+//! The ropes that are traced in a mask of picked colors.
 
 use super::evidence::{self, Owner};
 use crate::extractor::Extractor;
@@ -7,25 +7,25 @@ use crate::options::{HsvRange, Mask, Options};
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// The most curves that are looked at.
+/// Maximum number of curves.
 const MOST_CURVES: usize = 24;
-/// Ropes are of one width by so many times.
+/// Maximum factor between the widths of ropes of one width.
 const ALIKE: f32 = 1.67;
 
-/// The curves in a mask, and the one that was meant.
+/// The curves in a mask, and the chosen one.
 #[derive(Debug)]
 pub(super) struct MaskCurves {
     pub(super) curves: Vec<Curve>,
-    /// The curve that was meant: the nearest to the first point, or the longest.
+    /// The chosen curve: the nearest to the first point, or the longest.
     pub(super) own: usize,
-    /// Each mask pixel's curve, where extraction left it in the mask.
+    /// The curve of each mask pixel, if extraction kept the pixel in the mask.
     pub(super) owners: Vec<Owner>,
-    /// How far the points are from the curves, in half-widths of the nearest: the largest of them.
+    /// Maximum distance of the points from their nearest curves, in those curves' half-widths.
     pub(super) beside: f32,
-    /// Pixels that lie along curves, along curves of the own one's width, and along the own one.
+    /// Pixels along curves, and pixels along curves of the chosen one's width.
     pub(super) along: f32,
     pub(super) alike: f32,
-    /// The mean confidence along curves of the own one's width.
+    /// Mean confidence along curves of the chosen one's width.
     pub(super) confidence: f32,
 }
 
@@ -34,7 +34,7 @@ impl MaskCurves {
         &self.curves[self.own]
     }
 
-    /// Whether a curve is like the own one, and nearly as sure.
+    /// Returns whether a curve is like the chosen one, and nearly as confident.
     pub(super) fn is_to_go_by(&self, curve: usize) -> bool {
         let curve = &self.curves[curve];
         self.is_alike(curve) && 2.0 * curve.confidence >= self.own().confidence
@@ -46,12 +46,12 @@ impl MaskCurves {
     }
 }
 
-/// Traces the ropes in a mask of these ranges; `None` if there is none.
+/// Traces the ropes in a mask of these ranges, or returns `None` without ropes.
 pub(super) fn see(image: &Image, ranges: &[HsvRange], points: &[Vec2]) -> Option<MaskCurves> {
     see_in(image, Mask::Hsv(ranges.to_vec()), points)
 }
 
-/// Traces the ropes in a mask; `None` if there is none.
+/// Traces the ropes in a mask, or returns `None` without ropes.
 pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<MaskCurves> {
     let options = Options {
         mask,
@@ -63,7 +63,7 @@ pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<MaskC
     if curves.is_empty() {
         return None;
     }
-    // The nearest curve to a point, and how far it is.
+    // The nearest curve to a point, and its distance.
     let nearest = |at: Vec2| {
         let all = curves.iter().enumerate();
         all.map(|(k, curve)| (k, half_widths(curve, at)))
@@ -94,7 +94,7 @@ pub(super) fn see_in(image: &Image, mask: Mask, points: &[Vec2]) -> Option<MaskC
     Some(seen)
 }
 
-/// How far a curve is from a point, in half-widths.
+/// Distance from a curve to a point, in half-widths.
 fn half_widths(curve: &Curve, at: Vec2) -> f32 {
     let each = curve.points.iter().zip(&curve.widths_px);
     each.map(|(&point, &width)| vec2::distance(point, at) / (0.5 * width).max(1.0))

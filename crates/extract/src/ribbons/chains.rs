@@ -1,4 +1,4 @@
-//! Spans of neighboring scan lines, put together: dynamic programming from line to line.
+//! Joins spans of neighboring scan lines by dynamic programming from line to line.
 
 use std::ops::Range;
 
@@ -6,43 +6,46 @@ use super::picture::Picture;
 use super::spans::{self, Line, Span};
 use super::{Color, STEP, unlikeness};
 
-/// The widest ribbon, as a share of the picture's longer side.
+/// Maximum width of a ribbon, as a share of the picture's longer side.
 const WIDEST: f32 = 0.09;
-/// How far a span may lie aside of the one on the line before, in steps: beyond that the other lines cut it better.
+/// Maximum distance of a span to the side of the one on the line before, in steps. Beyond that, the
+/// lines of the other direction cut it better.
 const ASIDE: f32 = 1.3;
-/// Lines that are looked back, and what each that is left out costs.
+/// Number of lines to look back, and the cost of each line that is left out.
 const BACK: usize = 3;
 const LEFT_OUT: f32 = 1.0;
-/// How far widths may differ, as a share and in pixels; how far colors may; and how far a chain may turn from line to line.
+/// Maximum difference in width, as a share and in pixels; maximum difference in color; maximum turn
+/// of a chain from line to line.
 const WIDTHS: (f32, f32) = (0.25, 1.0);
 const UNLIKE: f32 = 16.0;
 const TURN_PX: f32 = 3.0;
-/// What a pixel of turn and of width costs, and a level of color.
+/// Cost of a pixel of turn, of a pixel of width, and of a level of color.
 const COST: (f32, f32, f32) = (0.3, 0.3, 0.05);
-/// How likely a rope is from which on it is looked for, of 255; and how far beside, in pixels.
+/// Minimum probability of a rope, of 255, at which it is sought, and the distance searched around
+/// it, in pixels.
 const POSSIBLE: u8 = 64;
 const BESIDE: usize = 96;
-/// The fewest spans of a chain.
+/// Minimum number of spans in a chain.
 const FEWEST: usize = 4;
 
 /// Spans along a ribbon, line after line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chain {
-    /// Whether the lines are rows.
+    /// True if the lines are rows.
     pub(super) is_down: bool,
-    /// Its spans, from where to where in [`Chainer::links`].
+    /// Range of its spans in [`Chainer::links`].
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) worth: f32,
 }
 
-/// A span, and the best chain that ends with it: of each only what is asked over and over.
+/// A span, and the best chain that ends with it. Has only the fields that are read often.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     middle: f32,
     width_px: f32,
     color: Color,
-    /// What the chain is worth, how many spans it has, and how it runs.
+    /// Worth of the chain, its number of spans, and its slope.
     worth: f32,
     count: u32,
     slope: f32,
@@ -57,19 +60,19 @@ pub(super) struct Chainer {
     column: Column,
     line: Line,
     spans: Vec<Span>,
-    /// One a span.
+    /// One per span.
     ends: Vec<Link>,
-    /// Where each line's spans begin.
+    /// Index of the first span of each line.
     starts: Vec<usize>,
     order: Vec<u64>,
     /// The spans of all chains, one chain after the other.
     pub(super) links: Vec<Span>,
-    /// The best first.
+    /// The chains, the best first.
     pub(super) chains: Vec<Chain>,
 }
 
 impl Chainer {
-    /// Makes the buffers for a picture of this size.
+    /// Reserves the buffers for a picture of this size.
     pub(super) fn reserve(&mut self, width: usize, height: usize) {
         let lines = width.max(height) / STEP + 1;
         self.column.reserve(width, height);
@@ -98,7 +101,7 @@ impl Chainer {
             .sort_unstable_by(|a, b| b.worth.total_cmp(&a.worth).then(a.from.cmp(&b.from)));
     }
 
-    /// The spans of all rows, or of all columns.
+    /// Finds the spans of all rows, or of all columns.
     fn cut(&mut self, picture: &Picture, is_down: bool) {
         let lines = match is_down {
             true => picture.height / STEP,
@@ -109,7 +112,7 @@ impl Chainer {
         for number in 0..lines {
             let own = self.spans.len();
             self.starts.push(own);
-            // Only stretches in which ropes are likely.
+            // Only in stretches where ropes are likely.
             let mut from = 0;
             while let Some(stretch) = next_stretch(self.likely(picture, is_down, number), from) {
                 from = stretch.end;
@@ -130,7 +133,7 @@ impl Chainer {
         }));
     }
 
-    /// How likely the pixels of a line are of a rope.
+    /// Probabilities that the pixels of a line are rope.
     fn likely<'a>(&'a self, picture: &'a Picture, is_down: bool, number: usize) -> &'a [u8] {
         match is_down {
             true => picture.row(number * STEP + STEP / 2).1,
@@ -138,7 +141,7 @@ impl Chainer {
         }
     }
 
-    /// Adds the spans of a stretch of a line whose own begin at `own`.
+    /// Adds the spans of a stretch of a line whose own spans begin at index `own`.
     fn add_spans(
         &mut self,
         picture: &Picture,
@@ -162,11 +165,11 @@ impl Chainer {
         }
     }
 
-    /// Finds for each span of a line the best chain that ends with it.
+    /// Finds, for each span of a line, the best chain that ends with it.
     fn join(&mut self, line: usize) {
         let (before, rest) = self.ends.split_at_mut(self.starts[line]);
         let own_count = self.starts[line + 1] - self.starts[line];
-        // They lie in order: where the nearby ones begin only grows.
+        // Spans are in order, so the start of the nearby ones only increases.
         let mut begins: [_; BACK] =
             std::array::from_fn(|k| self.starts[line.saturating_sub(k + 1)]);
         for own in &mut rest[..own_count] {
@@ -207,7 +210,7 @@ impl Chainer {
         }
     }
 
-    /// Takes the chains out of the spans, the best first; a span belongs to one.
+    /// Takes the chains from the spans, the best first. Each span belongs to one chain.
     fn gather(&mut self, is_down: bool) {
         let Self {
             spans,
@@ -253,7 +256,8 @@ impl Chainer {
     }
 }
 
-/// The next stretch of a line from a pixel on in which ropes are likely, and what lies beside.
+/// The next stretch of a line, from a pixel on, where ropes are likely, with a margin on both
+/// sides.
 fn next_stretch(likely: &[u8], from: usize) -> Option<Range<usize>> {
     let next = |from: usize, to: usize| {
         let some = likely[..to.min(likely.len())].get(from..)?;
@@ -267,7 +271,7 @@ fn next_stretch(likely: &[u8], from: usize) -> Option<Range<usize>> {
     Some(first.saturating_sub(BESIDE)..(last + 1 + BESIDE).min(likely.len()))
 }
 
-/// The upper half of a number that is the smaller, the larger this one is.
+/// The upper half of a sorting key that is smaller the larger `worth` is.
 fn falling(worth: f32) -> u64 {
     let bits = worth.to_bits();
     let rising = match bits >> 31 {
@@ -281,9 +285,9 @@ fn falling(worth: f32) -> u64 {
 #[derive(Debug, Default)]
 struct Column {
     height: usize,
-    /// A stretch's.
+    /// Colors of a stretch.
     colors: Vec<Color>,
-    /// Those of all columns that lines run along, one after the other.
+    /// Probabilities of all columns that lines run along, one column after the other.
     likely: Vec<u8>,
 }
 
@@ -293,7 +297,7 @@ impl Column {
         self.likely.reserve(width / STEP * height);
     }
 
-    /// Takes how likely the pixels of all columns are that lines run along, and says how many there are.
+    /// Reads the probabilities of all columns that lines run along. Returns their number.
     fn take(&mut self, picture: &Picture) -> usize {
         let (height, lines) = (picture.height, picture.width / STEP);
         self.height = height;
@@ -312,7 +316,7 @@ impl Column {
         &self.likely[number * self.height..][..self.height]
     }
 
-    /// Takes the colors of a stretch of a column.
+    /// Reads the colors of a stretch of a column.
     fn gather(&mut self, picture: &Picture, number: usize, stretch: Range<usize>) {
         for (color, y) in self.colors.iter_mut().zip(stretch) {
             *color = picture.at(number * STEP + STEP / 2, y);
@@ -320,7 +324,8 @@ impl Column {
     }
 }
 
-/// What it costs that a span goes on from another, which lies so far aside; nothing if it cannot.
+/// Cost of continuing from one span to another, `moved` pixels to the side per line; `None` if it
+/// is not possible.
 #[inline(always)]
 fn cost(own: &Link, other: &Link, moved: f32) -> Option<f32> {
     let (width, before) = (own.width_px, other.width_px);

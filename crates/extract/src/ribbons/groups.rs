@@ -1,4 +1,4 @@
-//! Pieces that go on from each other are grouped, and each group is weighed: is it a rope?
+//! Groups pieces that continue each other, and weighs whether each group is a rope.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -8,27 +8,29 @@ use super::{Color, Rib, unlikeness};
 use crate::statistics::{self, grade};
 use crate::vec2::{self, Vec2};
 
-/// The widest gap between two ends that go on from each other, in widths and pixels.
+/// Maximum gap between two ends that continue each other, in widths and in pixels.
 const GAP: (f32, f32) = (7.0, 30.0);
-/// How unlike and how much wider they may be; how straight they go on, by the cosine of what they turn.
+/// Maximum difference in color and maximum ratio of widths of such ends. Minimum cosine of the turn
+/// from one end to the other, and of the turn from each end to the gap.
 const UNLIKE: f32 = 25.0;
 const WIDER: f32 = 1.7;
 const FACING: f32 = 0.6;
 const STRAIGHT: f32 = 0.75;
-/// What a link may cost.
+/// Maximum cost of a link.
 const COST: f32 = 9.0;
-/// Of an end that lies on another piece: how unlike and wider that may be.
+/// Maximum difference in color and maximum ratio of widths of a piece that an end lies on.
 const ON: (f32, f32) = (20.0, 1.6);
-/// The evidence from which on a group is a rope, and its least length in pixels.
+/// Minimum evidence that a group is a rope, and its minimum length in pixels.
 const ROPE: f32 = 4.0;
 const SHORTEST_PX: f32 = 40.0;
-/// The evidence and length from which on a group's width is one that ropes have here.
+/// Minimum evidence and length of a group whose width counts as one that ropes have in this
+/// picture.
 const SURE: (f32, f32) = (4.5, 60.0);
-/// What it says that a group has such a width, or no such.
+/// Weight of the evidence that a group has such a width or not.
 const FITS: f32 = 1.2;
-/// What it says how likely a group is of a rope, from one that is as likely as not.
+/// Weight of the network's probability for a group, compared with one half.
 const LIKELY: f32 = 6.0;
-/// Pixels from one to the next of those that are asked for a group's color.
+/// Step between the pixels that are compared with a group's color.
 const STRIDE: usize = 5;
 
 /// An end of a piece.
@@ -37,7 +39,7 @@ pub(super) struct End {
     pub(super) piece: usize,
     pub(super) rib: usize,
     pub(super) at: Vec2,
-    /// Outward.
+    /// Outward direction.
     pub(super) along: Vec2,
     /// The end that it is linked with.
     pub(super) linked: Option<usize>,
@@ -46,12 +48,12 @@ pub(super) struct End {
 /// Memory and result of the step.
 #[derive(Debug, Default)]
 pub(super) struct Grouper {
-    /// Two a piece: its first and its last.
+    /// Two per piece: its first and its last.
     pub(super) ends: Vec<End>,
     links: Vec<(f32, u32, u32)>,
-    /// Each piece's group, by one of its pieces.
+    /// Group of each piece, identified by one of its pieces.
     group: Vec<usize>,
-    /// Of each group, under that piece's number.
+    /// Values of each group, at the index of that piece.
     lengths: Vec<f32>,
     widths: Vec<f32>,
     evidence: Vec<f32>,
@@ -63,12 +65,12 @@ pub(super) struct Grouper {
 }
 
 impl Grouper {
-    /// Makes the buffers for so many pieces, and for a picture of this size.
+    /// Reserves the buffers for this many pieces, and for a picture of this size.
     pub(super) fn reserve(&mut self, [width, height]: [usize; 2], pieces: usize, ribs: usize) {
         self.grid
             .reserve((width / STRIDE + 1) * (height / STRIDE + 1));
         self.ends.reserve(2 * pieces);
-        // Ends have few others before them.
+        // Each end faces few others.
         self.links.reserve(8 * pieces);
         self.group.reserve(pieces);
         for values in [&mut self.lengths, &mut self.widths, &mut self.evidence] {
@@ -80,7 +82,7 @@ impl Grouper {
         self.is_rope.reserve(pieces);
     }
 
-    /// Groups the pieces, and says which are rope.
+    /// Groups the pieces and decides which are rope.
     pub(super) fn run(
         &mut self,
         picture: &Picture,
@@ -97,7 +99,7 @@ impl Grouper {
         self.weigh(picture, pieces, ribs);
     }
 
-    /// Whether a piece is part of a rope.
+    /// Returns whether a piece is part of a rope.
     pub(super) fn is_rope(&self, piece: usize) -> bool {
         self.is_rope[piece]
     }
@@ -140,7 +142,7 @@ impl Grouper {
         }
     }
 
-    /// Groups a piece with what its ends lie on.
+    /// Groups each piece with what its ends lie on.
     fn lay_on(&mut self, picture: &Picture, ground: &Ground, pieces: &[Fragment]) {
         for i in 0..self.ends.len() {
             let End {
@@ -200,7 +202,7 @@ impl Grouper {
         }
     }
 
-    /// What it says for a width that the sure ropes have it too.
+    /// Evidence from a width: whether certain ropes have it too.
     fn fits(&self, width_px: f32) -> f32 {
         let wider = self
             .sure
@@ -212,7 +214,7 @@ impl Grouper {
         }
     }
 
-    /// What speaks for a group's being a rope: each kind of evidence counts up to about one.
+    /// Sum of the evidence that a group is a rope.
     fn evidence_of(
         &mut self,
         picture: &Picture,
@@ -223,7 +225,7 @@ impl Grouper {
         for (piece, own) in pieces.iter().enumerate() {
             if self.root(piece) == group {
                 let ribs = ribs[own.from..own.to].iter();
-                // Not those that were traced.
+                // Traced ribs are left out.
                 self.ribs.extend(ribs.filter(|rib| rib.quality > 0.0));
             }
         }
@@ -257,7 +259,7 @@ impl Grouper {
     }
 }
 
-/// What it costs to link two ends; nothing if they do not go on from each other.
+/// Cost of linking two ends; `None` if they do not continue each other.
 fn cost(pieces: &[Fragment], a: &End, b: &End) -> Option<f32> {
     let (one, other) = (&pieces[a.piece], &pieces[b.piece]);
     let facing = -vec2::dot(a.along, b.along);
@@ -285,7 +287,7 @@ fn cost(pieces: &[Fragment], a: &End, b: &End) -> Option<f32> {
     Some(gap_px / width_px + turn + unlike)
 }
 
-/// How far some ribs lie beside a straight line through them, in the mean.
+/// Root-mean-square distance of some ribs from a straight line through them.
 fn off_line_px(ribs: &[Rib], share: f32) -> f32 {
     let middle = ribs
         .iter()
@@ -329,7 +331,7 @@ impl Grid {
         }
     }
 
-    /// How seldom a color is beside of ribbons, against how often it is in them: a logarithm.
+    /// Logarithm of how much more often a color is inside ribbons than outside them.
     fn rarity(&self, color: Color, radius: f32) -> f32 {
         let grid = self;
         let [all, inside] = Arch::new().dispatch(Alike {

@@ -1,4 +1,5 @@
-//! Ropes as a mask: each pixel gets how much of the rope's color it has, between that and the ground's beside it.
+//! Paints ropes as a mask. Each pixel gets its share of the rope's color, relative to that of the
+//! ground next to it.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -9,28 +10,29 @@ use super::{Color, Rib, dot, minus, mix};
 use crate::image::gray::GrayPlane;
 use crate::vec2;
 
-/// How far inside of its edges a rope is all rope, and how far outside of them there may be some, in pixels.
+/// Distance inside its edges beyond which all of a rope is rope, and distance outside them within
+/// which some may be, in pixels.
 const EDGE_PX: (f32, f32) = (1.5, 2.0);
-/// How far a rope may go on beyond its last rib, in widths, where its color does.
+/// Maximum length of a rope beyond its last rib, in widths, as far as its color continues.
 const TIP_WIDTHS: f32 = 1.0;
-/// How far an end is from what it runs into, in widths and pixels.
+/// Maximum distance of an end from what it runs into, in widths and in pixels.
 const INTO: (f32, f32) = (1.5, 6.0);
 
-/// How likely a pixel is from which on it is rope also where no ribbon was found, of 255.
+/// Minimum probability, of 255, at which a pixel is rope even where no ribbon was found.
 const SURE: u8 = 179;
 
-/// How a stretch between two ribs is painted.
+/// Rule for painting a stretch between two ribs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// All of it is rope, but for its edges.
+    /// All of it is rope, except its edges.
     Seen,
-    /// What has the rope's color is rope.
+    /// Only pixels of the rope's color are rope.
     Tip,
-    /// It is rope, as far as is known, but not seen.
+    /// It is considered rope, but is not visible.
     Hidden,
 }
 
-/// Paints all pieces that are rope, and what is surely of one.
+/// Paints all pieces that are rope, and the pixels where the network is certain.
 pub(super) fn run(
     picture: &Picture,
     grouper: &Grouper,
@@ -81,7 +83,7 @@ pub(super) fn run(
     }
 }
 
-/// Adds to a row what is surely of a rope.
+/// Adds to a row the pixels where the network is certain.
 struct Surely<'a> {
     likely: &'a [u8],
     out: &'a mut [u8],
@@ -98,7 +100,7 @@ impl NullaryFnOnce for Surely<'_> {
     }
 }
 
-/// The rib so far ahead.
+/// The rib moved ahead by a distance.
 fn ahead(rib: &Rib, px: f32) -> Rib {
     Rib {
         at: vec2::along(rib.at, rib.along, px),
@@ -112,7 +114,7 @@ struct Brush<'a> {
 }
 
 impl Brush<'_> {
-    /// How far ahead of an end another rope or the picture's border lies, if it is in reach.
+    /// Distance from an end to another rope or the picture's border ahead of it, if within reach.
     fn run_up_px(&self, rib: &Rib, reach_px: f32) -> Option<f32> {
         let mut px = 3.0;
         while px < reach_px {
@@ -145,7 +147,8 @@ impl Brush<'_> {
         let columns = bound(0, self.out.width());
         for y in bound(1, self.out.height()) {
             let row = (y as f32 + 0.5) / scale - 0.5;
-            // Only what lies between the ribs and near them: a little more than what is asked below, for what rounding does.
+            // Only what is between the ribs and near them. A small margin over the tests below
+            // allows for rounding.
             let down_px = row - from.at[1];
             let near = (f32::NEG_INFINITY, f32::INFINITY);
             let near = cut(near, (along, down_px), (-1.0, length_px + 1.0));
@@ -155,14 +158,14 @@ impl Brush<'_> {
             let (first, last) = (columns.start.max(first), columns.end.min(last));
             let row_out = self.out.row_mut(y).iter_mut().enumerate();
             for (x, out) in row_out.take(last).skip(first) {
-                // No more than all.
+                // It is rope already.
                 if *out == 255 {
                     continue;
                 }
                 let at = [(x as f32 + 0.5) / scale - 0.5, row];
                 let off = vec2::sub(at, from.at);
                 let run_px = vec2::dot(off, along);
-                // Where ribs turn, the outer side would be left open.
+                // With a smaller limit, the outer side would be left open where ribs turn.
                 if run_px < -0.75 || run_px > length_px + 0.75 {
                     continue;
                 }
@@ -175,13 +178,14 @@ impl Brush<'_> {
     }
 }
 
-/// Cuts a stretch of a row, `down_px` below, to where what its places come to along a direction lies between two bounds.
+/// Clips a stretch of a row, `down_px` below, to where the component of its places along a
+/// direction is between two bounds.
 fn cut(
     (low, high): (f32, f32),
     (along, down_px): (vec2::Vec2, f32),
     (from, to): (f32, f32),
 ) -> (f32, f32) {
-    // Along the row it hardly changes.
+    // The component hardly changes along the row.
     if along[0].abs() < 0.01 {
         return (low, high);
     }
@@ -189,7 +193,7 @@ fn cut(
     (low.max(a.min(b)), high.min(a.max(b)))
 }
 
-/// How much of a pixel is rope.
+/// Share of rope in a pixel, from 0 to 255.
 fn level(
     picture: &Picture,
     (from, to, share): (&Rib, &Rib, f32),
@@ -215,12 +219,12 @@ fn level(
         Some(own) => part(own, ground, rope),
         None => 1.0,
     };
-    // Farther out than a pixel it is another thing of the rope's color.
+    // Farther out than a pixel, it is another object of the rope's color.
     let most = (0.5 + 0.5 * (inside_px + EDGE_PX.1)).clamp(0.0, 1.0);
     (255.0 * part.min(most)) as u8
 }
 
-/// How much of the way from the ground's color to the rope's a color has gone.
+/// Position of a color on the way from the ground's color to the rope's, from 0 to 1.
 fn part(own: Color, ground: Color, rope: Color) -> f32 {
     let way = minus(rope, ground);
     (dot(minus(own, ground), way) / dot(way, way).max(1.0)).clamp(0.0, 1.0)

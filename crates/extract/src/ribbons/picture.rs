@@ -1,5 +1,5 @@
-//! The picture as ribbons are looked for in it: brightness and chroma, smoothed over the noise of a pixel, and made smaller
-//! if it is a large one.
+//! The picture in which ribbons are sought: brightness and chroma, smoothed over the noise of a
+//! pixel, and reduced if it is large.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -9,11 +9,11 @@ use crate::image::{Image, PixelFormat, color};
 use crate::statistics;
 use crate::vec2::Vec2;
 
-/// The longest side that is looked at; of larger pictures the means of blocks are.
+/// Maximum side of the picture, in pixels. Larger images are reduced to the means of blocks.
 const LONGEST: usize = 1000;
-/// Pixels from one to the next of which the noise is taken.
+/// Step between the pixels that are used to measure noise.
 const STRIDE: usize = 5;
-/// Rows that a pixel is smoothed over.
+/// Number of rows over which a pixel is smoothed.
 const RING: usize = 5;
 
 /// The smoothed picture.
@@ -21,23 +21,23 @@ const RING: usize = 5;
 pub(super) struct Picture {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Pixels of the image along a pixel of this.
+    /// Pixels of the image, along one axis, per pixel of this picture.
     pub(super) scale: usize,
-    /// The middle change over two pixels: noise and grain.
+    /// Median change over two pixels: noise and grain.
     pub(super) noise: f32,
     colors: Vec<Color>,
-    /// How likely each pixel is of a rope, 255 for certain.
+    /// Probability that each pixel is rope, 255 for certain.
     likely: Vec<u8>,
     /// A line of the image, and a row of the picture before it is smoothed.
     row: Vec<u32>,
     means: Vec<Color>,
-    /// The last rows that are smoothed along themselves.
+    /// The last rows, smoothed along themselves.
     ring: Vec<Color>,
     steps: Vec<f32>,
 }
 
 impl Picture {
-    /// Makes the buffers for images of this size, and says which this is.
+    /// Reserves the buffers for images of this size. Returns the picture's size.
     pub(super) fn reserve(&mut self, width: usize, height: usize) -> [usize; 2] {
         self.scale = width.max(height).div_ceil(LONGEST);
         (self.width, self.height) = (width / self.scale, height / self.scale);
@@ -52,7 +52,7 @@ impl Picture {
         [self.width, self.height]
     }
 
-    /// Takes up an image, and how likely its pixels are of a rope.
+    /// Reads an image, and the probabilities that its pixels are rope.
     pub(super) fn take(&mut self, image: &Image, likely: &GrayPlane) {
         self.scale = image.width().max(image.height()).div_ceil(LONGEST);
         self.width = image.width() / self.scale;
@@ -60,7 +60,7 @@ impl Picture {
         self.read(image);
         self.likely.clear();
         for y in 0..self.height {
-            // In the middle of each block.
+            // From the middle of each block.
             let row = likely.row(y * self.scale + self.scale / 2);
             if self.scale == 1 {
                 self.likely.extend_from_slice(row);
@@ -77,13 +77,14 @@ impl Picture {
         for y in (0..self.height).step_by(STRIDE) {
             let row = &self.colors[y * self.width..][..self.width];
             let steps = row.windows(3).step_by(STRIDE);
-            // The root of the middle one of the squares is the middle one.
+            // The root of the median of the squares is the median.
             (self.steps).extend(steps.map(|near| squared_distance(near[0], near[2])));
         }
         statistics::median_of_positive(&mut self.steps).sqrt()
     }
 
-    /// The mean color of each block, smoothed. Row by row: what is not yet smooth stays in the first cache.
+    /// Computes the mean color of each block, smoothed. Goes row by row, so that unsmoothed rows
+    /// stay in the first-level cache.
     fn read(&mut self, image: &Image) {
         let (width, height) = (self.width, self.height);
         self.colors.resize(width * height, [0.0; 3]);
@@ -113,7 +114,7 @@ impl Picture {
         }
     }
 
-    /// The means of a row of blocks.
+    /// Computes the means of a row of blocks.
     fn read_row(&mut self, image: &Image, y: usize) {
         let scale = self.scale;
         self.means.fill([0.0; 3]);
@@ -133,28 +134,28 @@ impl Picture {
         self.colors[y * self.width + x]
     }
 
-    /// The colors of a row, and how likely its pixels are of a rope.
+    /// The colors of a row, and the probabilities that its pixels are rope.
     pub(super) fn row(&self, y: usize) -> (&[Color], &[u8]) {
         let row = y * self.width..(y + 1) * self.width;
         (&self.colors[row.clone()], &self.likely[row])
     }
 
-    /// How likely the pixel at a place is; not at all outside.
+    /// Probability of the pixel at a place, from 0 to 1; 0 outside.
     pub(super) fn likely_at(&self, at: Vec2) -> f32 {
         (self.index(at)).map_or(0.0, |index| f32::from(self.likely[index]) / 255.0)
     }
 
-    /// The pixel at a place, if that is inside.
+    /// Index of the pixel at a place, if that is inside.
     pub(super) fn index(&self, [x, y]: Vec2) -> Option<usize> {
         let is_inside =
             x >= -0.5 && y >= -0.5 && x < self.width as f32 - 0.5 && y < self.height as f32 - 0.5;
         is_inside.then(|| self.index_inside([x, y]))
     }
 
-    /// The pixel at a place that is inside.
+    /// Index of the pixel at a place that is inside.
     #[inline(always)]
     pub(super) fn index_inside(&self, [x, y]: Vec2) -> usize {
-        // By way of an integer of a float's size, which is converted faster.
+        // Through an integer as wide as a float, which is converted faster.
         (y + 0.5) as i32 as usize * self.width + (x + 0.5) as i32 as usize
     }
 
@@ -180,7 +181,7 @@ impl Picture {
     }
 }
 
-/// What a pixel is in brightness and chroma, if it has these.
+/// Converts Y, U and V to brightness and chroma.
 #[inline(always)]
 fn from_yuv([y, u, v]: [f32; 3]) -> Color {
     [y, 2.0 * (u - 128.0), 2.0 * (v - 128.0)]
@@ -236,7 +237,7 @@ impl Means<'_> {
     }
 }
 
-/// A binomial of five pixels along a row.
+/// A binomial filter of five pixels along a row.
 struct Along<'a> {
     row: &'a [f32],
     out: &'a mut [f32],
@@ -262,7 +263,7 @@ impl NullaryFnOnce for Along<'_> {
     }
 }
 
-/// The same across five rows.
+/// A binomial filter across five rows.
 struct Across<'a> {
     rows: [&'a [f32]; 5],
     out: &'a mut [f32],
@@ -277,7 +278,7 @@ impl NullaryFnOnce for Across<'_> {
     }
 }
 
-/// A binomial of five slices, as long as all of them go.
+/// Applies a binomial filter to five slices, up to the end of the shortest.
 #[inline(always)]
 fn smooth([a, b, c, d, e]: [&[f32]; 5], out: &mut [f32]) {
     let near = a.iter().zip(b).zip(c).zip(d).zip(e);

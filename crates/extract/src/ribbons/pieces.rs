@@ -1,5 +1,5 @@
-//! Chains become pieces of ribbon: the best first, each of what no better one has taken, and without what is only the ground or
-//! a shadow beside one.
+//! Makes pieces of ribbon from chains, the best first. Each has only what no better one has taken,
+//! without what is only the ground or a shadow next to one.
 
 use super::chains::{Chain, Chainer};
 use super::picture::Picture;
@@ -8,23 +8,24 @@ use super::{Rib, is_shade, unlikeness};
 use crate::statistics;
 use crate::vec2::{self, Vec2};
 
-/// The most pieces.
+/// Maximum number of pieces.
 pub(super) const MOST: usize = 250;
-/// The shortest, in pixels and widths, and in ribs.
+/// Minimum length of a piece, in pixels and in widths, and its minimum number of ribs.
 const SHORTEST: (f32, f32, usize) = (16.0, 1.5, 3);
-/// The most ribs of all pieces together.
+/// Maximum number of ribs of all pieces together.
 pub(super) const MOST_RIBS: usize = 8192;
-/// How far off an edge the next ribbon begins, if one lies there; and how wide that is at most.
+/// Distance from an edge at which an adjacent ribbon begins, and its maximum width, in pixels.
 const BESIDE_PX: f32 = 3.0;
 const ACROSS_PX: usize = 80;
-/// From which share of its ribs on a piece lies beside others, and of those from which on it is ground.
+/// Minimum share of a piece's ribs that are next to other pieces, and minimum share of these that
+/// look like ground, for the piece to be ground.
 const BESIDE: f32 = 0.4;
 const GROUND: f32 = 0.5;
 
 /// Ribs that follow each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fragment {
-    /// From where to where among the ribs.
+    /// Range of its ribs among all.
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) length_px: f32,
@@ -33,7 +34,7 @@ pub(super) struct Fragment {
 }
 
 impl Fragment {
-    /// A piece of these ribs, which begin at `from` among all.
+    /// A piece of these ribs, which begin at index `from` among all.
     pub(super) fn of(ribs: &[Rib], from: usize, widths: &mut Vec<f32>) -> Self {
         widths.clear();
         widths.extend(ribs.iter().map(|rib| rib.width_px));
@@ -53,13 +54,13 @@ impl Fragment {
         }
     }
 
-    /// How many times as wide as the other one of the two is.
+    /// Ratio of the larger of the two widths to the smaller.
     pub(super) fn wider(&self, other: f32) -> f32 {
         (self.width_px / other).max(other / self.width_px)
     }
 }
 
-/// Which piece has taken a pixel: its number from 1.
+/// The piece that has taken each pixel, as its number from 1.
 #[derive(Debug, Default)]
 pub(super) struct Ground {
     taken: Vec<u16>,
@@ -67,24 +68,24 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// Makes the buffers for a picture of so many pixels.
+    /// Reserves the buffers for a picture of this many pixels.
     pub(super) fn reserve(&mut self, pixels: usize) {
         self.taken.reserve(pixels);
         self.widths.reserve(MOST_RIBS);
     }
 
-    /// The piece at a place, if one has taken it.
+    /// The piece that has taken the pixel at a place, if any.
     pub(super) fn at(&self, picture: &Picture, at: Vec2) -> Option<usize> {
         let taken = self.taken[picture.index(at)?];
         (taken > 0).then(|| usize::from(taken) - 1)
     }
 
-    /// Whether the pixel is taken.
+    /// Returns whether the pixel is taken.
     pub(super) fn is_taken(&self, index: usize) -> bool {
         self.taken[index] > 0
     }
 
-    /// Has a piece take what lies between its ribs and is free.
+    /// Gives a piece the free pixels between its ribs.
     pub(super) fn take(&mut self, picture: &Picture, ribs: &[Rib], piece: usize) {
         for pair in ribs.windows(2) {
             let steps = vec2::distance(pair[0].at, pair[1].at).max(1.0) as usize + 1;
@@ -131,7 +132,7 @@ pub(super) fn take(
         let spans = &chainer.links[chain.from..chain.to];
         let is_free = |i: usize| !is_covered(picture, ground, chain, &spans[i]);
         let mut i = 0;
-        // What of the chain is free may be several pieces.
+        // The free parts of the chain may be several pieces.
         let mut runs = [(0, 0); 8];
         let mut count = 0;
         while i < spans.len() && count < runs.len() {
@@ -140,7 +141,7 @@ pub(super) fn take(
                 continue;
             }
             let first = i;
-            // A single one that is not does not part it.
+            // A single span that is taken does not split it.
             while i + 1 < spans.len() && (is_free(i + 1) || i + 2 < spans.len() && is_free(i + 2)) {
                 i += 1;
             }
@@ -169,7 +170,7 @@ pub(super) fn take(
     }
 }
 
-/// Whether more than half of a span is taken.
+/// Returns whether at least half of a span is taken.
 fn is_covered(picture: &Picture, ground: &Ground, chain: &Chain, span: &Span) -> bool {
     let (mut all, mut taken) = (0, 0);
     let mut at = span.from;
@@ -203,17 +204,18 @@ fn lay(chain: &Chain, spans: &[Span], ribs: &mut Vec<Rib>) {
         ribs.push(Rib {
             at: middle(i),
             along,
-            // The line cuts it aslant.
+            // The line cuts the ribbon at an angle.
             width_px: span.width_px() * along[across],
             color: span.color,
-            // The normal points up the columns and down the rows.
+            // The normal points to lower columns if the ribbon goes down, and to higher rows if it
+            // goes right.
             sides: if chain.is_down { [a, b] } else { [b, a] },
             quality: span.quality,
         });
     }
 }
 
-/// Whether ribs that lie beside better pieces are the ground there, or what it is in shadow.
+/// Returns whether ribs next to better pieces are the ground there, or the ground in shadow.
 fn is_ground(picture: &Picture, ground: &Ground, ribs: &[Rib]) -> bool {
     let (mut beside, mut shade) = (0.0, 0.0);
     for rib in ribs {
@@ -225,7 +227,7 @@ fn is_ground(picture: &Picture, ground: &Ground, ribs: &[Rib]) -> bool {
                 continue;
             };
             (is_beside, free[k]) = (true, false);
-            // Beyond it.
+            // Beyond that piece.
             let beyond = (1..ACROSS_PX)
                 .map(|px| off_px + sign * px as f32)
                 .find(|&px| ground.at(picture, rib.aside(px)) != Some(number));
@@ -246,7 +248,7 @@ fn is_ground(picture: &Picture, ground: &Ground, ribs: &[Rib]) -> bool {
     beside > BESIDE * ribs.len() as f32 && shade > GROUND * beside
 }
 
-/// Whether two pieces may be of one rope by their looks.
+/// Returns whether two pieces look as if they may be of one rope.
 pub(super) fn are_alike(a: &Fragment, b: &Fragment, unlike: f32, wider: f32) -> bool {
     unlikeness(a.color, b.color) < unlike && a.wider(b.width_px) < wider
 }

@@ -1,47 +1,52 @@
-//! What lies between two edges on a scan line.
+//! Finds what is between two edges on a scan line.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
 use super::{Color, STEP, distance, squared_distance};
 
-/// The least edge, in the picture's noise and in levels over two pixels.
+/// Minimum change of color over two pixels at an edge, as a multiple of the picture's noise and in
+/// levels.
 const EDGE: (f32, f32) = (2.0, 5.0);
-/// The narrowest span, in pixels.
+/// Minimum width of a span, in pixels.
 const NARROWEST_PX: f32 = 3.0;
-/// How far off its edges a span's own color is read, and from which width on.
+/// Distance from its edges at which a span's own color is read, and the minimum width for this, in
+/// pixels.
 const INSIDE_PX: (f32, f32) = (1.5, 6.0);
-/// From where to where beside an edge the ground is read.
+/// Nearest and farthest distance from an edge at which the ground is read, in pixels.
 const BESIDE_PX: (f32, f32) = (1.5, 4.5);
-/// What a span's brightness may vary, against its chroma: a round rope is shaded.
+/// Weight of a span's variation in brightness, relative to that in chroma: a round rope is shaded.
 const SHADED: f32 = 0.25;
-/// The least distance of a span from what lies beside it, in levels, and in its own spread and noise: of one that is hardly
-/// likely, and of one that is certain.
+/// Minimum distance of a span from what is next to it, in levels, and relative to its own spread
+/// and noise. The first value is for a span of probability 0, and the second for one of probability
+/// 1.
 const APART: (f32, f32) = (14.0, 8.0);
 const QUALITY: (f32, f32) = (1.5, 0.8);
-/// How likely a span is at least, unless it has this quality and distance from what lies beside it; and what it is worth.
+/// A span below the probability `LIKELY` must have the quality and distance `PLAIN`. `LIKELY_WORTH`
+/// is the weight of the probability in a span's worth.
 const PLAIN: (f32, f32) = (3.0, 30.0);
 const LIKELY: f32 = 0.3;
 const LIKELY_WORTH: f32 = 2.0;
-/// Levels that any color varies by, and how much of the picture's noise: the mean of a span has less of it than a pixel.
+/// Variation of any color in levels, and the share of the picture's noise that counts: the mean of
+/// a span has less noise than a pixel.
 const LEVELS: f32 = 3.0;
 const NOISE: f32 = 0.5;
-/// The most edges and spans of a line that are kept.
+/// Maximum number of edges and of spans that are kept per line.
 pub(super) const MOST: usize = 128;
-/// What a span is worth by its quality: from where on, at most, at least.
+/// Quality at which a span is worth 0, maximum quality that counts, and minimum worth.
 const WORTH: (f32, f32, f32) = (1.0, 4.0, 0.3);
 
-/// A stretch of a scan line between two edges, of one color that is another than beside it.
+/// A stretch of a scan line between two edges, of a color that differs from those next to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    /// The line's number, and where on it the edges lie.
+    /// Number of the line, and the positions of the edges on it.
     pub(super) line: u32,
     pub(super) from: f32,
     pub(super) to: f32,
     pub(super) color: Color,
-    /// What lies before it and after it.
+    /// Colors before it and after it.
     pub(super) sides: [Color; 2],
     pub(super) quality: f32,
-    /// What it is worth by itself.
+    /// Worth of the span alone.
     pub(super) worth: f32,
 }
 
@@ -54,28 +59,28 @@ impl Span {
         self.to - self.from
     }
 
-    /// Where the line lies.
+    /// Position of the line.
     pub(super) fn line_px(&self) -> f32 {
         (self.line as usize * STEP + STEP / 2) as f32
     }
 }
 
-/// A place where the color changes, and what a span that begins or ends there needs of it.
+/// A place where the color changes, with the data for a span that begins or ends there.
 #[derive(Debug)]
 struct Edge {
     at: f32,
     /// The nearest pixel.
     nearest: usize,
-    /// The first pixel of a narrow span that begins here, and of a wide one.
+    /// First pixel of a narrow span that begins here, and of a wide one.
     first: [usize; 2],
-    /// The pixel behind the last one of a narrow span that ends here, and of a wide one.
+    /// Index after the last pixel of a narrow span that ends here, and of a wide one.
     end: [usize; 2],
-    /// The colors beside it, if there is room.
+    /// Colors on either side, if there is room.
     before: Option<Color>,
     after: Option<Color>,
 }
 
-/// What is summed up to a pixel: the colors, and their squares. Fours fill registers.
+/// Sums up to a pixel, of the colors and of their squares. Arrays of four fill registers.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     colors: [f64; 4],
@@ -85,17 +90,17 @@ struct Sum {
 /// Memory for a stretch of a line.
 #[derive(Debug, Default)]
 pub(super) struct Line {
-    /// Squares of the change over two pixels.
+    /// Squared changes over two pixels.
     steps: Vec<f32>,
     edges: Vec<Edge>,
-    /// Up to each pixel.
+    /// Sums up to each pixel.
     sums: Vec<Sum>,
-    /// How likely ropes are, summed up to each pixel.
+    /// Probabilities of rope, summed up to each pixel.
     likely: Vec<f32>,
 }
 
 impl Line {
-    /// Makes the buffers for a line of so many pixels.
+    /// Reserves the buffers for a line of this many pixels.
     pub(super) fn reserve(&mut self, pixels: usize) {
         self.steps.reserve(pixels);
         self.edges.reserve(MOST);
@@ -103,8 +108,12 @@ impl Line {
         self.likely.reserve(pixels + 1);
     }
 
-    /// Adds the spans of a stretch of line number `line`, which begins at `start`, none wider than `widest_px`: of its colors, and how
-    /// likely its pixels are of a rope. The line's own begin at `own`: of all its stretches together so many are kept.
+    /// Adds the spans of a stretch of line number `line` that begins at `start`. None is wider than
+    /// `widest_px`.
+    ///
+    /// The inputs are the stretch's colors and the probabilities that its pixels are rope. The
+    /// line's own spans begin at index `own`. All stretches of a line together keep at most
+    /// [`MOST`] spans.
     pub(super) fn spans(
         &mut self,
         (colors, likely): (&[Color], &[u8]),
@@ -144,7 +153,8 @@ impl Line {
         });
     }
 
-    /// What lies between two edges, if it is a span. What is cheap to know comes first: most are none.
+    /// The span between two edges, if there is one. Cheap tests come first, because most pairs of
+    /// edges are not spans.
     fn span(&self, [from, to]: [&Edge; 2], noise: f32) -> Option<Span> {
         let sides = [from.before?, to.after?];
         let is_wide = usize::from(to.at - from.at >= INSIDE_PX.1);
@@ -153,7 +163,8 @@ impl Line {
         let likely = self.likely(from.nearest, to.nearest);
         let apart = sides.map(|side| distance(color, side));
         let least = apart[0].min(apart[1]);
-        // What the network is sure of may be hard to see; what it misses has to be plain.
+        // A rope that the network is certain of may be hard to see. One that it misses has to be
+        // plain.
         let is_unlikely = likely < LIKELY;
         if least < between(APART, likely) || is_unlikely && least < PLAIN.1 {
             return None;
@@ -173,7 +184,7 @@ impl Line {
         })
     }
 
-    /// Where the color changes most, between pixels.
+    /// Finds the places where the color changes most, between pixels.
     fn find_edges(&mut self, colors: &[Color], noise: f32) {
         let least = (EDGE.0 * noise).max(EDGE.1);
         self.steps.clear();
@@ -183,7 +194,8 @@ impl Line {
             out: &mut self.steps,
         });
         self.edges.clear();
-        // Roots only where there may be an edge; a little less than the square of the least, for what rounding does.
+        // Roots are taken only where there may be an edge. The limit is slightly lower, to allow
+        // for rounding.
         let low = 0.999 * least * least;
         for (i, near) in self.steps.windows(3).enumerate() {
             if near[1] <= low {
@@ -214,7 +226,7 @@ impl Line {
         });
     }
 
-    /// The colors beside the edges.
+    /// Reads the colors on either side of the edges.
     fn look_beside(&mut self) {
         let mut edges = std::mem::take(&mut self.edges);
         for edge in &mut edges {
@@ -227,7 +239,7 @@ impl Line {
         self.edges = edges;
     }
 
-    /// Some pixels together, if there are any.
+    /// Mean of some pixels, if there are any.
     #[inline(always)]
     fn between(&self, from: usize, to: usize) -> Option<Mean> {
         if to <= from {
@@ -241,7 +253,7 @@ impl Line {
         })
     }
 
-    /// How likely it is of a rope what lies between two edges.
+    /// Probability that what is between two edges is rope.
     #[inline(always)]
     fn likely(&self, from: usize, to: usize) -> f32 {
         let from = from.min(to);
@@ -250,7 +262,7 @@ impl Line {
 }
 
 impl Edge {
-    /// One at a place of a stretch of so many pixels.
+    /// Creates an edge at a place in a stretch of `pixels` pixels.
     fn new(at: f32, pixels: usize) -> Self {
         let inside = [0.5, INSIDE_PX.0];
         Self {
@@ -269,12 +281,12 @@ fn first(from: f32) -> usize {
     libm::ceilf(from).max(0.0) as usize
 }
 
-/// The pixel behind the last one up to a place, of so many.
+/// Index after the last pixel up to a place, of `pixels` in all.
 fn end(to: f32, pixels: usize) -> usize {
     (libm::floorf(to) + 1.0).clamp(0.0, pixels as f32) as usize
 }
 
-/// The mean of some pixels: of their colors, and of the squares.
+/// Means of the colors of some pixels, and of their squares.
 struct Mean {
     color: [f64; 4],
     square: [f64; 4],
@@ -285,7 +297,7 @@ impl Mean {
         [0, 1, 2].map(|c| self.color[c] as f32)
     }
 
-    /// How far the pixels are from their mean, shading aside.
+    /// Deviation of the pixels from their mean, with little weight on shading.
     fn spread(&self) -> f32 {
         let [y, u, v] =
             [0, 1, 2].map(|c| (self.square[c] - self.color[c] * self.color[c]).max(0.0) as f32);
@@ -293,7 +305,7 @@ impl Mean {
     }
 }
 
-/// The squares of the change over two pixels.
+/// Computes the squared changes over two pixels.
 struct Steps<'a> {
     colors: &'a [Color],
     out: &'a mut [f32],
@@ -311,7 +323,7 @@ impl NullaryFnOnce for Steps<'_> {
     }
 }
 
-/// Sums up to each pixel.
+/// Computes the sums up to each pixel.
 struct SumUp<'a> {
     colors: &'a [Color],
     likely: &'a [u8],
@@ -341,7 +353,7 @@ impl NullaryFnOnce for SumUp<'_> {
     }
 }
 
-/// From one bound to another by a share of the way.
+/// Interpolates from one bound to the other by a share of the way.
 fn between((from, to): (f32, f32), share: f32) -> f32 {
     from + share * (to - from)
 }

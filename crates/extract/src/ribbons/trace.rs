@@ -1,44 +1,46 @@
-//! Pieces are traced on from their ends: by steps along a slowly turning direction, to where the ribbon's edges and color
-//! are found again.
+//! Extends pieces at their ends, by steps along a slowly turning direction, to where the ribbon's
+//! edges and color are found again.
 
 use super::picture::Picture;
 use super::pieces::{Fragment, Ground};
 use super::{Color, Rib, distance, mix, unlikeness};
 use crate::vec2::{self, Vec2};
 
-/// The shortest piece that is traced on, in widths.
+/// Minimum length of a piece that is extended, in widths.
 const LEAST_WIDTHS: f32 = 5.0;
-/// Pixels of a step, and the most steps.
+/// Length of a step in pixels, and maximum number of steps.
 const HOP_PX: f32 = 3.0;
 const MOST: usize = 200;
-/// Ribs from which on no more pieces are traced.
+/// Maximum number of ribs; with more, pieces are not extended.
 pub(super) const MOST_TRACED: usize = 8192;
-/// How far it goes without finding anything, in widths and pixels; and what a pixel of that counts where another piece
-/// lies, which may hide it.
+/// Maximum distance without finding anything, in widths and in pixels. A pixel of it counts only
+/// `HIDDEN` where another piece may hide the ribbon.
 const BLIND: (f32, f32) = (2.0, 12.0);
 const HIDDEN: f32 = 0.3;
-/// The places aside and the changes of width that are tried, in pixels.
+/// Distances to the side, and changes of width, that are tried, in pixels.
 const ASIDE_PX: [f32; 7] = [-2.4, -1.6, -0.8, 0.0, 0.8, 1.6, 2.4];
 const WIDER_PX: [f32; 3] = [-1.0, 0.0, 1.0];
-/// How unlike the color may be, its mean and the mean of how unlike; the least and the largest edge that counts.
+/// Maximum difference of the mean color, and mean difference of the colors. Minimum difference at
+/// the stronger edge, and the largest that counts.
 const UNLIKE: (f32, f32) = (14.0, 22.0);
 const EDGES: (f32, f32) = (20.0, 40.0);
-/// The least worth of a place.
+/// Minimum worth of a place.
 const WORTH: f32 = 10.0;
-/// What another piece may be unlike and wider, for this one to end in it.
+/// Maximum difference in color and maximum ratio of widths of another piece in which this one may
+/// end.
 const INTO: (f32, f32) = (20.0, 1.5);
 
-/// Where a trace is.
+/// State of a trace.
 struct Walk {
     at: Vec2,
     along: Vec2,
-    /// Radians a pixel.
+    /// Curvature, in radians per pixel.
     turn: f32,
     width_px: f32,
     color: Color,
 }
 
-/// Traces all pieces on. `traced` gets the ribs of all of them again, with those that were found.
+/// Extends all pieces. `traced` gets the ribs of all of them, including those that were found.
 pub(super) fn run(
     picture: &Picture,
     ground: &mut Ground,
@@ -70,7 +72,7 @@ pub(super) fn run(
         }
         let after = traced.len() - from - before - own.len();
         ground.take(picture, &traced[from..], number);
-        // Ribs of the trace count a third: their color was sought.
+        // Traced ribs count a third of their length, because their color was sought.
         let hops = (before + after) as f32;
         let piece = &mut pieces[number];
         (piece.from, piece.to) = (from, traced.len());
@@ -78,7 +80,7 @@ pub(super) fn run(
     }
 }
 
-/// The same rib for who comes from the other side.
+/// The same rib, seen from the other side.
 fn backward(rib: Rib) -> Rib {
     let [a, b] = rib.sides;
     Rib {
@@ -89,7 +91,7 @@ fn backward(rib: Rib) -> Rib {
 }
 
 impl Walk {
-    /// At the last of some ribs.
+    /// Starts at the last of some ribs.
     fn from_end(count: usize, width_px: f32, rib: impl Fn(usize) -> Rib) -> Self {
         let last = count - 1;
         let far = 4.min(last);
@@ -121,7 +123,7 @@ impl Walk {
         }
     }
 
-    /// Goes a step on as it went.
+    /// Turns by one step, and returns the place ahead.
     fn go(&mut self) -> Vec2 {
         let turned = vec2::along(self.along, vec2::normal(self.along), HOP_PX * self.turn);
         self.along = vec2::unit_or(turned, self.along);
@@ -129,7 +131,7 @@ impl Walk {
         vec2::along(self.at, self.along, HOP_PX)
     }
 
-    /// Goes to a place that was found.
+    /// Moves to a place that was found.
     fn turn_to(&mut self, found: &Rib) {
         let way = vec2::unit_or(vec2::sub(found.at, self.at), self.along);
         let along = vec2::add(vec2::scale(self.along, 0.65), vec2::scale(way, 0.35));
@@ -169,7 +171,7 @@ fn walk(
             .between(vec2::along(ahead, walk.along, 1.0))
             .is_none()
         {
-            // Over the picture's border.
+            // Past the picture's border.
             ribs.push(walk.rib(vec2::along(walk.at, walk.along, 2.0 * HOP_PX), sides));
             good = ribs.len();
             break;
@@ -192,7 +194,7 @@ fn walk(
         walk.at = ahead;
         ribs.push(walk.rib(ahead, sides));
         if is_alike && !has_met {
-            // It ends here, or goes on beyond.
+            // The ribbon ends here, or continues beyond.
             (good, blind_px, has_met) = (ribs.len(), 0.0, true);
         }
         blind_px += if other.is_some() { HIDDEN } else { 1.0 } * HOP_PX;
@@ -203,7 +205,7 @@ fn walk(
     ribs.truncate(good);
 }
 
-/// The ribbon near a place, if it is there.
+/// Finds the ribbon near a place, if it is there.
 fn seek(picture: &Picture, walk: &Walk, ahead: Vec2) -> Option<Rib> {
     let normal = vec2::normal(walk.along);
     let (mut most, mut best) = (WORTH, None);
@@ -212,7 +214,7 @@ fn seek(picture: &Picture, walk: &Walk, ahead: Vec2) -> Option<Rib> {
         for wider_px in WIDER_PX {
             let width_px = (walk.width_px + wider_px).max(3.0);
             let price = |worth: f32| worth - 2.0 * aside_px.abs() / 0.8 - 2.0 * wider_px.abs();
-            // Nothing is looked at any further that comes to no more than what is there.
+            // A candidate is dropped as soon as it cannot exceed the best one.
             let is_more = |worth: f32| price(worth) > most;
             if let Some((worth, rib)) = look(picture, walk, (at, normal, width_px), is_more) {
                 (most, best) = (price(worth), Some(rib));
@@ -222,8 +224,8 @@ fn seek(picture: &Picture, walk: &Walk, ahead: Vec2) -> Option<Rib> {
     best
 }
 
-/// What a ribbon of this width would be worth at a place, and its rib, if that is more than there is. Its edges come first: few have
-/// any, and what is inside only takes from their worth.
+/// Worth of a ribbon of this width at a place, and its rib, if `is_more` accepts the worth. The
+/// edges are tested first: few places have any, and the inside only reduces the worth.
 fn look(
     picture: &Picture,
     walk: &Walk,

@@ -5,20 +5,20 @@ use crate::bitmap::edge_distance::EdgeDistance;
 use crate::bitmap::strips::{BLOCK, Strips};
 use crate::skeleton::wide::Place;
 
-/// No pixel, node, edge or arm.
+/// Stands for a missing pixel, node, edge or arm.
 pub(crate) const NONE: u32 = u32::MAX;
-/// Skeleton pixels beyond which an image is taken for noise: more than eight ropes that each cross
-/// the longest image a few times.
+/// Maximum number of skeleton pixels. An image with more is treated as noise: this is more than
+/// eight ropes that each cross the longest image a few times.
 const BUDGET: usize = 1 << 17;
 
-/// The pixels of a skeleton in the order of rows.
+/// The pixels of a skeleton in row order.
 #[derive(Debug, Default)]
 pub(crate) struct Skeleton {
     /// Index of the first pixel of each word in a block that has any.
     first: Vec<u32>,
-    /// The words that have any, in the order of rows.
+    /// Words that have pixels, in row order.
     held: Vec<u32>,
-    /// Strips that have any in the rows that are listed.
+    /// Strips that have pixels in the rows being listed.
     filled: Vec<u32>,
     edge_distance: EdgeDistance,
     pub(crate) pixels: Vec<Pixel>,
@@ -31,8 +31,8 @@ pub(crate) struct Pixel {
     pub(crate) y: u16,
     /// Distance from the pixel's center to the rope's edge, in pixels.
     pub(crate) half_px: f32,
-    /// The first `degree` are meant. They are no more than four: a corner neighbor counts only where neither side neighbor
-    /// beside it is.
+    /// The first `degree` are valid, at most four. A corner neighbor counts only if neither of the
+    /// side neighbors next to it is set.
     pub(crate) neighbors: [u32; 5],
     pub(crate) degree: u8,
 }
@@ -44,7 +44,8 @@ impl Pixel {
 }
 
 impl Skeleton {
-    /// Lists the pixels of `thin`, the skeleton of `mask`, which stands in `rows`, too. An image that is noise gets none.
+    /// Lists the pixels of `thin`, the skeleton of `mask`. `rows` is the same mask row by row. An
+    /// image that is noise gets no pixels.
     pub(crate) fn list(&mut self, thin: &Strips, mask: &Strips, rows: &BitPlane) {
         self.edge_distance.take(mask);
         lariat_portable::Arch::new().dispatch(List {
@@ -54,13 +55,13 @@ impl Skeleton {
         });
     }
 
-    /// Lists the pixels with their half-widths; none if there are too many.
+    /// Lists the pixels with their half-widths, or none if there are too many.
     #[inline(always)]
     fn list_places(&mut self, thin: &Strips, mask: &BitPlane) {
         let shape = &thin.shape;
         self.pixels.clear();
         self.held.clear();
-        // No more words than pixels have any.
+        // There are at most as many words with pixels as pixels.
         self.held.reserve(self.pixels.capacity());
         self.first.resize(shape.words(), 0);
         for top in (0..shape.height()).step_by(BLOCK) {
@@ -102,9 +103,11 @@ impl Skeleton {
         }
     }
 
-    /// Finds the neighbors of the pixels of the word at `at`, of which pixel `i` is the first; returns the index behind
-    /// its last. A corner neighbor that is also reached through a side neighbor is left out, so that a staircase is a path
-    /// and not a row of junctions.
+    /// Finds the neighbors of the pixels in the word at `at`, whose first pixel has index `i`.
+    /// Returns the index after its last.
+    ///
+    /// A corner neighbor that is also reached through a side neighbor is left out, so that a
+    /// staircase is a path and not a row of junctions.
     #[inline(always)]
     fn connect(&mut self, thin: &Strips, at: usize, mut i: usize) -> usize {
         let (words, stride) = (&thin.words[..], thin.shape.stride);
@@ -134,7 +137,8 @@ impl Skeleton {
                 (nw, above.wrapping_sub(1)),
                 (ne, above),
             ];
-            // Written always, kept where it is one: chance decides, and no branch guesses that.
+            // Always written, but kept only if the neighbor is there. This is random, so a branch
+            // on it would be mispredicted.
             let (pixel, mut degree) = (&mut self.pixels[i], 0);
             for (are_there, index) in kinds {
                 pixel.neighbors[degree] = index;
@@ -162,7 +166,7 @@ impl Skeleton {
         ));
     }
 
-    /// Takes pixel `i` out: no neighbor leads to it any more.
+    /// Removes pixel `i`, so that no neighbor leads to it.
     pub(crate) fn remove(&mut self, i: u32) {
         let Pixel {
             neighbors, degree, ..
@@ -179,7 +183,8 @@ impl Skeleton {
     }
 }
 
-/// The pixels to the left of those of a word, the word itself and those to the right of its pixels.
+/// For the pixels of a word: their left neighbors, the pixels themselves, and their right
+/// neighbors.
 #[inline(always)]
 fn three(words: &[u64], at: usize, stride: usize) -> [u64; 3] {
     let left = words[at] << 1 | words[at - stride] >> 63;
@@ -187,9 +192,11 @@ fn three(words: &[u64], at: usize, stride: usize) -> [u64; 3] {
     [left, words[at], right]
 }
 
-/// The index of the first pixel in a word, or, where it has none, which it would have: that behind the last of the word to
-/// the left, which is the first of that to the right. The pixels of a row follow each other; only where any touches a
-/// pixel of this word's does it have to be known.
+/// Index of the first pixel in a word, or, if the word is empty, the index that it would have.
+///
+/// This is the index after the last pixel of the word to the left, and equals the first of the word
+/// to the right. Pixels of a row have consecutive indices. The result must be valid only where one
+/// of them touches a pixel of this word.
 #[inline(always)]
 fn first_beside(first: &[u32], words: &[u64], at: usize, stride: usize) -> u32 {
     if words[at] != 0 {
@@ -201,7 +208,7 @@ fn first_beside(first: &[u32], words: &[u64], at: usize, stride: usize) -> u32 {
     }
 }
 
-/// The listing, to be compiled for each kind of machine: counting bits is one instruction on most.
+/// The listing, compiled for each kind of machine: most count bits in one instruction.
 struct List<'a> {
     skeleton: &'a mut Skeleton,
     thin: &'a Strips,

@@ -1,12 +1,13 @@
 //! The skeleton: the mask thinned to lines one pixel wide, 64 pixels at a time.
 //!
-//! Guo and Hall, "Parallel thinning with two-subiteration algorithms", CACM 32 (1989), algorithm A1:
-//! it keeps connections, leaves diagonal lines whole (Zhang-Suen can eat them) and comes close to
-//! the medial axis. Each condition is a sum of neighbors, written here as logic on whole words; the
-//! scalar twin in the tests is the definition, equal bit for bit.
+//! Guo and Hall, "Parallel thinning with two-subiteration algorithms", CACM 32 (1989), algorithm
+//! A1: it keeps connections, leaves diagonal lines whole (Zhang-Suen can erode them) and comes
+//! close to the medial axis. Each condition is a sum of neighbors, written here as logic on whole
+//! words. The scalar twin in the tests is the definition, equal bit for bit.
 //!
-//! Work: only blocks that hold rope are visited, while they or their neighbors still change, and at most
-//! `max_passes` passes are made, so that a mask of all ones costs no more than the widest rope that is looked for.
+//! Cost: only blocks that hold rope are visited, while they or their neighbors still change. At
+//! most `max_passes` passes are made, so a mask of all ones costs no more than the widest rope that
+//! is sought.
 
 use crate::bitmap::neighbors::{Around, Rule, apply_to_block};
 use crate::bitmap::strips::{BLOCK, Blocks, Strips, block, block_mut};
@@ -14,17 +15,17 @@ use crate::bitmap::strips::{BLOCK, Blocks, Strips, block, block_mut};
 /// Memory of the thinning, kept from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Thinner {
-    /// The skeleton: what the last sub-iteration left, and where the next one writes. They are equal outside of the
-    /// blocks that it visits.
+    /// The skeleton after the last sub-iteration, and the output of the next one. They are equal
+    /// outside the blocks that it visits.
     pub(crate) thin: Strips,
     next: Strips,
-    /// Blocks that the last sub-iteration changed, and the one before that.
+    /// Blocks that the last sub-iteration changed, and those that the one before it changed.
     changed: [Blocks; 2],
     active: Blocks,
 }
 
 impl Thinner {
-    /// Thins `mask`. Returns whether it came to rest within `max_passes`.
+    /// Thins `mask`. Returns whether nothing changed any more within `max_passes`.
     pub(crate) fn thin(&mut self, mask: &Strips, max_passes: u32) -> bool {
         self.begin(mask);
         let arch = lariat_portable::Arch::new();
@@ -38,7 +39,7 @@ impl Thinner {
         false
     }
 
-    /// Takes the mask; all of it is still to be looked at.
+    /// Copies the mask and marks all of it for processing.
     fn begin(&mut self, mask: &Strips) {
         self.thin.copy_from(mask);
         self.next.resize(&mask.shape);
@@ -49,8 +50,8 @@ impl Thinner {
         self.active.resize(&mask.shape);
     }
 
-    /// One parallel sub-iteration over all blocks that can still change: those about which one of the last two, whose
-    /// rules take turns, changed anything.
+    /// Runs one parallel sub-iteration over all blocks that can still change. These are the blocks
+    /// around which one of the last two sub-iterations, whose rules alternate, changed anything.
     #[inline(always)]
     fn sub_iteration<const SOUTH_EAST: bool>(&mut self) {
         let (shape, [last, other]) = (&self.thin.shape, &mut self.changed);
@@ -74,7 +75,7 @@ impl Thinner {
     }
 }
 
-/// A sub-iteration to be compiled for each kind of machine.
+/// A sub-iteration, compiled for each kind of machine.
 struct SubIteration<'a, const SOUTH_EAST: bool>(&'a mut Thinner);
 
 impl<const SOUTH_EAST: bool> lariat_portable::NullaryFnOnce for SubIteration<'_, SOUTH_EAST> {
@@ -110,8 +111,9 @@ impl<const SOUTH_EAST: bool> Rule for GuoHall<SOUTH_EAST> {
         let one_piece = (c1 ^ c2 ^ c3 ^ c4) & !majority(c1, c2, c3);
         let side = !e | !n & !ne & se;
 
-        // 2 ≤ min(N1, N2) ≤ 3, with N1 and N2 the two ways to pair the eight neighbors: said of a pixel of which the rest
-        // holds, at least two neighbors by a side or one between two corners, and not three and both corners of the fourth.
+        // 2 ≤ min(N1, N2) ≤ 3, where N1 and N2 are the two ways to pair the eight neighbors. For
+        // pixels that meet the rest, this requires at least two side neighbors, or one between two
+        // corners. It excludes three side neighbors with both corners of the fourth.
         let two = majority(n, s, w) | e & s | nw & (ne | sw) | se & sw;
         let four = n & s & w & ne & se;
         here & !(one_piece & side & two & !four)
@@ -191,7 +193,7 @@ mod tests {
 
     fn both_agree(mask: &BitPlane) -> Result<(), TestCaseError> {
         let mut thinner = Thinner::default();
-        // A second mask finds the memory of the first.
+        // The second mask reuses the memory of the first.
         let other = plane(mask.width(), mask.height(), |x, y| (x ^ y) & 6 != 0);
         thinner.thin(&strips(&other), 3);
         thinner.thin(&strips(mask), 100);

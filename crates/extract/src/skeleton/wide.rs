@@ -1,5 +1,6 @@
-//! What is far too wide for a rope, an arm or a board: found by a look at a grid of places, and left out before the mask is thinned,
-//! which would take as many passes as it is wide and come to no lines.
+//! Finds objects that are far too wide for a rope, such as an arm or a board, from a grid of
+//! places. They are removed before the mask is thinned. Thinning them would take as many passes as
+//! they are wide and give no lines.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::edge_distance::half_width;
@@ -7,13 +8,14 @@ use crate::bitmap::morphology::Morphology;
 use crate::bitmap::spread::{spread, spread_along};
 use crate::bitmap::strips::Strips;
 
-/// From one place of the grid to the next, in half-widths of what is too wide; and how wide it is at least at the nearest place, as the
-/// middle of a square of such places is no farther than 0.47 from its corners.
+/// Step of the grid, in half-widths of an object that is too wide, and its minimum half-width at
+/// the nearest place. The middle of a square of such places is at most 0.47 from its corners.
 const STEP: f32 = 2.0 / 3.0;
 const NEAREST: f32 = 0.5;
-/// How far around a wide place all is left out, in half-widths: the corners of what is square, too.
+/// Distance around a wide place within which everything is removed, in half-widths. It includes the
+/// corners of a square.
 const AROUND: f32 = 0.5;
-/// The most places that are told.
+/// Maximum number of places that are reported.
 const MOST: usize = 8;
 
 /// A pixel and its distance to the edge.
@@ -30,7 +32,7 @@ pub(crate) struct Wide {
     /// The widest places.
     pub(crate) places: Vec<Place>,
     opened: Strips,
-    /// All that hangs together with it.
+    /// Everything connected with what is too wide.
     pieces: BitPlane,
     limits: BitPlane,
     /// The mask without what is too wide.
@@ -39,7 +41,7 @@ pub(crate) struct Wide {
 }
 
 impl Wide {
-    /// Makes the buffers for masks of this one's shape.
+    /// Reserves the buffers for masks of this one's shape.
     pub(crate) fn reserve(&mut self, mask: &Strips, widest_half: u32) {
         let step = step(widest_half);
         let (columns, rows) = (mask.shape.width() / step, mask.shape.height() / step);
@@ -53,8 +55,8 @@ impl Wide {
         self.morphology.reserve(mask);
     }
 
-    /// Looks for what is wider than ropes of half this width. Whether there is anything; then `rest` is what is left of `mask`, which
-    /// stands in `rows`, too.
+    /// Searches for anything wider than ropes of half-width `widest_half`, and returns whether
+    /// there is any. If so, `rest` is what is left of `mask`. `rows` is the same mask row by row.
     pub(crate) fn find(&mut self, mask: &Strips, rows: &BitPlane, widest_half: u32) -> bool {
         self.places.clear();
         self.look(mask, rows, widest_half);
@@ -83,7 +85,8 @@ impl Wide {
         true
     }
 
-    /// Leaves all that hangs together with something too wide out of the rest, too: fingers and keys are no ropes.
+    /// Also removes everything that is connected with something too wide: fingers and keys are not
+    /// ropes.
     pub(crate) fn leave_pieces_out(&mut self, rows: &BitPlane) {
         let (pieces, limits) = (&mut self.pieces, &mut self.limits);
         pieces.resize(rows.width(), rows.height());
@@ -107,7 +110,7 @@ impl Wide {
         self.rest.take(limits);
     }
 
-    /// Measures the places of a grid that may lie in something too wide.
+    /// Measures the places of a grid that may be in something too wide.
     fn look(&mut self, mask: &Strips, rows: &BitPlane, widest_half: u32) {
         self.grid.clear();
         let (step, least) = (step(widest_half), (NEAREST * widest_half as f32) as usize);
@@ -125,7 +128,7 @@ impl Wide {
                     (up, y),
                     (down, height - 1 - y),
                 ];
-                // Where it leaves the picture it may go on.
+                // An object that leaves the picture may continue outside.
                 if reaches
                     .iter()
                     .all(|&(reach, border)| reach >= least.min(border))
@@ -150,7 +153,7 @@ fn step(widest_half: u32) -> usize {
     (STEP * widest_half as f32) as usize
 }
 
-/// The widest place to which it becomes ever wider from this one.
+/// Climbs from a place to the widest one along which the width only increases.
 fn climb(rows: &BitPlane, mut place: Place, widest_half: u32) -> Place {
     let mut step = (widest_half / 4).next_power_of_two() as i32;
     while step > 0 {

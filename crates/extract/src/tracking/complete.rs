@@ -1,23 +1,24 @@
-//! The whole of a rope of which a part is seen: what is covered stays as it was known, and moves along
-//! with the ends of what is seen.
+//! Completes a partly visible rope. Covered parts keep their known shape, and move along with the
+//! ends of the visible part.
 
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// Memory of the work.
+/// Buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Completer {
     joined: Vec<Vec2>,
 }
 
 impl Completer {
-    /// Makes room for so many points.
+    /// Reserves memory for this many points.
     pub(crate) fn reserve(&mut self, points: usize) {
         self.joined.reserve(points);
     }
 
-    /// Puts `part`, which runs as the rope does, in its place in the rope's known `points` at equal
-    /// steps over `length_px`. Returns the new length, and from where to where along it the part lies.
+    /// Puts `part`, which runs in the rope's direction, in its place in the rope's known `points`,
+    /// which are at equal steps over `length_px`. Returns the new length, and the part's start and
+    /// end along it. Without a place for it, `part` becomes the whole rope.
     pub(crate) fn complete(
         &mut self,
         points: &mut Vec<Vec2>,
@@ -48,7 +49,8 @@ impl Completer {
     }
 }
 
-/// Between which of the points the part lies: where its ends are near, as far apart as it is long.
+/// Indices of the points between which the part belongs. They minimize the distances to both of its
+/// ends plus the misfit of its length.
 fn place(points: &[Vec2], length_px: f32, part: &Curve) -> Option<[usize; 2]> {
     let (&first, &last) = (part.points.first()?, part.points.last()?);
     let step_px = length_px / (points.len().max(2) - 1) as f32;
@@ -70,7 +72,7 @@ fn place(points: &[Vec2], length_px: f32, part: &Curve) -> Option<[usize; 2]> {
     best.1
 }
 
-/// Fills `out` with `count` points at equal steps along `line`; returns its length.
+/// Fills `out` with `count` points at equal steps along `line`, and returns its length.
 fn resample(line: &[Vec2], count: usize, out: &mut Vec<Vec2>) -> f32 {
     let span = |i: usize| vec2::distance(line[i], line[i + 1]);
     let length_px: f32 = (0..line.len() - 1).map(span).sum();

@@ -1,45 +1,51 @@
-//! How well a curve of this image agrees with a rope of the past, and which way round.
+//! Agreement of a curve of this image with a rope of the prior, and their relative direction.
 //!
-//! Seen whole, the two are compared point by point; a curve that is a part of the rope lies along
-//! it, wherever it begins. A rope that comes back into sight is known by its shape, length, width
-//! and color, wherever it lies now.
+//! `near` compares a rope seen in the last image with a curve nearby. If both are whole, it
+//! compares them point by point. If one may be a part of the other, it measures how far the part is
+//! from the whole. `returned` recognizes a rope that comes back into sight by its shape, length,
+//! width and color, wherever it is now.
 
 use crate::vec2::{self, Vec2};
 
-/// A match is not farther, in the mean, than this share of the rope's length and these widths.
+/// Maximum cost of a match of whole ropes: a share of the longer one's length, plus widths.
 const FARTHEST: (f32, f32) = (0.15, 4.0);
-/// A curve that is a part of a rope lies at most this many widths off it, in the mean.
+/// Maximum mean distance of a part from its rope, in widths.
 const ALONG_WIDTHS: f32 = 3.0;
-/// Below this share of the other's length a curve may be a part of a rope, or have been one.
+/// Maximum length of one shape, relative to the other's, at which it may be a part of it.
 const PART: f32 = 0.93;
-/// A rope that comes back has its length within this factor.
+/// Maximum factor between the lengths of a rope before and after it was out of sight.
 const LENGTH_FACTOR: f32 = 1.35;
-/// Levels of color that a rope keeps to, in even light.
+/// Color difference within which a rope stays in even light, in levels.
 const COLOR_LEVELS: f32 = 60.0;
-/// Points of a curve that are held against a rope.
+/// Number of points of a curve that are compared with a rope.
 const ASKED: usize = 24;
 
-/// A curve or a rope, as far as matching goes.
+/// A curve or a rope, as far as it matters for matching.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape<'a> {
     pub(crate) points: &'a [Vec2],
     pub(crate) closed: bool,
     pub(crate) length_px: f32,
     pub(crate) width_px: f32,
-    /// How far its color is from the other's, if both are known.
+    /// Color difference from the other shape, in levels. 0 if not both colors are known.
     pub(crate) color_levels: f32,
 }
 
-/// How well two shapes agree.
+/// Agreement of two shapes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Agreement {
-    /// In pixels for near shapes; the less the better.
+    /// In pixels for `near`, without a unit for `returned`. The least cost is the best match.
     pub(crate) cost: f32,
-    /// Whether the curve runs against the rope.
+    /// True if the curve runs against the rope.
     pub(crate) reversed: bool,
 }
 
-/// How a curve agrees with a rope that was seen in the last image; `None` when it cannot be it.
+/// Agreement of a curve with a rope that was seen in the last image, or `None` if they do not
+/// match.
+///
+/// The cost of a whole rope is the mean distance of its points. The cost of a part is its mean
+/// distance from the whole, plus a penalty of one to three widths that grows with the missing
+/// share. Color adds up to two widths to either. The cheaper of both counts.
 pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
     let by_color = rope.width_px * (curve.color_levels / COLOR_LEVELS).min(2.0);
     let whole = (rope.points.len() == curve.points.len() && rope.closed == curve.closed)
@@ -57,8 +63,8 @@ pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
         .then(|| along(rope, curve))
         .or_else(|| (rope.length_px < PART * curve.length_px).then(|| along(curve, rope)))
         .filter(|part| part.cost <= ALONG_WIDTHS * rope.width_px)
-        // A rope seen whole is preferred to one of which this would be a part, a larger part to a
-        // smaller one.
+        // A match as a whole rope is preferred to one as a part, and a larger part to a smaller
+        // one.
         .map(|part| {
             let share = curve.length_px / rope.length_px;
             let missing = 1.0 - share.min(1.0 / share);
@@ -74,7 +80,8 @@ pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
     }
 }
 
-/// How a curve agrees with a rope that was out of sight, wherever it lies now.
+/// Agreement of a curve with a rope that was out of sight, wherever it is now. `whole_px` is the
+/// rope's usual length. `None` if the two are of a different kind, length, width or color.
 pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agreement> {
     let ratio = (whole_px / curve.length_px).max(curve.length_px / whole_px);
     let width = (rope.width_px / curve.width_px).max(curve.width_px / rope.width_px);
@@ -85,7 +92,8 @@ pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agr
     let (ahead, back) = distances(rope.points, curve.points, rope.closed);
     let shift = vec2::sub(centroid(curve.points), centroid(rope.points));
     let shape = shape_distances(rope.points, curve.points, shift);
-    // A short way its place says more than its shape, a long way less.
+    // If the rope has moved a little, its place tells more than its shape. If it has moved far,
+    // less.
     let moved = vec2::norm(shift) > 0.25 * rope.length_px;
     let (ahead, back) = if moved && !rope.closed {
         shape
@@ -102,7 +110,7 @@ pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agr
     })
 }
 
-/// How far the points of a part lie from the rope, in the mean, and which way it runs along it.
+/// Mean distance of a part's points from the rope, and the part's direction along it.
 pub(crate) fn along(rope: &Shape, part: &Shape) -> Agreement {
     let n = part.points.len();
     let stride = (n / ASKED).max(1);
@@ -127,7 +135,7 @@ pub(crate) fn along(rope: &Shape, part: &Shape) -> Agreement {
     }
 }
 
-/// The distance to the rope's nearest place that runs about along `step`, and its direction there.
+/// Distance to the rope's nearest place that runs roughly along `step`, and its direction there.
 fn nearest_place(rope: &Shape, at: Vec2, step: Vec2) -> (f32, Vec2) {
     let n = rope.points.len();
     let step = vec2::unit_or(step, [1.0, 0.0]);
@@ -139,7 +147,7 @@ fn nearest_place(rope: &Shape, at: Vec2, step: Vec2) -> (f32, Vec2) {
         let t = (vec2::dot(vec2::sub(at, a), ahead) / (length * length)).clamp(0.0, 1.0);
         let apart = vec2::distance(at, vec2::along(a, ahead, t));
         let direction = vec2::scale(ahead, 1.0 / length);
-        // Across the rope is two widths worse than along it: at a crossing the right strand wins.
+        // Running across the rope costs two widths, so that the right strand wins at a crossing.
         let cost = apart + 2.0 * rope.width_px * vec2::cross(direction, step).abs();
         if cost < best.2 {
             best = (apart, direction, cost);
@@ -148,8 +156,8 @@ fn nearest_place(rope: &Shape, at: Vec2, step: Vec2) -> (f32, Vec2) {
     (best.0, best.1)
 }
 
-/// The mean distance of corresponding points, and that of points taken in opposite directions. A
-/// ring's points correspond from wherever they lie nearest.
+/// Mean distance of corresponding points, and the same with one shape reversed. The correspondence
+/// of rings starts at the nearest point.
 pub(crate) fn distances(a: &[Vec2], b: &[Vec2], closed: bool) -> (f32, f32) {
     let n = a.len();
     if n == 0 || n != b.len() {
@@ -169,7 +177,7 @@ pub(crate) fn distances(a: &[Vec2], b: &[Vec2], closed: bool) -> (f32, f32) {
     (ahead / n as f32, back / n as f32)
 }
 
-/// [`distances`] of open curves once `b` is moved back by `shift`.
+/// [`distances`] of open curves after `b` is moved back by `shift`.
 fn shape_distances(a: &[Vec2], b: &[Vec2], shift: Vec2) -> (f32, f32) {
     let n = a.len();
     let apart = |i: usize, j: usize| vec2::distance(a[i], vec2::sub(b[j], shift));
@@ -183,7 +191,7 @@ fn centroid(points: &[Vec2]) -> Vec2 {
     vec2::scale(sum, 1.0 / points.len().max(1) as f32)
 }
 
-/// The index of the point nearest to `goal`; 0 of nothing.
+/// Index of the point nearest to `goal`, or 0 without points.
 pub(crate) fn nearest_point(points: &[Vec2], goal: Vec2) -> usize {
     let by_distance = |&a: &usize, &b: &usize| {
         vec2::distance(points[a], goal).total_cmp(&vec2::distance(points[b], goal))
@@ -228,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_rope_that_comes_back_elsewhere_keeps_its_direction_by_its_shape() {
-        // A hook: its ends cannot be mistaken for each other.
+        // A hook, whose ends cannot be confused.
         let hook = |offset: Vec2| -> Vec<Vec2> {
             let mut points: Vec<Vec2> = (0..40).map(|i| [5.0 * i as f32, 0.0]).collect();
             points.extend((0..20).map(|i| [195.0, 5.0 * (i + 1) as f32]));

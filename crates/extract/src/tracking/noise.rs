@@ -1,52 +1,56 @@
-//! Which lines are crumbs of the mask and no ropes: noise and slivers.
+//! Rejects lines that are debris of the mask: noise and slivers.
 //!
-//! A stray is a short piece, the less of a rope the thinner and the fainter it is. A sliver lies beside a longer line all
-//! along and is much thinner or much shorter: a rim, a highlight, a shadow that the mask took for a rope of its own.
+//! A stray is a short fragment. The thinner and fainter it is, the longer it must be to stay. A
+//! sliver runs next to a longer line over its whole length, and is much thinner or much shorter. It
+//! is a rim, a highlight or a shadow that the mask treats as a separate rope.
 
 use crate::centerline::line::{Line, Sample};
 use crate::image::gray::GrayPlane;
 use crate::statistics::quantile;
 use crate::vec2;
 
-/// Fewer squares of the ropes' width than this are a stray, where each counts as much as the mask is sure of it: a rope
-/// shows more of itself, except beyond the picture's border.
+/// Minimum area of a rope, in squares of the ropes' width, weighted with the mask's level relative
+/// to the best line. A rope shows more of itself, except beyond the image's border.
 const LEAST_SQUARES: f32 = 4.5;
-/// How far from the longer line's middle a sliver's samples are at most, in that line's widths, and the share that must be.
+/// Maximum distance of a sliver's samples from the longer line's middle, in that line's widths, and
+/// the minimum share of samples within it.
 const BESIDE: (f32, f32) = (1.5, 0.9);
-/// A sliver is thinner than this share of the longer line, or shorter than that.
+/// Maximum width of a sliver, relative to the longer line. It may be wider if it is short.
 const THINNER: f32 = 0.6;
+/// Maximum length of a sliver, relative to the longer line. It may be longer if it is thin.
 const SHORTER: f32 = 0.5;
-/// Places along a line at which it is looked at.
+/// Number of places sampled along a line.
 const ASKED: usize = 24;
 
-/// A line in figures.
+/// Measurements of a line.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
     length_px: f32,
     width_px: f32,
-    /// The mask's mean along it.
+    /// Mean level of the mask along it.
     level: f32,
     is_noise: bool,
 }
 
-/// Memory and result of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct NoiseFilter {
     figures: Vec<Figures>,
-    /// Memory for medians, and for what is to be summed by width.
+    /// Buffer for medians.
     values: Vec<f32>,
     order: Vec<usize>,
 }
 
 impl NoiseFilter {
-    /// Makes room for so many lines.
+    /// Reserves memory for this many lines.
     pub(crate) fn reserve(&mut self, lines: usize) {
         self.figures.reserve(lines);
         self.order.reserve(lines);
         self.values.reserve(ASKED);
     }
 
-    /// Judges lines by how sure the mask `levels` is along them; the longest always stays.
+    /// Finds noise and slivers, with `levels` as the confidence of the mask. The longest line
+    /// always stays.
     pub(crate) fn find(&mut self, lines: &[Line], levels: &GrayPlane) {
         self.figures.clear();
         for line in lines {
@@ -79,12 +83,12 @@ impl NoiseFilter {
         }
     }
 
-    /// Whether line `l` of those last judged is no rope.
+    /// Returns whether line `l` of the last call of `find` is a stray or a sliver.
     pub(crate) fn is_noise(&self, l: usize) -> bool {
         self.figures.get(l).is_some_and(|f| f.is_noise)
     }
 
-    /// The width at which half of all length is reached, from the thinnest line on.
+    /// Median width of the lines, weighted by length.
     fn usual_width_px(&mut self) -> f32 {
         let figures = &self.figures;
         self.order.clear();
@@ -113,16 +117,16 @@ impl NoiseFilter {
     }
 }
 
-/// Samples evenly spread along a line.
+/// Samples spread evenly along a line.
 fn asked(line: &Line) -> impl Iterator<Item = &Sample> {
     let stride = line.samples.len().div_ceil(ASKED).max(1);
     line.samples.iter().step_by(stride)
 }
 
-/// Whether nearly all of `line` lies beside `longer`, which is so wide.
+/// Returns whether nearly all of `line` is next to `longer`, a line of this width.
 fn lies_beside(line: &Line, longer: &Line, width_px: f32) -> bool {
     let reach_px = BESIDE.0 * width_px;
-    // Samples are a quarter of a width apart or less; half a width is near enough.
+    // Samples are at most a quarter of a width apart, and half a width is accurate enough.
     let step_px = longer.length_px() / longer.samples.len().max(1) as f32;
     let stride = ((0.5 * width_px / step_px.max(0.1)) as usize).max(1);
     let count = asked(line).count();
@@ -161,7 +165,7 @@ mod tests {
     fn noise(lines: &[Line], level: u8) -> Vec<bool> {
         let mut levels = GrayPlane::default();
         levels.resize(400, 200);
-        // The upper half is sure.
+        // The mask is certain in the upper half.
         for y in 0..200 {
             levels.row_mut(y).fill(if y < 100 { 255 } else { level });
         }
@@ -193,7 +197,7 @@ mod tests {
         let beside = line([40.0, 30.0], 250, 7.0);
         assert_eq!(noise(&[rope(), thin], 255), [false, true]);
         assert_eq!(noise(&[rope(), beside], 255), [false, false]);
-        // As thin, but elsewhere.
+        // This one is as thin, but elsewhere.
         let thin = line([40.0, 60.0], 250, 3.0);
         assert_eq!(noise(&[rope(), thin], 255), [false, false]);
     }

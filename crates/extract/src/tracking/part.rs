@@ -1,20 +1,21 @@
-//! Where two ropes touch by their ends, or the two ends of one: the image shows a single rope, and the
-//! last image knows better.
+//! Ropes whose ends touch, or a rope whose own two ends touch. The image shows a single rope or a
+//! ring there, and the prior overrules it.
 
 use crate::centerline::line::Line;
 use crate::past::Past;
 use crate::vec2::{self, Vec2};
 
-/// Widths to both sides of a joint from which the ropes are told.
+/// Distance from a joint, on both sides, at which the ropes are identified, in widths.
 const BESIDE_WIDTHS: f32 = 2.5;
-/// Widths from an end of the line in which a rope's end is where it belongs.
+/// Distance from an end of the line, in widths, within which a rope's end belongs there.
 const OWN_WIDTHS: f32 = 3.0;
 
-/// How long a ring may be beside the open rope that it was: its ends lie along each other, or nearly meet.
+/// Length of a ring, relative to the open rope that it was. The rope's ends are next to each other,
+/// or nearly meet.
 const SAME_LENGTH: std::ops::Range<f32> = 0.5..1.06;
 
-/// Cuts `line` where it runs over a rope's end into something else. What is cut off an open line is
-/// put into `rest`; a ring is opened. Returns whether there is a rest.
+/// Cuts `line` where it runs over a rope's end into something else. The part cut off an open line
+/// goes to `rest`, and a ring is opened. Returns whether there is a rest.
 pub(crate) fn part(line: &mut Line, past: &Past, rest: &mut Line) -> bool {
     if line.closed && open_again(line, past) {
         return false;
@@ -34,8 +35,8 @@ pub(crate) fn part(line: &mut Line, past: &Past, rest: &mut Line) -> bool {
     true
 }
 
-/// Opens a ring that lies where an open rope lay: its ends have come to lie beside or upon each other. The line then runs
-/// from where the rope began to where it ended, over the stretch in which both ends lie twice.
+/// Opens a ring where the prior has an open rope, whose ends are now next to or on each other. The
+/// line then runs from the rope's start to its end, twice over the stretch where both ends are.
 fn open_again(line: &mut Line, past: &Past) -> bool {
     let n = line.samples.len();
     let ring_px = line.length_px();
@@ -61,7 +62,8 @@ fn open_again(line: &mut Line, past: &Past) -> bool {
             }
             *i = place;
         }
-        // Half a ring on from its first quarter in the ring's own direction, or against it.
+        // True if the ring runs in the rope's direction: from the rope's first quarter to its half
+        // is at most half the ring.
         let ahead = (on[3] + n - on[2]) % n <= n / 2;
         let way = |from: usize, to: usize| {
             let (from, to) = if ahead { (from, to) } else { (to, from) };
@@ -92,7 +94,8 @@ fn open_again(line: &mut Line, past: &Past) -> bool {
     true
 }
 
-/// The sample at which two ropes meet by an end.
+/// Sample at which two ropes meet by an end. A known end must be near, and the prior must deny that
+/// both sides of it are one strand.
 fn joint(line: &Line, past: &Past) -> Option<usize> {
     let n = line.samples.len();
     if n < 8 {
@@ -113,7 +116,7 @@ fn joint(line: &Line, past: &Past) -> Option<usize> {
         }
         let at = |k: usize| line.samples[k % n].at;
         let (before, after) = (i + n - beside, i + n + beside);
-        // Both ways lead to the joint.
+        // Both directions lead to the joint.
         let toward = |from: usize, to: usize| vec2::sub(at(to), at(from));
         let traces = [
             past.recall(at(before), toward(before, before + beside / 2 + 1)),
@@ -173,7 +176,7 @@ mod tests {
     fn one_rope_stays_one() {
         let (mut whole, mut rest) = (line(false), Line::default());
         assert!(!part(&mut whole, &past(&[[20.0, 220.0]]), &mut rest));
-        // It has grown: it comes out from under something.
+        // It has grown, as it comes out from under something.
         assert!(!part(&mut whole, &past(&[[20.0, 120.0]]), &mut rest));
         assert_eq!(whole.samples.len(), 200);
     }

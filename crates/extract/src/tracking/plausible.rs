@@ -1,9 +1,16 @@
-//! Curves that may be no ropes, by what they look like beside the picture's other ropes.
+//! Curves that may not be ropes, judged by the table around them and by the other ropes.
 //!
-//! A rope is long, bends, and lies on the table, which goes on unchanged on both of its sides. What is straight and short, or
-//! small, and unlike a rope that is far longer, may be a pen or print; what is straight and has another surface on each side,
-//! or fills a strip at the picture's border, an edge; what is an ellipse and has other things inside than outside, or is unlike the other ropes, a rim. A curve alone on
-//! a plain table is a rope.
+//! A rope is long, bends, and is on the table, which continues unchanged on both sides of it. A
+//! curve may instead be:
+//!
+//! - an edge, if it is straight with a different surface on each side, or fills a strip at the
+//!   image's border;
+//! - a rim, if it is an ellipse and the surface inside differs from that outside, or if it is
+//!   unlike the other ropes;
+//! - a pen or print, if it is straight and short, or small, and unlike a rope that is far longer;
+//! - a shadow, if the table is dimmer there.
+//!
+//! A curve alone on a plain table is a rope.
 
 use super::track::Appearance;
 use crate::bitmap::bits::BitPlane;
@@ -16,38 +23,47 @@ use crate::occlusion::ends::ALIKE;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// How far a straight thing's middle lies beside its chord, in widths: a rope's own stiffness leaves more.
+/// Maximum distance of a straight object from its chord, in widths. A rope's own stiffness leaves
+/// more.
 const STRAIGHT: f32 = 0.12;
-/// The longest pen, and what else is small beside a rope, in widths.
+/// Maximum length of a pen, in widths.
 const PEN_WIDTHS: f32 = 24.0;
+/// Maximum length of a small mark, in widths.
 const SMALL_WIDTHS: f32 = 16.0;
-/// Times as long that a rope is, for what is beside it to be short, and to be small.
+/// Minimum length of a rope, relative to a short object next to it.
 const LONGER: f32 = 1.8;
+/// Same relative to a small mark or a thin shadow.
 const SMALL: f32 = 4.0;
-/// What is straight and shorter than this, in widths, is no rope beside one that is longer at all.
+/// Maximum length of a straight object that is doubted next to any longer rope, in widths.
 const STUB_WIDTHS: f32 = 10.0;
-/// What is straight from border to border is an edge beside a rope of this share of its length.
+/// Minimum length of a rope, relative to a straight line from border to border, for the line to be
+/// an edge.
 const SHORTER: f32 = 0.6;
-/// Alike things that are print if there are so many, each at most this share of the rope in length.
+/// Number of similar small objects that are print.
 const MARKS: usize = 3;
+/// Maximum length of each, relative to the rope.
 const LONGEST_MARK: f32 = 0.25;
-/// How far a rim is from an ellipse, as a share of its radius, and how oblong it is at most.
+/// Maximum deviation of a rim from an ellipse, as a share of its radius.
 const ROUND: f32 = 0.015;
+/// Maximum ratio of the ellipse's axes.
 const OBLONG: f32 = 3.0;
-/// The share of a curve's two halves above which it is shadow, or has shadow in it.
+/// Share of a curve's two halves above which it is a shadow, or includes one.
 const PALE: f32 = 0.3;
-/// Widths beside a curve's edge in which the table shows: farther off than a shadow that lies at it.
+/// Distances from a curve's edge at which the table is sampled, in widths. They are beyond a shadow
+/// next to it.
 const BESIDE_WIDTHS: [f32; 3] = [1.2, 2.2, 3.2];
-/// A strip along the picture's border: its slant, and how far off its middle is in widths and pixels.
+/// Maximum slant of a strip along the image's border.
 const SLANT: f32 = 0.3;
+/// Maximum distance of its middle from the border, in widths plus pixels.
 const BORDER: (f32, f32) = (0.6, 2.0);
-/// Places along a curve at which its sides are looked at, and the share of them that show the table on both.
+/// Number of places along a curve at which its sides are sampled.
 const ASKED: usize = 24;
+/// Minimum share of them with table on both sides.
 const SHOWN: f32 = 0.5;
-/// The least difference of two surfaces, in levels and in the table's noise.
+/// Minimum difference of two surfaces, in levels, and as a factor of the table's noise.
 const SURFACES: (f32, f32) = (7.0, 2.5);
 
-/// What a picture's curves are judged by.
+/// Data for judging an image's curves.
 pub(crate) struct Surroundings<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
@@ -56,7 +72,12 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// What each of the curves may be instead of a rope. `is_known` says of which it is known that they are ropes.
+    /// Fills `doubts` with what each curve may be instead of a rope. `is_known` returns whether a
+    /// curve is known to be a rope.
+    ///
+    /// A curve is judged by itself first, then against the longest other curve that is undoubted
+    /// and differs in color or width. If that one is known to be a rope, it counts as infinitely
+    /// long.
     pub(crate) fn doubt(
         &self,
         (curves, appearances): (&[Curve], &[Appearance]),
@@ -75,7 +96,7 @@ impl Surroundings<'_> {
             if doubts[i].is_some() {
                 continue;
             }
-            // The longest that is a rope if anything is; the longest curves come first.
+            // The longest curves come first, so this is the one that is most likely a rope.
             let mut ropes = (0..curves.len()).filter(|&k| k != i && doubts[k].is_none());
             let Some(rope) = ropes.find(|&k| !are_alike(k, i)) else {
                 continue;
@@ -94,7 +115,7 @@ impl Surroundings<'_> {
         }
     }
 
-    /// What a curve may be, whatever else is in the picture.
+    /// Judges a curve regardless of the others: what it may be instead of a rope.
     fn by_itself(&self, curve: &Curve) -> Option<Notice> {
         if self.shadows.cast == Cast::Maybe && self.is_pale(curve) {
             return Some(Notice::MaybeShadow);
@@ -114,7 +135,7 @@ impl Surroundings<'_> {
         })
     }
 
-    /// Whether the curve runs along the picture's border, and is as wide as all that shows beyond it.
+    /// Returns whether the curve runs along the image's border and reaches it.
     fn is_strip(&self, curve: &Curve) -> bool {
         let size = [self.image.width(), self.image.height()].map(|side| side as f32);
         let beside = curve
@@ -131,7 +152,7 @@ impl Surroundings<'_> {
         2 * beside.count() > curve.points.len()
     }
 
-    /// Whether the curve is what may be shadow, or a rope with it.
+    /// Returns whether the curve is a possible shadow, or a rope with its shadow.
     fn is_pale(&self, curve: &Curve) -> bool {
         let plane = &self.shadows.plane;
         let along = curve.points.windows(2).zip(&curve.widths_px);
@@ -144,7 +165,7 @@ impl Surroundings<'_> {
         pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
     }
 
-    /// Whether most of the curve, as far as it lies in the image, is the table in less light.
+    /// Returns whether most of the curve inside the image is the table in less light.
     fn is_dim(&self, curve: &Curve) -> bool {
         let size = [self.image.width(), self.image.height()].map(|side| side as f32);
         let is_within = |at: &&Vec2| (0..2).all(|k| (0.0..size[k]).contains(&at[k]));
@@ -159,7 +180,7 @@ impl Surroundings<'_> {
         4 * asked().filter(is_dim).count() > 3 * asked().count()
     }
 
-    /// Whether the table differs between the one side of the curve and the other.
+    /// Returns whether the table differs between the two sides of the curve.
     fn parts_surfaces(&self, curve: &Curve) -> bool {
         let points = &curve.points;
         let stride = (points.len() / ASKED).max(1);
@@ -187,7 +208,7 @@ impl Surroundings<'_> {
         let yuv = color::is_yuv(self.image.format());
         let least = SURFACES.0.max(SURFACES.1 * self.background.noise);
         let steps = means.iter().map(|mean| mean.map(|c| c / count));
-        // The same step at each distance.
+        // The difference must be the same at each distance.
         let middle = means[1].map(|c| c / count);
         steps.into_iter().all(|step| {
             color::distance(step, [0.0; 3], yuv) > least
@@ -195,8 +216,8 @@ impl Surroundings<'_> {
         })
     }
 
-    /// By how much what is off the table's color differs between the right and the left of a place, at some distances;
-    /// nothing where no table shows.
+    /// Difference between the right and the left of a place, each relative to the estimated table,
+    /// at the distances `BESIDE_WIDTHS`. `None` where no table is visible.
     fn steps_across(
         &self,
         at: Vec2,
@@ -213,7 +234,7 @@ impl Surroundings<'_> {
         Some(steps)
     }
 
-    /// How a place differs from the table, unless it is rope or out of the picture.
+    /// Difference of a place from the estimated table, or `None` on a rope or outside of the image.
     fn off_table(&self, at: Vec2) -> Option<[f32; 3]> {
         let [x, y] = at.map(|c| c as i32);
         let is_inside = at[0] >= 1.0
@@ -229,7 +250,8 @@ impl Surroundings<'_> {
     }
 }
 
-/// What a curve appearances like that is unlike a rope beside it which is so many times as long, if it is one of so many marks.
+/// Classifies a curve that is unlike another rope. `times` is the rope's length relative to the
+/// curve's, and `marks` is the number of small objects like the curve.
 fn looks_like(curve: &Curve, times: f32, marks: usize) -> Option<Notice> {
     let widths = curve.length_px / curve.width_px;
     if curve.closed {
@@ -257,7 +279,7 @@ fn looks_like(curve: &Curve, times: f32, marks: usize) -> Option<Notice> {
     }
 }
 
-/// Whether a curve is as straight as if it were rigid.
+/// Returns whether a curve is as straight as a rigid object.
 fn is_straight(curve: &Curve) -> bool {
     let (Some(&from), Some(&to)) = (curve.points.first(), curve.points.last()) else {
         return false;
@@ -271,7 +293,8 @@ fn is_straight(curve: &Curve) -> bool {
     farthest_px <= (STRAIGHT * curve.width_px).max(1.0)
 }
 
-/// Whether a closed curve is an ellipse: least squares of a x² + b xy + c y² = 1 about its middle.
+/// Returns whether a closed curve is an ellipse, by a least-squares fit of a x² + b xy + c y² = 1
+/// about its middle.
 fn is_round(curve: &Curve) -> bool {
     let count = curve.points.len() as f32;
     let sum = curve
@@ -302,7 +325,7 @@ fn is_round(curve: &Curve) -> bool {
         let off = a * t[0] + b * t[1] + c * t[2] - 1.0;
         off * off
     });
-    // The radius goes with the root.
+    // The radius is proportional to the square root.
     let rms = 0.5 * (off.sum::<f32>() / count).sqrt();
     let (mean, spread) = (
         0.5 * (a + c),

@@ -1,11 +1,14 @@
-//! The ropes of the last image refitted to this one, where reading this one alone contradicts them.
+//! Refits the ropes of the prior to this image if its own lines contradict them.
 //!
-//! Strands that touch, ends that lie on strands: a single image may show them as something else than
-//! two images do. A rope does not tear or exchange its strands; so its last centerline is laid over the
-//! image, each sample observations across for the middle of the rope, and the moves, not the places, are
-//! smoothed along it: where nothing is measured (crossings, overlaps, occluders) the shape is kept and
-//! carried along. What comes out counts only if the image bears it out: every sample on rope or under
-//! an occluder, and hardly any rope left that is not accounted for.
+//! If strands touch, or ends are on strands, a single image may show them as something else than
+//! two images do. A rope does not tear or exchange its strands. Its last centerline is therefore
+//! laid over the image, and each sample searches across for the middle of the rope. The movements,
+//! not the places, are smoothed along the rope. The shape is kept and carried along where nothing
+//! can be measured: at crossings, overlaps and occluders.
+//!
+//! The refit replaces the image's own lines only if the image supports it: nearly every sample is
+//! on a rope or under an occluder, each length is nearly unchanged, and hardly any skeleton is left
+//! unexplained.
 
 mod bounds;
 mod reach;
@@ -25,31 +28,31 @@ use crate::statistics::quantile;
 use crate::vec2::{self, Vec2};
 use reach::Reach;
 
-/// Looks across, and how much a section's width may differ from the rope's, in each.
+/// Passes of the measurement: the maximum factor between a section's width and the rope's, in each.
 const LOOKS: [f32; 3] = [1.45, 1.35, 1.3];
-/// Widths over which moves are smoothed: as far as a bend of a rope reaches.
+/// Length over which movements are smoothed, in widths: as far as a bend of a rope reaches.
 const STIFF_WIDTHS: f32 = 2.0;
-/// Widths by which points may have moved, beside twice the ropes' mean motion, in a reading that does
-/// not contradict the past; and the share of the points that must keep to it.
+/// Maximum movement of points in a line that agrees with the prior, in widths, in addition to twice
+/// the ropes' mean movement. Minimum share of the points within it.
 const AGREES: (f32, f32) = (1.5, 0.95);
-/// The largest share of a refitted rope that may lie on the bare table.
+/// Maximum share of a refitted rope on the bare table.
 const BARE: f32 = 0.04;
-/// Widths of it that may lie there at one place: over more, the rope is not there any more.
+/// Maximum length of one bare stretch, in widths. Over more, the rope is no longer there.
 const BARE_WIDTHS: f32 = 0.75;
-/// The least share of the skeleton that refitted ropes must account for.
+/// Minimum share of the skeleton that refitted ropes must explain.
 const EXPLAINED: f32 = 0.95;
-/// Widths of the skeleton that may be left over at most: more is a tip that has come out.
+/// Maximum length of unexplained skeleton, in widths. More is a tip that has come out.
 const LEFT_WIDTHS: f32 = 1.0;
-/// How much a rope's length may seem to change from one image to the next.
+/// Maximum change of a rope's length from one image to the next, as a share.
 const LENGTH: f32 = 0.06;
-/// Samples over which it is seen how a line runs into what hides it.
+/// Number of samples over which a line's direction into an occluder is measured.
 const DIRECTION: usize = 6;
-/// Skeleton pixels that are asked whether they are accounted for.
+/// Number of skeleton pixels that are checked.
 const ASKED: usize = 400;
-/// Points that two shapes are compared at.
+/// Number of points at which two shapes are compared.
 const COMPARED: usize = 40;
 
-/// Memory of the step.
+/// Buffers and result of the step.
 #[derive(Debug, Default)]
 pub(crate) struct Refitter {
     sections: Sections,
@@ -58,19 +61,19 @@ pub(crate) struct Refitter {
     before: Vec<Vec2>,
     spaced: Vec<Sample>,
     levels: Vec<f32>,
-    /// The refitted ropes; the first `count` are of this image.
+    /// Refitted ropes. The first `count` belong to this image.
     lines: Vec<Line>,
-    /// What is near to each.
+    /// Reach of each refitted rope.
     reaches: Vec<Reach>,
     count: usize,
-    /// The same of the image's other lines.
+    /// Reach of each of the image's own lines that is not a refitted rope.
     new: Vec<Option<Reach>>,
 }
 
-/// What ropes are refitted to.
+/// Data to which ropes are refitted.
 pub(crate) struct Scene<'a> {
     pub(crate) past: &'a Past,
-    /// How its ropes have moved, as far as is known.
+    /// Known movement of places on the prior's ropes.
     pub(crate) moves: &'a [Move],
     pub(crate) difference: &'a GrayPlane,
     pub(crate) mask: &'a BitPlane,
@@ -79,8 +82,8 @@ pub(crate) struct Scene<'a> {
 }
 
 impl Refitter {
-    /// Makes the buffers for `ropes` ropes of up to `samples` samples, by laying those of the past over
-    /// the image.
+    /// Allocates buffers for `ropes` ropes of up to `samples` samples, by laying those of the prior
+    /// over the image.
     pub(crate) fn warm_up(&mut self, ropes: usize, samples: usize, scene: &Scene) {
         self.sections.reserve(samples);
         self.lines
@@ -98,7 +101,7 @@ impl Refitter {
         for rope in scene.past.ropes() {
             self.lay(rope, scene, &[], &mut line);
         }
-        // The longest, as a ring: that is solved with an overlap.
+        // The longest, as a ring. Its smoothing also needs an overlap.
         line.closed = true;
         line.samples.resize(samples, Sample::default());
         let how = Measure {
@@ -112,8 +115,13 @@ impl Refitter {
         self.lines[0] = line;
     }
 
-    /// Refits the ropes of the past if `lines` contradict them. Returns whether they are to be taken
-    /// instead of the lines that lie along them.
+    /// Refits the ropes of the prior if `lines` contradict them. Returns whether they replace the
+    /// lines along them.
+    ///
+    /// It does nothing if all visible ropes agree with a line, if one of them leaves the image, or
+    /// if the lines restore usual lengths (`are_restored`). The ropes are first laid where they
+    /// were, then as the movement of their fragments suggests. The first attempt that the image
+    /// supports wins.
     pub(crate) fn refit(&mut self, lines: &[Line], scene: &Scene) -> bool {
         let live = || scene.past.live();
         if live().next().is_none()
@@ -123,7 +131,7 @@ impl Refitter {
         {
             return false;
         }
-        // Those that have moved far lie as the pieces of them that are seen say.
+        // Ropes that have moved far are placed by their visible fragments.
         let ways = [&[], scene.moves];
         let ways = &ways[..1 + usize::from(!scene.moves.is_empty())];
         ways.iter().any(|moves| {
@@ -137,7 +145,8 @@ impl Refitter {
         })
     }
 
-    /// Lays all ropes, moved so, over the image; false when it does not bear one of them out.
+    /// Lays all ropes over the image, displaced by `moves`. Returns false at the first one that the
+    /// image does not support.
     fn lay_all(&mut self, scene: &Scene, moves: &[Move]) -> bool {
         self.count = 0;
         for rope in scene.past.live() {
@@ -155,8 +164,9 @@ impl Refitter {
         true
     }
 
-    /// Whether one of the lines is the rope, moved a little, from end to end; or with a part of it besides that was out
-    /// of sight at one end.
+    /// Returns whether one of the lines is the rope from end to end, slightly moved. The line may
+    /// also include a part that was out of sight at one end. A closed rope is compared by length
+    /// only.
     fn agrees(&self, rope: &Rope, lines: &[Line], past: &Past) -> bool {
         let most_px = (AGREES.0 + 2.0 * past.moved()) * rope.width_px;
         lines.iter().any(|line| {
@@ -170,7 +180,7 @@ impl Refitter {
             if line.closed {
                 return true;
             }
-            // The share of the line before the rope's first point, and of the rope itself.
+            // Start on the line, and share of the line, of the rope's known stretch.
             let rest = (1.0 - rope.length_px / length_px).max(0.0);
             let laid = [(0.0, 1.0), (0.0, 1.0 - rest), (rest, 1.0 - rest)];
             let ways = if known { &laid[..] } else { &laid[1..] };
@@ -190,7 +200,8 @@ impl Refitter {
         })
     }
 
-    /// Lays the rope, moved so, over the image; false when the image does not bear it out.
+    /// Lays the rope over the image, displaced by `moves`. Returns whether the image supports it:
+    /// its length is within `LENGTH`, and its bare parts are within `BARE` and `BARE_WIDTHS`.
     fn lay(&mut self, rope: &Rope, scene: &Scene, moves: &[Move], line: &mut Line) -> bool {
         let half_px = 0.5 * rope.width_px;
         let step_px = (half_px / 4.0).clamp(0.75, 4.0);
@@ -250,7 +261,8 @@ impl Refitter {
             && longest as f32 * step_px <= BARE_WIDTHS * rope.width_px
     }
 
-    /// Moves each sample toward the middle of the rope there, those without one into their bounds, or as their neighbors.
+    /// Moves each sample to the middle of the rope. Samples without a measurement move into their
+    /// bounds, or along with their neighbors.
     fn shift(&mut self, line: &mut Line, scene: &Scene, how: Measure) {
         self.before.clear();
         self.before.extend(line.samples.iter().map(|s| s.at));
@@ -270,7 +282,7 @@ impl Refitter {
         self.smoother.smooth(&mut self.moves, stiff);
         let moved = self.moves.samples.iter().zip(&self.before);
         for (sample, (shift, &before)) in line.samples.iter_mut().zip(moved) {
-            // What is measured stays so; the rest is carried along.
+            // Measured samples keep their place, and the others are carried along.
             if sample.weight <= 0.0 {
                 sample.at = vec2::add(before, shift.at);
                 sample.width_px = 2.0 * how.half_px;
@@ -279,8 +291,8 @@ impl Refitter {
         }
     }
 
-    /// Puts the last end of the line where the rope ends, if it does so near there: over another strand
-    /// no end shows, and it is carried along. `room_px` is how much longer the rope usually is.
+    /// Moves the last end of the line to where the rope ends, if that is near. Over another strand,
+    /// no end shows, so the end is carried along. `room_px` is how much longer the rope usually is.
     fn find_tip(
         &mut self,
         line: &mut Line,
@@ -317,7 +329,8 @@ impl Refitter {
         }
     }
 
-    /// Whether hardly any of the skeleton is left over, but what belongs to a rope that is new.
+    /// Returns whether hardly any of the skeleton is unexplained. Skeleton on a new rope does not
+    /// count.
     fn explained(&mut self, lines: &[Line], scene: &Scene) -> bool {
         let mut new = std::mem::take(&mut self.new);
         new.clear();
@@ -349,7 +362,7 @@ impl Refitter {
         known >= EXPLAINED * asked && left_px <= LEFT_WIDTHS * widest_px
     }
 
-    /// Whether a line is accounted for by the refitted ropes, for more than half of it.
+    /// Returns whether refitted ropes explain at least half of a line.
     pub(crate) fn lies_along(&self, line: &Line) -> bool {
         let stride = (line.samples.len() / COMPARED).max(1);
         let (mut asked, mut known) = (0, 0);
@@ -360,14 +373,14 @@ impl Refitter {
         2 * known >= asked
     }
 
-    /// Whether a place is accounted for by one of the refitted ropes.
+    /// Returns whether one of the refitted ropes explains a place.
     fn is_refitted(&self, at: Vec2) -> bool {
         let mut ropes = self.lines[..self.count].iter().zip(&self.reaches);
         ropes.any(|(rope, reach)| reach.holds(rope, at))
     }
 
-    /// Takes the refitted ropes, and the others of the first `count` lines, to the front of `lines`, the longest
-    /// first; returns how many they are.
+    /// Moves the refitted ropes, and those of the first `count` lines that they do not explain, to
+    /// the front of `lines`, the longest first. Returns their number.
     pub(crate) fn take(&mut self, lines: &mut Vec<Line>, count: usize) -> usize {
         let mut kept = 0;
         for l in 0..count {
@@ -387,7 +400,7 @@ impl Refitter {
         count
     }
 
-    /// Calls back for each stretch of a line, in arc length, that lies under an occluder.
+    /// Calls `found` with each stretch of a line, in arc length, that is under an occluder.
     pub(crate) fn covered(line: &Line, occluder: &BitPlane, mut found: impl FnMut(f32, f32)) {
         let step_px = line.length_px() / (line.samples.len().max(2) - 1) as f32;
         let mut from = None;
@@ -409,8 +422,8 @@ impl Refitter {
     }
 }
 
-/// Whether all ropes have the lengths that they had for long in `lines`, and not as they were last read: strands were taken for each
-/// other, and are not any more.
+/// Returns whether `lines` restore the usual lengths of all ropes, which were not all usual in the
+/// prior. Strands had then been confused, and no longer are.
 fn are_restored(lines: &[Line], past: &Past) -> bool {
     let is_usual =
         |length_px: f32, rope: &Rope| (length_px / rope.usual_px - 1.0).abs() <= 0.5 * LENGTH;
@@ -426,8 +439,8 @@ fn are_restored(lines: &[Line], past: &Past) -> bool {
         && ropes.all(|rope| lines.iter().any(|line| is_rope(line, rope)))
 }
 
-/// Draws the longest hidden stretch of a line in as far as the line is longer than its rope usually is: nothing else holds it to its
-/// length.
+/// Draws in the longest hidden stretch of a line by as much as the line exceeds the rope's usual
+/// length. Nothing else constrains the length of that stretch.
 fn draw_in(line: &mut Line, usual_px: f32, occluder: &BitPlane) {
     let spare_px = line.length_px() - usual_px;
     if spare_px <= 0.0 {
@@ -467,7 +480,7 @@ fn draw_in(line: &mut Line, usual_px: f32, occluder: &BitPlane) {
     }
 }
 
-/// How a place of a rope has moved: as those moves on both sides of it, by their distance.
+/// Movement of a place on a rope, interpolated between the known movements on both sides.
 fn moved(rope: &Rope, along_px: f32, moves: &[Move]) -> Vec2 {
     let mut before: Option<&Move> = None;
     for after in moves.iter().filter(|m| m.rope == rope.index) {
@@ -483,10 +496,10 @@ fn moved(rope: &Rope, along_px: f32, moves: &[Move]) -> Vec2 {
     before.map_or([0.0; 2], |before| before.by)
 }
 
-/// The weight of a place that was carried along: less than one that was measured.
+/// Weight of a place that was carried along. It is less than that of a measured one.
 const CARRIED: f32 = 0.05;
 
-/// Whether a place shows the table.
+/// Returns whether a place shows the table.
 fn is_bare(at: Vec2, scene: &Scene) -> bool {
     !scene.mask.has(at) && !scene.occluder.has(at)
 }
@@ -507,7 +520,7 @@ mod tests {
                 .collect(),
             ..Line::default()
         };
-        // Two ropes of 100 px, of which the second was read 30 px too long the last time.
+        // Two ropes of 100 px. The second was measured 30 px too long in the last image.
         let mut past = Past::default();
         for (y, last_px) in [(20.0, 100.0), (60.0, 130.0)] {
             let points: Vec<Vec2> = (0..=20).map(|i| [last_px / 20.0 * i as f32, y]).collect();
@@ -532,7 +545,7 @@ mod tests {
         let mut occluder = BitPlane::default();
         occluder.resize(240, 120);
         (20..110).for_each(|y| occluder.fill(y, 80, 160, true));
-        // Along a line, with a detour by 40 px while nobody sees it.
+        // A straight line with a detour of 40 px where it is hidden.
         let bulge = |x: f32| {
             let off = (x - 120.0) / 15.0;
             40.0 * (-off * off).exp()

@@ -1,9 +1,10 @@
-//! Tips that lie upon another strand, or just past it: where the image shows no end, the rope's known length does.
+//! Tips on another strand, or just past it: where the image shows no end, the rope's usual length
+//! decides.
 //!
-//! A tip that goes over or under a strand is lost in it before it comes out on the other side, and what comes out is a
-//! stub too short to be told from a bump. But a rope does not shrink: what a line lacks of the rope's usual length lies
-//! at the ends at which the last image's shape goes on, as it lay there, moved along with the line, as far as the image
-//! shows rope at all.
+//! A tip that passes over or under a strand disappears in it. On the other side, it first comes out
+//! as a stub too short to distinguish from a bump. But a rope does not shrink. The length that a
+//! line lacks is added at the ends where the prior's shape continues. It is placed as in the prior,
+//! moved along with the line, and only as far as the image shows rope or an occluder.
 
 use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::{Line, Sample};
@@ -11,28 +12,30 @@ use crate::past::{Past, Rope};
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// Widths of a rope's length that make no difference: what tips are measured to.
+/// Length that makes no difference, in widths: the accuracy of measured tips.
 pub(super) const LEAST_WIDTHS: f32 = 0.3;
-/// Widths that a line may be too long by, because it goes on along the strand that its tip lies upon.
+/// Maximum excess length of a line, in widths, for continuing along the strand that its tip is on.
 const MOST_OVER_WIDTHS: f32 = 3.0;
-/// Widths that may be out of sight at most, and as a share of the rope.
+/// Maximum length out of sight: in widths, and as a share of the rope.
 const MOST: (f32, f32) = (10.0, 0.3);
-/// Widths at the line's end that are replaced, too: upon a strand it is not the tip's own.
+/// Length at the line's end that is also replaced, in widths. On a strand, it is not the tip's own.
 const REPLACED_WIDTHS: f32 = 0.75;
-/// Widths before those whose direction the tip goes on in.
+/// Length before it that gives the tip's direction, in widths.
 const BACKED_WIDTHS: f32 = 2.0;
-/// Places on the line that are compared with the rope, and the widths, beside those that the ropes have moved, that they
-/// may lie off in the mean.
+/// Number of places on the line that are compared with the rope.
 const COMPARED: usize = 32;
+/// Maximum mean distance of these places from the rope, in widths, in addition to the ropes' mean
+/// movement.
 const APART_WIDTHS: f32 = 0.6;
-/// The step in which the line's place along the rope is sought, in widths.
+/// Step in which the line's place along the rope is sought, in widths.
 const STEP_WIDTHS: f32 = 0.25;
-/// Widths of a tip that may show the table: its own edge.
+/// Length of a tip that may show the table, in widths: its own edge.
 const BARE_WIDTHS: f32 = 0.3;
 
-/// Widths beyond an end in which the table must show for the end to be free.
+/// Distance beyond an end at which the table must show for the end to be free, in widths.
 const BEYOND_WIDTHS: f32 = 1.0;
-/// In these directions, by their cosine and sine against the rope's own: ahead, and by 35° and 70° to both sides.
+/// Directions in which it must show, as cosine and sine relative to the rope's: ahead, and 35° and
+/// 70° to both sides.
 const AROUND: [(f32, f32); 5] = [
     (1.0, 0.0),
     (0.82, 0.57),
@@ -41,18 +44,18 @@ const AROUND: [(f32, f32); 5] = [
     (0.34, -0.94),
 ];
 
-/// The line's place along a rope of the past.
+/// Place of a line along a rope of the prior.
 struct Place<'a> {
     rope: &'a Rope,
     reversed: bool,
-    /// What the line lacks of the rope's usual length.
+    /// Length that the line lacks, relative to the rope's usual length.
     room_px: f32,
-    /// How much of that lies before its first sample.
+    /// Part of that length before the line's first sample.
     before_px: f32,
 }
 
-/// Lengthens the line at the ends at which a tip of its rope is out of sight. Returns by how much, at
-/// each end.
+/// Lengthens the line at the ends where a tip of its rope is out of sight. Returns the added length
+/// at each end.
 pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane; 2]) -> [f32; 2] {
     let Some(place) = place(line, past) else {
         return [0.0; 2];
@@ -77,7 +80,7 @@ pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlan
         if end == 0 {
             line.samples.reverse();
         }
-        // Whether the rope's last point, not its first, is the one at this end.
+        // True if the rope's last point is at this end.
         let at_last = (end == 1) != reversed;
         added[end] = extend(line, rope, at_last, most_px, [mask, occluder]);
         if end == 0 {
@@ -88,7 +91,8 @@ pub(crate) fn lengthen(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlan
     added
 }
 
-/// Where along which rope the line lies, if it is one that lacks a piece of its length.
+/// Finds the rope to which the line belongs and its place along it, if the line lacks some of the
+/// rope's usual length. The place has the least mean distance. `None` if that is too large.
 fn place<'a>(line: &Line, past: &'a Past) -> Option<Place<'a>> {
     if line.closed || line.border.contains(&true) || line.samples.len() < 8 {
         return None;
@@ -125,10 +129,10 @@ fn place<'a>(line: &Line, past: &'a Past) -> Option<Place<'a>> {
         .map(|(_, place)| place)
 }
 
-/// How far the line lies from the stretch of the rope that begins at `from_px`, in the mean and in widths.
+/// Mean distance of the line from the stretch of the rope that starts at `from_px`, in widths.
 fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
     let last = (line.samples.len() - 1) as f32;
-    // The rope as it is known may be longer or shorter than it usually is.
+    // The known length of the rope may differ from its usual length.
     let stretch = rope.length_px / rope.usual_px;
     let sum: f32 = (0..COMPARED)
         .map(|k| {
@@ -141,7 +145,8 @@ fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed
     sum / COMPARED as f32 / rope.width_px
 }
 
-/// Lengthens the last end of the line by up to `most_px`, as the rope's end lies. Returns by how much.
+/// Lengthens the last end of the line by up to `most_px`, in the shape of the rope's end. Returns
+/// the added length.
 fn extend(
     line: &mut Line,
     rope: &Rope,
@@ -161,7 +166,7 @@ fn extend(
     let kept = n - 1 - replaced;
     let (last, anchor) = (line.samples[n - 1], line.samples[kept].at);
     let out = vec2::sub(anchor, line.samples[kept - backed].at);
-    // The samples of a tip that was run on lie closer than the others.
+    // Samples of a tip that was extended are closer together than the others.
     let replaced_px = arc_px(&line.samples[kept..]);
     let tip_px = most_px + replaced_px;
     let known = |to_tip_px: f32| {
@@ -176,7 +181,7 @@ fn extend(
     let (sin, cos) = libm::sincosf(turn);
     let steps = count(tip_px);
     let (mut bare, mut good) = (0, 0);
-    // Behind the line as it is, until it is known which of the two is taken.
+    // New samples are appended first. Afterwards, either they or the replaced ones are removed.
     for k in 1..=steps {
         let to_tip_px = tip_px * (1.0 - k as f32 / steps as f32);
         let [x, y] = vec2::sub(known(to_tip_px), known(tip_px));
@@ -201,13 +206,13 @@ fn extend(
     more_px
 }
 
-/// The length along some samples.
+/// Arc length along these samples.
 fn arc_px(samples: &[Sample]) -> f32 {
     let steps = samples.windows(2);
     steps.map(|s| vec2::distance(s[0].at, s[1].at)).sum()
 }
 
-/// Whether the table shows beyond both ends of a curve.
+/// Returns whether the table shows beyond both ends of a curve.
 pub(crate) fn are_free(curve: &Curve, mask: &BitPlane) -> bool {
     let points = &curve.points;
     let n = points.len();
@@ -221,7 +226,7 @@ pub(crate) fn are_free(curve: &Curve, mask: &BitPlane) -> bool {
         .all(|&[tip, inner]| is_free(points[tip], points[inner], curve.width_px, mask))
 }
 
-/// Whether the table shows around a tip, seen from a place before it.
+/// Returns whether the table shows around a tip. `inner` is a place before it.
 fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
     let out = vec2::unit_or(vec2::sub(tip, inner), [1.0, 0.0]);
     AROUND.iter().all(|&(cos, sin)| {
@@ -230,8 +235,8 @@ fn is_free(tip: Vec2, inner: Vec2, width_px: f32, mask: &BitPlane) -> bool {
     })
 }
 
-/// Shortens the line at the end that lies upon something, if it is longer than its rope and the other
-/// end lies freely: a rope that slides along itself shows that only at its free end.
+/// Shortens a line that is longer than its rope, at the end that is on something, if the other end
+/// is free. A rope that slides along itself shows this only at its free end.
 pub(crate) fn shorten(line: &mut Line, past: &Past, [mask, occluder]: [&BitPlane; 2]) {
     let n = line.samples.len();
     if line.closed || line.border.contains(&true) || n < 8 {
@@ -284,7 +289,7 @@ mod tests {
         past
     }
 
-    /// What is read of it now, a pixel lower.
+    /// The line extracted now, a pixel lower.
     fn read(from: i32, to: i32) -> Line {
         let sample = |x| Sample {
             at: [x as f32, 101.0],
@@ -299,7 +304,7 @@ mod tests {
         }
     }
 
-    /// Rope along y = 100, and a strand across it, from x to before x.
+    /// Rope along y = 100, and a strand across it, each from one x to before another.
     fn mask(rope: [usize; 2], strand: [usize; 2]) -> BitPlane {
         let mut mask = BitPlane::default();
         mask.resize(200, 200);

@@ -1,9 +1,10 @@
-//! Which rope is which, from one image to the next.
+//! Identity of ropes from one image to the next.
 //!
-//! Ropes and curves that agree best are matched first; the way round that fits better is kept, so
-//! that a rope's first point stays its first. A rope without a match is out of sight and keeps its
-//! number for a while; one that comes into sight takes the number of a lost rope that it is like, or
-//! else a new one. A curve that is shorter than its rope was is a part of it.
+//! Ropes and curves are matched greedily, in order of their cost (`matching`). First come near
+//! matches, then lost ropes that return. The better direction is kept, so that a rope's first point
+//! stays its first. A curve without a match is a new rope, unless it is a fragment of a matched
+//! one. A rope without a match is out of sight, and keeps its number for a while. A curve shorter
+//! than its rope was may be a part of it.
 
 use super::complete::Completer;
 use super::matching::{self, Agreement, Shape, nearest_point};
@@ -15,35 +16,38 @@ use crate::past::{Past, State};
 use crate::scene::{Curve, Status};
 use crate::vec2::{Vec2, distance};
 
-/// Shorter than this share of its longest, a rope is seen in part. Perspective and slack change the
-/// length less.
+/// Maximum length of a rope seen in part, relative to its usual length. Perspective and slack
+/// change the length less.
 const PARTIAL: f32 = 0.85;
-/// A tip that was here and is this many widths back along the rope is covered, not moved: no rope
-/// slides along itself that far from one image to the next.
+/// Minimum distance back along the rope, in widths, for a tip to be covered instead of moved. No
+/// rope slides along itself that far from one image to the next.
 const JUMP_WIDTHS: f32 = 1.5;
-/// What more it must have lost of its length: that of a rope seen whole varies by less.
+/// Minimum loss of length then, as a share of the rope, in addition to `JUMP_WIDTHS`. The length of
+/// a rope seen whole varies by less.
 const JUMP_SHARE: f32 = 0.015;
-/// The share by which a rope's width changes from one image to the next, at most.
+/// Maximum change of a rope's width from one image to the next, as a share.
 const WIDTH_PACE: f32 = 0.05;
-/// Frames after which a rope is missed when it goes out of sight.
+/// Number of frames in which a rope must be seen before it is reported as lost.
 const SETTLED: u32 = 3;
-/// Frames after which a rope is as well known as can be.
+/// Number of frames after which a rope is as well known as possible.
 const LONG: u32 = 100;
-/// Frames that a rope was taken for one, to outweigh a doubt; and after a doubt, to be taken for one again.
+/// Number of frames as a rope that outweigh a doubt.
 const KNOWN: i32 = 10;
+/// Number of frames, after a doubt, to be treated as a rope again.
 const REGAINED: i32 = 3;
-/// Frames for which a rope that seems to have lost or gained a stretch of its length at once is remembered as it was, and how much
-/// that is: in widths, and as a share of its length. Nothing does that but what was misread.
+/// Maximum number of frames in which a sudden change of a rope's length is not believed. Only an
+/// extraction error changes it like that.
 const KEPT: u32 = 6;
+/// Minimum change, in widths plus a share of its length.
 const LEAP: (f32, f32) = (2.0, 0.05);
-/// A rope out of sight that lies this near, in widths, to one in sight was a part of that one.
+/// Maximum distance, in widths, at which a rope out of sight was a part of one in sight.
 const SAME_WIDTHS: f32 = 1.0;
 
-/// Memory of the tracking: all ropes, seen or lost.
+/// All ropes, seen or lost, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Tracker {
     tracks: Vec<Track>,
-    /// Tracks that are done with, kept for their memory.
+    /// Finished tracks, kept for their memory.
     spare: Vec<Track>,
     matches: Vec<Match>,
     next: u32,
@@ -56,30 +60,30 @@ pub(crate) struct Tracker {
 #[derive(Debug, Default)]
 struct Track {
     number: u32,
-    /// When it was last seen.
+    /// Time at which it was last seen.
     seen_ns: u64,
-    /// Frames since then; 0: now.
+    /// Number of frames since then. 0 in sight.
     age: u32,
-    /// Frames in which it was seen.
+    /// Number of frames in which it was seen.
     frames: u32,
-    /// Frames in a row in which what was seen of it was not believed.
+    /// Number of consecutive frames in which its length was not believed.
     disbelieved: u32,
-    /// The curve of this image that it is, and whether that runs against it.
+    /// Index of the curve of this image that it is, and whether the curve runs against it.
     current: Option<(usize, bool)>,
     closed: bool,
     border: [bool; 2],
-    /// Where along its shape each end of what was seen ran into something that is no rope.
+    /// Arc length at each end of the visible part, if that end ran into an occluder.
     covered_px: [Option<f32>; 2],
-    /// Its shape as it is known: as last seen, with what was covered then added from before.
+    /// Known shape: as last seen, with the parts then covered added from before.
     points: Vec<Vec2>,
     width_px: f32,
     length_px: f32,
     color: Option<[f32; 3]>,
-    /// That of when it was last seen.
+    /// Confidence when it was last seen.
     confidence: f32,
-    /// Its usual length while seen whole: what "in part" is told by.
+    /// Usual length while seen whole, the reference for "in part".
     usual: UsualLength,
-    /// Frames in which it was taken for a rope, less those since in which it was not: below 0 it may be none.
+    /// Number of frames as a rope, minus later ones in doubt. Below 0 it may not be a rope.
     sure: i32,
 }
 
@@ -90,29 +94,29 @@ struct Match {
     curve: usize,
 }
 
-/// What the tracker is told of a curve beside its shape.
+/// Observations of a curve for the tracker, in addition to its shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Appearance {
-    /// The mean native color along it.
+    /// Mean color along the curve, in the image's native format.
     pub(crate) color: [f32; 3],
-    /// Whether each end runs into something that is no rope.
+    /// True for each end that runs into an occluder.
     pub(crate) covered: [bool; 2],
-    /// Whether the table shows beyond both ends: the rope is as long as it appearances.
+    /// True if the table shows beyond both ends, so that the rope is as long as it looks.
     pub(crate) free: bool,
-    /// Whether nothing lies in the image that is no rope.
+    /// True if the image is free of occluders.
     pub(crate) is_plain: bool,
-    /// Whether what was known as one rope is several.
+    /// True if a rope of the prior was found to be several.
     pub(crate) is_split: bool,
 }
 
 impl Tracker {
-    /// Forgets all ropes; numbers go on.
+    /// Forgets all ropes. The numbers continue.
     pub(crate) fn reset(&mut self) {
         self.spare.append(&mut self.tracks);
         self.started = false;
     }
 
-    /// Makes the buffers for ropes of so many points.
+    /// Allocates buffers for ropes of this many points.
     pub(crate) fn reserve(&mut self, points: usize) {
         self.completer.reserve(3 * points);
         self.matches.reserve(256);
@@ -126,12 +130,12 @@ impl Tracker {
         self.tracks.reserve(64);
     }
 
-    /// The number that the next new rope gets.
+    /// Number of the next new rope.
     pub(crate) fn next(&self) -> u32 {
         self.next
     }
 
-    /// Takes over the ropes that another tracker knew when it had reported these curves, at this moment.
+    /// Takes over the ropes of another tracker that had reported these curves at `now_ns`.
     pub(crate) fn resume(&mut self, curves: &[Curve], next: u32, now_ns: u64) {
         self.reset();
         (self.next, self.now_ns) = (next, now_ns);
@@ -165,13 +169,13 @@ impl Tracker {
         }
     }
 
-    /// Numbers ropes from the first again.
+    /// Restarts the numbering of ropes.
     pub(crate) fn restart(&mut self) {
         self.next = 0;
     }
 
-    /// Says when the image at hand was taken and whether its colors are YUV: colors of another kind
-    /// of image mean nothing any more.
+    /// Sets the time of the current image and whether its colors are YUV. A change of the color
+    /// format discards all known colors.
     pub(crate) fn begin(&mut self, now_ns: u64, yuv: bool) {
         self.now_ns = now_ns;
         if std::mem::replace(&mut self.yuv, yuv) != yuv {
@@ -179,7 +183,7 @@ impl Tracker {
         }
     }
 
-    /// Says what moment it is, where there is no image.
+    /// Sets the time without an image.
     pub(crate) fn pass(&mut self, now_ns: u64) {
         self.now_ns = now_ns;
     }
@@ -187,7 +191,8 @@ impl Tracker {
     /// Writes the ropes as they were last seen into `past`.
     pub(crate) fn remember(&self, past: &mut Past) {
         past.clear();
-        // An arm may be taken for a rope for a moment, but not be what it is told by that it is none.
+        // An arm may be mistaken for a rope for a moment. Its width must then not become the known
+        // width that would hide it as an occluder.
         let longest = self.tracks.iter().map(|track| track.frames).max();
         for track in &self.tracks {
             if 2 * track.frames.min(LONG) >= longest.unwrap_or(0).min(LONG) {
@@ -209,8 +214,8 @@ impl Tracker {
         }
     }
 
-    /// Numbers and turns the curves of a new image, drops those that are pieces of a rope that is known, and says which lost
-    /// ropes are to be reported by appending them to `curves`. Returns how many curves are seen, and how many there are.
+    /// Numbers and aligns the curves of a new image, drops fragments of known ropes, and appends
+    /// the lost ropes to `curves`. Returns the number of seen curves and the number of all.
     pub(crate) fn update(
         &mut self,
         curves: &mut Vec<Curve>,
@@ -224,7 +229,8 @@ impl Tracker {
         }
         self.match_with(&curves[..count], appearances, |track, rope, curve| {
             let agreement = matching::near(rope, curve)?;
-            // Of ropes that lie equally near, the one in sight is meant, and that for longest.
+            // Among ropes at equal distance, one in sight wins over a lost one, and a long-known
+            // one over a new one.
             let (frames, age) = (track.frames.min(LONG) as f32, track.age.min(2) as f32);
             let doubt = age - frames / LONG as f32;
             let cost = agreement.cost + doubt * rope.width_px;
@@ -261,8 +267,8 @@ impl Tracker {
         [seen, self.report_lost(curves, seen, options.ropes)]
     }
 
-    /// Drops the curves that lie along a rope that is known as a whole, of which a longer piece is seen: where something
-    /// covers it, it may fall into several. Returns how many are left.
+    /// Drops new curves along a known rope if a longer fragment of it is seen. An occluder may
+    /// split a rope into several. Returns the number of curves left.
     fn drop_pieces(&mut self, curves: &mut [Curve], appearances: &mut [Appearance]) -> usize {
         let (mut seen, mut c) = (curves.len(), 0);
         while c < seen {
@@ -297,17 +303,18 @@ impl Tracker {
         })
     }
 
-    /// Whether the rope of this number was taken for one for a while.
+    /// Returns whether the rope of this number has been treated as a rope for a while.
     pub(crate) fn is_known(&self, number: u32) -> bool {
         (self.tracks.iter()).any(|track| track.number == number && track.sure >= KNOWN)
     }
 
-    /// Whether a rope is known that was seen this surely when it was last seen, and for more than a moment.
+    /// Returns whether a rope is known whose last confidence was at least `sure`, and that was seen
+    /// for more than a moment.
     pub(crate) fn knows_some(&self, sure: f32) -> bool {
         (self.tracks.iter()).any(|track| track.frames >= SETTLED && track.confidence >= sure)
     }
 
-    /// Whether a curve may be a rope that is known.
+    /// Returns whether a curve may be a known rope.
     pub(crate) fn may_know(&self, curve: &Curve) -> bool {
         let shape = shape_of_curve(curve);
         self.tracks.iter().any(|track| {
@@ -317,7 +324,8 @@ impl Tracker {
         })
     }
 
-    /// Weighs what a curve appearances like with what its track was taken for: returns whether it may be no rope.
+    /// Weighs a doubt about a curve against its track's history. Returns whether it may not be a
+    /// rope.
     pub(crate) fn weigh(&mut self, number: u32, is_doubted: bool) -> bool {
         let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) else {
             return is_doubted;
@@ -330,14 +338,14 @@ impl Tracker {
         track.sure < 0
     }
 
-    /// Keeps how sure it is of a rope that is seen, for when it is not.
+    /// Records the confidence of a visible rope, for when it is lost.
     pub(crate) fn note_confidence(&mut self, number: u32, sure: f32) {
         if let Some(track) = self.tracks.iter_mut().find(|track| track.number == number) {
             track.confidence = sure;
         }
     }
 
-    /// Takes the ropes of the last image, which were followed into this one and are all that is known.
+    /// Takes over the ropes of the last image after following. They are all that is known.
     pub(crate) fn go_on(&mut self, curves: &[Curve]) {
         for track in &mut self.tracks {
             if let Some(curve) = curves.iter().find(|curve| curve.track == track.number) {
@@ -355,8 +363,8 @@ impl Tracker {
         }
     }
 
-    /// Repeats the answer to the last image, in which the first `seen` curves were in sight, and reports the lost ropes after
-    /// them. Returns the number of curves.
+    /// Repeats the answer to the last image, which had `seen` curves in sight, and appends the lost
+    /// ropes. Returns the number of curves.
     pub(crate) fn stay(
         &mut self,
         curves: &mut Vec<Curve>,
@@ -372,7 +380,7 @@ impl Tracker {
         self.report_lost(curves, seen, options.ropes)
     }
 
-    /// Matches tracks and curves that are still free, those first that `agree` best.
+    /// Matches free tracks with free curves, the best agreement first.
     fn match_with(
         &mut self,
         curves: &[Curve],
@@ -412,8 +420,8 @@ impl Tracker {
         }
     }
 
-    /// A new rope begins at the end nearest to `start` or, without one, to the top left.
-    /// Returns whether an open one was turned.
+    /// Makes a new rope start at the end nearest to `start` or, without one, to the top left.
+    /// Returns whether an open one was reversed.
     fn orient_new(&mut self, curve: &mut Curve, start: Option<Vec2>) -> bool {
         let goal = match start {
             Some(goal) if !self.started => goal,
@@ -451,7 +459,7 @@ impl Tracker {
         while t < self.tracks.len() {
             let track = &self.tracks[t];
             let age_ns = self.now_ns.saturating_sub(track.seen_ns);
-            // What was seen for a moment only was hardly a rope: it is not missed.
+            // A rope seen only for a moment is not missed.
             let missed = track.frames >= SETTLED && u128::from(age_ns) <= keep_ns;
             if track.age > 0 && (!missed || self.was_part_of_another(track)) {
                 let gone = self.tracks.remove(t);
@@ -462,7 +470,8 @@ impl Tracker {
         }
     }
 
-    /// Whether a lost rope lies along one that is seen: a piece that is one with the rest again.
+    /// Returns whether a lost rope is along a visible one, which means that it was a fragment of
+    /// it.
     fn was_part_of_another(&self, lost: &Track) -> bool {
         let part = shape_of(lost);
         self.tracks.iter().any(|whole| {
@@ -524,8 +533,10 @@ fn shape_of_curve(curve: &Curve) -> Shape<'_> {
     }
 }
 
-/// Turns the curve as its track was, judges how much of the rope it is, and takes it as the track's
-/// newest shape.
+/// Aligns the curve with its track, sets its status, and updates the track's shape.
+///
+/// If a tip is covered, the hidden part of the shape stays as it was (`Completer`). If the length
+/// changes suddenly in plain sight, the whole shape stays, for up to `KEPT` frames.
 fn see(
     track: &mut Track,
     curve: &mut Curve,
@@ -567,7 +578,7 @@ fn see(
     track.age = 0;
     track.frames = track.frames.saturating_add(1);
     track.color = Some(match track.color {
-        // Slowly: the light changes, a rope's color does not.
+        // The light changes slowly, and a rope's own color does not change.
         Some(color) => std::array::from_fn(|i| color[i] + 0.1 * (look.color[i] - color[i])),
         None => look.color,
     });
@@ -592,7 +603,7 @@ fn see(
 }
 
 impl Track {
-    /// Whether a rope that is known has another length all at once, and not its usual one.
+    /// Returns whether a known rope suddenly has another length, which is not its usual one either.
     fn has_leapt(&self, curve: &Curve) -> bool {
         let most_px = LEAP.0 * self.width_px + LEAP.1 * self.length_px;
         let differs = |length_px: f32| (curve.length_px - length_px).abs() > most_px;
@@ -600,7 +611,8 @@ impl Track {
         is_known && differs(self.length_px) && differs(self.usual.px)
     }
 
-    /// Lets the width follow what is seen: what lies over a rope or beside it may change it at once, the rope does not.
+    /// Moves the width toward the measured one. An object on or next to the rope may change that at
+    /// once, but not the rope's own width.
     fn note_width(&mut self, width_px: f32) {
         if self.frames <= SETTLED {
             self.width_px = width_px;
@@ -610,7 +622,7 @@ impl Track {
     }
 }
 
-/// Whether a tip of the rope lies, all at once, back along it.
+/// Returns whether a tip of the rope is suddenly farther back along it.
 fn has_jumped(track: &Track, curve: &Curve) -> bool {
     if track.closed || curve.closed {
         return track.closed && !curve.closed;
@@ -633,7 +645,7 @@ fn has_jumped(track: &Track, curve: &Curve) -> bool {
 mod tests {
     use super::*;
 
-    /// A rope along y = 50, seen from x to x.
+    /// A rope along y = 50, seen between these values of x.
     fn seen(from: f32, to: f32) -> Curve {
         let at = |i: u8| [from + (to - from) * f32::from(i) / 19.0, 50.0];
         Curve {
@@ -691,7 +703,7 @@ mod tests {
         assert_eq!((covered[0].track, covered[0].status), (0, Status::Partial));
         let whole = look(&mut tracker, &[seen(10.0, 310.0)]);
         assert_eq!((whole[0].track, whole[0].status), (0, Status::Ok));
-        // One that lies elsewhere is another.
+        // A curve elsewhere is another rope.
         let mut other = seen(10.0, 110.0);
         other.points.iter_mut().for_each(|at| at[1] += 60.0);
         let both = look(&mut tracker, &[seen(150.0, 310.0), other]);
@@ -714,7 +726,7 @@ mod tests {
         for _ in 0..=KNOWN {
             look(seen(10.0, 310.0), true, false);
         }
-        // A loop of it is left out: both of its tips are where they were.
+        // A loop is missing, while both tips are where they were.
         let cut = |length_px| Curve {
             length_px,
             ..seen(10.0, 310.0)
@@ -723,9 +735,9 @@ mod tests {
             assert_eq!(look(cut(240.0), true, false), 300.0);
         }
         assert_eq!(look(cut(240.0), true, false), 240.0);
-        // Where something may cover it, that is no misreading.
+        // The new length is believed if an object may cover the rope.
         assert_eq!(look(cut(200.0), false, false), 200.0);
-        // Nor where what was known as one rope is two.
+        // The same if the known rope is found to be two.
         assert_eq!(look(cut(150.0), true, true), 150.0);
     }
 

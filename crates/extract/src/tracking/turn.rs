@@ -1,13 +1,13 @@
-//! Which way a curve runs and where it begins, made as its track was.
+//! Aligns the direction and the start of a curve with those of its track.
 
 use super::matching::{self, nearest_point};
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2, distance};
 
-/// Widths between its ends at which a rope may look like a ring in the next image.
+/// Maximum gap between a rope's ends at which it may look like a ring in the next image, in widths.
 const CLOSING_WIDTHS: f32 = 5.0;
 
-/// Cuts a ring open where the rope that it is had its ends: they touch.
+/// Cuts a ring open where the ends of its open rope touch.
 pub(crate) fn open_ring(last: &[Vec2], curve: &mut Curve) {
     let (Some(&first), Some(&end)) = (last.first(), last.last()) else {
         return;
@@ -19,7 +19,7 @@ pub(crate) fn open_ring(last: &[Vec2], curve: &mut Curve) {
     }
 }
 
-/// Turns a ring so that it runs as the last one did and starts nearest to where that started.
+/// Turns a ring so that it runs in the direction of the last one and starts nearest to its start.
 pub(crate) fn align_ring(last: &[Vec2], curve: &mut Curve) {
     let (ahead, back) = matching::distances(last, &curve.points, true);
     if back < ahead {

@@ -1,27 +1,29 @@
-//! The length that a rope usually has, from the lengths at which it is seen.
+//! The usual length of a rope, from the lengths at which it was seen.
 
 use super::tips;
 use crate::scene::{Curve, Status};
 
-/// Frames for which a rope has one length, to within so many widths, while nothing hides any of it: then that is its length, whatever
-/// it was taken for before.
+/// Number of frames, and tolerance in widths. A rope that keeps one length for that long, while
+/// nothing hides it, has that length, whatever its usual length was before.
 const STEADY: (u32, f32) = (8, 1.0);
 
 #[derive(Debug, Default)]
 pub(super) struct UsualLength {
     pub(super) px: f32,
-    /// Frames in which both of its ends lay freely, or that it was taken from.
+    /// Number of frames in which both of its ends were free. A length taken by `note_steady`
+    /// counts, too.
     sure_frames: u32,
-    /// Whether they did when last all of an image was looked at, and whether nothing hid any of it then.
+    /// True if both ends were free in the last full extraction.
     is_free: bool,
+    /// True if nothing was hidden in the last full extraction.
     is_plain: bool,
-    /// For how many frames in a row nothing hid it and it had this length.
+    /// Number of consecutive frames in which nothing hid the rope and it had this length.
     steady_frames: u32,
     steady_px: f32,
 }
 
 impl UsualLength {
-    /// That of a rope of which no more is known than this length.
+    /// The usual length of a rope about which nothing else is known.
     pub(super) fn of(px: f32) -> Self {
         Self {
             px,
@@ -29,18 +31,19 @@ impl UsualLength {
         }
     }
 
-    /// Whether all of the rope was ever seen.
+    /// Returns whether the whole rope was ever seen.
     pub(super) fn is_sure(&self) -> bool {
         self.sure_frames > 0
     }
 
-    /// Says what an image that was looked at whole tells of the rope's ends, and of what may hide it.
+    /// Records whether a full extraction saw both ends free, and the whole rope in plain sight.
     pub(super) fn look(&mut self, is_free: bool, is_plain: bool) {
         (self.is_free, self.is_plain) = (is_free, is_plain);
     }
 
-    /// Lets it follow what is seen, slowly: one frame that is wrong means nothing, and a rope that stays short is a shorter view of it,
-    /// not half hidden for ever. Ends that lie upon something say next to nothing of it.
+    /// Moves the usual length toward the visible length, by a limited share of it. A single wrong
+    /// frame then has little effect, but a rope that stays short is not treated as hidden forever.
+    /// Ends that are on something count least.
     pub(super) fn note(&mut self, curve: &Curve) {
         self.note_steady(curve);
         let off_px = curve.length_px - self.px;
@@ -48,13 +51,13 @@ impl UsualLength {
         let pace = match (self.is_free, curve.status) {
             (true, Status::Ok) => {
                 self.sure_frames = self.sure_frames.saturating_add(1);
-                // Of the first few, the mean.
+                // The first few frames are averaged.
                 (1.0 / self.sure_frames as f32).max(0.005)
             }
-            // How long the hidden part is, nobody sees.
+            // The length of a hidden part is uncertain.
             (true, _) if curve.hidden.contains(&true) => 0.0005,
             (true, _) => 0.005,
-            // A tip that lies upon something is read so much too short or too long: the rope is not.
+            // A tip on top of something is measured this much too short or too long.
             (false, _) if is_alike => 0.0,
             (false, Status::Ok) => 0.0005,
             (false, _) => 0.002,
@@ -63,7 +66,8 @@ impl UsualLength {
         self.px *= 1.0 + step.clamp(-pace, pace);
     }
 
-    /// Takes a length that the rope has had for long enough in plain sight: what was read as one rope was two, or the other way round.
+    /// Takes over a length that the rope has had for long enough in plain sight. Two ropes may have
+    /// been extracted as one, or one as two.
     fn note_steady(&mut self, curve: &Curve) {
         let is_alike = |px: f32| (curve.length_px - px).abs() <= STEADY.1 * curve.width_px;
         if self.is_plain && is_alike(self.steady_px) {

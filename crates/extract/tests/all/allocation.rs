@@ -4,7 +4,7 @@ use crate::drawing::{Rope, Table, extractor};
 use lariat_extract::{Extractor, HsvRange, Image, Mask, Method, Options, PixelFormat};
 use lariat_test_support::allocations;
 
-/// Two ropes that move, one of them through itself.
+/// Two moving ropes, the first with a self-crossing.
 fn film() -> Vec<Vec<u8>> {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;
@@ -33,7 +33,7 @@ fn film() -> Vec<Vec<u8>> {
 fn no_frame_of_a_moving_rope_allocates_once_warm() {
     let frames = film();
     let mut extractor = extractor();
-    // As a mask made elsewhere the green of the picture, turned around, is as good as any.
+    // As an external mask, the inverted green channel is as good as any.
     let masks: Vec<Vec<u8>> = frames
         .iter()
         .map(|rgb| rgb.chunks_exact(3).map(|pixel| 255 - pixel[1]).collect())
@@ -134,7 +134,7 @@ fn no_frame_without_a_clear_rope_allocates_after_preparation() {
         });
         frames.push(table.draw(&[rope]));
     }
-    // A pattern of stripes besides.
+    // Adds a pattern of stripes.
     let stripes = |i: usize| if i / 960 % 20 < 10 { 120 } else { 180 };
     frames.push((0..320 * 240 * 3).map(stripes).collect());
     let mut extractor = extractor();

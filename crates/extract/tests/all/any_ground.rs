@@ -1,4 +1,5 @@
-//! Ropes where there is no plain table: the network is asked, and where it is blind their shape tells.
+//! Ropes without a plain table: they are found by the network, and by their shape where it is
+//! blind.
 
 use crate::drawing;
 
@@ -9,7 +10,7 @@ use lariat_portable::SplitMix64;
 
 const SIZE: (usize, usize) = (480, 360);
 
-/// Ropes over a ground, with a camera's noise.
+/// Ropes over a ground, with camera noise.
 fn over(ground: impl Fn(usize, usize) -> [u8; 3], ropes: &[Rope]) -> Vec<u8> {
     let draw = |level: f32| Table::new(SIZE.0, SIZE.1, [level; 3]).draw(ropes);
     let (black, white) = (draw(0.0), draw(255.0));
@@ -48,7 +49,7 @@ fn splashes(seed: u64) -> impl Fn(usize, usize) -> [u8; 3] {
     move |x, y| ground[y * SIZE.0 + x]
 }
 
-/// Two that cross.
+/// Two ropes that cross.
 fn two() -> [Rope; 2] {
     let wave = Rope::along(11.0, [205.0, 25.0, 35.0], |t| {
         [40.0 + 400.0 * t, 180.0 + 80.0 * (5.0 * t).sin()]
@@ -59,7 +60,7 @@ fn two() -> [Rope; 2] {
     [wave, arc]
 }
 
-/// Which of the scene's curves is that rope, whole; how far it is off.
+/// Returns whether one of the scene's curves is this rope, whole.
 fn is_found(scene: &Scene, rope: &Rope) -> bool {
     let mut errors = scene.curves.iter().map(|curve| drawing::error(curve, rope));
     errors.any(|error| error.mean_px < 0.6 && error.ends_px < 5.0)
@@ -187,7 +188,8 @@ fn a_large_picture_is_looked_at_smaller_and_its_ropes_are_as_thin_as_they_are() 
     }
 }
 
-/// Where what seems a plain table gives a curve that is not sure, the network is asked as well: its ropes are surer.
+/// If what seems a plain table yields an uncertain curve, the network is run as well. Its ropes
+/// have higher confidence.
 #[test]
 fn a_pen_or_a_rim_beside_a_rope_is_no_rope() {
     let [width, height] = [640, 480];

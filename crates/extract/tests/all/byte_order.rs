@@ -1,4 +1,4 @@
-//! What is seen of a picture does not depend on the order of its bytes: Uyvy is Yuyv, to the last bit.
+//! The result does not depend on the byte order: Uyvy gives the same bits as Yuyv.
 
 use crate::drawing;
 
@@ -15,7 +15,7 @@ fn swapped(yuyv: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// All that is told of a few frames one after the other.
+/// The complete results for a few consecutive frames.
 fn told(
     mask: &Mask,
     frames: &[Vec<u8>],
@@ -27,7 +27,7 @@ fn told(
     let mut told = Vec::new();
     for bytes in frames {
         let image = Image::new(bytes, width, height, stride, format).expect("a whole image");
-        // A float is printed with as many digits as tell it from all others.
+        // A float is printed with enough digits to distinguish it from all others.
         told.push(format!("{:?}", extractor.extract(&image)));
         told.push(format!("{:?}", mask_of(&image, mask)));
         told.push(format!("{:?}", pick(&image, &[])));
@@ -45,7 +45,7 @@ fn blue() -> Mask {
 
 #[test]
 fn a_film_in_uyvy_is_the_film_in_yuyv() {
-    // Odd: of the last pair of a row half is outside.
+    // An odd width: half of a row's last pair is outside.
     let (width, height) = (319, 239);
     let mut table = Table::new(width, height, [215.0, 212.0, 205.0]);
     (table.noise, table.gradient) = (2.0, 0.2);

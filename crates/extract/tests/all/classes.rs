@@ -1,5 +1,5 @@
-//! Drawn ropes of every class of picture, held against their known truth: what the bench measures on many, here on a
-//! few, with other seeds than the bench's own.
+//! Drawn ropes of every picture class, compared with their known truth. The bench measures the same
+//! on many pictures; these are a few, with other seeds.
 
 use crate::scored::scored;
 use lariat_drawn::moving::{Film, Story};
@@ -8,22 +8,22 @@ use lariat_extract::{Curve, Extractor, Image, Options, PixelFormat, Status};
 
 const SIZE: [usize; 2] = [480, 360];
 const SEEDS: std::ops::Range<u64> = 1001..1007;
-/// Crossings above this angle must be connected rightly.
+/// Crossings above this angle must be connected correctly.
 const FLATTEST_DEG: f64 = 25.0;
 
-/// What a class's pictures must reach, taken together.
+/// The required results of a class's pictures, taken together.
 #[derive(Clone, Copy)]
 struct Bounds {
-    /// Pictures with a wrong number of ropes, or a closed one for an open one.
+    /// Pictures with a wrong number of ropes, or a closed rope for an open one.
     miscounted: usize,
     mean_px: f64,
     correspondence_p95_px: f64,
     end_px: f64,
-    /// Wrongly connected crossings, and touching strands taken for each other.
+    /// Wrongly connected crossings, and touching strands that were confused.
     misconnected: usize,
 }
 
-/// What is to be reached in every class.
+/// The requirement for every class.
 const WHOLE: Bounds = Bounds {
     miscounted: 0,
     mean_px: 0.3,
@@ -32,27 +32,30 @@ const WHOLE: Bounds = Bounds {
     misconnected: 0,
 };
 
-/// Where the extractor falls short of it on these pictures; what it does reach must not get worse.
+/// Bounds for pictures where the extractor falls short of it. Results must not get worse than
+/// these.
 const TIGHT_LENS: Bounds = Bounds {
-    // In one of them two strands cross twice around a hole smaller than the rope, and are taken to turn back there.
+    // In one of them, two strands cross twice around a hole smaller than the rope, and are read as
+    // turning back there.
     miscounted: 1,
     misconnected: 2,
     correspondence_p95_px: 200.0,
     ..WHOLE
 };
 const WIDE_BLUR: Bounds = Bounds {
-    // Blur reaches to the middle of the rope: how it is shaded, and so where its dark edge lies, does not show.
+    // Blur reaches to the middle of the rope, so its shading, and the position of its dark edge,
+    // are not visible.
     mean_px: 0.4,
     ..WHOLE
 };
 const DASHES: Bounds = Bounds {
-    // Dark dashes at an edge move it.
+    // Dark dashes at an edge shift it.
     mean_px: 0.4,
     end_px: 1.5,
     ..WHOLE
 };
 const BLOCKS: Bounds = Bounds {
-    // What rings beside a tip is as sharp as the tip.
+    // Ringing next to a tip is as sharp as the tip.
     end_px: 2.0,
     ..WHOLE
 };
@@ -69,7 +72,7 @@ fn seen(class: Class, seed: u64) -> Score {
     let image = image.expect("the bytes are made for this size");
     let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
     let scene = extractor.extract(&image);
-    // Only of what lies beside the ropes there is something to say.
+    // Only objects next to ropes may cause a notice.
     let is_alone = !matches!(class, Class::HardShadow | Class::SoftShadow | Class::Things);
     assert!(
         scene.notice.is_none() || !is_alone,
@@ -164,7 +167,7 @@ classes! {
 
 #[test]
 fn what_crossings_leave_out_belongs_to_one_of_several_ropes() {
-    // Crossing by crossing both fall into three ropes.
+    // Crossing by crossing, both are split into three ropes.
     for seed in [3087, 3242] {
         check_tangle(seed);
     }
@@ -190,7 +193,7 @@ fn a_corner_of_an_end_that_touches_a_strand_is_no_tip_beyond_it() {
     );
 }
 
-/// Two tangled ropes, each found as long as it is.
+/// Asserts that each of two tangled ropes is found with its full length.
 fn check_tangle(seed: u64) {
     let (mut film, mut rgb) = (Film::new(Story::Two, seed, 480, 360), Vec::new());
     let ropes = film.next(&mut rgb);

@@ -1,4 +1,5 @@
-//! How sure it is of each curve: what a rope has and what is none has not, and what becomes of it from image to image.
+//! The confidence of curves: evidence for ropes and for other objects, and how it persists from
+//! image to image.
 
 use crate::drawing;
 
@@ -12,7 +13,7 @@ const SIZE: [usize; 2] = [640, 480];
 const BLUE: [f32; 3] = [40.0, 70.0, 170.0];
 const DARK: [f32; 3] = [60.0, 55.0, 50.0];
 
-/// A wave from left to right, about the height `y`.
+/// A wave from left to right around the height `y`.
 fn wave(y: f32, color: [f32; 3]) -> Rope {
     Rope::along(9.0, color, move |t| {
         [60.0 + 520.0 * t, y + 30.0 * (9.0 * t).sin()]
@@ -41,7 +42,8 @@ fn mask_of(ropes: &[Rope]) -> Vec<u8> {
     drawn.chunks_exact(3).map(|pixel| pixel[0]).collect()
 }
 
-/// The confidence of each curve that a mask from elsewhere gives, by its height in the image, and what is said.
+/// The confidence of each curve from an external mask, ordered by height in the image, and the
+/// notice.
 fn masked(picture: &[Rope], mask: &[Rope], options: Options) -> (Vec<f32>, Option<Notice>) {
     let (bytes, mask) = (table().draw(picture), mask_of(mask));
     let mask = Image::new(&mask, SIZE[0], SIZE[1], SIZE[0], PixelFormat::Gray8);
@@ -80,7 +82,7 @@ fn a_strand_of_a_mask_where_the_picture_shows_none_is_not() {
         "{sure:?}"
     );
     assert_eq!(notice, Some(Notice::Unsure));
-    // Who asks for less is told less.
+    // A lower threshold leads to fewer notices.
     let options = Options::default().min_confidence(0.0);
     assert_eq!(masked(&[], &[nothing], options).1, None);
 }
@@ -106,7 +108,7 @@ fn what_is_hardly_a_rope_goes_where_the_network_is_sure_of_all_that_it_sees() {
     for seed in [301, 306] {
         let still = scenes::draw(Class::Things, seed, SIZE[0], SIZE[1]).expect("a picture");
         let mut extractor = Extractor::new(Options::default()).expect("valid options");
-        // And stays away, also when the network is asked again.
+        // It also stays away when the network runs again.
         for image in 0..40 {
             let scene = extractor.extract(&rgb(&still.rgb));
             let count = scene.curves.len();
@@ -181,7 +183,7 @@ fn a_lost_rope_keeps_the_confidence_it_had_and_a_followed_one_that_of_its_last_e
     assert_eq!(scene.curves[0].confidence, last);
 }
 
-/// Level ropes, the first the highest up and the longest.
+/// Horizontal ropes, from the top and longest down.
 fn rack(count: usize) -> Vec<Rope> {
     let rope = |i: usize| {
         let (y, length_px) = (14.0 + 17.0 * i as f32, 560.0 - 12.0 * i as f32);
@@ -223,7 +225,7 @@ fn of_more_curves_than_are_asked_for_the_surest_and_longest_stay() {
 
 #[test]
 fn what_a_rope_needs_not_have_does_not_matter() {
-    // Light on dark, of gray, and in other formats.
+    // A light rope on dark, and in gray.
     let bytes = Table {
         noise: 2.0,
         ..Table::new(SIZE[0], SIZE[1], [40.0; 3])

@@ -1,4 +1,4 @@
-//! What lies beside ropes and looks like one: doubted where it may be none, and true ropes never.
+//! Objects that look like ropes, next to real ones. They are doubted, but true ropes never are.
 
 use crate::drawing;
 
@@ -22,7 +22,7 @@ fn rope(color: [f32; 3]) -> Rope {
     Rope::along(10.0, color, wave)
 }
 
-/// Beside [`rope`], so far from it everywhere.
+/// A rope parallel to [`rope`], at this distance everywhere.
 fn parallel(color: [f32; 3], apart_px: f32) -> Rope {
     Rope::along(10.0, color, move |t| {
         let slope = 55.0 * 6.0 * (6.0 * t).cos() / 360.0;
@@ -46,7 +46,7 @@ fn draw(ropes: &[Rope], seed: u64) -> Vec<u8> {
     table.draw(ropes)
 }
 
-/// The curves' lengths and statuses, and what is said.
+/// The curves' lengths and statuses, and the notice.
 fn seen(extractor: &mut Extractor, pixels: &[u8]) -> (Vec<(f32, Status)>, Option<Notice>) {
     let [width, height] = SIZE;
     let image = Image::new(pixels, width, height, 3 * width, PixelFormat::Rgb8);
@@ -65,7 +65,7 @@ fn seen_once(ropes: &[Rope]) -> (Vec<(f32, Status)>, Option<Notice>) {
     seen(&mut extractor, &draw(ropes, 1))
 }
 
-/// Two, and neither is taken for something else.
+/// Asserts that there are two curves, and neither is treated as something else.
 fn assert_two_ropes(curves: &[(f32, Status)]) {
     assert_eq!(curves.len(), 2);
     let undoubted = curves.iter().all(|curve| curve.1 == Status::Ok);
@@ -114,7 +114,7 @@ fn a_black_ropes_shadow_is_told_by_its_light() {
     let mut extractor = Extractor::new(Options::default()).expect("the defaults are valid");
     let (curves, notice) = seen(&mut extractor, &pixels);
     assert_eq!((curves.len(), notice), (1, None));
-    // In gray pictures, too.
+    // The same in gray pictures.
     let gray: Vec<u8> = pixels.chunks_exact(3).map(|pixel| pixel[1]).collect();
     let image = Image::new(&gray, width, height, width, PixelFormat::Gray8);
     extractor.reset();
@@ -137,7 +137,7 @@ fn a_straight_copy_of_a_rope_is_doubted_and_not_dropped() {
 
 #[test]
 fn a_pen_is_none_beside_a_rope_and_unsure_by_itself() {
-    // The network is sure of the rope, which is round, and sees no other.
+    // The network is confident of the rope, which is round, and sees no other.
     let shine = Rope::along(4.0, BLUE.map(|level| 0.5 * (level + 255.0)), wave);
     let (curves, notice) = seen_once(&[rope(BLUE), shine, pen(BLACK, 260.0)]);
     assert_eq!((curves.len(), curves[0].1, notice), (1, Status::Ok, None));
@@ -164,7 +164,7 @@ fn a_mask_that_the_user_gave_is_not_doubted() {
     let mut extractor =
         Extractor::new(Options::default().mask(Mask::Hsv(vec![dark]))).expect("a valid range");
     let drawn = draw(&[rope(BLUE), pen(BLACK, 260.0)], 1);
-    // A straight, flat thing is unsure in every mask, but the user may have meant it.
+    // A straight, flat object is uncertain in every mask, but the user may have meant it.
     let (curves, notice) = seen(&mut extractor, &drawn);
     assert_two_ropes(&curves);
     assert_eq!(notice, Some(Notice::Unsure));
@@ -177,12 +177,12 @@ fn a_rope_that_was_one_for_a_while_stays_one_and_a_new_thing_is_doubted() {
         let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)).0);
         frames.last().expect("some frames")
     };
-    // Short and straight, and then a long one comes to lie beside it.
+    // A short and straight rope; then a long one comes to lie next to it.
     let short = last(&[pen(BLACK, 260.0)], 1..40);
     assert_eq!(short[0].1, Status::Ok);
     let both = last(&[pen(BLACK, 260.0), rope(BLUE)], 40..44);
     assert!(both.iter().all(|curve| curve.1 == Status::Ok), "{both:?}");
-    // Beside a known rope a pen is not taken for one, and stays so.
+    // Next to a known rope, a pen is not treated as a rope, and remains doubted.
     extractor.reset();
     let mut last = |ropes: &[Rope], seeds: std::ops::Range<u64>| {
         let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)));

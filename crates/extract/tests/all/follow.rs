@@ -1,4 +1,4 @@
-//! Ropes are followed from frame to frame by a look around them, as long as that tells all there is to tell.
+//! Ropes are followed from frame to frame by reading only around them, as long as that is enough.
 
 use crate::drawing;
 
@@ -16,7 +16,7 @@ fn table() -> Table {
     table
 }
 
-/// A rope that crosses itself once, swaying.
+/// A swaying rope that crosses itself once.
 fn loop_at(frame: usize) -> Rope {
     let phase = frame as f32 / 20.0;
     let (sin, cos) = (0.3 * phase.sin()).sin_cos();
@@ -28,7 +28,7 @@ fn loop_at(frame: usize) -> Rope {
     })
 }
 
-/// A rope that waves, without a crossing.
+/// A waving rope without a crossing.
 fn wave_at(frame: usize) -> Rope {
     let phase = frame as f32 / 15.0;
     Rope::along(8.0, BLUE, move |t| {
@@ -97,7 +97,7 @@ fn a_thin_rope_is_followed_too() {
 #[test]
 fn a_part_that_moves_far_is_followed_from_the_parts_beside_it() {
     let table = table();
-    // Farther than a rope of this width is looked for, and not so far that it could be another.
+    // Beyond the search reach for a rope of this width, but near enough that it cannot be another.
     for (width_px, far_px) in [(2.4, 6.0), (8.0, 14.0)] {
         let mut extractor = extractor();
         let rope_at = |frame: usize| {
@@ -141,7 +141,7 @@ fn a_crossing_goes_along_with_its_ropes() {
     }
 }
 
-/// Draws `frames` of the waving rope with what else `more` adds, until they are followed; then returns the extractor.
+/// Draws the waving rope until it is followed. Returns the extractor.
 fn followed(table: &Table) -> lariat_extract::Extractor {
     let mut extractor = extractor();
     for frame in 0..8 {
@@ -156,7 +156,8 @@ fn followed(table: &Table) -> lariat_extract::Extractor {
 fn a_second_rope_is_seen_when_it_comes() {
     let table = table();
     let mut extractor = followed(&table);
-    // Upright, it crosses a row that is looked at in any frame; flat, within some frames.
+    // The upright rope crosses a row that is read in every frame, the flat one is found within some
+    // frames.
     let upright = Rope::along(8.0, RED, |t| [290.0, 130.0 + 100.0 * t]);
     let flat = Rope::along(8.0, RED, |t| [60.0 + 160.0 * t, 200.0]);
     let rgb = table.draw(&[wave_at(8), upright]);
@@ -213,7 +214,7 @@ fn a_tip_that_slides_and_a_hand_over_the_rope_are_seen() {
 
 #[test]
 fn ropes_are_followed_in_every_pixel_format() {
-    // An odd size: a pixel pair at the end is half outside.
+    // An odd size, so that the last pixel pair is half outside.
     let mut table = Table::new(319, 239, WHITE);
     table.noise = 1.5;
     let film: [_; 24] = std::array::from_fn(|frame| {
@@ -239,7 +240,7 @@ fn ropes_are_followed_in_every_pixel_format() {
                 | PixelFormat::Gray16 => (0.25, 1.0),
                 // Pixels that share their color blur it.
                 PixelFormat::Yuyv | PixelFormat::Uyvy | PixelFormat::Nv12 => (0.5, 1.5),
-                // Those that have but one of three blur it more, and each edge in a way of its own.
+                // Pixels with one of three channels blur it more, and each edge differently.
                 _ => (0.25, 2.0),
             };
             assert!(

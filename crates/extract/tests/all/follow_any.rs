@@ -1,4 +1,4 @@
-//! Ropes are followed on any ground, by any mask, where they leave the picture and where something passes over them.
+//! Ropes are followed on any ground, with any mask, where they leave the picture and under covers.
 
 use crate::drawing;
 
@@ -36,7 +36,8 @@ fn seen(curve: &lariat_extract::Curve) -> SeenCurve<'_> {
     }
 }
 
-/// What is wrong in a film, and how many of its frames were followed. Of clutter the true mask is given where it is asked for.
+/// The errors in a film, and the number of its frames that were followed. For clutter, the true
+/// mask is given if requested.
 fn watch(story: Story, seed: u64, mask: Mask) -> (Verdict, usize) {
     let mut film = Film::new(story, seed, SIZE.0 as u32, SIZE.1 as u32);
     let is_given = mask == Mask::External;
@@ -98,7 +99,7 @@ fn a_rope_is_followed_under_a_gripper_that_rides_along() {
     assert_followed(Story::Gripper, 600, Mask::Auto, 110);
 }
 
-/// A ring that sways.
+/// A swaying ring.
 fn ring_at(frame: usize) -> Rope {
     let phase = frame as f32 / 12.0;
     let mut rope = Rope::along(8.0, [30.0, 60.0, 130.0], move |t| {
@@ -141,7 +142,7 @@ fn a_closed_rope_is_followed() {
     }
 }
 
-/// A rope that waves.
+/// A waving rope.
 fn wave_at(frame: usize) -> Rope {
     let phase = frame as f32 / 15.0;
     Rope::along(8.0, [30.0, 60.0, 130.0], move |t| {
@@ -150,7 +151,7 @@ fn wave_at(frame: usize) -> Rope {
     })
 }
 
-/// An extractor by colors that follows the waving rope.
+/// An extractor by color that follows the waving rope.
 fn followed(table: &Table) -> Extractor {
     let mut extractor = with_mask(blue());
     for frame in 0..8 {
@@ -164,7 +165,8 @@ fn followed(table: &Table) -> Extractor {
 fn what_else_happens_is_left_to_a_whole_extraction() {
     let mut table = Table::new(320, 240, [215.0, 212.0, 205.0]);
     table.noise = 2.0;
-    // Another rope comes: upright it crosses a row that is looked at soon, flat it may lie between them.
+    // Another rope appears. Upright, it crosses a row that is read soon; flat, it may be between
+    // rows.
     let upright = Rope::along(8.0, [30.0, 90.0, 150.0], |t| [300.0, 130.0 + 100.0 * t]);
     let flat = Rope::along(8.0, [30.0, 90.0, 150.0], |t| [60.0 + 160.0 * t, 200.0]);
     for (other, most) in [(upright, 8), (flat, 30)] {
@@ -200,7 +202,8 @@ fn a_rope_that_is_drawn_along_itself_has_its_ends_where_they_are() {
     let mut drawn_px = 0.0;
     for frame in 0..20 {
         table.seed = frame as u64;
-        // Faster from frame to frame, and all of it but its ends is where it has been.
+        // It moves faster from frame to frame, and all of it but its ends is where the rope has
+        // been.
         drawn_px += 4.0 - 4.0 * (0.2 * frame as f32).cos();
         let rope = Rope::along(12.0, [30.0, 60.0, 130.0], move |t| {
             let x = 40.0 + drawn_px + 280.0 * t;
@@ -242,7 +245,8 @@ fn a_rope_whose_tip_lies_against_another_is_followed_with_it() {
     assert!(followed >= 30, "{followed} of 60 frames followed");
 }
 
-/// Frames of the simulated rope a millisecond apart, from one on, each with its number and what is seen in it.
+/// Calls `with` for frames of the simulated rope a millisecond apart, starting at `first`, with
+/// each frame's number, image and scene.
 fn watch_fast(seed: u64, [first, count]: [u64; 2], mut with: impl FnMut(u64, &Image, &Scene)) {
     let options = RenderOptions {
         seed,
@@ -277,7 +281,7 @@ fn strands_that_come_to_lie_on_each_other_slowly_are_followed() {
         lengths_px.push(curve.length_px);
     });
     assert!(followed >= 80, "{followed} of 100 frames followed");
-    // A tip that does not show is as far away as it was: not farther from frame to frame.
+    // The distance of a hidden tip stays constant from frame to frame.
     let late_px = &lengths_px[75..];
     let off_px = late_px.iter().map(|px| (px - late_px[0]).abs());
     assert!(off_px.fold(0.0, f32::max) < 0.5, "{lengths_px:?}");
@@ -286,7 +290,7 @@ fn strands_that_come_to_lie_on_each_other_slowly_are_followed() {
 #[test]
 fn a_fast_camera_has_no_whole_looks_in_a_row_where_both_tips_lie_on_the_rope() {
     let (mut followed, mut was_followed) = (0, false);
-    // Frames a second apart are extracted whole.
+    // Frames a second apart get full extractions.
     let mut whole = with_mask(Mask::Auto);
     watch_fast(1, [6340, 40], |frame, image, scene| {
         if frame >= 4 {
@@ -313,7 +317,7 @@ fn a_rope_under_something_is_followed_by_the_rest_and_marked_there() {
     let mut extractor = followed(&table);
     let mut hidden = 0;
     for frame in 8..14 {
-        // A stick slides in from above; nothing of it is blue.
+        // A stick slides in from above. It is not blue.
         let reach = 20.0 * (frame - 7) as f32;
         let stick = Rope::along(14.0, [90.0, 90.0, 88.0], |t| [150.0, t * (50.0 + reach)]);
         let rope = wave_at(frame);

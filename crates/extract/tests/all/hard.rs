@@ -1,4 +1,5 @@
-//! Ropes that are more, or less, than what differs from a plain table, each by the mechanism that finds it.
+//! Ropes that are more, or less, than the difference from a plain table, by the mechanism that
+//! finds each.
 
 use crate::scored::scored;
 use lariat_drawn::scenes::{self, Class, score};
@@ -6,7 +7,8 @@ use lariat_extract::{Extractor, Image, Options, PixelFormat, Scene, Status};
 
 const SIZE: [usize; 2] = [640, 480];
 
-/// What is seen in a drawn picture, and whether every rope of it is there, whole and alone.
+/// Extracts from a drawn picture. `tell` gets the scene, and whether every rope is found, whole and
+/// without others.
 fn look<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> T {
     let [width, height] = SIZE;
     let still = scenes::draw(class, seed, width, height).expect("there is room in the picture");
@@ -65,7 +67,7 @@ fn what_was_sought_in_vain_is_sought_again_after_a_while() {
     let mut rgb = still.rgb.clone();
     let counts: Vec<usize> = (0..16)
         .map(|k| {
-            // No image is the last one.
+            // Every image differs from the last one.
             rgb.iter_mut()
                 .step_by(101)
                 .for_each(|byte| *byte ^= 1 + (k & 1));
@@ -85,7 +87,7 @@ fn what_the_network_finds_and_is_hardly_a_rope_is_dropped() {
     }
 }
 
-/// What is seen in a drawn picture by its true mask, and whether every rope of it is there, whole and alone.
+/// Like `look`, but with the picture's true mask.
 fn look_masked<T>(class: Class, seed: u64, tell: impl Fn(&Scene, bool) -> T) -> T {
     let [width, height] = SIZE;
     let still = scenes::draw(class, seed, width, height).expect("there is room in the picture");

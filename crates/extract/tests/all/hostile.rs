@@ -1,4 +1,4 @@
-//! No image makes the extractor panic, hang, or see ropes without end.
+//! No image makes the extractor panic, hang, or report an unlimited number of ropes.
 
 use lariat_extract::{
     Extractor, HsvRange, Image, ImageError, Mask, Options, OptionsError, PixelFormat,
@@ -53,7 +53,7 @@ proptest! {
     ) {
         let format = FORMATS[format];
         let stride = 4 * width.div_ceil(2).max(1) + width + extra;
-        // Blocks of equal bytes, so that shapes form and not only noise.
+        // Blocks of equal bytes form shapes, not only noise.
         let mut bytes = vec![0u8; stride * (height + height.div_ceil(2))];
         for (i, byte) in bytes.iter_mut().enumerate() {
             let cell = ((i / stride / block) * 977 + (i % stride) / block) as u64;

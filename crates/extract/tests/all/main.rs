@@ -1,4 +1,4 @@
-//! All tests of the crate's public face in one program, which is built and linked once.
+//! All tests of the crate's public API in one binary, which is built and linked once.
 
 #[path = "../drawing/mod.rs"]
 mod drawing;

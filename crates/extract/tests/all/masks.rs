@@ -1,4 +1,4 @@
-//! Masks that were made elsewhere: taken as they are, hard or soft.
+//! External masks are used as they are, hard or soft.
 
 use crate::drawing;
 
@@ -14,7 +14,7 @@ fn rope() -> Rope {
     })
 }
 
-/// A checkered table, of which half is as dark as the rope: no mask by color finds the rope on it.
+/// A checkered table, half of it as dark as the rope. No mask by color finds the rope on it.
 fn checkered() -> Vec<u8> {
     (0..SIZE.0 * SIZE.1)
         .map(|i| {
@@ -27,7 +27,7 @@ fn checkered() -> Vec<u8> {
         .collect()
 }
 
-/// What a network would say: how much of each pixel is rope.
+/// A mask like a network's: how much of each pixel is rope.
 fn soft_mask() -> Vec<u8> {
     let table = Table::new(SIZE.0, SIZE.1, [0.0; 3]);
     let white = Rope {
@@ -124,7 +124,7 @@ fn a_mask_of_another_size_or_format_is_refused_and_changes_nothing() {
 const TABLE: [f32; 3] = [200.0, 195.0, 190.0];
 const RED: [f32; 3] = [180.0, 40.0, 40.0];
 
-/// A straight rope from `from` to `to`, so wide, at this height.
+/// A straight rope of this width between two x positions, at this height.
 fn bar([from, to]: [f32; 2], y: f32, width_px: f32, color: [f32; 3]) -> Rope {
     Rope::along(width_px, color, move |t| [from + (to - from) * t, y])
 }

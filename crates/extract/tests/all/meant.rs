@@ -1,4 +1,4 @@
-//! Only the ropes that are meant.
+//! Reporting only the ropes at given positions.
 
 use crate::drawing::{Rope, Table};
 use lariat_extract::{Extractor, Image, Options, OptionsError, PixelFormat, Scene, Status};
@@ -6,7 +6,7 @@ use lariat_test_support::allocations;
 
 const SIZE: [usize; 2] = [320, 240];
 
-/// Three ropes that wander down the table, of which the first two cross.
+/// Three ropes that move down the table. The first two cross.
 fn frame(k: usize, hidden: bool) -> Vec<u8> {
     let down = 0.8 * k as f32;
     let rope = |from: f32, to: f32| {
@@ -74,7 +74,7 @@ fn one_that_is_out_of_sight_is_lost_and_none_takes_its_place() {
         .map(|_| look(&mut extractor, &frame(0, true)).curves[0].status)
         .collect();
     assert_eq!(status, [Status::Lost; 3]);
-    // The whole picture is looked at again after four seconds at most.
+    // Within four seconds, the whole picture is searched again.
     for _ in 0..130 {
         look(&mut extractor, &frame(0, true));
     }

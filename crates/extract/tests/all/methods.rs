@@ -1,4 +1,4 @@
-//! Curves by clusterings: centers put in order, held against drawn ropes.
+//! Curves by clustering: ordered centers, compared with drawn ropes.
 
 use crate::drawing;
 
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 const SIZE: [usize; 2] = [640, 480];
 const BLUE: [f32; 3] = [30.0, 60.0, 130.0];
 
-/// All that cluster.
+/// All clustering methods.
 fn methods() -> impl Iterator<Item = Method> {
     let all = Method::ALL.into_iter().map(|(_, method)| method);
     all.filter(|&method| method != Method::Skeleton)
@@ -32,8 +32,9 @@ fn seen(method: Method, class: Class, seed: u64) -> Score {
     score(&still.truth, &curves, &[])
 }
 
-/// What some classes' pictures come to: those with a wrong number of ropes, the mean distance from the true centerlines, and
-/// the correspondence that 95% of the points keep to, which is large where an order is wrong.
+/// The combined result of some classes: the number of pictures with a wrong number of ropes, the
+/// mean distance from the true centerlines, and the 95th percentile of the correspondence, which is
+/// large if an order is wrong.
 fn taken_together(method: Method, classes: &[Class], seeds: std::ops::Range<u64>) -> [f64; 3] {
     let scores: Vec<Score> = (classes.iter())
         .flat_map(|&class| seeds.clone().map(move |seed| seen(method, class, seed)))
@@ -47,8 +48,9 @@ fn taken_together(method: Method, classes: &[Class], seeds: std::ops::Range<u64>
     [miscounted as f64, mean_px, off[off.len() * 95 / 100]]
 }
 
-/// Ropes in single file of centers, in zigzag, and several of them; then those that cross themselves.
+/// Classes with a single file of centers, with a zigzag of centers, and with several ropes.
 const PLAIN: [Class; 3] = [Class::Thin, Class::Medium, Class::SeveralColors];
+/// Classes with ropes that cross themselves.
 const CROSSED: [Class; 3] = [Class::Crossings1, Class::Crossings3, Class::Closed];
 const SEEDS: std::ops::Range<u64> = 2001..2003;
 
@@ -58,15 +60,16 @@ fn check_classes(method: Method, classes: &[Class], [miscounted, mean_px, p95_px
     assert!(is_good, "{method}: {found:?}");
 }
 
-/// What k-means reaches on other seeds: nothing miscounted, a mean of 0.17 px and a correspondence of 0.5; a wrong order makes
-/// tens of pixels of the last. The mean is half as much again as the skeleton's, as the mask's edge is one of whole pixels.
+/// Bounds from the result of k-means on other seeds: no miscounts, a mean of 0.17 px and a
+/// correspondence of 0.5 px. A wrong order makes the last tens of pixels. The mean is 1.5 times the
+/// skeleton's, because the mask's edge is in whole pixels.
 const WHOLE: [f64; 3] = [0.0, 0.25, 1.0];
 
 #[test]
 fn k_means_puts_drawn_ropes_in_order() {
     check_classes(Method::KMeans, &PLAIN, WHOLE);
     check_classes(Method::KMeans, &CROSSED, WHOLE);
-    // Two or three centers abreast leave more of their own irregularity in the line.
+    // Two or three centers side by side leave more of their own irregularity in the line.
     check_classes(Method::KMeans, &[Class::Thick], [0.0, 0.8, 5.0]);
 }
 
@@ -83,11 +86,12 @@ fn a_mixture_puts_drawn_ropes_in_order() {
 
 #[test]
 fn a_map_lies_in_the_ropes() {
-    // It learns from 10,000 pixels, one at a time, and is not done when it stops: its centers are uneven, and so is the order.
+    // It learns from 10,000 pixels, one at a time, and has not converged when it stops. Its centers
+    // are uneven, and so is their order.
     check_classes(Method::Som, &CROSSED, [3.0, 3.0, 300.0]);
 }
 
-/// A rope that crosses itself once, an eight turned by `phase`.
+/// A rope that crosses itself once: a figure eight turned by `phase`.
 fn eight_at(phase: f32) -> Rope {
     let (sin, cos) = (0.3 * phase.sin()).sin_cos();
     Rope::along(9.0, BLUE, move |t| {
@@ -125,7 +129,7 @@ fn a_rope_that_crosses_itself_is_in_order_and_keeps_its_track_through_a_film() {
                 panic!("{method}, {frame}: {} curves", scene.curves.len());
             };
             let error = error(curve, &rope);
-            // Twice what it comes to; strands taken for each other make tens of pixels of the second.
+            // Twice the usual value. Confused strands make tens of pixels of the second.
             assert!(error.mean_px < 0.4, "{method}, {frame}: {error:?}");
             assert!(
                 error.correspondence_px < 4.0,
@@ -152,7 +156,8 @@ fn a_bare_table_gives_nothing() {
     }
 }
 
-/// What is seen in a mask that was made elsewhere, twice: the second time from the first one's centers.
+/// Extracts from an external mask twice, the second time from the first one's centers. Returns the
+/// number of curves.
 fn check_mask(method: Method, mask: &[u8], [width, height]: [usize; 2]) -> usize {
     let options = Options::default().method(method).mask(Mask::External);
     let mut extractor = Extractor::new(options).expect("the options are valid");
@@ -166,14 +171,14 @@ fn check_mask(method: Method, mask: &[u8], [width, height]: [usize; 2]) -> usize
     extractor.extract(&image).curves.len()
 }
 
-/// What holds of any scene of any picture.
+/// Asserts what is true for any scene of any picture.
 pub(crate) fn check(scene: &Scene, [width, height]: [usize; 2]) {
     assert!(scene.curves.len() <= 24 && scene.crossings.len() <= 32);
     for curve in scene.curves {
         assert_eq!((curve.points.len(), curve.widths_px.len()), (120, 120));
         for (at, &is_hidden) in curve.points.iter().zip(&curve.hidden) {
             for (v, side) in at.iter().zip([width, height]) {
-                // What is not seen may lie outside, and not far.
+                // A hidden point may be outside, but not far.
                 let beyond = if is_hidden { side as f32 } else { 0.0 };
                 assert!((-beyond..=side as f32 - 1.0 + beyond).contains(v), "{v}");
             }

@@ -1,4 +1,4 @@
-//! The automatic mask says when it is unsure, and is silent about clear ropes and empty tables.
+//! The automatic mask reports doubts, but not about clear ropes and empty tables.
 
 use crate::drawing;
 
@@ -14,7 +14,7 @@ fn notice_of(rgb: &[u8]) -> Option<Notice> {
     extractor().extract(&image).notice
 }
 
-/// A table of one color with noise, whose light is changed by so many levels at each pixel.
+/// A table of one color with noise, with each pixel's light changed by this many levels.
 fn shaded(noise: f32, ropes: &[Rope], levels: impl Fn(f32, f32) -> f32) -> Vec<u8> {
     let mut table = Table::new(WIDTH, HEIGHT, [200.0, 195.0, 185.0]).flat();
     table.noise = noise;
@@ -34,7 +34,7 @@ fn rope(width_px: f32, color: [f32; 3]) -> Rope {
     })
 }
 
-/// Squares whose sides are turned by an angle.
+/// Squares turned by an angle.
 fn checkered(cell_px: f32, levels: f32, turn: f32) -> impl Fn(f32, f32) -> f32 {
     let (sin, cos) = turn.sin_cos();
     move |x, y| {

@@ -1,4 +1,4 @@
-//! Which strand lies on top where ropes of one color cross, and where crossings are reported.
+//! Tests which strand is on top where ropes of one color cross, and where crossings are reported.
 
 use crate::drawing;
 use crate::scored::scored;
@@ -12,7 +12,7 @@ use lariat_extract::{Crossing, Curve, Extractor, Image, Options, PixelFormat};
 const SIDE: usize = 200;
 const MIDDLE: Vec2 = [100.0, 100.0];
 
-/// Two ropes that cross in the middle of the picture, the second on top, and how they look.
+/// Two ropes that cross in the middle of the picture, the second on top, and their look.
 struct Cross {
     below: Strand,
     above: Strand,
@@ -22,7 +22,7 @@ struct Cross {
 }
 
 impl Cross {
-    /// Any two ropes of one color and width that cross at 25° or more.
+    /// Random ropes of one color and width that cross at 25° or more.
     fn random(random: &mut SplitMix64) -> Self {
         let width_px = random.uniform_f32(4.0, 16.0);
         let surface = Surface {
@@ -78,7 +78,7 @@ fn at(curve: &Curve, rho: f32) -> Vec2 {
     [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
 }
 
-/// Whether the strand at `rho` of `curve` runs along `strand` on its way to the crossing.
+/// Returns whether the strand at `rho` of `curve` runs along `strand` on its way to the crossing.
 fn runs_along(curve: &Curve, rho: f32, strand: &Strand) -> bool {
     let away = 30.0 / curve.length_px;
     [rho - away, rho + away]
@@ -86,8 +86,8 @@ fn runs_along(curve: &Curve, rho: f32, strand: &Strand) -> bool {
         .all(|&rho| drawing::distance_to(at(curve, rho), &strand.points) < 4.0)
 }
 
-/// What is seen of `cross`: the one crossing with its two curves, unless the ropes themselves were
-/// not told apart.
+/// The result for `cross`: the one crossing with its two curves. `None` if the ropes themselves
+/// were confused.
 fn see(cross: &Cross, random: &mut SplitMix64) -> Option<Found> {
     let bytes = cross.draw(random);
     let image = Image::new(&bytes, SIDE, SIDE, 3 * SIDE, PixelFormat::Rgb8).ok()?;
@@ -183,7 +183,7 @@ fn confidence_tells_how_often_it_is_right() {
     for (count, expected, right) in bins {
         assert!(count >= 20.0, "{bins:?}");
         let p = expected / count;
-        // Three standard deviations of a binomial share, and what 6 of the highest bin's 700 are.
+        // Three standard deviations of a binomial share, plus about 6 of the highest bin's 700.
         let allowed = 3.0 * (p * (1.0 - p) / count).sqrt() + 0.01;
         assert!((right / count - p).abs() <= allowed, "{bins:?}");
     }
@@ -227,7 +227,7 @@ fn of_ropes_without_any_surface_neither_is_surely_on_top() {
     assert!(confidences.iter().all(|&c| c < 0.9), "{confidences:?}");
 }
 
-/// A rope that crosses itself once, and the part of it near one of its two passes.
+/// A rope that crosses itself once, and its part near one of the two passes.
 fn noose(first_on_top: bool) -> (Strand, Strand) {
     let place = |t: f32| {
         let a = -4.4 + 8.8 * t;
@@ -383,7 +383,7 @@ fn of_dashed_and_of_twisted_ropes_the_upper_is_told_by_its_cross_sections() {
     }
 }
 
-/// What became of the crossings in a drawn picture.
+/// The scores of the crossings in a drawn picture.
 fn crossings_of(class: Class, seed: u64) -> Vec<CrossingScore> {
     let (width, height) = (480, 360);
     let still = scenes::draw(class, seed, width, height).expect("every class fits into this size");

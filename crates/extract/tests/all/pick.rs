@@ -1,4 +1,4 @@
-//! Colour ranges picked from drawn pictures, and the masks they make.
+//! Color ranges picked from drawn pictures, and their masks.
 
 use crate::drawing;
 
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 pub(crate) const SIZE: (usize, usize) = (320, 240);
 pub(crate) const LIGHT: [f32; 3] = [225.0, 220.0, 210.0];
-/// In the middle of `wave`.
+/// A point in the middle of `wave`.
 pub(crate) const ON_ROPE: [f32; 2] = [160.0, 155.9];
 
 pub(crate) fn wave(color: [f32; 3], y: f32) -> Rope {
@@ -32,7 +32,7 @@ pub(crate) fn rgb(bytes: &[u8]) -> Image<'_> {
     Image::new(bytes, SIZE.0, SIZE.1, 3 * SIZE.0, PixelFormat::Rgb8).expect("a whole image")
 }
 
-/// Which pixels are more than half rope.
+/// True for pixels that are more than half rope.
 pub(crate) fn truth(ropes: &[Rope]) -> Vec<bool> {
     let white = |rope: &Rope| Rope {
         color: [255.0; 3],
@@ -55,7 +55,7 @@ pub(crate) fn agreement(image: &Image, ranges: &[HsvRange], truth: &[bool]) -> f
     count(&|m, t| m && t) / count(&|m, t| m || t)
 }
 
-/// Picks by itself and at a point, checks both masks, and returns the range at the point.
+/// Picks without a point and at a point, checks both masks, and returns the range at the point.
 fn picked_both_ways(table: &Table, color: [f32; 3]) -> HsvRange {
     let ropes = [wave(color, 120.0)];
     let (bytes, truth) = (table.draw(&ropes), truth(&ropes));
@@ -77,7 +77,7 @@ fn a_colored_rope_is_told_by_its_hue_with_a_margin() {
     let blue = picked_both_ways(&table(LIGHT), [40.0, 90.0, 190.0]);
     let [low, high] = blue.hue_deg;
     assert!(low < 210.0 && high > 230.0 && low < high, "{blue:?}");
-    // The table's own hue, a light yellow, stays out.
+    // The table's own hue, a light yellow, is excluded.
     assert!(low > 60.0, "{blue:?}");
     let red = picked_both_ways(&table(LIGHT), [190.0, 30.0, 40.0]);
     assert!(red.hue_deg[0] > red.hue_deg[1], "through red: {red:?}");
@@ -153,7 +153,7 @@ fn colors_that_are_enough_are_not_doubted() {
 #[test]
 fn colors_that_something_else_has_are_doubted() {
     let red = [190.0, 30.0, 40.0];
-    // A thing of the rope's color that is as large as the rope, and a dozen of specks.
+    // An object of the rope's color that is as large as the rope, and a dozen specks.
     let thing = Rope::along(44.0, red, |t| [230.0 + 60.0 * t, 40.0]);
     let bytes = table(LIGHT).draw(&[wave(red, 140.0), thing]);
     let red = HsvRange {
@@ -185,7 +185,7 @@ fn colors_that_something_else_has_are_doubted() {
     );
 }
 
-/// A table of squares, as dark and as light as can be.
+/// A table of squares with the strongest contrast.
 fn checkered(ropes: &[Rope]) -> Vec<u8> {
     let mut bytes = table([40.0, 40.0, 45.0]).draw(ropes);
     let light = table([230.0, 225.0, 215.0]).draw(ropes);
@@ -224,7 +224,7 @@ fn a_point_that_is_on_no_rope_is_refused() {
     let image = rgb(&bytes);
     let at = [20.0, 30.0];
     assert_eq!(pick(&image, &[at]), Err(PickError::Table { at }));
-    // Beside the rope is good enough: a mouse is no needle.
+    // A point next to the rope is accepted, as a mouse click is not exact.
     for beside_px in [6.0, 12.0] {
         assert!(
             pick(&image, &[[ON_ROPE[0], ON_ROPE[1] - beside_px]]).is_ok(),

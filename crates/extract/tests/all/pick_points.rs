@@ -1,4 +1,4 @@
-//! Colour ranges picked at points on drawn ropes: what one point says, and what more of them add.
+//! Color ranges picked at points on drawn ropes: what one point gives, and what further points add.
 
 use crate::drawing::{Rope, Table};
 use crate::pick::{LIGHT, ON_ROPE, SIZE, agreement, rgb, table, truth, wave};
@@ -11,7 +11,7 @@ fn on_wave(t: f32) -> [f32; 2] {
     [40.0 + 240.0 * t, 120.0 + 60.0 * (5.0 * t).sin()]
 }
 
-/// Each pixel from the first or the second picture.
+/// Takes each pixel from the first or the second picture.
 fn mixed(first: &[u8], second: &[u8], is_first: impl Fn(usize, usize) -> bool) -> Vec<u8> {
     let pixels = first.chunks_exact(3).zip(second.chunks_exact(3));
     let mix = |(i, (a, b))| match is_first(i % SIZE.0, i / SIZE.0) {
@@ -128,7 +128,7 @@ fn gray_on_gray_is_told_by_light_and_a_table_of_the_ropes_color_is_said() {
     let picked = pick(&image, &[on_wave(0.4)]).expect("a rope");
     let good = agreement(&image, &picked.ranges, &truth(std::slice::from_ref(&gray)));
     assert!(good > 0.9, "{good} {picked:?}");
-    // Blotches as light as the rope and as dark as the table, all over it.
+    // Blotches as light as the rope and as dark as the table, all over the picture.
     let [light, dark] =
         [[150.0; 3], [90.0; 3]].map(|color| table(color).draw(std::slice::from_ref(&gray)));
     let is_light = |x: usize, y: usize| (x * x / 90 + y * y / 70 + x * y / 110).is_multiple_of(3);

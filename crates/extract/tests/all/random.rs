@@ -1,5 +1,5 @@
-//! Random ropes that loop over themselves: each is one rope, connected rightly through every
-//! crossing, and where it was drawn.
+//! Random ropes that loop over themselves. Each is found as one rope, where it was drawn, and
+//! connected correctly through every crossing.
 
 use crate::drawing;
 use lariat_portable::SplitMix64;
@@ -40,8 +40,9 @@ fn random_rope(random: &mut SplitMix64) -> Rope {
     })
 }
 
-/// The number of self-crossings of a rope of the kind that must be right: inside the image, bends
-/// of a radius above 1.8 widths, crossings above 25° and not at its ends. Nothing for any other.
+/// The number of self-crossings of a rope that must be extracted correctly, or `None` for any
+/// other. Such a rope is inside the image, bends with a radius above 1.8 widths, and crosses itself
+/// above 25° and not at its ends.
 fn crossings(rope: &Rope) -> Option<usize> {
     let p = rope.truth(SAMPLES);
     let step = distance(p[0], p[1]);
@@ -81,7 +82,7 @@ fn crossings(rope: &Rope) -> Option<usize> {
     Some(count)
 }
 
-/// Whether the segments a–b and c–d cross.
+/// Returns whether the segments a–b and c–d cross.
 fn cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     let side = |p: Vec2, q: Vec2, r: Vec2| {
         (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) > 0.0
@@ -110,7 +111,7 @@ fn random_ropes_are_connected_rightly_through_their_crossings() {
         assert_eq!(scene.curves.len(), 1, "rope {ropes}");
         assert_eq!(scene.crossings.len(), count, "rope {ropes}");
         let error = error(&scene.curves[0], &rope);
-        // A wrong turn at a crossing would put points of the same number far apart.
+        // A wrong turn at a crossing would put points of the same index far apart.
         assert!(error.correspondence_px < 2.0, "rope {ropes}: {error:?}");
         assert!(error.mean_px < 0.3, "rope {ropes}: {error:?}");
         mean_px += error.mean_px / 40.0;
@@ -126,8 +127,8 @@ fn random_ropes_are_connected_rightly_through_their_crossings() {
     );
 }
 
-/// A rope that bends gently, makes one tight loop the same way, and bends gently on: where the loop
-/// closes, its strands touch almost along each other.
+/// A rope that bends gently, makes one tight loop the same way, and then bends gently again. Its
+/// strands touch almost along each other where the loop closes.
 fn tightly_looped(random: &mut SplitMix64) -> Rope {
     let width_px = random.uniform_f32(8.0, 13.0);
     let radius_px = width_px * random.uniform_f32(1.8, 2.6);
@@ -191,6 +192,7 @@ fn a_tight_loop_that_touches_itself_belongs_to_the_rope() {
             wrong_turns.push((rope, error));
         }
     }
-    // The tightest loops close so flat that arms bend no more the wrong way round than the right one.
+    // The tightest loops close so flat that the arms of the wrong pairing bend no more than those
+    // of the right one.
     assert!(100 * wrong_turns.len() <= LOOPS, "{wrong_turns:?}");
 }

@@ -1,4 +1,4 @@
-//! A region of a picture is a picture: what is found in it is what is found in it cut out, and nothing outside is read.
+//! A region of a picture acts like a picture cut out of it, and nothing outside of it is read.
 
 use crate::drawing;
 
@@ -18,7 +18,7 @@ fn wave(frame: usize) -> Rope {
     })
 }
 
-/// Which bytes of a picture belong to pixels of a region, all planes together.
+/// True for each byte of a picture, in all planes, that belongs to pixels of a region.
 fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> Vec<bool> {
     let mut inside = vec![false; bytes];
     let Region {
@@ -32,14 +32,14 @@ fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> V
     };
     for row in y..y + height {
         match format {
-            // The last pair's second luma may be a pixel outside.
+            // The last pair's second luma may belong to a pixel outside.
             PixelFormat::Yuyv => {
                 mark(row, 2 * x, 2 * width);
                 if width % 2 == 1 {
                     mark(row, 2 * (x + width) + 1, 1);
                 }
             }
-            // The last pair's V, and with it the second luma, lie behind a pixel alone.
+            // The last pair's V, and with it the second luma, come after a single pixel.
             PixelFormat::Uyvy => {
                 mark(row, 2 * x, 2 * width);
                 if width % 2 == 1 {
@@ -59,7 +59,7 @@ fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> V
     inside
 }
 
-/// The region's bytes alone, with a stride of their own.
+/// The region's bytes alone, with their own stride.
 fn cut_out(format: PixelFormat, bytes: &[u8], stride: usize, region: Region) -> (Vec<u8>, usize) {
     let Region {
         x,

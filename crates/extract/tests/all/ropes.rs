@@ -1,4 +1,4 @@
-//! Drawn ropes of every kind come out where they are.
+//! Drawn ropes of every kind are found where they are.
 
 use crate::drawing;
 use lariat_portable::SplitMix64;
@@ -42,7 +42,7 @@ fn assert_near(curve: &lariat_extract::Curve, rope: &Rope, what: &str) {
     );
 }
 
-/// A rope that becomes wider over its second half, as one that rises to the camera does, in pieces.
+/// Pieces of a rope that widens over its second half, like one that rises toward the camera.
 fn rising(from_px: f32, to_px: f32) -> Vec<Rope> {
     let pieces = 60;
     let part = |i: usize| {
@@ -81,7 +81,7 @@ fn a_rope_that_rises_to_the_camera_is_measured_where_it_is_wide() {
     }
 }
 
-/// A rope from the left to a bend, and from there up; it is as wide there as `leg_px` says, at once.
+/// A rope from the left to a bend, and from there upward, where it has the width `leg_px` at once.
 fn bent(width_px: f32, leg_px: f32) -> [Rope; 2] {
     let along = |t: f32| [280.0 - 190.0 * t, 150.0 + 40.0 * (5.0 * t + 0.6).sin()];
     let bend = along(1.0);
@@ -112,13 +112,13 @@ fn a_rope_that_points_at_the_camera_behind_a_bend_is_measured_where_it_is_wide()
         let axis: Vec<Vec2> = ropes.iter().flat_map(|rope| rope.points.clone()).collect();
         let far = |&p: &Vec2| distance_to(p, &axis);
         let worst = curve.points.iter().map(far).fold(0.0, f32::max);
-        // In the bend the two are drawn over each other.
+        // In the bend, the two are drawn over each other.
         assert!(worst < 0.25 * leg_px, "{what}: {worst} px beside it");
         let [last] = ropes[1].points[ropes[1].points.len() - 1..] else {
             panic!("{what}: the leg has no end");
         };
         let on_leg = curve.points.iter().zip(&curve.widths_px);
-        // Its tip is as round as the rope mostly is wide, for all that is known there.
+        // At its tip, the rope's usual width is the best guess.
         let is_between = |&p: &Vec2| (0.6 * leg_px..50.0).contains(&distance(p, last));
         let on_leg = on_leg.filter(|(p, _)| is_between(p));
         let off = |(&p, width_px): (&Vec2, &f32)| far(&p).max((width_px - leg_px).abs());
@@ -127,7 +127,8 @@ fn a_rope_that_points_at_the_camera_behind_a_bend_is_measured_where_it_is_wide()
     }
 }
 
-/// Lifted high, two ropes that cross themselves where they are much wider than elsewhere: what is wide is no part of the crossing.
+/// Two highly lifted ropes that cross themselves where they are much wider than elsewhere. The wide
+/// part must not be treated as part of the crossing.
 #[test]
 fn a_rope_is_measured_up_to_a_crossing_beside_which_it_rises_to_the_camera() {
     use lariat_drawn::space::{Eye, LiftOptions, LiftedRope, picture};
@@ -419,7 +420,7 @@ fn every_pixel_format_gives_the_same_rope() {
     }
 }
 
-/// A mosaic of colour filters blurs each colour by a pixel or so, and displaces none.
+/// A color filter mosaic blurs each color by about a pixel, but does not shift it.
 #[test]
 fn behind_a_mosaic_a_rope_lies_where_it_lies_in_full_colour() {
     let (width, height) = (320, 240);
@@ -439,7 +440,7 @@ fn behind_a_mosaic_a_rope_lies_where_it_lies_in_full_colour() {
             let scene = extractor.extract(&image);
             assert_eq!(scene.curves.len(), 1, "{format:?}");
             let curve = &scene.curves[0];
-            // Without the ends, which the blur moves a little along the rope.
+            // Without the ends, which the blur moves slightly along the rope.
             let points = &curve.points[10..110];
             let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f32>() / 100.0;
             seen.push((format, error(curve, &rope), [mean(0), mean(1)]));

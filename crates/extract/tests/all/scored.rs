@@ -1,9 +1,9 @@
-//! An extractor's curves as drawn scenes score them.
+//! Converts an extractor's curves for the scores of drawn scenes.
 
 use lariat_drawn::scenes::SeenCurve;
 use lariat_extract::Curve;
 
-/// What was seen, to be held against what was drawn.
+/// The extracted curves, to be compared with the drawn ones.
 pub(crate) fn scored<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Vec<SeenCurve<'a>> {
     let curves = curves.into_iter().map(|curve| SeenCurve {
         points: &curve.points,

@@ -1,11 +1,12 @@
-//! Ropes of one colour that lie on each other: told apart by the seams that the picture shows between them.
+//! Overlapping ropes of one color are separated by the seams that the picture shows between them.
 
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 
 const SIZE: [usize; 2] = [480, 360];
 
-/// Whether both ropes of the first picture of a film of two tangled ones are found, whole and in order.
+/// Returns whether both ropes of the first picture of a film of two tangled ropes are found, whole
+/// and in order.
 fn are_told_apart(seed: u64) -> bool {
     let [width, height] = SIZE;
     let mut film = Film::new(Story::Two, seed, width as u32, height as u32);
@@ -29,7 +30,7 @@ fn are_told_apart(seed: u64) -> bool {
     judge.verdict().places() == [0; 6]
 }
 
-/// By their mask alone all of these are read wrongly: a strand is left out, or two are taken for one.
+/// The mask alone misreads all of these: a strand is left out, or two are treated as one.
 #[test]
 fn what_the_mask_hides_the_picture_shows() {
     for seed in [5011, 5060, 5102, 5122, 5142, 5152, 5182, 5207, 5212, 5225] {
@@ -37,7 +38,8 @@ fn what_the_mask_hides_the_picture_shows() {
     }
 }
 
-/// Cut at the first seams that were looked for, or judged by what it lacks alone, these were read wrongly, too.
+/// Regressions: these were misread when cut at the first seams tried, or when judged only by their
+/// unexplained mask.
 #[test]
 fn of_several_readings_the_one_without_kinks_is_told() {
     for seed in [5003, 5077, 5101, 5103, 5132, 5154, 5180, 5218, 5222, 5246] {

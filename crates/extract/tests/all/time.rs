@@ -10,7 +10,7 @@ use lariat_extract::{Curve, Extractor, Options, Status};
 const WHITE: [f32; 3] = [215.0, 212.0, 205.0];
 const BLUE: [f32; 3] = [30.0, 60.0, 130.0];
 
-/// A rope that swings about its middle, whose loop grows and shrinks.
+/// A rope that swings about its middle, with a loop that grows and shrinks.
 fn swinging(frame: usize) -> Rope {
     let time = frame as f32 / 40.0;
     Rope::along(7.0, BLUE, move |t| {
@@ -66,7 +66,7 @@ fn another_extractor_that_goes_on_keeps_tracks_and_directions_and_gives_no_numbe
         let ropes = [swinging(frame), low.clone()];
         see(&mut first, &table.draw(&ropes), &table);
     }
-    // One goes.
+    // One rope leaves.
     let mut before = Vec::new();
     for frame in 20..60 {
         let drawn = table.draw(&[swinging(frame)]);
@@ -76,7 +76,7 @@ fn another_extractor_that_goes_on_keeps_tracks_and_directions_and_gives_no_numbe
     let ropes = [swinging(60), low];
     let drawn = table.draw(&ropes);
     let is_kept = |curve: &Curve| distance(curve.points[0], start) < distance(curve.points[0], end);
-    // Who has seen nothing begins at the other end.
+    // An extractor without a past begins at the other end.
     let alone = see(&mut extractor(), &drawn, &table).curves.to_vec();
     assert!(!alone.iter().any(is_kept));
     let mut second = extractor();
@@ -127,7 +127,7 @@ fn a_rope_out_of_sight_is_lost_and_comes_back_as_itself() {
 fn a_lost_rope_is_dropped_in_the_end() {
     let table = Table::new(320, 240, WHITE);
     let options = Options::default()
-        // An image without a time of its own comes 1/30 s after the last.
+        // An image without a time counts as taken 1/30 s after the last.
         .keep_lost(Duration::from_millis(134));
     let mut extractor = Extractor::new(options).expect("valid options");
     let shown = table.draw(&[straight(100.0, 0.0)]);
@@ -228,7 +228,7 @@ fn a_rope_whose_ends_come_to_lie_along_each_other_stays_open() {
     let table = Table::new(320, 240, WHITE);
     let mut extractor = extractor();
     for frame in 0..40 {
-        // Less than a turn at first; then an eighth of it lies upon itself.
+        // Less than a turn at first; then an eighth of it overlaps itself.
         let turns = if frame < 10 { 0.97 } else { 1.12 };
         let rope = Rope::along(9.0, BLUE, |t| {
             let (sin, cos) = (std::f32::consts::TAU * turns * t).sin_cos();
@@ -246,7 +246,8 @@ fn a_rope_whose_ends_come_to_lie_along_each_other_stays_open() {
     }
 }
 
-/// A straight stem, a bend of this radius by 215° and a straight tail that comes down upon the stem; always of one length.
+/// A straight stem, a bend of this radius by 215°, and a straight tail that comes down on the stem.
+/// The length is constant.
 fn noose(radius_px: f32) -> Rope {
     const LENGTH_PX: f32 = 420.0;
     const STEM_PX: f32 = 160.0;

@@ -3,7 +3,7 @@
 use lariat_drawn::moving::{Film, Judge, SeenCurve, SeenStatus, Story, Verdict};
 use lariat_extract::{Extractor, Image, Options, PixelFormat, Status};
 
-/// What is wrong in the first `frames` of a film.
+/// The errors in the first `frames` of a film.
 fn watch(story: Story, seed: u64, frames: usize) -> Verdict {
     const SIZE: (usize, usize) = (360, 270);
     let mut film = Film::new(story, seed, SIZE.0 as u32, SIZE.1 as u32);
@@ -21,7 +21,7 @@ fn watch(story: Story, seed: u64, frames: usize) -> Verdict {
                 track: curve.track,
                 status: match curve.status {
                     Status::Ok => SeenStatus::Ok,
-                    // Counted as wrong: there are ropes only.
+                    // Counted as wrong, because there are only ropes.
                     Status::Doubtful => SeenStatus::Partial,
                     Status::Partial => SeenStatus::Partial,
                     Status::Lost => SeenStatus::Lost,
@@ -35,7 +35,7 @@ fn watch(story: Story, seed: u64, frames: usize) -> Verdict {
     judge.verdict()
 }
 
-/// Adds up films of one story.
+/// The sum over films of one story.
 fn watch_some(story: Story, seeds: std::ops::Range<u64>, frames: usize) -> Verdict {
     seeds.fold(Verdict::default(), |sum, seed| {
         let more = watch(story, seed, frames);
@@ -54,7 +54,7 @@ fn watch_some(story: Story, seeds: std::ops::Range<u64>, frames: usize) -> Verdi
     })
 }
 
-/// A rope that was never missed, turned around, renamed or invented.
+/// Asserts that a rope was never missed, turned around, renamed or invented.
 fn assert_followed(verdict: &Verdict) {
     let Verdict {
         missed,
@@ -64,7 +64,7 @@ fn assert_followed(verdict: &Verdict) {
         ..
     } = *verdict;
     assert_eq!([missed, flips, swaps, invented], [0; 4], "{verdict:?}");
-    // Ends that lie upon other strands are the hard part: at most one frame in fifty.
+    // Ends on top of other strands are the hard part: at most one frame in fifty.
     assert!(50 * verdict.exchanged <= verdict.shown, "{verdict:?}");
     assert!(50 * verdict.miscounted <= verdict.shown, "{verdict:?}");
 }

@@ -1,4 +1,4 @@
-//! A rope stays one through what hides it, and nothing is said of an image that it does not show.
+//! A rope remains one rope under a cover, and an image without a rope reports none.
 
 use crate::drawing;
 use lariat_portable::SplitMix64;
@@ -46,7 +46,7 @@ fn what_a_gripper_hides_is_bridged_and_marked() {
     for frame in 0..30 {
         let rope = wave(0.3 * frame as f32);
         let mut rgb = table.draw(std::slice::from_ref(&rope));
-        // From nowhere, all at once, and then along the rope.
+        // The plate appears suddenly, and then moves along the rope.
         let left = 110 + 2 * frame;
         let (from, to) = ([left, 70], [left + 45, 200]);
         if frame >= 5 {
@@ -136,7 +136,7 @@ fn a_covered_end_is_told_from_a_shorter_rope() {
             Status::Ok
         );
     }
-    // Twenty pixels of two hundred and eighty: by its length alone the rope might be whole.
+    // Twenty pixels of 280: by its length alone the rope might be whole.
     cover(
         &mut rgb,
         &table,
@@ -196,7 +196,7 @@ fn a_cut_takes_no_shape_over() {
             (1, Status::Ok),
             "frame {frame}"
         );
-        // Its tip bends by a radius of 10 px, of which smoothing straightens 1 px.
+        // Its tip bends with a radius of 10 px, and smoothing straightens it by 1 px.
         let worst_px = worst(&seen[0].points, &other);
         assert!(worst_px < 1.5, "frame {frame}: {worst_px}");
         assert_eq!(lost.len(), usize::from(frame < 30), "frame {frame}");
@@ -233,7 +233,7 @@ fn another_pixel_format_is_the_same_scene() {
     let mut extractor = extractor();
     let rgb = table.draw(&[wave(0.0)]);
     let gray: Vec<u8> = rgb.chunks_exact(3).map(|p| p[1]).collect();
-    // Half as many chroma samples as pixels: what an ordinary camera sends.
+    // Half as many chroma samples as pixels, as an ordinary camera sends them.
     let yuyv: Vec<u8> = rgb
         .chunks_exact(6)
         .flat_map(|p| [p[1], 128 + (p[2] / 4) - (p[0] / 4), p[4], 120])

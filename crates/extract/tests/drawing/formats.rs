@@ -1,8 +1,8 @@
-//! One picture in every pixel format, of which there are twelve.
+//! One picture in each of the twelve pixel formats.
 
 use lariat_extract::PixelFormat;
 
-/// The picture in each format; UV as the mean of the pixels that share it.
+/// The picture in each format. UV is the mean of the pixels that share it.
 pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u8>, usize)> {
     let yuv = |x: usize, y: usize| {
         let i = 3 * (y.min(h - 1) * w + x.min(w - 1));
@@ -40,12 +40,12 @@ pub(crate) fn formats(rgb: &[u8], w: usize, h: usize) -> Vec<(PixelFormat, Vec<u
         }
     }
     let bgra = rgb.chunks_exact(3).flat_map(|p| [p[2], p[1], p[0], 77]);
-    // Any two bytes between the level's own multiple of 257 and its neighbours are as good.
+    // Any value that is closest to the level's multiple of 257 gives the same level.
     let gray16 = pixels().flat_map(|(x, y)| {
         let wide = u16::from(luma(x, y)) * 257;
         wide.saturating_add((x % 100) as u16).to_ne_bytes()
     });
-    // Where the first red pixel is.
+    // `red` is the position of the first red pixel.
     let mosaic = |red: [usize; 2]| {
         let channel = move |x: usize, y: usize| (x + red[0]) % 2 + (y + red[1]) % 2;
         let bytes = pixels().map(|(x, y)| rgb[3 * (y * w + x) + channel(x, y)]);

@@ -1,4 +1,4 @@
-//! Ropes drawn with a known truth: anti-aliased strips along a curve over a lit, noisy table.
+//! Ropes drawn with a known truth: antialiased strips along a curve over a lit, noisy table.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub(crate) mod formats;
@@ -9,7 +9,7 @@ use lariat_portable::SplitMix64;
 
 pub(crate) type Vec2 = [f32; 2];
 
-/// A rope to draw: its centerline, finely sampled, its width and color.
+/// A rope to draw: its finely sampled centerline, width and color.
 #[derive(Clone)]
 pub(crate) struct Rope {
     pub points: Vec<Vec2>,
@@ -19,7 +19,7 @@ pub(crate) struct Rope {
 }
 
 impl Rope {
-    /// Along `curve` for t from 0 to 1.
+    /// A rope along `curve` for t from 0 to 1.
     pub(crate) fn along(width_px: f32, color: [f32; 3], curve: impl Fn(f32) -> Vec2) -> Self {
         let points = (0..=1500).map(|i| curve(i as f32 / 1500.0)).collect();
         Self {
@@ -62,7 +62,8 @@ pub(crate) struct Table {
     pub gradient: f32,
     /// Standard deviation of the noise, in levels.
     pub noise: f32,
-    /// The share of light that a rope's sides lack, compared with its middle: 0 for a strip of one colour.
+    /// Share of light that a rope's sides lack compared with its middle; 0 for a strip of one
+    /// color.
     pub round: f32,
     pub seed: u64,
 }
@@ -80,7 +81,8 @@ impl Table {
         }
     }
 
-    /// The same with ropes that are strips of one colour, where a test needs their exact colours or edges.
+    /// The same table with ropes as strips of one color, for tests that need their exact colors or
+    /// edges.
     pub(crate) fn flat(self) -> Self {
         Self { round: 0.0, ..self }
     }
@@ -117,7 +119,8 @@ impl Table {
     }
 }
 
-/// Returns how much of each pixel the rope covers, 0 to 1, and how far the pixel lies from the rope's middle.
+/// Returns how much of each pixel the rope covers, 0 to 1, and the pixel's distance from the rope's
+/// middle.
 fn cover(rope: &Rope, width: usize, height: usize) -> impl Iterator<Item = (f32, f32)> {
     let half = rope.width_px / 2.0;
     let mut cover = vec![0.0f32; width * height];
@@ -140,7 +143,7 @@ fn cover(rope: &Rope, width: usize, height: usize) -> impl Iterator<Item = (f32,
                 let ahead = (d[0] * along[0] + d[1] * along[1]) / length;
                 let aside = (d[0] * along[1] - d[1] * along[0]) / length;
                 let beyond = (-ahead).max(ahead - length);
-                // Pieces overlap like beads; the tips are cut straight below.
+                // Segments overlap like beads. The tips are cut straight below.
                 let out = beyond.max(0.0);
                 let off_px = (aside * aside + out * out).sqrt();
                 let share = (half - off_px + 0.5).clamp(0.0, 1.0);
@@ -158,7 +161,7 @@ fn cover(rope: &Rope, width: usize, height: usize) -> impl Iterator<Item = (f32,
     cover.into_iter().zip(off)
 }
 
-/// Takes away what the beads near the first of `points` cover beyond it.
+/// Removes what the beads near the first of `points` cover beyond it.
 fn cut_end<'a>(
     mut points: impl Iterator<Item = &'a Vec2>,
     half: f32,
@@ -167,7 +170,7 @@ fn cut_end<'a>(
     height: usize,
 ) {
     let Some(&tip) = points.next() else { return };
-    // The direction is that of the last pixel's worth of rope.
+    // The direction is that of the last pixel of the rope.
     let Some(&inner) = points.find(|&&p| distance(p, tip) > 1.0) else {
         return;
     };
@@ -186,13 +189,13 @@ fn cut_end<'a>(
     }
 }
 
-/// The pixels of a row or column that lie nearer to a place on it than `reach_px`.
+/// The pixels of a row or column within `reach_px` of a place on it.
 pub(crate) fn around(at: f32, reach_px: f32, side: usize) -> std::ops::Range<usize> {
     let [low, high] = [at - reach_px, at + reach_px + 1.0].map(|end| end.max(0.0) as usize);
     low..high.min(side)
 }
 
-/// About normal: the sum of twelve uniform numbers.
+/// Approximately normal: the sum of twelve uniform numbers.
 pub(crate) fn normal(random: &mut SplitMix64) -> f32 {
     (0..12).map(|_| random.uniform_f32(-0.5, 0.5)).sum()
 }
@@ -214,14 +217,14 @@ pub(crate) fn distance_to(p: Vec2, line: &[Vec2]) -> f32 {
         .fold(f32::INFINITY, f32::min)
 }
 
-/// What a curve is off the truth.
+/// Deviation of a curve from the truth.
 #[derive(Debug)]
 pub(crate) struct Error {
     /// Mean distance of the curve's points from the true centerline.
     pub mean_px: f32,
-    /// Largest distance between a point and the true point of the same number.
+    /// Maximum distance between a point and the true point with the same index.
     pub correspondence_px: f32,
-    /// The farther of the two ends.
+    /// Error of the worse of the two ends.
     pub ends_px: f32,
 }
 

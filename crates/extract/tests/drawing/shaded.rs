@@ -1,10 +1,10 @@
-//! Ropes with a surface: round shading, a highlight, a shadow on what lies below, speckles.
+//! Ropes with a surface: round shading, a highlight, a shadow on what is below, and speckles.
 
 use lariat_portable::SplitMix64;
 
 use super::{Vec2, distance, normal};
 
-/// A rope, or a piece of one, to paint over what is there already.
+/// A rope, or a part of one, to paint over the existing picture.
 #[derive(Clone)]
 pub(crate) struct Strand {
     pub points: Vec<Vec2>,
@@ -12,24 +12,24 @@ pub(crate) struct Strand {
     pub surface: Surface,
 }
 
-/// What a strand looks like.
+/// The look of a strand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
     pub color: [f32; 3],
-    /// How much darker the edges are than the middle, as a share.
+    /// Darkening of the edges relative to the middle, as a share.
     pub shade: f32,
-    /// Brightness of the highlight, in levels, and where across it lies, in half-widths.
+    /// Brightness of the highlight, in levels, and its position across the strand, in half-widths.
     pub gloss: f32,
     pub gloss_at: f32,
-    /// How much darker the strand makes what lies below it, right beside its edge, as a share.
+    /// Darkening of the surface below, directly at the strand's edge, as a share.
     pub shadow: f32,
     /// Standard deviation of its speckles, in levels.
     pub speckles: f32,
-    /// Amplitude of its braid, in levels: stripes aslant, four in the way of three widths.
+    /// Amplitude of the braid, in levels. Its stripes are slanted, four in every three widths.
     pub braid: f32,
 }
 
-/// A picture in the making.
+/// A picture in progress.
 pub(crate) struct Canvas {
     pub width: usize,
     pub height: usize,
@@ -45,7 +45,7 @@ impl Canvas {
         }
     }
 
-    /// Paints `strand`; its ends are cut straight.
+    /// Paints `strand`, whose ends are cut straight.
     pub(crate) fn paint(&mut self, strand: &Strand, random: &mut SplitMix64) {
         let half = strand.width_px / 2.0;
         let shadow_px = 0.7 * half + 1.0;
@@ -64,7 +64,7 @@ impl Canvas {
                 continue;
             }
             let share = (half - aside.abs() + 0.5).clamp(0.0, 1.0);
-            // The shadow fades toward the ends of the piece, as the strand comes down to the table.
+            // The shadow fades toward the ends of the strand, where it comes down to the table.
             let fade = (along.min(total - along) / (4.0 * half)).clamp(0.0, 1.0);
             let near = 1.0 - ((aside.abs() - half) / shadow_px).clamp(0.0, 1.0);
             let t = aside / half;
@@ -80,7 +80,7 @@ impl Canvas {
         }
     }
 
-    /// The distance aside of one straight piece, and along the whole, of the pixels near it.
+    /// Measures the offset from a straight segment, and the arc length, of the pixels near it.
     fn measure(&self, pair: &[Vec2], before: f32, reach: f32, nearest: &mut [(f32, f32)]) {
         let (a, b) = (pair[0], pair[1]);
         let length = distance(a, b).max(1e-6);
@@ -94,7 +94,7 @@ impl Canvas {
                 let d = [x as f32 - a[0], y as f32 - a[1]];
                 let ahead = d[0] * along[0] + d[1] * along[1];
                 let aside = along[0] * d[1] - along[1] * d[0];
-                // Half a pixel more than the piece, so that bends leave no gaps.
+                // Half a pixel beyond the segment, so that bends leave no gaps.
                 if (-0.5..=length + 0.5).contains(&ahead) {
                     let cell = &mut nearest[y * self.width + x];
                     if aside.abs() < cell.0.abs() {
@@ -105,7 +105,7 @@ impl Canvas {
         }
     }
 
-    /// Softens the picture with the weights 1 2 1 both ways, `times` times.
+    /// Softens the picture with the weights 1, 2, 1 in both directions, `times` times.
     pub(crate) fn soften(&mut self, times: usize) {
         for step in [1, self.width].repeat(times) {
             let before = self.pixels.clone();

@@ -1,4 +1,5 @@
-//! What is fitted: every basis, solver and way of weighting, the filter, and curves on a plane behind a lens.
+//! Hashes of fits: every basis, solver and weighting, the filter, and curves on a plane behind a
+//! lens.
 
 use lariat_camera::{Camera, Lens, Mapping, Plane};
 use lariat_drawn::moving::{Film, Story};
@@ -85,7 +86,7 @@ fn hash(fit: &Fit) -> Hash {
         .doubles(&whole(fit.covariance_factor.as_ref()))
 }
 
-/// The numbers of a matrix, row by row.
+/// The elements of a matrix, row by row.
 fn whole(matrix: MatRef<'_, f64>) -> Vec<f64> {
     matrix
         .row_iter()
@@ -102,7 +103,7 @@ pub(crate) fn fits(told: &mut Told, lines: &[Line]) {
         }
         for line in lines {
             let fitted = if options.weights == Weights::Given {
-                // Some hidden, some half as sure.
+                // Some points are hidden, and some have half the weight.
                 let weights: Vec<f64> = (0..line.len())
                     .map(|i| [1.0, 0.5, 1.0, 0.0, 1.0][i / 7 % 5])
                     .collect();

@@ -24,7 +24,7 @@ impl Hash {
         doubles.into_iter().fold(self, of)
     }
 
-    /// Both halves in one.
+    /// Both halves combined.
     pub(crate) fn value(&self) -> u32 {
         (self.0 ^ (self.0 >> 32)) as u32
     }

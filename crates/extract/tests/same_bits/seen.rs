@@ -1,4 +1,5 @@
-//! What is seen: films in all pixel formats, cold and followed; the clusterings; a picture of each class.
+//! Hashes of extractions: films in all pixel formats, cold and followed; the clusterings; a picture
+//! of each class.
 
 use lariat_drawn::moving::{Film, Story};
 use lariat_drawn::scenes::{self, Class, Still};
@@ -17,7 +18,7 @@ struct Frame {
     bytes: Vec<u8>,
     stride: usize,
     format: PixelFormat,
-    /// A true mask, of a film on clutter.
+    /// A true mask, for a film on clutter.
     mask: Option<Vec<u8>>,
 }
 
@@ -34,7 +35,7 @@ impl Frame {
         }
     }
 
-    /// Shows it to an extractor: followed, where only a given mask would do.
+    /// Shows it to an extractor. If there is a mask, the ropes are followed where possible.
     fn show(&self, extractor: &mut Extractor) {
         let (image, [width, height]) = (self.image(), SIZE);
         let Some(mask) = &self.mask else {
@@ -94,10 +95,10 @@ fn tell(told: &mut Told, case: &str, scene: &Scene) {
     told.frame(case, "crossings", hash);
 }
 
-/// All that is looked at, drawn once.
+/// All pictures, drawn once.
 pub(crate) struct Pictures {
     films: Vec<(String, Mask, Vec<Frame>)>,
-    /// For the clusterings.
+    /// Frames for the clusterings.
     short: Vec<Frame>,
     stills: Vec<(String, Still)>,
 }
@@ -118,7 +119,8 @@ fn film(story: Story, seed: u64, format: PixelFormat, frames: usize) -> Vec<Fram
 }
 
 impl Pictures {
-    /// Every story in a format of its own, to be seen by the automatic mask or by a range of colors; a picture of each class.
+    /// Draws every story in its own format, for the automatic mask or for a range of colors, and a
+    /// picture of each class.
     pub(crate) fn draw() -> Self {
         use PixelFormat::{BayerGrbg8, Bgr8, Gray8, Nv12, Rgb8, Uyvy, Yuyv};
         let films = [
@@ -158,7 +160,7 @@ impl Pictures {
         }
     }
 
-    /// What is seen in them.
+    /// Extracts from them and records the hashes.
     pub(crate) fn tell(&self, told: &mut Told) {
         for (case, mask, frames) in &self.films {
             let options = Options::default().mask(mask.clone());
@@ -181,7 +183,7 @@ impl Pictures {
             let picked = format!("{:?} {:?}", pick(&first, &[]), pick(&first, &[on_rope]));
             told.frame(case, "pick", Hash::new().bytes(picked.as_bytes()));
         }
-        // The clusterings in the place of the skeleton.
+        // The clusterings instead of the skeleton.
         for (name, method) in Method::ALL.into_iter().skip(1) {
             let options = Options::default().method(method);
             let mut extractor = Extractor::new(options).expect("valid options");

@@ -1,25 +1,28 @@
-//! Bezier curves of a higher order, which are the same curve, and of a lower one, which is the nearest.
+//! Bezier curves of a higher order, which are the same curve, and of a lower one, which is the
+//! nearest.
 
 use crate::bezier::bernstein;
 use crate::curve::{Curve, CurveError};
 use crate::factor::least_squares;
 use faer::Mat;
 
-/// A Bezier curve brought to a lower order.
+/// A Bezier curve reduced to a lower order.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Reduced<const D: usize = 2> {
-    /// Its control points: one more than its order.
+    /// Control points: one more than the order.
     pub control_points: Vec<[f64; D]>,
-    /// The largest distance between points of the old and of the new curve at the same ρ (px): no point of either
-    /// is farther from the other curve.
+    /// Largest distance between points of the old and of the new curve at the same ρ (px). No point
+    /// of either is farther from the other curve.
     pub largest_distance: f64,
 }
 
-/// The control points of the same Bezier curve with an order higher `by` so many: exact, each a mean of two of
-/// the order below. For orders above 31 too, of which there is no [`Curve`].
+/// Elevates the order of a Bezier curve `by` this many. The curve is exactly the same: each control
+/// point is a mean of two of the order below. Orders above 31 are allowed, although no [`Curve`]
+/// has them.
 ///
-/// Of a rational curve give the control points times their weights, and the weight as a last coordinate.
+/// For a rational curve, pass the control points times their weights, with the weight as a last
+/// coordinate.
 pub fn elevate_degree<const D: usize>(control_points: &[[f64; D]], by: usize) -> Vec<[f64; D]> {
     let mut points = control_points.to_vec();
     let Some(&last) = points.last() else {
@@ -39,12 +42,12 @@ pub fn elevate_degree<const D: usize>(control_points: &[[f64; D]], by: usize) ->
     points
 }
 
-/// The Bezier curve of a lower `order` that is nearest to this one: with the least integral over ρ of the squared
-/// distance at the same ρ. If asked to it keeps both ends where they are (from order 1; a curve of order 0 is a
-/// point). An order that is not lower gives the same curve, elevated.
+/// Finds the Bezier curve of a lower `order` that is nearest to this one: it has the least integral
+/// over ρ of the squared distance at the same ρ. With `keep_ends`, both ends stay (from order 1; a
+/// curve of order 0 is a point). An order that is not lower gives the same curve, elevated.
 ///
 /// # Errors
-/// No control point, more than 32, or one that is not finite.
+/// Fails for 0 or more than 32 control points, or if one is not finite.
 pub fn reduce_degree<const D: usize>(
     control_points: &[[f64; D]],
     order: usize,
@@ -59,7 +62,7 @@ pub fn reduce_degree<const D: usize>(
         });
     }
     let mut reduced = vec![[0.0; D]; order + 1];
-    // Which control points are sought.
+    // Indices of the control points to solve for.
     let sought = if keep_ends && order > 0 {
         (reduced[0], reduced[order]) = (control_points[0], control_points[from]);
         1..order
@@ -67,8 +70,8 @@ pub fn reduce_degree<const D: usize>(
         0..order + 1
     };
     if !sought.is_empty() {
-        // The square of a difference is of degree 2 n: n + 1 nodes give its integral exactly, so that least
-        // squares over the nodes are those over the whole curve.
+        // The square of a difference has degree 2 n, so n + 1 nodes give its integral exactly.
+        // Least squares over the nodes is then least squares over the whole curve.
         let nodes = gauss_legendre(from + 1);
         let mut matrix = Mat::zeros(nodes.len(), sought.len());
         let mut wanted = Mat::zeros(nodes.len(), D);
@@ -104,15 +107,15 @@ pub fn reduce_degree<const D: usize>(
     })
 }
 
-/// Gauss and Legendre's nodes on [0, 1] and their weights: the zeros of the Legendre polynomial, by Newton's
-/// method from Tricomi's guess (Press et al., *Numerical Recipes*, section 4.6).
+/// Gauss-Legendre nodes on [0, 1] and their weights: the zeros of the Legendre polynomial, by
+/// Newton's method from Tricomi's guess (Press et al., *Numerical Recipes*, section 4.6).
 fn gauss_legendre(count: usize) -> Vec<[f64; 2]> {
     (0..count)
         .map(|i| {
             let guess = std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5);
             let mut x = libm::cos(guess);
             let mut slope = 1.0;
-            // Three steps do; the rest cost nothing.
+            // Three steps are enough; more are harmless.
             for _ in 0..8 {
                 let (mut here, mut before) = (1.0, 0.0);
                 for degree in 0..count {
@@ -167,7 +170,7 @@ mod tests {
             let reduced = reduce_degree(&elevated, order, keep_ends).unwrap();
             prop_assert!(reduced.largest_distance < 1e-9);
             for (a, b) in reduced.control_points.iter().zip(&control_points) {
-                // Of order 8 the matrix's condition number is some hundreds.
+                // At order 8, the matrix's condition number is some hundreds.
                 prop_assert!(apart(a, b) < 1e-8, "{a:?} {b:?}");
             }
         }
@@ -182,13 +185,13 @@ mod tests {
             let reduced = reduce_degree(&control_points, order, keep_ends).unwrap();
             let before = Curve::bezier(&control_points).unwrap();
             let after = Curve::bezier(&reduced.control_points).unwrap();
-            // Closer towards the ends, where polynomials are quickest.
+            // Denser towards the ends, where polynomials change fastest.
             let seen = (0..=2000)
                 .map(|i| 0.5 - 0.5 * (std::f64::consts::PI * f64::from(i) / 2000.0).cos())
                 .map(|rho| apart(&before.point(rho), &after.point(rho)))
                 .fold(0.0, f64::max);
             prop_assert!(seen <= reduced.largest_distance + 1e-5);
-            // As the cosine of 31 angles, of which a step is π/2000.
+            // As the cosine of 31 angles, with steps of π/2000.
             prop_assert!(seen >= 0.999 * reduced.largest_distance - 1e-5);
             if keep_ends && order > 0 {
                 prop_assert_eq!(after.point(0.0), before.point(0.0));
@@ -214,13 +217,14 @@ mod tests {
             reversed.reverse();
             let plain = reduce_degree(&control_points, order, keep_ends).unwrap().control_points;
             for (j, p) in plain.iter().enumerate() {
-                // Of order 9 the matrix's condition number is some hundreds.
+                // At order 9, the matrix's condition number is some hundreds.
                 prop_assert!(apart(&found[j], &there(p)) < 1e-8);
                 prop_assert!(apart(&reversed[j], p) < 1e-8);
             }
         }
 
-        /// The nearest of an order is nearer than any other, here: one whose control points are moved.
+        /// The nearest curve of an order is nearer than any other, tested with moved control
+        /// points.
         #[test]
         fn no_change_of_a_control_point_brings_a_reduced_curve_nearer(
             control_points in points(4..=12),
@@ -256,7 +260,7 @@ mod tests {
         }
     }
 
-    /// A parabola's nearest straight line with the same integral: its mean distance is 0.
+    /// A parabola's nearest straight line has the same integral: the mean distance is 0.
     #[test]
     fn a_parabola_has_a_line_as_the_textbook_says() {
         let parabola = [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]];

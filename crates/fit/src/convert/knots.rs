@@ -1,25 +1,26 @@
-//! B-splines with a knot more, and in Bezier pieces.
+//! Inserts knots into B-splines, and splits curves into Bezier pieces.
 
 use super::OwnedCurve;
 use crate::basis::{Basis, Knots, MAX_CONTROL_POINTS};
 use crate::curve::{Curve, CurveError};
 
-/// One Bezier piece of a curve.
+/// A Bezier piece of a curve.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct BezierPiece<const D: usize = 2> {
-    /// The ρ of the whole curve at which it begins.
+    /// ρ of the whole curve at which the piece begins.
     pub from: f64,
-    /// And ends.
+    /// ρ of the whole curve at which the piece ends.
     pub to: f64,
-    /// Its control points, over 0 to 1 of its own.
+    /// Control points, with the piece's own ρ from 0 to 1.
     pub control_points: Vec<[f64; D]>,
-    /// A rational curve's weights; of others none.
+    /// Weights of a rational curve; otherwise empty.
     pub weights: Vec<f64>,
 }
 
-/// The Bezier pieces that a curve consists of: those between a B-spline's knots or between feature points; a
-/// Bezier curve's only one; the center of mass as a point. A Fourier series has none.
+/// Splits a curve into its Bezier pieces: those between a B-spline's knots or between feature
+/// points. A Bezier curve has one piece. The center of mass is a point, and a Fourier series has no
+/// pieces.
 pub fn bezier_pieces<const D: usize>(curve: &Curve<'_, D>) -> Vec<BezierPiece<D>> {
     curve
         .pieces()
@@ -36,12 +37,13 @@ pub fn bezier_pieces<const D: usize>(curve: &Curve<'_, D>) -> Vec<BezierPiece<D>
         .collect()
 }
 
-/// The same B-spline with one knot more, at `rho` (W. Boehm, *Inserting new knots into B-spline curves*,
-/// Computer-Aided Design 12, 1980). Its knots are no longer even, and go with it.
+/// Inserts a knot at `rho` into a B-spline, which stays the same curve (W. Boehm, *Inserting new
+/// knots into B-spline curves*, Computer-Aided Design 12, 1980). Its knots are no longer even and
+/// are part of the result.
 ///
 /// # Errors
-/// A curve that is no B-spline, one that has 32 control points already, a `rho` that is not between 0 and 1,
-/// or one where there are as many knots as its degree.
+/// Fails if the curve is not a B-spline or already has 32 control points, if `rho` is not between 0
+/// and 1, or if there are as many knots at `rho` as the degree.
 pub fn insert_knot<const D: usize>(
     curve: &Curve<'_, D>,
     rho: f64,
@@ -130,7 +132,7 @@ mod tests {
             let curve = even(degree, &points);
             let mut wider = OwnedCurve::from(&curve);
             for (i, at) in at.iter().enumerate() {
-                // Some of them where a knot is already.
+                // Inserts some of them at an existing knot.
                 let at = if i % 2 == 0 { *at } else { 0.5 };
                 match insert_knot(&wider.as_curve().unwrap(), at) {
                     Ok(more) => wider = more,
@@ -151,7 +153,7 @@ mod tests {
             at in 0.1f64..0.9,
             rho in 0.0f64..=1.0,
         ) {
-            // One knot that is not even.
+            // One knot is not even.
             let curve = insert_knot(&even(degree, &points), at).unwrap_or_else(|_| {
                 OwnedCurve::from(&even(degree, &points))
             });
@@ -164,7 +166,7 @@ mod tests {
             for piece in &pieces {
                 let there = piece.from + rho * (piece.to - piece.from);
                 let found = Curve::bezier(&piece.control_points).unwrap().point(rho);
-                // By Cox and de Boor's functions, which know nothing of pieces.
+                // Uses Cox and de Boor's functions, independent of the pieces.
                 curve.jacobian(there, &mut functions);
                 for axis in 0..2 {
                     let weighed = curve.control_points().iter().zip(&functions);

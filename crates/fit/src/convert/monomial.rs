@@ -1,10 +1,10 @@
-//! Bezier curves as powers of ρ and back.
+//! Converts between Bezier curves and powers of ρ.
 
-/// The coefficients `a₀ … aₙ` of the same curve as powers, `Σ aₖ ρᵏ`: `aₖ = C(n,k) Δᵏp₀`.
+/// Computes the coefficients `a₀ … aₙ` of the same curve as powers, `Σ aₖ ρᵏ`: `aₖ = C(n,k) Δᵏp₀`.
 ///
-/// Powers are a poor way to hold a curve: rounding of the control points is multiplied by up to `3ⁿ` in the
-/// coefficients (to some 1e4 at order 8, beyond all digits at order 31), and near ρ = 1 large ones cancel. Take
-/// them to hand low orders to a program that knows nothing else, and compute with the control points.
+/// Powers are a poor representation. They amplify rounding of the control points by up to `3ⁿ`
+/// (some 1e4 at order 8, and all digits at order 31), and large coefficients cancel near ρ = 1. Use
+/// them only to pass low orders to a program that needs them, and compute with the control points.
 pub fn to_monomial<const D: usize>(control_points: &[[f64; D]]) -> Vec<[f64; D]> {
     let mut coefficients = control_points.to_vec();
     let count = coefficients.len();
@@ -22,9 +22,10 @@ pub fn to_monomial<const D: usize>(control_points: &[[f64; D]]) -> Vec<[f64; D]>
     coefficients
 }
 
-/// The control points of the Bezier curve that is `Σ aₖ ρᵏ` from 0 to 1: `pⱼ = Σ C(j,k)/C(n,k) aₖ`.
+/// Computes the control points of the Bezier curve that is `Σ aₖ ρᵏ` from 0 to 1:
+/// `pⱼ = Σ C(j,k)/C(n,k) aₖ`.
 ///
-/// This way is as good as the coefficients are: see [`to_monomial`].
+/// The result is as accurate as the coefficients: see [`to_monomial`].
 pub fn from_monomial<const D: usize>(coefficients: &[[f64; D]]) -> Vec<[f64; D]> {
     let mut control_points = coefficients.to_vec();
     let count = control_points.len();

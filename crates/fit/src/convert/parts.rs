@@ -1,14 +1,15 @@
-//! A Bezier curve in two, and any curve backwards.
+//! Splits a Bezier curve in two, and reverses any curve.
 
 use super::OwnedCurve;
 use crate::basis::Basis;
 use crate::curve::Curve;
 
-/// The control points of the two parts, of the same order, that meet at `rho` of a Bezier curve: the edges of
-/// de Casteljau's triangle. Outside 0 to 1 they overlap, or lie on the curve's continuation.
+/// Splits a Bezier curve at `rho` into two parts of the same order. Returns their control points:
+/// the edges of de Casteljau's triangle. Outside 0 to 1 the parts overlap, or are on the curve's
+/// continuation.
 ///
-/// A rational curve is split as the polynomial one of a dimension more that it is the image of: control points
-/// times their weights, and the weight as their last coordinate.
+/// A rational curve is split as the polynomial curve with one more dimension whose projection it
+/// is. Pass the control points times their weights, with the weight as the last coordinate.
 pub fn split_at<const D: usize>(
     control_points: &[[f64; D]],
     rho: f64,
@@ -27,11 +28,11 @@ pub fn split_at<const D: usize>(
     (first, second)
 }
 
-/// The same curve from its end to its start: its point at ρ is the old one's at 1 − ρ.
+/// Reverses a curve: its point at ρ is the old one's at 1 − ρ.
 pub fn reverse<const D: usize>(curve: &Curve<'_, D>) -> OwnedCurve<D> {
     let mut reversed = OwnedCurve::from(curve);
     if let Basis::Fourier { .. } = reversed.basis {
-        // Cosines read backwards are the same, sines the opposite.
+        // Reversed, cosines are the same and sines change sign.
         for sine in reversed.control_points.iter_mut().skip(2).step_by(2) {
             *sine = sine.map(|c| -c);
         }

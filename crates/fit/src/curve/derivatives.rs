@@ -1,4 +1,4 @@
-//! Where a point of a curve is, where the curve goes there, and how it bends.
+//! Points, tangents and curvatures of a curve.
 
 use super::Curve;
 use crate::basis::Basis;
@@ -10,22 +10,23 @@ impl<const D: usize> Curve<'_, D> {
         point
     }
 
-    /// The `k`-th derivative by ρ at `rho`, `k` from 0 (the point itself) to 3; `NaN` for higher ones. Where
-    /// pieces of a B-spline or feature points meet, that of the piece that begins.
+    /// The `k`-th derivative by ρ at `rho`, `k` from 0 (the point itself) to 3; `NaN` for higher
+    /// ones. At a junction of two pieces, it is that of the later one.
     pub fn derivative(&self, rho: f64, k: usize) -> [f64; D] {
         let jet: [_; 4] = self.jet(rho);
         jet.get(k).copied().unwrap_or([f64::NAN; D])
     }
 
-    /// The direction in which the curve goes at `rho`, of length 1.
+    /// The direction of the curve at `rho`, of length 1.
     ///
-    /// Where the first derivative vanishes (a cusp, or control points one upon the other), it is the direction
-    /// in which the curve goes on, and at its end the one in which it arrives: from the lowest derivative, up
-    /// to the third, that does not vanish. `None` if all do, as of a curve that is a point.
+    /// If the first derivative vanishes (a cusp, or coincident control points), it is the direction
+    /// in which the curve continues, or at its end the one in which it arrives. It is computed from
+    /// the lowest derivative, up to the third, that does not vanish. `None` if all vanish, as for a
+    /// curve that is a point.
     pub fn tangent(&self, rho: f64) -> Option<[f64; D]> {
         let jet: [_; 4] = self.jet(rho);
         let rounding = self.rounding();
-        // A step of this curve by ρ, and the next ones, grow with order and pieces; so does their rounding.
+        // Derivatives by ρ grow with order and pieces, and so does their rounding error.
         let growth = 2.0 * self.highest_rate();
         let mut noise = rounding;
         let arrives = rho >= 1.0 && !self.basis.is_closed();
@@ -43,14 +44,14 @@ impl<const D: usize> Curve<'_, D> {
         None
     }
 
-    /// How much of a coordinate can be rounding.
+    /// Upper bound of a coordinate's rounding error.
     pub(crate) fn rounding(&self) -> f64 {
         let largest = self.control_points.iter().flatten();
         let largest = largest.fold(0.0f64, |size, c| size.max(c.abs()));
         8.0 * f64::EPSILON * self.control_points.len() as f64 * largest
     }
 
-    /// How much larger a derivative can be than the one before.
+    /// Maximum ratio of a derivative to the previous one.
     fn highest_rate(&self) -> f64 {
         let order = self.basis.order() as f64;
         match self.basis {
@@ -64,7 +65,7 @@ impl<const D: usize> Curve<'_, D> {
         }
     }
 
-    /// `|κ|`, or none where the curve stands still.
+    /// `|κ|`; `None` if the first derivative vanishes.
     fn bending(&self, rho: f64) -> Option<f64> {
         let [_, velocity, acceleration] = self.jet(rho);
         let squared = dot(&velocity, &velocity);
@@ -79,9 +80,9 @@ impl<const D: usize> Curve<'_, D> {
 }
 
 impl Curve<'_, 2> {
-    /// One by the radius of the circle that the curve follows at `rho` (1/px), positive where it turns from the
-    /// x axis towards the y axis: in an image, whose y points down, to the right of its way. `None` where the
-    /// first derivative vanishes.
+    /// Curvature at `rho`: the reciprocal radius of the osculating circle (1/px). It is positive if
+    /// the curve turns from the x axis towards the y axis: to the right in an image, whose y points
+    /// down. `None` if the first derivative vanishes.
     pub fn curvature(&self, rho: f64) -> Option<f64> {
         let [_, velocity, acceleration] = self.jet(rho);
         let turning = velocity[0] * acceleration[1] - velocity[1] * acceleration[0];
@@ -90,8 +91,8 @@ impl Curve<'_, 2> {
 }
 
 impl Curve<'_, 3> {
-    /// One by the radius of the circle that the curve follows at `rho`; never negative, as in space there is
-    /// no side to turn to. `None` where the first derivative vanishes.
+    /// Curvature at `rho`: the reciprocal radius of the osculating circle. It is never negative, as
+    /// in 3-D a turn has no side. `None` if the first derivative vanishes.
     pub fn curvature(&self, rho: f64) -> Option<f64> {
         self.bending(rho)
     }

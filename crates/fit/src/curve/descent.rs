@@ -1,37 +1,37 @@
-//! The least of a number over all of a curve, by branch and bound.
+//! Global minimum of a number over a curve, by branch and bound.
 //!
-//! The number (a distance, a coordinate) belongs to a point, and no two points differ in it by more than they
-//! are apart. So on a part of the curve that strays from its chord by at most δ it is at least its least on
-//! the chord less δ. Parts that cannot hold less than what is found are let go, others halved: δ falls to a
-//! quarter each time. What is found is improved at once by Newton's method, which makes most other parts
-//! hopeless.
+//! The number (a distance, a coordinate) is a function of a point, and differs between two points
+//! by at most their distance. On a part of the curve that deviates from its chord by at most δ, it
+//! is therefore at least its minimum on the chord minus δ. Parts that cannot contain less than the
+//! best value are discarded, and the others are halved. δ falls to a quarter each time. Newton's
+//! method improves each candidate at once, which rules out most other parts.
 //!
-//! Few parts near the least stay, δ against a parabola. Only where the curve keeps almost the same
-//! number over a length (a circle about its middle) there are many; there the tolerance grows with the work, so
-//! that the work is bounded.
+//! Near the minimum, few parts remain, as δ competes with a parabola. There are many only if the
+//! number is almost constant over a length of the curve (a circle about its center). The tolerance
+//! grows with the work, which is therefore bounded.
 
 use super::Curve;
 use super::pieces::KnotSpan;
 use super::segments::{BezierSegment, Segment, SeriesSegment};
 
-/// How much more than the least may be found, as a share of the curve's size.
+/// Maximum excess over the minimum, as a share of the curve's size.
 pub(crate) const TOLERANCE: f64 = 1e-9;
 
-/// After so many parts the tolerance is four times as large: after 17 such rounds, 4352 parts, it is the
-/// curve's size.
+/// Number of parts after which the tolerance grows by a factor of four. After 17 such rounds, 4352
+/// parts, it is the curve's size.
 const PATIENCE: u32 = 256;
 
-/// What is sought the least of.
+/// The number to minimize.
 pub(crate) trait Objective<const D: usize> {
-    /// The least of it on a chord, and where: from 0 to 1.
+    /// Its minimum on a chord, and the position from 0 to 1.
     fn on_chord(&self, chord: &[[f64; D]; 2]) -> (f64, f64);
 
-    /// Its value at a point of the curve, and two derivatives by ρ of it, or of what has its minima where it
-    /// has them; by the point's own.
+    /// Its value at a point of the curve, and two derivatives by ρ, given the point's own. The
+    /// derivatives may be those of another function with the same minima.
     fn at(&self, jet: &[[f64; D]; 3]) -> Slope;
 }
 
-/// A value along the curve, and where it goes.
+/// A value along the curve, with derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slope {
     pub(crate) value: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Slope {
     pub(crate) second: f64,
 }
 
-/// Where on a curve something is least.
+/// A minimum on a curve.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Least {
     pub(crate) rho: f64,
@@ -47,7 +47,7 @@ pub(crate) struct Least {
 }
 
 impl<const D: usize> Curve<'_, D> {
-    /// The least of `objective` over the curve, to [`TOLERANCE`] of its size.
+    /// Finds the minimum of `objective` over the curve, to [`TOLERANCE`] of its size.
     pub(crate) fn least(&self, objective: &impl Objective<D>) -> Least {
         let closed = self.basis.is_closed();
         let mut search = Search {
@@ -74,7 +74,7 @@ impl<const D: usize> Curve<'_, D> {
         let Least { mut rho, value } = search.best;
         if closed {
             rho -= rho.floor();
-            // What was a hair below 0 has been rounded to where the next turn begins.
+            // A tiny negative number has been rounded to the start of the next turn.
             if rho >= 1.0 {
                 rho = 0.0;
             }
@@ -82,7 +82,7 @@ impl<const D: usize> Curve<'_, D> {
         Least { rho, value }
     }
 
-    /// How far from the first control point the others are, or the reach of a closed curve.
+    /// Distance of the farthest control point from the first, or the extent of a closed curve.
     pub(crate) fn size(&self) -> f64 {
         let origin = match self.control_points.first() {
             Some(first) if !self.basis.is_closed() => *first,
@@ -102,17 +102,18 @@ impl<const D: usize> Curve<'_, D> {
 struct Search<'a, 'c, const D: usize, O> {
     curve: &'a Curve<'c, D>,
     objective: &'a O,
-    /// The part within which the curve is smooth, and Newton's method may go; none: everywhere.
+    /// The smooth part to which Newton's method is confined; `None` for the whole curve.
     piece: Option<KnotSpan<'a, D>>,
     best: Least,
     tolerance: f64,
-    /// By how much values may differ that are the same.
+    /// Maximum difference of values that counts as rounding.
     rounding: f64,
     visits: u32,
 }
 
 impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
-    /// A first guess: two steps for each control point find the right part of most curves.
+    /// Finds a first candidate. With two steps for each control point, it is on the right part of
+    /// most curves.
     fn begin(&mut self) {
         let steps = 2 * self.curve.control_points.len();
         let mut first = self.best;
@@ -150,7 +151,7 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
                 return;
             }
         }
-        // Numbers have no middle any more.
+        // The interval cannot be halved any more.
         let middle = 0.5 * (from + to);
         if middle <= from || middle >= to {
             return;
@@ -165,13 +166,13 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
         }
     }
 
-    /// Whether a bound is below what is found, by more than matters. Not if it is NaN.
+    /// Returns whether a bound is below the best value by more than the tolerance. NaN is not.
     fn can_hold_less(&self, bound: f64) -> bool {
         bound < self.best.value - self.tolerance
     }
 
-    /// Newton's method from `rho` within the smooth part, each step no longer than it has proved to be good
-    /// for; takes what it ends at.
+    /// Runs Newton's method from `rho` within the smooth part, with a trust region, and records the
+    /// result.
     fn improve(&mut self, rho: f64) {
         let (low, high) = match &self.piece {
             Some(piece) => (piece.from, piece.to),
@@ -185,7 +186,7 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
         };
         let (mut rho, mut here) = (rho, slope(rho));
         let mut reach = 0.25 * (high - low).min(1.0);
-        // Halvings from a quarter to an ulp, and some steps between them.
+        // Enough to reduce a quarter to an ulp, with some steps in between.
         for _ in 0..64 {
             let newton = -here.first / here.second;
             let downhill = if here.second > 0.0 && newton.is_finite() {
@@ -199,7 +200,7 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
                 break;
             }
             let there = slope(next);
-            // At the bottom the values differ in rounding alone; the slope still tells.
+            // At the minimum, values differ only by rounding, but the slope is still meaningful.
             let level = there.value - here.value <= self.rounding;
             if there.value < here.value || (level && there.first.abs() < here.first.abs()) {
                 (rho, here) = (next, there);

@@ -1,32 +1,35 @@
-//! How far the points of a centerline are from a curve in truth: from its nearest point, not from the one at
-//! their ρ.
+//! Distances of a centerline's points from the nearest points of a curve, rather than from the
+//! curve's points at their ρ.
 
 use super::Curve;
 use super::derivatives::{dot, minus};
 
-/// How far the points of a centerline are from a curve.
+/// Distances of a centerline's points from a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Distance {
-    /// Root of the mean squared distance (px); 0 if there is no point.
+    /// Root mean squared distance (px); 0 without points.
     pub rms: f64,
-    /// The largest distance (px).
+    /// Largest distance (px).
     pub max: f64,
 }
 
-/// Steps from a point's ρ to that of the curve's nearest point. From a fit it takes two; what has not settled after these is searched for over the whole curve.
+/// Maximum number of steps from a point's ρ to that of the nearest point. After a fit, two are
+/// enough. If they do not converge, the whole curve is searched.
 const STEPS: usize = 12;
 
-/// A step of less than this share of the curve's size is the last: what is left goes with its cube.
+/// A step below this share of the curve's size is the last: the remaining error is proportional to
+/// its cube.
 const LAST_STEP: f64 = 1e-5;
 
-/// No step down from a hill is longer, in ρ: the way is only known to go down for some length.
+/// Maximum step away from a local maximum, in ρ. The descent is only known to continue for some
+/// length.
 const LONGEST_DOWN: f64 = 0.05;
 
 impl<const D: usize> Curve<'_, D> {
-    /// How far these points are from the curve's nearest points. They are ordered along the curve and evenly
-    /// spaced, from its first point to its last, or around it if it is closed; see
-    /// [`Curve::distance_to_at`].
+    /// Computes the distances of these points from the curve's nearest points. The points are
+    /// ordered along the curve and evenly spaced, from its first point to its last, or around it if
+    /// it is closed; see [`Curve::distance_to_at`].
     pub fn distance_to(&self, points: &[[f64; D]]) -> Distance {
         let even = |i| self.basis.even_rho(i, points.len());
         self.distance_to_at(
@@ -37,11 +40,12 @@ impl<const D: usize> Curve<'_, D> {
         )
     }
 
-    /// How far these points are from the curve's nearest points. With each point comes the ρ at which it was
-    /// fitted, near which its nearest point is sought: on a rope that comes back close to itself, that on its
-    /// own strand. Where that search does not settle, the nearest point of the whole curve is taken.
+    /// Computes the distances of these points from the curve's nearest points. With each point
+    /// comes the ρ at which it was fitted, and its nearest point is searched near there. On a rope
+    /// that returns close to itself, that is on the point's own strand. If that search does not
+    /// converge, the nearest point of the whole curve is used.
     ///
-    /// Every distance is right to about 1e-10 of the curve's size.
+    /// Every distance is accurate to about 1e-10 of the curve's size.
     pub fn distance_to_at(&self, points: impl IntoIterator<Item = ([f64; D], f64)>) -> Distance {
         let last_step = (LAST_STEP * self.size()).powi(2);
         let (mut sum, mut largest, mut count) = (0.0, 0.0f64, 0usize);
@@ -50,7 +54,7 @@ impl<const D: usize> Curve<'_, D> {
                 .squared_near(&point, rho, last_step)
                 .unwrap_or_else(|| self.nearest(point).distance.powi(2));
             sum += squared;
-            // Once it is NaN it stays so.
+            // Once NaN, it stays NaN.
             if squared.is_nan() || squared > largest {
                 largest = squared;
             }
@@ -62,8 +66,8 @@ impl<const D: usize> Curve<'_, D> {
         }
     }
 
-    /// The squared distance of `point` from the curve near `rho`, unless the nearest point there is not found, or
-    /// is farther than where the search began. `last_step` is squared too.
+    /// Squared distance of `point` from the curve near `rho`. `None` if the nearest point there is
+    /// not found, or is farther than the start. `last_step` is squared too.
     fn squared_near(&self, point: &[f64; D], rho: f64, last_step: f64) -> Option<f64> {
         let closed = self.basis.is_closed();
         let mut rho = if closed { rho } else { rho.clamp(0.0, 1.0) };
@@ -76,14 +80,14 @@ impl<const D: usize> Curve<'_, D> {
                 begun = here;
             }
             let slope = dot(&away, &velocity);
-            // At an end, and the curve would have to go on.
+            // At an end, beyond which the curve would have to continue.
             if !closed && ((rho == 0.0 && slope >= 0.0) || (rho == 1.0 && slope <= 0.0)) {
                 return (here <= begun).then_some(here);
             }
             let squared = dot(&velocity, &velocity);
             let rise = squared + dot(&away, &acceleration);
             if rise <= 0.0 {
-                // Beyond the middle of the circle that the curve follows, where it is a hill: down from it.
+                // Beyond the center of curvature, the distance has a maximum. Step away from it.
                 let down = -slope / squared;
                 if down.is_nan() || down * down * squared <= last_step {
                     return None;
@@ -108,10 +112,10 @@ impl<const D: usize> Curve<'_, D> {
     }
 }
 
-/// The step to the nearest point of the parabola that a curve follows: Newton's first, and with a second one.
+/// Step to the nearest point of the osculating parabola: a Newton step, and a second one.
 ///
-/// Half the slope of the squared distance is `slope + rise s + 3/2 v·a s² + 1/2 a·a s³` after a step `s`. What is left
-/// goes with the cube of the step.
+/// Half the slope of the squared distance is `slope + rise s + 3/2 v·a s² + 1/2 a·a s³` after a
+/// step `s`. The remaining error is proportional to the cube of the step.
 #[inline(always)]
 fn to_parabola<const D: usize>(
     velocity: &[f64; D],

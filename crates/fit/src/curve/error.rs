@@ -1,104 +1,104 @@
-//! What a curve cannot be made of, in sentences that say what to do instead.
+//! Errors of invalid curves, in sentences that say what to do instead.
 
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 
-/// Why there is no [`Curve`](crate::Curve) of this.
+/// Why a [`Curve`](crate::Curve) could not be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
-    /// No curve of this family is of this size.
+    /// No curve of this family has this size.
     #[error(
         "there is no {} of this size ({basis}): a curve has 1 to {MAX_CONTROL_POINTS} control points, a B-spline \
          a degree from 1 to one less than it has control points",
         basis.name()
     )]
     Size {
-        /// What was asked for.
+        /// The requested basis.
         basis: Basis,
     },
-    /// Not as many control points as the basis has.
+    /// The number of control points does not match the basis.
     #[error(
         "{given} control points were given for {basis}, which has {}: give as many, or name another basis",
         basis.control_points()
     )]
     ControlPoints {
-        /// What was asked for.
+        /// The requested basis.
         basis: Basis,
-        /// How many came.
+        /// Number of control points given.
         given: usize,
     },
-    /// Not as many weights as the basis has.
+    /// The number of weights does not match the basis.
     #[error(
         "{given} weights were given for {basis}, which has {expected}: give one for each control point of a \
          rational curve, and none for others"
     )]
     Weights {
-        /// What was asked for.
+        /// The requested basis.
         basis: Basis,
-        /// How many came.
+        /// Number of weights given.
         given: usize,
-        /// How many belong to it.
+        /// Number of weights that the basis needs.
         expected: usize,
     },
-    /// A weight that is not positive, or not finite.
+    /// A weight is not positive, or not finite.
     #[error("weight {index} is {weight}: all weights must be positive and finite")]
     Weight {
-        /// Which, counted from 0.
+        /// Index of the weight, counted from 0.
         index: usize,
         /// Its value.
         weight: f64,
     },
-    /// A coordinate that is NaN or infinite.
+    /// A coordinate is NaN or infinite.
     #[error(
         "control point {index} is not finite: a curve needs numbers for all of its coordinates"
     )]
     NotFinite {
-        /// Which, counted from 0.
+        /// Index of the control point, counted from 0.
         index: usize,
     },
-    /// Knots that are known to the fit only were left out.
+    /// Knots are missing that only the fit knows.
     #[error("the knots lie where the points were: give the ones that the curve was fitted with")]
     KnotsWanted,
-    /// Knots were given to a basis that takes none.
+    /// Knots were given to a basis without knots.
     #[error("knots were given for {basis}, which takes none: leave them out")]
     NoKnots {
-        /// What was asked for.
+        /// The requested basis.
         basis: Basis,
     },
-    /// Not as many knots as a B-spline has.
+    /// The number of knots does not match the B-spline.
     #[error(
         "{given} knots were given, and this B-spline has {expected}: give as many, or none if they are even"
     )]
     KnotCount {
-        /// How many came.
+        /// Number of knots given.
         given: usize,
-        /// Control points and degree and one.
+        /// Number of control points plus degree plus one.
         expected: usize,
     },
-    /// Knots that are not clamped at 0 and 1, or descend, or come too often.
+    /// Knots are not clamped at 0 and 1, descend, or repeat too often.
     #[error(
         "knot {index} is {knot}: the first {} knots must be 0, as many at the end 1, those between them must \
          lie inside and ascend, and none may come more than {degree} times",
         degree + 1
     )]
     Knot {
-        /// Which, counted from 0.
+        /// Index of the knot, counted from 0.
         index: usize,
         /// Its value.
         knot: f64,
-        /// The B-spline's degree.
+        /// Degree of the B-spline.
         degree: usize,
     },
 }
 
-/// Whether a basis has such a size, and these control points and weights are what it takes.
+/// Checks the size of a basis, and that these control points and weights match it.
 pub(crate) fn check<const D: usize>(
     basis: Basis,
     control_points: &[[f64; D]],
     weights: &[f64],
 ) -> Result<(), CurveError> {
     let given = control_points.len();
-    // Counting what an absurd order would have must not overflow.
+    // Prevents overflow when counting for an absurd order.
     let sane = basis.order() <= MAX_CONTROL_POINTS
         && (1..=MAX_CONTROL_POINTS).contains(&basis.control_points());
     let fits = match basis {
@@ -141,7 +141,7 @@ pub(crate) fn check<const D: usize>(
     }
 }
 
-/// Whether these are the clamped knots of a B-spline that nowhere breaks.
+/// Checks that these are the clamped knots of a connected B-spline.
 pub(crate) fn check_knots(
     degree: usize,
     control_points: usize,

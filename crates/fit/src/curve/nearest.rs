@@ -1,32 +1,32 @@
-//! The point of a curve that is nearest to another, of all its points; and the box that holds them all.
+//! The nearest point of a curve to a given point, and the bounding box of a curve.
 
 use super::Curve;
 use super::derivatives::{dot, minus, norm};
 use super::descent::{Objective, Slope};
 use super::segments::nearest_on_chord;
 
-/// The point of a curve that is nearest to another.
+/// The nearest point of a curve to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest<const D: usize = 2> {
-    /// Where on the curve, 0 to 1.
+    /// Its ρ, 0 to 1.
     pub rho: f64,
-    /// The point there.
+    /// The point.
     pub point: [f64; D],
-    /// How far it is (px).
+    /// Its distance (px).
     pub distance: f64,
 }
 
 impl<const D: usize> Curve<'_, D> {
-    /// The point of the curve that is nearest to `point`, among all: ends, corners and every strand of a curve
-    /// that comes back.
+    /// Finds the global nearest point of the curve to `point`, among ends, corners and all strands.
     ///
-    /// No local minimum is missed: the curve is cut until each part is known, by its control points (a Fourier
-    /// series': by a bound on its second derivative), to be farther than what is found, or to hold the point
-    /// that is sought, which Newton's method then finds to rounding. Of two that differ by less than 1e-9 of
-    /// the curve's size either may come. Where a long part of the curve is almost equally far (a circle's
-    /// middle), that tolerance grows until some thousand parts have been looked at; what comes is then near the
-    /// least distance still, and the first found of the many.
+    /// No local minimum is missed. The curve is cut until each part is known to be farther than the
+    /// best point, or to contain the nearest one. The bound is by its control points or, for a
+    /// Fourier series, by its second derivative. Newton's method then finds the point to rounding.
+    /// If two points differ by less than 1e-9 of the curve's size, either may be returned. If a
+    /// long part of the curve is almost equally far (a circle's center), that tolerance grows until
+    /// some thousand parts have been examined. The result is then still near the least distance,
+    /// and the first of many found.
     pub fn nearest(&self, point: [f64; D]) -> Nearest<D> {
         let least = self.least(&DistanceTo { point });
         let on_curve = self.point(least.rho);
@@ -37,8 +37,9 @@ impl<const D: usize> Curve<'_, D> {
         }
     }
 
-    /// The smallest upright box that holds the curve (not only its control points): the least of every
-    /// coordinate, and the largest. To 1e-9 of the curve's size, never larger than it.
+    /// The smallest axis-aligned box that contains the curve (not only its control points): the
+    /// minimum of every coordinate, and the maximum. It is accurate to 1e-9 of the curve's size,
+    /// and never too large.
     pub fn bounding_box(&self) -> [[f64; D]; 2] {
         let side = |sign: f64| {
             std::array::from_fn(|axis| sign * self.least(&Coordinate { axis, sign }).value)
@@ -52,7 +53,7 @@ impl<const D: usize> Curve<'_, D> {
     }
 }
 
-/// How far a point of the curve is from this one.
+/// Distance of a point of the curve from this one.
 struct DistanceTo<const D: usize> {
     point: [f64; D],
 }
@@ -77,7 +78,7 @@ impl<const D: usize> Objective<D> for DistanceTo<D> {
     }
 }
 
-/// One coordinate, or what it is short of none.
+/// One coordinate, or its negative.
 struct Coordinate {
     axis: usize,
     sign: f64,
@@ -103,7 +104,7 @@ impl<const D: usize> Objective<D> for Coordinate {
     }
 }
 
-/// The distance from the origin, the larger the less.
+/// Negative distance from the origin.
 struct Nearness;
 
 impl<const D: usize> Objective<D> for Nearness {

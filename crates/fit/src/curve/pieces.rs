@@ -1,10 +1,10 @@
-//! A curve as Bezier pieces end to end.
+//! A curve as consecutive Bezier pieces.
 
 use super::polynomial;
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 
-/// The most control points of all pieces: a B-spline of degree `d` with `m` control points has at most `m − d`
-/// pieces of `d + 1`, and (32 − d)(d + 1) is largest at 15 and 16.
+/// Maximum number of control points of all pieces. A B-spline of degree `d` with `m` control points
+/// has at most `m − d` pieces of `d + 1`, and (32 − d)(d + 1) is largest at 15 and 16.
 const MAX_PIECE_POINTS: usize = 272;
 
 /// Bezier pieces of one degree, each over a part of ρ.
@@ -14,25 +14,25 @@ pub(crate) struct Pieces<const D: usize> {
     count: usize,
     /// KnotSpan `i` is from `breaks[i]` to `breaks[i + 1]`.
     breaks: [f64; MAX_CONTROL_POINTS + 1],
-    /// `degree + 1` of each piece; of a rational one times their weights.
+    /// `degree + 1` control points of each piece, times their weights if rational.
     points: [[f64; D]; MAX_PIECE_POINTS],
     weights: [[f64; 1]; MAX_CONTROL_POINTS],
     rational: bool,
 }
 
-/// One of them.
+/// One piece.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct KnotSpan<'a, const D: usize> {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// Times their weights if it has any.
+    /// Control points, times their weights if any.
     pub(crate) points: &'a [[f64; D]],
-    /// None, or one for each point.
+    /// Empty, or one weight for each point.
     pub(crate) weights: &'a [[f64; 1]],
 }
 
 impl<const D: usize> Pieces<D> {
-    /// Those of a curve that has been checked. A Fourier series has none.
+    /// Creates the pieces of a valid curve. A Fourier series has none.
     pub(crate) fn new(
         basis: Basis,
         control_points: &[[f64; D]],
@@ -85,7 +85,8 @@ impl<const D: usize> Pieces<D> {
         }
     }
 
-    /// The piece that holds `rho`, the later one where two meet; the first and the last beyond the ends.
+    /// Index of the piece that contains `rho`: the later one where two meet, and the first or last
+    /// one beyond the ends.
     pub(crate) fn at(&self, rho: f64) -> usize {
         let meetings = &self.breaks[1..self.count];
         meetings.partition_point(|&meeting| meeting <= rho)
@@ -121,7 +122,7 @@ impl<const D: usize> KnotSpan<'_, D> {
     }
 }
 
-/// From the derivatives of `w f` and of `w` to those of `f`, by Leibniz's rule:
+/// Converts the derivatives of `w f` and of `w` to those of `f`, by Leibniz's rule:
 /// `(w f)⁽ᵏ⁾ = Σ C(k,i) w⁽ⁱ⁾ f⁽ᵏ⁻ⁱ⁾`.
 fn divide<const D: usize, const K: usize>(jet: &mut [[f64; D]; K], weight: &[[f64; 1]; K]) {
     for k in 0..K {
@@ -137,11 +138,12 @@ fn divide<const D: usize, const K: usize>(jet: &mut [[f64; D]; K], weight: &[[f6
     }
 }
 
-/// The Bezier pieces of a clamped B-spline, by inserting each knot until it cuts (Piegl and Tiller, *The NURBS
-/// Book*, algorithm A5.6). Writes `degree + 1` control points of each to `points`, and the values of ρ between
-/// which they are, one more than pieces, to `breaks`. Returns how many pieces.
+/// Splits a clamped B-spline into Bezier pieces, by inserting each knot until it separates pieces
+/// (Piegl and Tiller, *The NURBS Book*, algorithm A5.6). Writes the `degree + 1` control points of
+/// each to `points`, and the values of ρ between which they are, one more than pieces, to `breaks`.
+/// Returns the number of pieces.
 ///
-/// `knots` are clamped, ascend, and hold none more often than `degree` times inside.
+/// `knots` must be clamped and ascending, and may repeat at most `degree` times inside.
 pub(crate) fn to_bezier<const D: usize>(
     degree: usize,
     knots: &[f64],
@@ -163,7 +165,8 @@ pub(crate) fn to_bezier<const D: usize>(
         breaks[piece + 1] = knots[to];
         let begin = piece * size;
         for inserted in times + 1..=degree {
-            // Knot `to` for the `inserted`-th time: every point from there on moves towards the one before.
+            // Inserts knot `to` for the `inserted`-th time: every point from there on moves towards
+            // the one before.
             for k in (inserted..=degree).rev() {
                 let reach = knots[from + k + times + 1 - inserted] - knots[from];
                 let share = (knots[to] - knots[from]) / reach;
@@ -171,7 +174,7 @@ pub(crate) fn to_bezier<const D: usize>(
                 points[begin + k] =
                     std::array::from_fn(|axis| share * here[axis] + (1.0 - share) * before[axis]);
             }
-            // The knots at the end come too often for this: there is a next piece.
+            // Not reached at the end, where the knot is already repeated, so there is a next piece.
             points[begin + size + degree - inserted] = points[begin + degree];
         }
         piece += 1;

@@ -1,14 +1,14 @@
-//! Bezier polynomials and their derivatives in a number of steps that goes with the order: nested
-//! multiplication of Bernstein's form (Schumaker and Volk, *Efficient evaluation of multivariate polynomials*,
-//! Computer Aided Geometric Design 3, 1986).
+//! Evaluates Bezier polynomials and their derivatives in a number of steps proportional to the
+//! order, by nested multiplication of the Bernstein form (Schumaker and Volk, *Efficient evaluation
+//! of multivariate polynomials*, Computer Aided Geometric Design 3, 1986).
 //!
 //! ```text
 //! Σ C(n,j) bⱼ ρʲ (1−ρ)ⁿ⁻ʲ = (1−ρ)ⁿ (((C(n,n) bₙ r + C(n,n−1) bₙ₋₁) r + …) r + b₀),   r = ρ/(1−ρ)
 //! ```
 //!
-//! and the same from the other end for ρ > ½, so that |r| ≤ 1. As in de Casteljau's recurrence all factors are
-//! positive: the error is a few n ulp of the largest control point, at any order. The k-th derivative is
-//! such a polynomial too, of `n!/(n−k)! Δᵏbⱼ`.
+//! For ρ > ½ it starts from the other end, so that |r| ≤ 1. As in de Casteljau's recurrence, all
+//! factors are positive, so the error is a few n ulp of the largest control point at any order. The
+//! k-th derivative is such a polynomial too, of `n!/(n−k)! Δᵏbⱼ`.
 
 use crate::basis::MAX_CONTROL_POINTS;
 
@@ -34,8 +34,8 @@ pub(crate) fn binomials(n: usize) -> &'static [f64] {
     &BINOMIALS[n][..=n]
 }
 
-/// The `K` derivatives from the 0th, K at most 4, at `rho` of the Bezier polynomial of these 1 to 32 control
-/// points.
+/// The `K` derivatives from the 0th, K at most 4, at `rho` of the Bezier polynomial of these 1 to
+/// 32 control points.
 #[inline]
 pub(crate) fn jet<const D: usize, const K: usize>(points: &[[f64; D]], rho: f64) -> [[f64; D]; K] {
     // Derivatives above the order are 0.
@@ -51,8 +51,8 @@ fn padded<const D: usize, const L: usize, const K: usize>(jet: [[f64; D]; L]) ->
     std::array::from_fn(|k| jet.get(k).copied().unwrap_or([0.0; D]))
 }
 
-/// All K polynomials in one go, as each waits for its own last step: those of higher differences are
-/// shorter, and begin later or end earlier.
+/// Evaluates all K polynomials together, since each step of one waits for its previous step.
+/// Polynomials of higher differences are shorter, and begin later or end earlier.
 #[inline]
 fn nested<const D: usize, const K: usize>(points: &[[f64; D]], rho: f64) -> [[f64; D]; K] {
     let order = points.len() - 1;
@@ -122,7 +122,7 @@ fn step<const D: usize, const K: usize>(
     }
 }
 
-/// The differences of the first point; those for which there are too few points mean nothing.
+/// Differences of the first point. Those for which there are too few points are meaningless.
 #[inline(always)]
 fn differences<const D: usize, const K: usize>(points: &[[f64; D]]) -> [[f64; D]; K] {
     let mut level: [_; K] = std::array::from_fn(|j| points.get(j).copied().unwrap_or([0.0; D]));

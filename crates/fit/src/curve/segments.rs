@@ -1,4 +1,4 @@
-//! Parts of a curve that can be halved, and say how far they stray from their chord.
+//! Parts of a curve that can be halved and have a bound on their deviation from the chord.
 
 use super::derivatives::{minus, norm};
 use super::pieces::KnotSpan;
@@ -7,13 +7,13 @@ use crate::basis::MAX_CONTROL_POINTS;
 
 /// A part of a curve.
 pub(crate) trait Segment<const D: usize>: Sized {
-    /// From which ρ to which.
+    /// Its range of ρ.
     fn span(&self) -> [f64; 2];
 
     /// Its two ends.
     fn chord(&self) -> [[f64; D]; 2];
 
-    /// None of its points is farther from the chord than this.
+    /// Upper bound of the distance of its points from the chord.
     fn deviation(&self) -> f64;
 
     /// Its first and its second half.
@@ -24,7 +24,7 @@ pub(crate) trait Segment<const D: usize>: Sized {
 pub(crate) struct BezierSegment<const D: usize> {
     span: [f64; 2],
     count: usize,
-    /// Times their weights if it has any.
+    /// Control points, times their weights if any.
     points: [[f64; D]; MAX_CONTROL_POINTS],
     weights: Option<[[f64; 1]; MAX_CONTROL_POINTS]>,
 }
@@ -47,7 +47,7 @@ impl<const D: usize> BezierSegment<D> {
         }
     }
 
-    /// A control point in the plane of the image: by its weight.
+    /// A control point divided by its weight.
     fn control_point(&self, j: usize) -> [f64; D] {
         match &self.weights {
             Some(weights) => self.points[j].map(|c| c / weights[j][0]),
@@ -65,9 +65,9 @@ impl<const D: usize> Segment<D> for BezierSegment<D> {
         [self.control_point(0), self.control_point(self.count - 1)]
     }
 
-    /// A point of the curve is a mean of control points by shares that are never negative; the same mean of
-    /// any points of the chord lies on the chord. So the control points bound it: each against the one of the
-    /// chord's points, in even steps, that has its number.
+    /// A point of the curve is a mean of control points with nonnegative shares. The same mean of
+    /// points of the chord is on the chord. The control points therefore bound the deviation: each
+    /// is compared with the point of the chord, in even steps, of the same index.
     fn deviation(&self) -> f64 {
         let [from, to] = self.chord();
         let mut largest = 0.0f64;
@@ -106,7 +106,7 @@ impl<const D: usize> Segment<D> for BezierSegment<D> {
 
 type ControlPoints<const D: usize> = [[f64; D]; MAX_CONTROL_POINTS];
 
-/// De Casteljau's recurrence at ½: its left edge and its right one are the halves' control points.
+/// De Casteljau's recurrence at ½. Its left and right edges are the halves' control points.
 fn halved<const D: usize>(
     points: &ControlPoints<D>,
     count: usize,
@@ -137,7 +137,7 @@ pub(crate) struct SeriesSegment<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> SeriesSegment<'a, D> {
-    /// Once around.
+    /// Creates the arc of a full turn.
     pub(crate) fn new(coefficients: &'a [[f64; D]]) -> Self {
         let [start] = series::jet(coefficients, 0.0);
         Self {
@@ -158,7 +158,7 @@ impl<const D: usize> Segment<D> for SeriesSegment<'_, D> {
         self.chord
     }
 
-    /// Linear interpolation over a step `h` is wrong by at most `max |f″| h²/8`.
+    /// Linear interpolation over a step `h` has an error of at most `max |f″| h²/8`.
     fn deviation(&self) -> f64 {
         self.second * (self.span[1] - self.span[0]).powi(2) / 8.0
     }
@@ -178,7 +178,7 @@ impl<const D: usize> Segment<D> for SeriesSegment<'_, D> {
     }
 }
 
-/// Where along a chord, from 0 to 1, it is nearest to a point.
+/// Position along a chord, from 0 to 1, that is nearest to a point.
 pub(crate) fn nearest_on_chord<const D: usize>(chord: &[[f64; D]; 2], to: &[f64; D]) -> f64 {
     let along = minus(&chord[1], &chord[0]);
     let length = norm(&along);

@@ -1,9 +1,10 @@
-//! The Fourier series of a closed curve, its derivatives, and how far an arc of it strays from its chord.
+//! The Fourier series of a closed curve, its derivatives, and a bound on the deviation of an arc
+//! from its chord.
 
 use std::f64::consts::TAU;
 
-/// The `K` derivatives from the 0th at `rho` of `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`; `coefficients` are
-/// `a₀, a₁, b₁, …`.
+/// The `K` derivatives from the 0th at `rho` of `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`; `coefficients`
+/// are `a₀, a₁, b₁, …`.
 pub(crate) fn jet<const D: usize, const K: usize>(
     coefficients: &[[f64; D]],
     rho: f64,
@@ -12,7 +13,7 @@ pub(crate) fn jet<const D: usize, const K: usize>(
     let Some((constant, harmonics)) = coefficients.split_first() else {
         return jet;
     };
-    // Once around is where it began, to the last bit.
+    // Reduces ρ, so that a full turn ends exactly where it began.
     let (sin, cos) = libm::sincos(TAU * (rho - rho.floor()));
     let (mut s, mut c) = (sin, cos);
     for (before, pair) in harmonics.chunks_exact(2).enumerate() {
@@ -24,7 +25,8 @@ pub(crate) fn jet<const D: usize, const K: usize>(
             }
             (even, odd) = (-frequency * odd, frequency * even);
         }
-        // At most 15 harmonics: the turning on by products costs at most so many ulp.
+        // There are at most 15 harmonics, so the error of repeated rotation is at most that many
+        // ulp.
         (s, c) = (s * cos + c * sin, c * cos - s * sin);
     }
     if let Some(point) = jet.first_mut() {

@@ -1,174 +1,174 @@
-//! What can be wrong with what a filter is given, in sentences that say what to do instead.
+//! Errors of a filter, in sentences that say what to do instead.
 
 use crate::options::{MAX_ORDER, MAX_POINTS};
 
-/// Why there is no [`CurveSpace`](crate::CurveSpace).
+/// Why a [`CurveSpace`](crate::CurveSpace) could not be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveSpaceError {
-    /// No control points, or more than a descriptor can carry.
+    /// There are no control points, or more than a descriptor can have.
     #[error(
         "a curve cannot have {columns} control points: choose from 1 to {}",
         MAX_ORDER + 1
     )]
     ControlPoints {
-        /// How many were asked for.
+        /// The requested number.
         columns: usize,
     },
-    /// Fewer points than control points, or too many.
+    /// There are fewer points than control points, or too many.
     #[error(
         "B has {rows} rows for {columns} control points: give a row for each point, {columns} to {MAX_POINTS} of them"
     )]
     Shape {
-        /// The number of points.
+        /// Number of points.
         rows: usize,
-        /// The number of control points.
+        /// Number of control points.
         columns: usize,
     },
     /// A number is NaN or infinite.
     #[error("row {row} of B has no finite number in column {column}: give B as it is evaluated")]
     NotFinite {
-        /// Which row, counted from 0.
+        /// The row, counted from 0.
         row: usize,
-        /// Which column, counted from 0.
+        /// The column, counted from 0.
         column: usize,
     },
-    /// The points hardly tell the control points apart.
+    /// The points hardly distinguish the control points.
     #[error(
         "the condition number of B is {condition:.2e}, and control points can only be trusted up to {limit:.1e}: choose fewer control points"
     )]
     IllConditioned {
         /// The 2-norm condition number.
         condition: f64,
-        /// The highest that is taken.
+        /// The limit.
         limit: f64,
     },
 }
 
-/// Why there is no [`Filter`](crate::Filter).
+/// Why a [`Filter`](crate::Filter) could not be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilterError {
-    /// No control points, or more than a descriptor can carry.
+    /// There are no control points, or more than a descriptor can have.
     #[error(
         "a filter cannot be made for {given} control points: choose from 1 to {}",
         MAX_ORDER + 1
     )]
     ControlPoints {
-        /// How many were asked for.
+        /// The requested number.
         given: usize,
     },
-    /// An option outside its range.
+    /// An option is out of its range.
     #[error("the filter's {name} cannot be {given}: choose from {least} to {most}")]
     Option {
-        /// Which field of [`FilterOptions`](crate::FilterOptions).
+        /// The field of [`FilterOptions`](crate::FilterOptions).
         name: &'static str,
-        /// What was asked for.
+        /// The requested value.
         given: f64,
-        /// The least that is allowed.
+        /// Minimum allowed.
         least: f64,
-        /// The most that is allowed.
+        /// Maximum allowed.
         most: f64,
     },
 }
 
-/// Why a shape was not taken in. The filter is then as it was before.
+/// Why a shape was refused. The filter is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UpdateError {
-    /// The shape is of the moment of the last one, or of an earlier one.
+    /// The shape has the same time as the last one, or an earlier one.
     #[error(
         "a shape of {t_ns} ns cannot follow one of {last_ns} ns: give shapes in the order of their images, or call forget first"
     )]
     NotLater {
-        /// The shape's moment.
+        /// Time of the shape.
         t_ns: u64,
-        /// The moment of the shape before it.
+        /// Time of the previous shape.
         last_ns: u64,
     },
-    /// Not as many control points as the space has.
+    /// The number of control points does not match the space.
     #[error("{given} control points were given for a space of curves that have {expected}")]
     Count {
-        /// How many came.
+        /// Number of control points given.
         given: usize,
-        /// How many the space has.
+        /// Number of control points of the space.
         expected: usize,
     },
-    /// More control points than the filter was made for.
+    /// There are more control points than the filter was made for.
     #[error(
         "{given} control points were given to a filter made for at most {most}: make it for more"
     )]
     TooMany {
-        /// How many came.
+        /// Number of control points given.
         given: usize,
-        /// How many the filter was made for.
+        /// Number of control points that the filter was made for.
         most: usize,
     },
-    /// A control point that is NaN, infinite or absurdly far away.
+    /// A control point is NaN, infinite or too far away.
     #[error(
         "control point {index} is not a position: all its numbers must be finite and below {limit:e} px in size"
     )]
     NotAPoint {
-        /// Which, counted from 0.
+        /// Index of the control point, counted from 0.
         index: usize,
-        /// What its coordinates must be below.
+        /// The limit of its coordinates.
         limit: f64,
     },
-    /// A variance, or an entry of a covariance, that is NaN, infinite or absurdly large.
+    /// A variance, or an entry of a covariance, is NaN, infinite or too large.
     #[error(
         "invalid variance or covariance {value} px²: all must be finite and at most {limit:e} px² in size, and variances not negative"
     )]
     NotAVariance {
         /// The number.
         value: f64,
-        /// The largest that is taken.
+        /// The limit.
         limit: f64,
     },
-    /// A covariance of another size.
+    /// A covariance has the wrong size.
     #[error(
         "a covariance of {given} numbers was given for {control_points} control points: give all {} of its rows, one after the other",
         control_points * control_points
     )]
     CovarianceSize {
-        /// How many numbers came.
+        /// Number of entries given.
         given: usize,
-        /// How many control points there are.
+        /// Number of control points.
         control_points: usize,
     },
-    /// A matrix that is no covariance.
+    /// A matrix is not a covariance.
     #[error(
         "the covariance of the control points is not positive semidefinite: some combination of them would have a negative variance"
     )]
     NotPositive,
-    /// A covariance whose small directions are lost in rounding.
+    /// The small directions of a covariance are lost in rounding.
     #[error(
         "at a condition number of {condition:.2e} a covariance has lost the curve's own precision (that is so from {limit:.1e} on): give Noise::Even, or choose fewer control points"
     )]
     LostInRounding {
-        /// The condition number of the space.
+        /// Condition number of the space.
         condition: f64,
-        /// The highest at which a covariance can be taken.
+        /// The limit.
         limit: f64,
     },
 }
 
-/// Why nothing can be said about a moment.
+/// Why a prediction was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PredictError {
-    /// No shape has been taken in yet.
+    /// There has been no shape yet.
     #[error("nothing can be predicted before the first shape: call update first")]
     NothingSeen,
-    /// The moment is too far from the last shape.
+    /// The time is too far from the last shape.
     #[error(
         "{t_ns} ns is {distance_s:.3} s from the last shape, and predictions are made up to {limit_s} s: ask for a nearer moment, or raise longest_gap_s"
     )]
     TooFar {
-        /// The moment asked for.
+        /// The requested time.
         t_ns: u64,
-        /// How far it is from the last shape.
+        /// Its distance from the last shape.
         distance_s: f64,
-        /// The longest gap that is bridged.
+        /// Maximum distance.
         limit_s: f64,
     },
 }

@@ -1,5 +1,5 @@
-//! Small dense matrices, row by row, in whole vectors of four; and the three loops that the filter is made
-//! of, each a sum of rows times numbers:
+//! Small dense matrices, row by row, in whole vectors of four; and the filter's three loops, each a
+//! sum of rows times numbers:
 //!
 //! ```text
 //! eliminate            [S | X]  → [U | U⁻ᵀX],  UᵀU = S      Cholesky, and all triangular solves with it
@@ -7,11 +7,11 @@
 //! congruence           T, P     → TᵀPT
 //! ```
 //!
-//! Plain code, inlined into functions that are compiled for each kind of registers: a running sum stays in
-//! registers over all rows, four vectors of it at a time.
+//! This is plain code, inlined into functions that are compiled for each instruction set. A running
+//! sum stays in registers over all rows, four vectors of it at a time.
 
-/// Numbers in a vector: a row is padded with zeros to a multiple of it. Four and not eight, since nine
-/// control points fill three of four (0.75), and half of two of eight (0.56).
+/// Numbers in a vector: rows are padded with zeros to a multiple of it. Four instead of eight,
+/// since nine control points fill three vectors of four to 0.75, and two of eight only to 0.56.
 pub(super) const LANES: usize = 4;
 
 /// A vector.
@@ -20,18 +20,18 @@ pub(super) type Lanes = [f64; LANES];
 /// A matrix of padded rows.
 #[derive(Debug, Clone)]
 pub(super) struct Rows {
-    /// Vectors in a row.
+    /// Vectors per row.
     pub(super) width: usize,
     pub(super) vectors: Vec<Lanes>,
 }
 
-/// How many vectors hold `columns` numbers.
+/// Number of vectors for `columns` numbers.
 pub(super) fn vectors(columns: usize) -> usize {
     columns.div_ceil(LANES)
 }
 
 impl Rows {
-    /// Room for a matrix of at most `rows` rows of `width` vectors; zeros.
+    /// Allocates a matrix of `rows` rows of `width` vectors of zeros.
     pub(super) fn new(rows: usize, width: usize) -> Self {
         Self {
             width,
@@ -39,13 +39,13 @@ impl Rows {
         }
     }
 
-    /// A square matrix of zeros.
+    /// Creates a square matrix of zeros.
     pub(super) fn square(count: usize) -> Self {
         Self::new(count, vectors(count))
     }
 
-    /// Makes it a matrix of zeros of another size, which must be within the room it was made with: that is
-    /// what keeps it from allocating.
+    /// Resizes to a matrix of zeros. The size must be within the original memory, so that nothing
+    /// is allocated.
     pub(super) fn reshape(&mut self, rows: usize, width: usize) {
         self.width = width;
         self.vectors.clear();
@@ -78,7 +78,8 @@ impl Rows {
         &self.row(row).as_flattened()[..count]
     }
 
-    /// Replaces a square matrix that is symmetric but for rounding by the mean of it and its transpose.
+    /// Replaces a square matrix that is symmetric up to rounding by the mean of it and its
+    /// transpose.
     #[inline(always)]
     pub(super) fn symmetrize(&mut self, count: usize) {
         for i in 0..count {
@@ -91,7 +92,7 @@ impl Rows {
     }
 }
 
-/// Rows that are summed: the `first`-th vector and those after it, of rows that are `stride` vectors apart.
+/// Rows that are summed: the vectors from the `first`-th, in rows that are `stride` vectors apart.
 #[derive(Clone, Copy)]
 struct Terms<'a> {
     vectors: &'a [Lanes],
@@ -150,11 +151,11 @@ fn add_block<const W: usize>(
     *out = sum;
 }
 
-/// Cholesky's elimination of the symmetric matrix `S` in the first `count` columns of as many rows, of which
-/// only the upper triangle is read: it becomes `U` with `UᵀU = S`, and every further column `x` becomes
-/// `U⁻ᵀx`. What is left of the diagonal has no meaning afterwards.
+/// Cholesky elimination of the symmetric matrix `S` in the first `count` columns of as many rows,
+/// of which only the upper triangle is read. It becomes `U` with `UᵀU = S`, and every further
+/// column `x` becomes `U⁻ᵀx`. Entries left of the diagonal are meaningless afterwards.
 ///
-/// False, and all of it without meaning, if `S` is not positive definite.
+/// Returns false, with all entries meaningless, if `S` is not positive definite.
 #[inline(always)]
 pub(super) fn eliminate(matrix: &mut Rows, count: usize) -> bool {
     let width = matrix.width;
@@ -169,7 +170,7 @@ pub(super) fn eliminate(matrix: &mut Rows, count: usize) -> bool {
         };
         add_rows(row, k, |p| -done[p * width + vector][lane], terms);
         let pivot = row[0][lane];
-        // NaN is no pivot either.
+        // Also rejects NaN.
         if !(pivot > 0.0 && pivot < f64::INFINITY) {
             return false;
         }
@@ -181,8 +182,8 @@ pub(super) fn eliminate(matrix: &mut Rows, count: usize) -> bool {
     true
 }
 
-/// `out ← out + sign · AᵀB`, where `A` and `B` are the `count` columns from the `a`-th and the `b`-th vector
-/// on of the first `count` rows of `of`.
+/// `out ← out + sign · AᵀB`, where `A` and `B` are the `count` columns from the `a`-th and the
+/// `b`-th vector of the first `count` rows of `of`.
 #[inline(always)]
 pub(super) fn transposed_product(
     out: &mut Rows,
@@ -204,8 +205,8 @@ pub(super) fn transposed_product(
     }
 }
 
-/// `out ← TᵀPT` for a symmetric `P`, all `count` × `count`; symmetric to the last bit. `half` is room to
-/// work in.
+/// `out ← TᵀPT` for a symmetric `P`, all `count` × `count`. The result is exactly symmetric. `half`
+/// is scratch memory.
 #[inline(always)]
 pub(super) fn congruence(t: &Rows, p: &Rows, half: &mut Rows, out: &mut Rows, count: usize) {
     let width = vectors(count);
@@ -235,7 +236,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// As many rows and columns as asked for, from these numbers over and over.
+    /// A matrix filled by repeating these numbers.
     fn filled(rows: usize, columns: usize, numbers: &[f64]) -> Rows {
         let mut matrix = Rows::new(rows, vectors(columns));
         for i in 0..rows {
@@ -259,7 +260,7 @@ mod tests {
             let mut matrix = filled(count, first + further, &numbers);
             for i in 0..count {
                 for j in 0..count {
-                    // Gershgorin: more on the diagonal than beside it.
+                    // Positive definite by Gershgorin: the diagonal dominates.
                     let value = numbers[(i + j) % 61] + if i == j { 40.0 } else { 0.0 };
                     matrix.set(i, j, value);
                 }

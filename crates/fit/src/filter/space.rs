@@ -1,4 +1,5 @@
-//! The space of curves that control points belong to, in coordinates in which a pixel is a pixel.
+//! The space of curves that control points belong to, in coordinates measured in pixels of the
+//! curve.
 
 use super::error::CurveSpaceError;
 use super::rows::{Rows, vectors};
@@ -7,18 +8,20 @@ use crate::options::{MAX_ORDER, MAX_POINTS};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
 
-/// The highest condition number of `B`: at it, going to curve coordinates and back loses a millionth, as a
-/// fit by `pinv` does.
+/// Maximum condition number of `B`. At this number, conversion to curve coordinates and back loses
+/// a millionth, as a fit by `pinv` does.
 const MAX_CONDITION: f64 = 1e-6 / f64::EPSILON;
 
-/// A space of curves: a basis on a grid of `ρ`, as the matrix `B` (`N` × `m`) that takes `m` control points
-/// to `N` points of the curve. Made once for each fitter; its clones share what was computed.
+/// A space of curves: a basis on a grid of `ρ`, given by the matrix `B` (`N` × `m`) that maps `m`
+/// control points to `N` points of the curve. It is created once for each fitter; clones share the
+/// computed data.
 ///
-/// It carries *curve coordinates* `z = √(m/N) R s`, where `B = QR`, for control points `s`. In them lengths
-/// are lengths on the rope: `|z|²/m` is the mean of the squared distances of the curve's `N` points from the
-/// origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in every direction. Control points can lie far
-/// outside their curve, and move by a hundred pixels where the curve moves by one (the square of `B`'s
-/// condition number says it of their variances); their curve coordinates do not.
+/// It defines *curve coordinates* `z = √(m/N) R s`, where `B = QR`, for control points `s`. Lengths
+/// in them are lengths on the rope: `|z|²/m` is the mean of the squared distances of the curve's
+/// `N` points from the origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in every
+/// direction. Control points can be far outside their curve, and move by a hundred pixels if the
+/// curve moves by one (the ratio of their variances is the square of `B`'s condition number). Curve
+/// coordinates do not.
 #[derive(Debug, Clone)]
 pub struct CurveSpace(Arc<Coordinates>);
 
@@ -27,20 +30,22 @@ struct Coordinates {
     control_points: usize,
     points: usize,
     condition: f64,
-    /// The sum of the squares of `G⁻¹`'s entries.
+    /// Sum of the squares of `G⁻¹`'s entries.
     size: f64,
-    /// `s = G z`, as its transpose: row `k` is what coordinate `k` adds to each control point.
+    /// `s = G z`, as its transpose: row `k` is the contribution of coordinate `k` to each control
+    /// point.
     to_control_points: Rows,
     /// `z = G⁻¹ s`, as its transpose.
     to_curve: Rows,
 }
 
 impl CurveSpace {
-    /// The space of the curves `B s`. `b` is `B`: `N` rows, one for each point, and a column for each control point.
+    /// Creates the space of the curves `B s`. `b` is `B`: `N` rows, one for each point, and a
+    /// column for each control point.
     ///
     /// # Errors
-    /// No control point or more than 32, fewer points than control points, a number that is not finite, or a
-    /// condition number of `B` that no control points can be trusted with.
+    /// Fails for 0 or more than 32 control points, if there are fewer points than control points,
+    /// if a number is not finite, or if the condition number of `B` is too high.
     pub fn new(b: MatRef<'_, f64>) -> Result<Self, CurveSpaceError> {
         let (rows, columns) = b.shape();
         if !(1..=MAX_ORDER + 1).contains(&columns) {
@@ -85,10 +90,11 @@ impl CurveSpace {
         })))
     }
 
-    /// The space whose `control_points` control points are points on the rope themselves: `B` is the identity.
+    /// Creates the space whose `control_points` control points are points on the rope themselves:
+    /// `B` is the identity.
     ///
     /// # Errors
-    /// No control point or more than 32.
+    /// Fails for 0 or more than 32 control points.
     pub fn of_points(control_points: usize) -> Result<Self, CurveSpaceError> {
         if control_points > MAX_ORDER + 1 {
             return Err(CurveSpaceError::ControlPoints {
@@ -98,23 +104,24 @@ impl CurveSpace {
         Self::new(Mat::identity(control_points, control_points).as_ref())
     }
 
-    /// How many control points a curve has.
+    /// Number of control points of a curve.
     pub fn control_points(&self) -> usize {
         self.0.control_points
     }
 
-    /// The condition number of `B` in the 2-norm.
+    /// 2-norm condition number of `B`.
     pub fn condition(&self) -> f64 {
         self.0.condition
     }
 
-    /// The variance of each curve coordinate of a fit whose points have variance 1.
+    /// Variance of each curve coordinate of a fit whose points have variance 1.
     pub(super) fn unit_variance(&self) -> f64 {
         self.0.control_points as f64 / self.0.points as f64
     }
 
-    /// The largest error of a variance in curve coordinates by the rounding of control points' variances
-    /// that sum to `trace`: `ε` of each entry, taken by `G⁻¹` from both sides, and as much again for the sums.
+    /// Maximum error of a variance in curve coordinates if control points' variances that sum to
+    /// `trace` are rounded: `ε` of each entry, multiplied by `G⁻¹` from both sides, and the same
+    /// again for the sums.
     pub(super) fn rounding(&self, trace: f64) -> f64 {
         2.0 * f64::EPSILON * self.0.size * trace
     }
@@ -129,7 +136,7 @@ impl CurveSpace {
         &self.0.to_curve
     }
 
-    /// Whether it is the same object or a clone of it.
+    /// Returns whether it is the same object or a clone of it.
     pub(super) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

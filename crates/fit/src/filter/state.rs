@@ -1,7 +1,8 @@
-//! The filter's algebra: a state in curve coordinates, where it will be, and what a measurement does to it.
+//! The filter's algebra: a state in curve coordinates, its prediction, and its update by a
+//! measurement.
 //!
-//! Every axis has the same covariance, so it is kept once: three `m` × `m` blocks, positions with
-//! positions, positions with velocities, velocities with velocities,
+//! Every axis has the same covariance, so it is stored once, as three `m` × `m` blocks: positions
+//! with positions, positions with velocities, velocities with velocities,
 //!
 //! ```text
 //! P = [ X   C ]     x, v: m × D, one column an axis
@@ -17,14 +18,14 @@ pub(super) struct State<const D: usize> {
     pub(super) velocities: Vec<[f64; D]>,
     /// `X`, symmetric.
     pub(super) of_positions: Rows,
-    /// `C`; as a rule not symmetric.
+    /// `C`, in general not symmetric.
     pub(super) mixed: Rows,
     /// `V`, symmetric.
     pub(super) of_velocities: Rows,
 }
 
 impl<const D: usize> State<D> {
-    /// Room for `max` control points.
+    /// Allocates for `max` control points.
     pub(super) fn new(max: usize) -> Self {
         Self {
             positions: vec![[0.0; D]; max],
@@ -35,7 +36,8 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// At these positions, known as well as `noise` says; at rest, but for `speed_variance`.
+    /// Resets to these positions with the covariance `noise`, at rest with the variance
+    /// `speed_variance`.
     pub(super) fn begin(&mut self, positions: &[[f64; D]], noise: &Rows, speed_variance: f64) {
         let (count, width) = (positions.len(), noise.width);
         self.positions.clear();
@@ -51,8 +53,8 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// Writes the state `seconds` later to `later`, having taken on white acceleration of the spectral
-    /// density `q`. Exact for any time step, as the integral over continuous time is:
+    /// Writes the state after `seconds` to `later`, with white acceleration of the spectral density
+    /// `q`. It is the exact integral over continuous time for any time step:
     ///
     /// ```text
     /// x += h v     X += h (C + Cᵀ) + h² V + q |h|³/3
@@ -60,7 +62,7 @@ impl<const D: usize> State<D> {
     ///              V += q |h|
     /// ```
     ///
-    /// With `h < 0` it goes back: the acceleration since then is taken for unknown.
+    /// `h < 0` goes back in time: the acceleration since then is treated as unknown.
     #[inline(always)]
     pub(super) fn propagate(&self, seconds: f64, q: f64, later: &mut Self) {
         let (h, a) = (seconds, seconds.abs());
@@ -86,7 +88,7 @@ impl<const D: usize> State<D> {
         for (((x, c), v), ((new_x, new_c), new_v)) in old.zip(new) {
             for lane in 0..LANES {
                 new_c[lane] = c[lane] + h * v[lane];
-                // Half of what the mixed terms give; the transposed half comes below.
+                // Half of the mixed terms; the transposed half follows below.
                 new_x[lane] = x[lane] + h * (c[lane] + h * v[lane]);
                 new_v[lane] = v[lane];
             }
@@ -101,11 +103,13 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// Takes in measured positions with the covariance `noise` for each axis (positive definite), and gives
-    /// the normalized innovation squared, the innovation's `νᵀS⁻¹ν` summed over the axes; as an error, and
-    /// the state untouched, if that exceeds `gate`, and infinite if it cannot be known.
+    /// Updates the state with measured positions, with the covariance `noise` for each axis
+    /// (positive definite). Returns the normalized innovation squared: the innovation's `νᵀS⁻¹ν`
+    /// summed over the axes. If that exceeds `gate`, returns it as an error and leaves the state
+    /// unchanged. It is infinite if it cannot be computed.
     ///
-    /// With `S = X + R = UᵀU` one elimination gives everything, and the update has no inverse in it:
+    /// With `S = X + R = UᵀU`, a single elimination gives everything, and the update needs no
+    /// inverse:
     ///
     /// ```text
     /// [S | X | C | R | ν]  →  [U | A | B | N | y]      A = U⁻ᵀX, B = U⁻ᵀC, N = U⁻ᵀR, y = U⁻ᵀν
@@ -115,8 +119,9 @@ impl<const D: usize> State<D> {
     ///              V −= BᵀB
     /// ```
     ///
-    /// The forms on the right have no difference in which a precise measurement's variance would be lost
-    /// beside a large prior one: their errors are in proportion to the smaller of the two.
+    /// The forms on the right have no difference in which the small variance of a precise
+    /// measurement would be lost against a large prior one. Their errors are proportional to the
+    /// smaller of the two.
     #[inline(always)]
     pub(super) fn measure(
         &mut self,
@@ -153,7 +158,7 @@ impl<const D: usize> State<D> {
             .flat_map(|row| row[y..].as_flattened())
             .map(|number| number * number)
             .sum();
-        // NaN is within no range.
+        // Also rejects NaN.
         if !(0.0..=gate).contains(&nis) {
             return Err(nis);
         }
@@ -169,7 +174,7 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// `state += Tᵀy`, with `T` the columns from the vector `t` on and `y` those from the vector `y` on.
+/// `state += Tᵀy`, with `T` the columns from vector `t` and `y` those from vector `y`.
 #[inline(always)]
 fn add_innovation<const D: usize>(state: &mut [[f64; D]], work: &Rows, t: usize, y: usize) {
     for row in work.vectors.chunks_exact(work.width) {
@@ -188,7 +193,7 @@ mod tests {
     use crate::filter::rows::congruence;
     use proptest::prelude::*;
 
-    /// The whole covariance, positions and velocities, can be factored, its rows and columns scaled to a
+    /// Checks that the whole covariance, positions and velocities, can be factored when scaled to a
     /// diagonal of ones.
     fn is_positive_definite<const D: usize>(state: &State<D>) -> bool {
         let count = state.positions.len();
@@ -213,8 +218,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
 
-        /// Within the options' ranges, and for noise from a ten-thousandth of a pixel to ten thousand of
-        /// them, in any directions.
+        /// Within the options' ranges, and for noise from a ten-thousandth of a pixel to ten
+        /// thousand pixels, in any direction.
         #[test]
         fn the_covariance_stays_positive_definite(
             count in 1usize..=32,

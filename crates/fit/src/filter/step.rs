@@ -1,51 +1,55 @@
-//! What goes into a filter's step beside the shape, and what it says of it.
+//! Input of a filter's step besides the shape, and its result.
 
 use std::fmt;
 
-/// How uncertain measured control points are; the same for each axis.
+/// Uncertainty of measured control points; the same for each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Noise<'a> {
-    /// `σ²(BᵀB)⁻¹` with the `B` of the [`CurveSpace`](crate::CurveSpace): the fit of points that all weigh the same.
+    /// `σ²(BᵀB)⁻¹` with the `B` of the [`CurveSpace`](crate::CurveSpace): the fit of points with
+    /// equal weights.
     Even {
         /// `σ²`, the variance of one coordinate of one point: a fit's residual variance, px².
         variance_px2: f64,
     },
-    /// The covariance of the control points, `m` × `m`, row by row, `σ²` included, px²: of a fit whose
-    /// points weigh differently, or not at all. A direction of which nothing was seen may have a variance as
-    /// large as it likes.
+    /// Covariance of the control points, `m` × `m`, row by row, `σ²` included, px²: for a fit whose
+    /// points have different weights or none. A direction that was not observed may have an
+    /// arbitrarily large variance.
     Covariance(&'a [f64]),
 }
 
-/// What a filter did with a shape.
+/// Result of a filter's update.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum FilterStep {
-    /// It is the first: the rope is where it says, at rest as far as is known.
+    /// The shape is the first. The rope is at its position, and assumed to be at rest.
     Began,
-    /// It was taken in.
+    /// The shape was used.
     Updated {
-        /// The normalized innovation squared: how far the shape was from its prediction, by what both are
-        /// uncertain. With a right model it has a chi-square distribution of `m D` degrees of freedom, so
-        /// that its mean over many shapes is `m D` (see [`FilterOptions::noise_scale`](crate::FilterOptions::noise_scale)).
+        /// The normalized innovation squared: the distance of the shape from its prediction,
+        /// relative to the uncertainty of both. If the model is right, it has a chi-square
+        /// distribution of `m D` degrees of freedom, so its mean over many shapes is `m D` (see
+        /// [`FilterOptions::noise_scale`](crate::FilterOptions::noise_scale)).
         nis: f64,
     },
-    /// It has other curves than those before it, so the filter began again with it.
+    /// The shape has other curves than the previous ones, so the filter restarted with it.
     OtherCurves,
-    /// It came too long after the one before it, so the filter began again with it.
+    /// The shape came too long after the previous one, so the filter restarted with it.
     LongGap {
-        /// How long after, s.
+        /// The time since the previous shape, s.
         seconds: f64,
     },
-    /// It was too far from its prediction to be the same rope in motion, so the filter began again with it.
+    /// The shape was too far from its prediction to be the same rope in motion, so the filter
+    /// restarted with it.
     Jumped {
-        /// The normalized innovation squared; infinite if the prediction's covariance was lost in rounding.
+        /// The normalized innovation squared; infinite if the prediction's covariance was lost in
+        /// rounding.
         nis: f64,
     },
 }
 
 impl FilterStep {
-    /// Whether the filter knows nothing from before this shape.
+    /// Returns whether the filter has no information from before this shape.
     pub fn is_beginning(&self) -> bool {
         !matches!(self, FilterStep::Updated { .. })
     }

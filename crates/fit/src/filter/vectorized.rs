@@ -1,4 +1,4 @@
-//! The filter's three tasks, each compiled as a whole for every kind of registers.
+//! The filter's three tasks, each compiled as a whole for every instruction set.
 
 use super::Prediction;
 use super::rows::{Rows, congruence, eliminate};
@@ -6,7 +6,8 @@ use super::space::{CurveSpace, transform};
 use super::state::State;
 use lariat_portable::{Simd, WithSimd};
 
-/// Carries a state on and has it take in a measurement: see [`State::propagate`] and [`State::measure`].
+/// Propagates a state and updates it with a measurement: see [`State::propagate`] and
+/// [`State::measure`].
 pub(super) struct TakeIn<'a, const D: usize> {
     pub(super) state: &'a State<D>,
     pub(super) seconds: f64,
@@ -15,7 +16,7 @@ pub(super) struct TakeIn<'a, const D: usize> {
     pub(super) noise: &'a Rows,
     pub(super) gate: f64,
     pub(super) work: &'a mut Rows,
-    /// What comes of it.
+    /// The result.
     pub(super) later: &'a mut State<D>,
 }
 
@@ -30,17 +31,17 @@ impl<const D: usize> WithSimd for TakeIn<'_, D> {
     }
 }
 
-/// Carries a state on and writes it as control points.
+/// Propagates a state and writes it as control points.
 pub(super) struct Foretell<'a, const D: usize> {
     pub(super) state: &'a State<D>,
     pub(super) seconds: f64,
     pub(super) q: f64,
     pub(super) space: &'a CurveSpace,
-    /// Room for the state, and for its covariances on their way.
+    /// Scratch memory for the state and its covariances.
     pub(super) later: &'a mut State<D>,
     pub(super) half: &'a mut Rows,
     pub(super) whole: &'a mut Rows,
-    /// What comes of it.
+    /// The result.
     pub(super) prediction: &'a mut Prediction<D>,
 }
 
@@ -74,8 +75,8 @@ impl<const D: usize> WithSimd for Foretell<'_, D> {
     }
 }
 
-/// Writes `scale` times a covariance of control points in curve coordinates, `least` added to each variance;
-/// says whether it is positive definite.
+/// Writes `scale` times a covariance of control points in curve coordinates, and adds `least` to
+/// each variance. Returns whether the result is positive definite.
 pub(super) struct ReadCovariance<'a> {
     pub(super) covariance: &'a Rows,
     pub(super) space: &'a CurveSpace,
@@ -83,7 +84,7 @@ pub(super) struct ReadCovariance<'a> {
     pub(super) least: f64,
     pub(super) half: &'a mut Rows,
     pub(super) work: &'a mut Rows,
-    /// What comes of it.
+    /// The result.
     pub(super) noise: &'a mut Rows,
 }
 

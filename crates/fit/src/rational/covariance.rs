@@ -1,19 +1,19 @@
-//! How the points' noise shows in the control points, the weights taken as known.
+//! Covariance of the control points under noise in the points, with known weights.
 //!
-//! The free control points are then `P (c − R₀c₀ − Rₙc₍N₋₁₎)` with `P = (RᵀR)⁻¹Rᵀ`; where the ends are not
-//! pinned the last two terms are not there. As `P` gives nothing to the end points where they are pinned,
-//! the noise of those and of the others are apart: `C = PPᵀ + (PR₀)(PR₀)ᵀ + (PRₙ)(PRₙ)ᵀ`.
+//! The free control points are then `P (c − R₀c₀ − Rₙc₍N₋₁₎)` with `P = (RᵀR)⁻¹Rᵀ`; without pinned
+//! ends, the last two terms are absent. `P` gives no weight to pinned end points, so their noise
+//! and that of the others are independent: `C = PPᵀ + (PR₀)(PR₀)ᵀ + (PRₙ)(PRₙ)ᵀ`.
 
 use super::design::Design;
 use super::projection::Projection;
 use super::triangular::{solve_lower, solve_lower_transposed};
 
-/// Room for the matrix and what it is made of.
+/// Memory for the matrix and its parts.
 pub(super) struct Covariance {
     matrix: Vec<f64>,
     /// `S` of `(RᵀR)⁻¹ = SSᵀ`, `free × free`.
     root: Vec<f64>,
-    /// `PR₀` and `PRₙ` beside each other.
+    /// `PR₀` and `PRₙ`, interleaved.
     pub(super) of_ends: Vec<[f64; 2]>,
 }
 
@@ -26,7 +26,7 @@ impl Covariance {
         }
     }
 
-    /// `C`, row by row.
+    /// Computes `C`, row by row.
     pub(super) fn at(&mut self, design: &Design, projection: &Projection) -> &[f64] {
         let (count, free, first) = (design.count, design.free(), design.first_free());
         // (RᵀR)⁻¹ = D⁻¹ T⁻¹ L⁻ᵀ L⁻¹ T⁻ᵀ D⁻¹, D the weights.
@@ -68,7 +68,7 @@ impl Covariance {
         &self.matrix
     }
 
-    /// `PR₀` and `PRₙ`.
+    /// Computes `PR₀` and `PRₙ`.
     fn project_ends(&mut self, design: &Design, projection: &Projection) {
         let free = design.free();
         for (along, scaled) in self

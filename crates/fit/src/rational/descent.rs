@@ -1,5 +1,5 @@
-//! Downhill to the most probable log-weights: Gauss–Newton steps from afar, Newton's near the end, each no
-//! longer than the quadratic has proved good for.
+//! Descends to the most probable log-weights: Gauss-Newton steps at a distance, Newton steps near
+//! the end. A trust region limits each step.
 
 use super::MAX_WEIGHT;
 use super::belief::Belief;
@@ -9,44 +9,44 @@ use super::projection::{Project, Projection};
 use super::trust_region::{Step, TrustRegion};
 use std::cmp::Ordering;
 
-/// Where to stop: this many standard deviations of its posterior from the most probable place, which adds a
-/// hundredth to the variance.
+/// Stopping distance from the most probable weights, in standard deviations of the posterior. It
+/// adds a hundredth to the variance.
 const NEAR: f64 = 0.1;
 
-/// The change of Φ that is no change: far below `NEAR²`, above the rounding of `ν ln s`.
+/// Change of Φ that is negligible: far below `NEAR²`, and above the rounding of `ν ln s`.
 const SLACK: f64 = 1e-9;
 
-/// The most rounds of the linearized start. On an exact curve each takes most of the residuals away; on a
-/// noisy one there is soon nothing but noise.
+/// Maximum number of rounds of the linearized start. On an exact curve, each removes most of the
+/// residuals. On a noisy one, only noise is soon left.
 const LINEAR_STEPS: usize = 8;
 
-/// The variance of a coordinate falls below this share of itself in a round that helps much.
+/// A round is worth repeating if it reduces a coordinate's variance below this share of itself.
 const MUCH: f64 = 0.5;
 
-/// How long the first step may be: a change of the weights by more than a factor of e is no small one.
+/// Initial maximum step length. A change of the weights by more than a factor of e is not small.
 const RADIUS: f64 = 1.0;
 
-/// How long any step may be.
+/// Maximum step length.
 const LARGEST_RADIUS: f64 = 4.0;
 
-/// A search and where it is.
+/// A search and its current state.
 pub(super) struct Descent {
     arch: lariat_portable::Arch,
-    /// The points, an axis after the other.
+    /// The points, one axis after the other.
     pub(super) points: Vec<f64>,
     log_weights: Vec<f64>,
-    /// The best so far, or the last frame's.
+    /// The best log-weights so far, or the last frame's.
     kept: Vec<f64>,
     pub(super) region: TrustRegion,
     pub(super) projection: Projection,
     pub(super) linearization: Linearization,
 }
 
-/// How good a place is.
+/// Quality of the current log-weights.
 struct Place {
     /// Φ.
     merit: f64,
-    /// What the variance of a coordinate is taken for.
+    /// Estimated variance of a coordinate.
     variance: f64,
 }
 
@@ -72,12 +72,12 @@ impl Descent {
         }
     }
 
-    /// Point `i` as it was given.
+    /// Point `i` as given.
     pub(super) fn point<const D: usize>(&self, design: &Design, i: usize) -> [f64; D] {
         std::array::from_fn(|axis| self.points[axis * design.stride + i])
     }
 
-    /// Goes to the polynomial: all weights 1.
+    /// Moves to the polynomial: all weights are 1.
     pub(super) fn start_at_polynomial(&mut self, design: &Design) {
         self.log_weights.fill(0.0);
         self.project(design);
@@ -87,7 +87,7 @@ impl Descent {
         self.kept.copy_from_slice(&self.log_weights);
     }
 
-    /// Goes to the weights that were kept.
+    /// Moves to the weights that were kept.
     pub(super) fn restore_weights(&mut self, design: &Design) {
         self.log_weights.copy_from_slice(&self.kept);
         self.project(design);
@@ -99,8 +99,8 @@ impl Descent {
             .fold(0.0, |l: f64, v| l.max(v.abs()))
     }
 
-    /// Goes where the linearized problem, solved again and again as long as that helps much, leads from the
-    /// polynomial; or stays with that if it is the better place.
+    /// Moves to the solution of the linearized problem, starting from the polynomial. It is solved
+    /// repeatedly while that helps much. Stays at the polynomial if that is better.
     pub(super) fn start_linearized(&mut self, design: &Design, belief: &Belief) {
         self.start_at_polynomial(design);
         let mut best = self.place(belief).merit;
@@ -112,7 +112,7 @@ impl Descent {
                 break;
             }
             for (v, step) in self.log_weights.iter_mut().zip(&self.region.step) {
-                // Linear in the weights themselves; none may become negative.
+                // The step is linear in the weights themselves, which must stay positive.
                 *v = (*v + libm::log((1.0 + step).max(1.0 / MAX_WEIGHT)))
                     .clamp(-libm::log(MAX_WEIGHT), libm::log(MAX_WEIGHT));
             }
@@ -131,7 +131,7 @@ impl Descent {
         self.restore_weights(design);
     }
 
-    /// Goes downhill from where it is by at most `limit` steps. Answers whether it arrived, and the steps.
+    /// Descends by at most `limit` steps. Returns whether it converged, and the number of steps.
     pub(super) fn descend(
         &mut self,
         design: &Design,
@@ -153,7 +153,7 @@ impl Descent {
             let Some(step) = solved else {
                 return (false, steps);
             };
-            // How far there is to go is only known where the whole step can be taken.
+            // The remaining distance is only known if the whole step can be taken.
             let near = step.distance <= NEAR || belief.is_rounding(self.projection.squared);
             if step.whole && near {
                 return (true, steps);
@@ -167,10 +167,11 @@ impl Descent {
                 continue;
             };
             radius = adapted(radius, &step, here.merit - there.merit);
-            // In the new variance's measure.
+            // Distance by the new variance.
             let distance = step.distance * (here.variance / there.variance).sqrt();
             here = there;
-            // Distances shrink by a like factor from step to step: what is left is the last one times it.
+            // Distances shrink by a similar factor from step to step, so the remaining distance is
+            // the last one times that factor.
             if step.whole
                 && distance * distance / last_distance <= NEAR
                 && last_distance.is_finite()
@@ -187,7 +188,7 @@ impl Descent {
         (false, limit)
     }
 
-    /// Takes the step, or stays if that would lead uphill.
+    /// Takes the step, unless that would increase Φ.
     fn advance(&mut self, design: &Design, belief: &Belief, here: &Place) -> Option<Place> {
         for (v, step) in self.log_weights.iter_mut().zip(&self.region.step) {
             *v += step;
@@ -195,7 +196,7 @@ impl Descent {
         self.recenter();
         self.project(design);
         let there = self.place(belief);
-        // NaN is no way down either.
+        // Also rejects NaN.
         if there.merit.partial_cmp(&(here.merit + SLACK)) == Some(Ordering::Less) {
             Some(there)
         } else {
@@ -232,7 +233,7 @@ impl Descent {
         });
     }
 
-    /// Sets up the quadratic of that model where it is.
+    /// Sets up the quadratic of this model at the current weights.
     pub(super) fn linearize(&mut self, design: &Design, model: Model) {
         self.arch.dispatch(Linearize {
             design,
@@ -244,7 +245,7 @@ impl Descent {
     }
 }
 
-/// How long the next step may be, given what this one promised and brought.
+/// Maximum length of the next step, from the expected and the actual decrease of this one.
 fn adapted(radius: f64, step: &Step, gained: f64) -> f64 {
     if gained > 0.75 * step.promised {
         radius.max(2.0 * step.length).min(LARGEST_RADIUS)

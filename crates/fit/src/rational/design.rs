@@ -1,9 +1,9 @@
-//! What does not depend on the points: the Bernstein polynomials on the grid, and an orthonormal basis of
-//! what the free control points can reach.
+//! Everything that does not depend on the points: the Bernstein polynomials on the grid, and an
+//! orthonormal basis of the curves that free control points can represent.
 //!
-//! `B = Q T` is the QR of the polynomials on the grid. Working in `Q` keeps the normal equations of a weighted curve as
-//! well-conditioned as its denominator is even, whatever the order; `T⁻¹` comes in only when the control
-//! points are read off.
+//! `B = Q T` is the QR of the polynomials on the grid. In `Q`, the normal equations of a weighted
+//! curve are as well conditioned as its denominator is even, at any order. `T⁻¹` is only needed for
+//! the final control points.
 
 use super::kernels::padded;
 use crate::bezier::bernstein;
@@ -11,21 +11,22 @@ use crate::factor::Qr;
 use crate::matrix::row_by_row;
 use faer::MatRef;
 
-/// The fixed matrices, each polynomial a row over the grid, padded with zeros.
+/// The constant matrices. Each polynomial is a row over the grid, padded with zeros.
 pub(super) struct Design {
-    /// Control points, `n + 1`.
+    /// Number of control points, `n + 1`.
     pub(super) count: usize,
-    /// Points of a centerline.
+    /// Number of points of a centerline.
     pub(super) points: usize,
-    /// The length of a row: `points`, padded.
+    /// Length of a row: `points`, padded.
     pub(super) stride: usize,
-    /// Whether the end control points are the end points.
+    /// True if the end control points are the end points.
     pub(super) pinned: bool,
     /// The Bernstein polynomials, `count` rows.
     pub(super) b: Vec<f64>,
-    /// The orthonormal basis of those whose control points are free, `free()` rows.
+    /// Orthonormal basis of the polynomials whose control points are free, `free()` rows.
     pub(super) q: Vec<f64>,
-    /// `T`, upper triangular, `free()` × `free()`, row-major: `b[first_free() + j] = Σₗ t[l][j] q[l]`.
+    /// `T`, upper triangular, `free()` × `free()`, row-major:
+    /// `b[first_free() + j] = Σₗ t[l][j] q[l]`.
     t: Vec<f64>,
 }
 
@@ -53,12 +54,12 @@ impl Design {
         }
     }
 
-    /// The first control point that is free.
+    /// Index of the first free control point.
     pub(super) fn first_free(&self) -> usize {
         usize::from(self.pinned)
     }
 
-    /// How many control points are free.
+    /// Number of free control points.
     pub(super) fn free(&self) -> usize {
         self.count - 2 * usize::from(self.pinned)
     }
@@ -77,7 +78,7 @@ impl Design {
     }
 }
 
-/// `Q` and `T` of these rows.
+/// Computes `Q` and `T` of these rows.
 fn orthonormalized(b: &[f64], stride: usize, points: usize) -> (Vec<f64>, Vec<f64>) {
     let count = b.len() / stride;
     let mut q = vec![0.0; b.len()];

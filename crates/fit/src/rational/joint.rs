@@ -1,16 +1,18 @@
-//! How the points' noise shows in the control points and the log-weights together.
+//! Joint covariance of the control points and the log-weights under noise in the points.
 //!
-//! To first order the log-weights `v` have the covariance `σ² V`, `V` the inverse of their normal matrix with
-//! the prior in it; the control points follow them by `S = ∂p/∂v`, and have beside that what they have at
-//! known weights (G. Golub, V. Pereyra, *Inverse Problems* 19, 2003, section 5):
+//! To first order the log-weights `v` have the covariance `σ² V`, with `V` the inverse of their
+//! normal matrix including the prior. The control points depend on them by `S = ∂p/∂v`, in addition
+//! to their covariance at known weights (G. Golub, V. Pereyra, *Inverse Problems* 19, 2003, section
+//! 5):
 //!
 //! ```text
 //! σ² ⎡ C ⊗ I + S V Sᵀ   S V ⎤        S = −R⁺ (Rₖ ⊙ (pₖ − f))ₖ
 //!    ⎣ V Sᵀ             V   ⎦
 //! ```
 //!
-//! Pinned ends move the weights too, as what is fitted is `c − R₀c₀ − Rₙc₍N₋₁₎`. What the noise of one
-//! coordinate of one of them does to all is a vector, whose products with itself are added.
+//! Pinned ends affect the weights too, because the fit is to `c − R₀c₀ − Rₙc₍N₋₁₎`. The effect of
+//! noise in one coordinate of an end on all parameters is a vector. Its outer product with itself
+//! is added.
 
 use super::covariance::Covariance;
 use super::descent::Descent;
@@ -18,7 +20,7 @@ use super::design::Design;
 use super::linearization::{Linearization, peak};
 use super::triangular::{solve_lower, solve_lower_transposed};
 
-/// Room for the matrix and what it is made of.
+/// Memory for the matrix and its parts.
 pub(super) struct Joint {
     matrix: Vec<f64>,
     /// `V`.
@@ -28,7 +30,8 @@ pub(super) struct Joint {
     scratch: Vec<f64>,
     /// `L⁻¹ Q̃ᵀ R₀` or `ₙ`.
     of_end: Vec<f64>,
-    /// What the noise of an end does to the log-weights, and to all at known weights and otherwise.
+    /// Effect of an end's noise on the log-weights, on all parameters at known weights, and on all
+    /// parameters.
     to_weights: Vec<f64>,
     known: Vec<f64>,
     all: Vec<f64>,
@@ -50,7 +53,7 @@ impl Joint {
         }
     }
 
-    /// The matrix where the weights are not the data's.
+    /// The matrix if the weights are known instead of estimated.
     pub(super) fn at_known_weights(
         &mut self,
         count: usize,
@@ -63,18 +66,18 @@ impl Joint {
         &self.matrix
     }
 
-    /// Sets `V`, given the linearization at the curve.
+    /// Computes `V`, given the linearization at the curve.
     pub(super) fn set_spread(&mut self, descent: &mut Descent, variance: f64) {
         if !descent
             .region
             .invert(&descent.linearization, variance, &mut self.spread)
         {
-            // A matrix with no inverse in this arithmetic bounds no weight.
+            // A matrix without a numerical inverse bounds no weight.
             self.spread.fill(f64::NAN);
         }
     }
 
-    /// Sets `S`, given the linearization at the curve.
+    /// Computes `S`, given the linearization at the curve.
     pub(super) fn set_sensitivity<const D: usize>(
         &mut self,
         design: &Design,
@@ -95,14 +98,14 @@ impl Joint {
                 for (number, along) in row.iter_mut().zip(&along[axis * count..]) {
                     *number = -along / projection.weights[point];
                 }
-                // The linearization has a point near the curve in the control point's place.
+                // The linearization uses a point near the curve instead of the control point.
                 let near = descent.points[axis * design.stride + peak(design, point)];
                 row[point] -= control_points[point][axis] - near;
             }
         }
     }
 
-    /// The matrix given `C`, but for what pinned ends do to the weights.
+    /// Assembles the matrix given `C`, without the effect of pinned ends on the weights.
     pub(super) fn assemble(&mut self, count: usize, dimension: usize, fixed: &[f64]) {
         let (coordinates, size) = (count * dimension, count * (dimension + 1));
         let row = |k: usize| k * count..(k + 1) * count;
@@ -132,7 +135,7 @@ impl Joint {
         }
     }
 
-    /// The matrix, row by row, with what pinned ends do to the weights.
+    /// The matrix, row by row, with the effect of pinned ends on the weights.
     pub(super) fn with_ends(
         &mut self,
         design: &Design,
@@ -167,7 +170,7 @@ impl Joint {
         &self.matrix
     }
 
-    /// `V (P Jₐ)ᵀ R` of an axis' changes `Jₐ` and an end's `R`.
+    /// Computes `V (P Jₐ)ᵀ R` for an axis' changes `Jₐ` and an end's `R`.
     fn set_to_weights(
         &mut self,
         design: &Design,
@@ -190,7 +193,7 @@ impl Joint {
         }
     }
 
-    /// What the noise of an end's coordinate does to all numbers.
+    /// Computes the effect of noise in an end's coordinate on all parameters.
     fn set_responses(
         &mut self,
         design: &Design,

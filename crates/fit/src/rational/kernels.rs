@@ -1,5 +1,5 @@
-//! The inner products of the rational fit, in the machine's widest registers: three rows by three at a
-//! time, so that every number loaded is used three times.
+//! Inner products of the rational fit, in the machine's widest registers. They process three rows
+//! by three at a time, so that every loaded number is used three times.
 //!
 //! ```text
 //! products   out[a][b] = Σᵢ left[a][i] · right[b][i]
@@ -15,7 +15,7 @@ pub(super) fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)
 }
 
-/// Rows of a matrix: row `a` is the `length` numbers from `a · stride` on.
+/// Rows of a matrix: row `a` is the `length` numbers from `a · stride`.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) numbers: &'a [f64],
@@ -23,15 +23,16 @@ pub(super) struct Rows<'a> {
     pub(super) count: usize,
 }
 
-/// Which of the products are wanted.
+/// Products to compute.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Part {
     All,
-    /// Those with `b ≤ a`. Some of the others are written too.
+    /// Products with `b ≤ a`. Some of the others are written too.
     Lower,
 }
 
-/// `out[a · out_stride + b] = left[a] · right[b]` over rows of `length` numbers, a multiple of [`LANES`].
+/// Computes `out[a · out_stride + b] = left[a] · right[b]` over rows of `length` numbers, a
+/// multiple of [`LANES`].
 #[inline(always)]
 pub(super) fn products<S: Simd>(
     simd: S,
@@ -64,7 +65,7 @@ pub(super) fn products<S: Simd>(
     }
 }
 
-/// `A` by `B` of these products.
+/// Computes `A` by `B` of these products.
 #[inline(always)]
 fn tile<S: Simd, const A: usize, const B: usize>(
     simd: S,
@@ -119,7 +120,7 @@ pub(super) fn subtract(to: &mut [f64], a: &[f64], b: &[f64]) {
     }
 }
 
-/// Rows without gaps.
+/// Rows without padding between them.
 #[inline(always)]
 pub(super) fn rows(numbers: &[f64], stride: usize) -> Rows<'_> {
     Rows {

@@ -1,9 +1,9 @@
-//! The quadratic that stands for the squared residuals near some log-weights `vₖ = ln wₖ`.
+//! Quadratic models of the squared residuals near given log-weights `vₖ = ln wₖ`.
 //!
-//! The residuals change by `P (Rₖ ⊙ (f − pₖ))`, where `P` takes away what the control points can make up
-//! (L. Kaufman's approximation, *BIT* 15, 1975: what it leaves out goes with `r`). `P` takes away `Rₖ pₖ` too
-//! where `pₖ` is free, so any point will do for it; one near the curve at `Bₖ`'s peak keeps the numbers
-//! small, and the end points serve there as they are.
+//! The residuals change by `P (Rₖ ⊙ (f − pₖ))`, where `P` removes what the control points can
+//! represent (L. Kaufman's approximation, *BIT* 15, 1975; the omitted term is proportional to `r`).
+//! `P` also removes `Rₖ pₖ` if `pₖ` is free, so any point may replace it. A point near the curve at
+//! `Bₖ`'s peak keeps the numbers small. Pinned end points are used as they are.
 
 use super::design::Design;
 use super::kernels::{Part, Rows, add_multiple, multiply, padded, products, rows};
@@ -11,47 +11,49 @@ use super::projection::Projection;
 use super::triangular::solve_lower;
 use lariat_portable::{Simd, WithSimd};
 
-/// Which quadratic stands for the squared residuals. They differ in what the derivative is taken around:
-/// the curve and a multiple of the residuals.
+/// Quadratic model of the squared residuals. The models differ in the center of the derivative: the
+/// curve plus a multiple of the residuals.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Model {
-    /// Around the points, `f + r`: that of residuals linear in the weights themselves (C. Sanathanan,
-    /// J. Koerner, *IEEE Transactions on Automatic Control* 8, 1963). Good from however far, biased by noise.
+    /// Around the points, `f + r`: the model of residuals linear in the weights themselves (C.
+    /// Sanathanan, J. Koerner, *IEEE Transactions on Automatic Control* 8, 1963). It works from any
+    /// distance, but is biased by noise.
     Linear,
-    /// Around the curve: Gauss's and Newton's with Kaufman's approximation. Never indefinite.
+    /// Around the curve: Gauss-Newton with Kaufman's approximation. Never indefinite.
     GaussNewton,
-    /// Around `f − r`: Newton's. By differentiating twice and eliminating the control points,
+    /// Around `f − r`: Newton's. Differentiating twice and eliminating the control points gives
     /// `∂²(|r|²/2) = P(Rₖ ⊙ (pₖ − f + r)) · P(Rₗ ⊙ (pₗ − f + r)) − Σ Rₖ Rₗ |r|² − δₖₗ Σ r · Rₖ (pₖ − f)`.
     Newton,
 }
 
-/// How the residuals change with the log-weights.
+/// Derivatives of the residuals by the log-weights.
 pub(super) struct Linearization {
-    /// `Rₖ ⊙ (pₖ − f)`: `count` rows, an axis after the other.
+    /// `Rₖ ⊙ (pₖ − f)`: `count` rows, one axis after the other.
     pub(super) changes: Vec<f64>,
-    /// `L⁻¹ Q̃ᵀ` times these: `free` rows, `count` of an axis after those of the other, padded.
+    /// `L⁻¹ Q̃ᵀ` times these: `free` rows, `count` numbers per axis, one axis after the other,
+    /// padded.
     pub(super) reachable: Vec<f64>,
     pub(super) reachable_width: usize,
-    /// Its transpose, a log-weight's numbers in a row, padded.
+    /// Its transpose, with a log-weight's numbers in a row, padded.
     transposed: Vec<f64>,
-    /// Where the derivative is taken, an axis after the other.
+    /// Center of the derivative, one axis after the other.
     center: Vec<f64>,
-    /// The matrix of the normal equations, `count × count`; its lower triangle.
+    /// Lower triangle of the normal equations' matrix, `count × count`.
     pub(super) normal: Vec<f64>,
-    /// Their right-hand side: where to go.
+    /// Their right-hand side.
     pub(super) right: Vec<f64>,
-    /// The sum of the changes' squares: what the normal matrix is a difference from.
+    /// Sum of the changes' squares, from which the normal matrix is a difference.
     pub(super) changes_squared: f64,
     /// `|r|` on the grid.
     lengths: Vec<f64>,
     /// `Rₖ |r|` on the grid.
     shares: Vec<f64>,
-    /// Products that are taken from the normal matrix.
+    /// Products that are subtracted from the normal matrix.
     excess: Vec<f64>,
 }
 
 impl Linearization {
-    /// As large as `reachable` is.
+    /// Allocates memory of the size of `reachable`.
     pub(super) fn room_for_reachable(design: &Design, dimension: usize) -> Vec<f64> {
         vec![0.0; design.free() * padded(dimension * design.count)]
     }
@@ -77,7 +79,7 @@ impl Linearization {
 /// Sets up the normal equations of a step from the projection.
 pub(super) struct Linearize<'a> {
     pub(super) design: &'a Design,
-    /// The points, an axis after the other.
+    /// The points, one axis after the other.
     pub(super) points: &'a [f64],
     pub(super) projection: &'a Projection,
     pub(super) model: Model,
@@ -145,7 +147,7 @@ impl WithSimd for Linearize<'_> {
 }
 
 impl Linearization {
-    /// `Rₖ ⊙ (pₖ − f − share · r)`.
+    /// Computes `Rₖ ⊙ (pₖ − f − share · r)`.
     #[inline(always)]
     fn set_changes(
         &mut self,
@@ -183,7 +185,7 @@ impl Linearization {
         }
     }
 
-    /// Takes the products of what the basis can reach from the normal matrix.
+    /// Subtracts the products of the part that the basis can represent from the normal matrix.
     #[inline(always)]
     fn take_reachable<S: Simd>(&mut self, simd: S, count: usize, dimension: usize) {
         let width = self.reachable_width;
@@ -211,7 +213,8 @@ impl Linearization {
         add_multiple(&mut self.normal, -1.0, &self.excess);
     }
 
-    /// What Newton's normal matrix and right-hand side have beside the changes' products.
+    /// Adds the terms that Newton's normal matrix and right-hand side have in addition to the
+    /// changes' products.
     #[inline(always)]
     fn correct<S: Simd>(&mut self, simd: S, design: &Design, projection: &Projection) {
         let (count, stride) = (design.count, design.stride);
@@ -253,7 +256,7 @@ impl Linearization {
     }
 }
 
-/// The point of the grid nearest to where polynomial `k` is largest, `k/n`.
+/// The point of the grid nearest to the maximum of polynomial `k`, at `k/n`.
 pub(super) fn peak(design: &Design, k: usize) -> usize {
     let order = design.count - 1;
     (k * (design.points - 1) + order / 2) / order
@@ -267,7 +270,8 @@ mod tests {
 
     const POINTS: usize = 30;
 
-    /// Half the squared residuals at these log-weights, their gradient and their second derivatives.
+    /// Half the squared residuals at these log-weights, their gradient and their second
+    /// derivatives.
     fn quadratic(
         design: &Design,
         points: &[f64],
@@ -308,8 +312,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// Central differences with a step of 1e-4 err by about 1e-8 of the third derivatives, which are
-        /// of the function's own size.
+        /// Central differences with a step of 1e-4 have an error of about 1e-8 of the third
+        /// derivatives, which are of the same size as the function.
         #[test]
         fn gradient_and_second_derivatives_are_those_of_the_squared_residuals(
             order in 1usize..=6,
@@ -341,8 +345,8 @@ mod tests {
             }
         }
 
-        /// The residuals of weights times the denominator are linear in the weights: one step from the
-        /// polynomial of points on a curve leads to its weights.
+        /// The residuals times the denominator are linear in the weights. For points on a curve,
+        /// one step from the polynomial therefore finds its weights.
         #[test]
         fn the_linear_model_goes_to_an_exact_curves_weights_at_once(
             control_points in prop::collection::vec(prop::array::uniform2(0.0f64..100.0), 4),

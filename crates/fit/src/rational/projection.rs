@@ -1,6 +1,7 @@
-//! Variable projection (G. Golub, V. Pereyra, *SIAM Journal on Numerical Analysis* 10, 1973): at given
-//! weights the control points are a linear least-squares problem, so the fit is a problem in the weights
-//! alone. With `W(ρ) = Σ wⱼ Bⱼ(ρ)` the curves of given weights are the polynomials divided by `W`:
+//! Variable projection (G. Golub, V. Pereyra, *SIAM Journal on Numerical Analysis* 10, 1973). For
+//! given weights, the control points are a linear least-squares problem, so only the weights remain
+//! to be found. With `W(ρ) = Σ wⱼ Bⱼ(ρ)`, the curves of given weights are the polynomials divided
+//! by `W`:
 //!
 //! ```text
 //! Q̃ = Q / W           a basis of them            G = Q̃ᵀQ̃ = LLᵀ
@@ -12,7 +13,7 @@ use super::kernels::{Part, Rows, add_multiple, multiply, products, rows, subtrac
 use super::triangular::{factorize, solve_lower, solve_lower_transposed};
 use lariat_portable::{Simd, WithSimd};
 
-/// The best curve at some weights.
+/// The best curve at given weights.
 pub(super) struct Projection {
     /// The weights.
     pub(super) weights: Vec<f64>,
@@ -24,13 +25,13 @@ pub(super) struct Projection {
     pub(super) rational: Vec<f64>,
     /// `L`.
     pub(super) factor: Vec<f64>,
-    /// What of `Q̃` makes the curve: `free × D`.
+    /// Coefficients of the curve in `Q̃`: `free × D`.
     pub(super) coefficients: Vec<f64>,
-    /// The curve on the grid, an axis after the other.
+    /// The curve on the grid, one axis after the other.
     pub(super) curve: Vec<f64>,
-    /// Points less curve, likewise.
+    /// Points minus curve, one axis after the other.
     pub(super) residuals: Vec<f64>,
-    /// The sum of the squared residuals.
+    /// Sum of the squared residuals.
     pub(super) squared: f64,
 }
 
@@ -62,7 +63,7 @@ impl Projection {
 /// Finds the best curve at the projection's weights.
 pub(super) struct Project<'a> {
     pub(super) design: &'a Design,
-    /// The points, an axis after the other.
+    /// The points, one axis after the other.
     pub(super) points: &'a [f64],
     pub(super) projection: &'a mut Projection,
 }
@@ -91,7 +92,7 @@ impl WithSimd for Project<'_> {
         for (rational, (b, weight)) in projection.rational.chunks_exact_mut(stride).zip(bernstein) {
             multiply(rational, *weight, b, &projection.inverse);
         }
-        // The curve begins with the pinned ends alone, and the residuals with what they leave.
+        // Start with the curve of the pinned ends alone, and with the residuals that they leave.
         projection.curve.fill(0.0);
         if design.pinned {
             let last = design.count - 1;
@@ -180,6 +181,6 @@ fn invert_denominator(design: &Design, weights: &[f64], inverse: &mut [f64]) {
     inverse
         .iter_mut()
         .for_each(|number| *number = 1.0 / *number);
-    // Nothing is beyond the last point.
+    // The padding after the last point is zero.
     inverse[design.points..].fill(0.0);
 }

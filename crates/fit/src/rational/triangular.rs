@@ -1,12 +1,14 @@
-//! Cholesky's factor and triangular solves for matrices of at most 32 rows, row by row, in place.
+//! Cholesky factors and triangular solves for matrices of at most 32 rows, row by row, in place.
 
-/// As many rows as a curve has control points.
+/// Maximum number of rows: the maximum number of control points.
 const MAX_ROWS: usize = crate::MAX_ORDER + 1;
 
-/// Replaces the lower triangle of the symmetric `matrix` (`size` × `size`, at most 32, row-major; only that
-/// triangle is read) by Cholesky's `L`. Answers whether the matrix is positive definite in this arithmetic.
+/// Replaces the lower triangle of the symmetric `matrix` (`size` × `size`, at most 32, row-major;
+/// only that triangle is read) by Cholesky's `L`. Returns whether the matrix is numerically
+/// positive definite.
 pub(super) fn factorize(matrix: &mut [f64], size: usize) -> bool {
-    // Dividing once a row and not once a number: a division takes four times as long as a product.
+    // Divides once per row instead of once per number: a division takes four times as long as a
+    // product.
     let mut inverse = [0.0; MAX_ROWS];
     for k in 0..size {
         let (above, rest) = matrix.split_at_mut(k * size);
@@ -16,7 +18,7 @@ pub(super) fn factorize(matrix: &mut [f64], size: usize) -> bool {
             row[l] = (row[l] - sum) * inverse[l];
         }
         let pivot = row[k] - row[..k].iter().map(|a| a * a).sum::<f64>();
-        // Not `<=`: NaN is no pivot either.
+        // Not `<=`, so that NaN is rejected.
         if !matches!(pivot.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
             return false;
         }
@@ -66,7 +68,7 @@ mod tests {
             width in 1usize..4,
             numbers in prop::collection::vec(-1.0f64..1.0, 200),
         ) {
-            // M Mᵀ + 1 is positive definite, its condition number at most 1 + 12².
+            // M Mᵀ + 1 is positive definite, with a condition number of at most 1 + 12².
             let m = |k: usize, l: usize| numbers[k * size + l];
             let matrix: Vec<f64> = (0..size * size)
                 .map(|at| {

@@ -1,32 +1,32 @@
-//! The best step of at most a given length on a quadratic, by damping it (J. Moré, D. Sorensen, *SIAM Journal
-//! on Scientific and Statistical Computing* 4, 1983), with the prior of the log-weights.
+//! The best step of limited length on a quadratic, found by damping (J. Moré, D. Sorensen, *SIAM
+//! Journal on Scientific and Statistical Computing* 4, 1983), with the prior of the log-weights.
 
 use super::belief::Belief;
 use super::linearization::Linearization;
 use super::triangular::{factorize, solve_lower, solve_lower_transposed};
 
-/// The most tries at the damping of a step; three or four do.
+/// Maximum number of dampings tried for a step; three or four are usually enough.
 const DAMPINGS: usize = 20;
 
-/// A step may be longer than asked for by this factor: the radius itself is no sharper.
+/// A step may exceed the requested length by this factor, as the radius itself is not precise.
 const TOLERANCE: f64 = 1.2;
 
-/// A step that has been solved for.
+/// A computed step.
 #[derive(Clone, Copy)]
 pub(super) struct Step {
-    /// Its length in standard deviations of the posterior.
+    /// Length in standard deviations of the posterior.
     pub(super) distance: f64,
-    /// Its length in log-weights.
+    /// Length in log-weights.
     pub(super) length: f64,
-    /// What it should lower Φ by.
+    /// Expected decrease of Φ.
     pub(super) promised: f64,
-    /// Whether it was not shortened.
+    /// True if the step was not shortened.
     pub(super) whole: bool,
 }
 
-/// Room for a step.
+/// Computes steps.
 pub(super) struct TrustRegion {
-    /// The step that was solved for last.
+    /// The last computed step.
     pub(super) step: Vec<f64>,
     hessian: Vec<f64>,
     scratch: Vec<f64>,
@@ -41,7 +41,7 @@ impl TrustRegion {
         }
     }
 
-    /// Solves for the step of at most about `radius`. `None` where the quadratic has no lowest place.
+    /// Computes a step of at most about `radius`. Returns `None` if the quadratic has no minimum.
     pub(super) fn solve(
         &mut self,
         linearization: &Linearization,
@@ -80,16 +80,17 @@ impl TrustRegion {
         None
     }
 
-    /// Factorizes the normal matrix with a ridge. Answers whether it is positive definite.
+    /// Factorizes the normal matrix with a ridge. Returns whether it is positive definite.
     fn factorize(&mut self, linearization: &Linearization, ridge: f64) -> bool {
         let count = self.step.len();
         let normal = &linearization.normal;
         let mean = normal.iter().step_by(count + 1).sum::<f64>() / count as f64;
-        // All weights alike change nothing: the same number everywhere gives that direction a size.
+        // A common factor of all weights has no effect. Adding a constant to all entries makes that
+        // direction nonsingular.
         for (to, from) in self.hessian.iter_mut().zip(normal) {
             *to = from + mean.abs() / count as f64;
         }
-        // The normal matrix is a difference, known to ε of what it is a difference of.
+        // The normal matrix is a difference, so its error is ε times the terms.
         let unknown = f64::EPSILON * linearization.changes_squared;
         for diagonal in self.hessian.iter_mut().step_by(count + 1) {
             *diagonal += ridge + unknown;
@@ -97,8 +98,8 @@ impl TrustRegion {
         factorize(&mut self.hessian, count)
     }
 
-    /// Writes the inverse of the normal matrix with the prior's ridge to `inverse`, what it says of all
-    /// weights alike taken out. Answers whether there is one.
+    /// Writes the inverse of the normal matrix with the prior's ridge to `inverse`, without the
+    /// component of a common factor of all weights. Returns whether the inverse exists.
     pub(super) fn invert(
         &mut self,
         linearization: &Linearization,

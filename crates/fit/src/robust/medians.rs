@@ -1,17 +1,18 @@
-//! Running medians along a centerline: each coordinate's median over nine neighbours (J. W. Tukey, *Exploratory
-//! Data Analysis*, 1977). Four of the nine may be anywhere. On a bent rope they cut the corners a little, so
-//! they are a start and not a result.
+//! Running medians along a centerline: the median of each coordinate over nine neighbors (J. W.
+//! Tukey, *Exploratory Data Analysis*, 1977). Four of the nine may be arbitrary outliers. On a bent
+//! rope the medians cut corners slightly, so they are a start and not a result.
 
 use lariat_portable::{Simd, WithSimd};
 
-/// How many neighbours a median is of.
+/// Number of neighbors in a median.
 const WINDOW: usize = 9;
 
-/// The most numbers that are sorted side by side.
+/// Maximum number of windows sorted in parallel.
 const LANES: usize = 8;
 
-/// Exchanges that bring the median of nine to the middle (J. L. Smith's network, as in A. W. Paeth, *Median
-/// finding on a 3 × 3 grid*, Graphics Gems, 1990): the smaller goes to the first place.
+/// Exchanges that bring the median of nine to the middle (J. L. Smith's network, as in A. W. Paeth,
+/// *Median finding on a 3 × 3 grid*, Graphics Gems, 1990): the smaller number goes to the first
+/// place.
 const EXCHANGES: [(usize, usize); 19] = [
     (1, 2),
     (4, 5),
@@ -34,11 +35,11 @@ const EXCHANGES: [(usize, usize); 19] = [
     (4, 2),
 ];
 
-/// Room for the medians of one column, and which points they are of.
+/// Scratch memory for the medians of one column, and the chosen points.
 pub(super) struct Medians {
-    /// The points that are seen, in order.
+    /// Indices of the visible points, in order.
     seen: Vec<usize>,
-    /// Their numbers, and room for a last window that is not full.
+    /// Their numbers, padded for a last window that is not full.
     numbers: Vec<f64>,
     medians: Vec<f64>,
 }
@@ -52,7 +53,7 @@ impl Medians {
         }
     }
 
-    /// Takes the points whose weight is not 0. False if there are too few for a median.
+    /// Chooses the points whose weight is not 0. Returns false if there are too few for a median.
     pub(super) fn choose(&mut self, weights: &[f64]) -> bool {
         self.seen.clear();
         for (i, &weight) in weights.iter().enumerate() {
@@ -63,8 +64,9 @@ impl Medians {
         self.seen.len() >= WINDOW
     }
 
-    /// Writes to `medians` at each chosen point the median of `column` over the nine chosen points around it;
-    /// of the first and the last four it is that of the first and the last nine. Elsewhere 0.
+    /// Writes the median of `column` over the nine chosen points around each chosen point to
+    /// `medians`. For the first and the last four, it is that of the first and the last nine. Other
+    /// entries are 0.
     pub(super) fn run(&mut self, arch: lariat_portable::Arch, column: &[f64], medians: &mut [f64]) {
         for (number, &at) in self.numbers.iter_mut().zip(&self.seen) {
             *number = column[at];
@@ -82,7 +84,7 @@ impl Medians {
     }
 }
 
-/// `medians[i]` of nine `numbers` from the `i`-th on.
+/// Computes `medians[i]` of nine `numbers` from the `i`-th.
 struct Sort<'a> {
     numbers: &'a [f64],
     windows: usize,

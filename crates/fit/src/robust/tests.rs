@@ -3,7 +3,7 @@ use crate::weighted::oracle::*;
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
-/// A rope of 120 points, order 8 unless it says otherwise, and its fitter.
+/// A rope of 120 points and its fitter, of order 8 by default.
 struct Setting<const D: usize> {
     b: Vec<f64>,
     r_inverse: Vec<f64>,
@@ -91,15 +91,16 @@ fn the_constants_are_those_of_gaussian_noise() {
         let slope = ((d - 1.0) * weight + inside) / d;
         let efficiency = slope * slope / (squares / d);
         assert!((efficiency - 0.95).abs() < 1e-9, "{efficiency}");
-        // What the docs say of the covariance: the true one, 1/0.95 of least squares', by (BᵀWB)⁻¹.
+        // The documented covariance ratio: the true one, 1/0.95 of least squares', divided by
+        // (BᵀWB)⁻¹.
         let told = [1.01, 0.98, 0.94][at];
         assert!((weight / 0.95 - told).abs() < 0.006, "{}", weight / 0.95);
     }
     assert!((GAUSSIAN[1].median - (2.0 * 2f64.ln()).sqrt()).abs() < 1e-12);
 }
 
-/// How much the curve of least squares varies by that of Huber's, over 4,000 ropes without outliers, and the
-/// mean of σ².
+/// Ratio of the variance of least squares' curve to that of Huber's, over 4,000 ropes without
+/// outliers, and the mean of σ².
 fn efficiency<const D: usize>(seed: u64) -> (f64, f64, f64) {
     let mut random = SplitMix64::new(seed);
     let mut setting = Setting::<D>::new(120, 9);
@@ -136,23 +137,23 @@ fn without_outliers_it_is_nearly_as_efficient_as_least_squares() {
         efficiency::<2>(12),
         efficiency::<3>(13),
     ] {
-        // 0.95 for many points; 120 of 9 control points are not so many.
+        // The limit for many points is 0.95; 120 points for 9 control points are fewer.
         assert!((0.925..0.975).contains(&efficiency), "{efficiency}");
         assert!((0.93..1.07).contains(&variance), "{variance}");
         assert!((0.9..1.1).contains(&covariance), "{covariance}");
     }
 }
 
-/// How outliers lie.
+/// Distribution of outliers.
 #[derive(Debug, Clone, Copy)]
 enum Outliers {
-    /// Here and there, each its own way.
+    /// Scattered, in random directions.
     AnyWay,
-    /// Here and there, all to one side.
+    /// Scattered, all to one side.
     OneWay,
 }
 
-/// Moves a tenth of the points 100 px.
+/// Moves a tenth of the points by 100 px.
 fn spoil(
     points: &[[f64; 2]],
     outliers: Outliers,
@@ -179,7 +180,7 @@ fn spoil(
     (spoiled, clean)
 }
 
-/// A tenth of the points is moved 100 px; the curve stays within what noise does to it.
+/// A tenth of the points is moved by 100 px, and the curve stays within the effect of noise.
 #[test]
 fn a_tenth_of_gross_outliers_hardly_moves_the_curve() {
     for outliers in [Outliers::AnyWay, Outliers::OneWay] {
@@ -206,7 +207,7 @@ fn a_tenth_of_gross_outliers_hardly_moves_the_curve() {
                 plain += apart(&curve(&setting.b, &least), &without) / sigma / f64::from(ropes);
                 assert!(fit.rounds <= MAX_ROUNDS);
             }
-            // A tenth less points alone would move it by a tenth of what noise does.
+            // A tenth fewer points alone would move it by a tenth of the effect of noise.
             assert!(mean < 0.5, "{outliers:?} {sigma} px: {mean} σ");
             assert!(worst < 3.0, "{outliers:?} {sigma} px: {worst} σ");
             assert!(plain > 10.0, "least squares is moved far: {plain} σ");
@@ -238,7 +239,7 @@ fn an_exact_curve_stays_exact_and_outliers_lose_it_nothing() {
     }
     let (s, fit) = setting.huber(&[[0.0; 2]; 120], &[1.0; 120], false).unwrap();
     assert_eq!((s, fit.sigma_px), (vec![[0.0; 2]; 9], 0.0));
-    // As many points as control points: nothing is left to tell outliers by.
+    // With as many points as control points, nothing distinguishes outliers.
     let mut tight = Setting::<2>::new(9, 9);
     let points = rope(&uniform(9), 1.0, &mut random);
     let (s, _) = tight.huber(&points, &[1.0; 9], false).unwrap();
@@ -266,7 +267,7 @@ proptest! {
         }
     }
 
-    // Medians are taken axis by axis, so a rope turned by another angle may start elsewhere.
+    // Medians are taken axis by axis, so a rope turned by another angle may have another start.
     #[test]
     fn a_scaled_rope_upside_down_read_backwards_has_the_same_curve_so(
         seed in any::<u64>(), scale in 0.01f64..100.0,

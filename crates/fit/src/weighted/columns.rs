@@ -1,5 +1,5 @@
-//! A matrix by columns, each as long as whole registers and begun on a line of the cache, and the five loops
-//! over all points, in the machine's widest registers:
+//! A matrix by columns, each padded to whole registers and aligned to a cache line. Five loops over
+//! all points use the machine's widest registers:
 //!
 //! ```text
 //! transpose    rows, point by point        → columns
@@ -9,12 +9,13 @@
 //! gains        columns                     → squared lengths of the rows
 //! ```
 //!
-//! What lies beyond the last point is zero in all columns and weighs nothing.
+//! The padding after the last point is zero in all columns, with weight 0.
 
 use super::ends::Ends;
 use lariat_portable::{Simd, WithSimd};
 
-/// Columns are padded to a multiple of this many numbers: one of the widest registers, one line of the cache.
+/// Columns are padded to a multiple of this many numbers: one of the widest registers, and one
+/// cache line.
 pub(super) const LANES: usize = 8;
 
 /// `count` rounded up to whole registers.
@@ -24,20 +25,21 @@ pub(super) fn padded(count: usize) -> usize {
 
 /// Columns of equal length, one after the other.
 pub(crate) struct Columns {
-    /// The length of a column, padded.
+    /// Length of a column, padded.
     stride: usize,
-    /// Where the first line of the cache begins that is wholly ours.
+    /// Start of the first complete cache line.
     start: usize,
     end: usize,
     numbers: Vec<f64>,
 }
 
 impl Columns {
-    /// Zeros: `count` columns of `length` numbers.
+    /// Creates `count` columns of `length` zeros.
     pub(super) fn new(count: usize, length: usize) -> Self {
         let stride = padded(length);
         let numbers = vec![0.0; count * stride + LANES - 1];
-        // The offset is in numbers, and below LANES; a machine that cannot say it is only slower.
+        // The offset is in numbers, and below LANES. If it cannot be determined, the columns are
+        // unaligned, which is only slower.
         let start = numbers
             .as_ptr()
             .align_offset(LANES * size_of::<f64>())
@@ -65,7 +67,7 @@ impl Columns {
     }
 }
 
-/// `rows`, `width` numbers for each point, as columns.
+/// Transposes `rows`, `width` numbers for each point, to columns.
 pub(super) struct Transpose<'a> {
     pub(super) rows: &'a [f64],
     pub(super) width: usize,
@@ -79,7 +81,7 @@ impl WithSimd for Transpose<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let (width, stride, columns) = (self.width, self.stride, self.columns);
-        // Four points at a time: half a register is stored at once, and no index is left to be checked.
+        // Four points at a time, to store half a register at once without bounds checks.
         let blocks = self.rows.chunks_exact(4 * width);
         let (whole, rest) = (blocks.len() * 4, blocks.remainder());
         for (block, rows) in blocks.enumerate() {
@@ -100,9 +102,10 @@ impl WithSimd for Transpose<'_> {
     }
 }
 
-/// `to[j] = Σ_{k ≤ j} lower[j][k] from[k]`: the columns times the upper triangle whose transpose is `lower`.
+/// Computes `to[j] = Σ_{k ≤ j} lower[j][k] from[k]`: the columns times the upper triangle whose
+/// transpose is `lower`.
 ///
-/// Row `j` of `lower` begins at `j · lower_stride`; beyond its diagonal it is zero.
+/// Row `j` of `lower` begins at `j · lower_stride` and is zero beyond its diagonal.
 pub(super) struct Triangular<'a> {
     pub(super) from: &'a [f64],
     pub(super) lower: &'a [f64],
@@ -131,7 +134,7 @@ impl WithSimd for Triangular<'_> {
 }
 
 impl Triangular<'_> {
-    /// All columns of `WIDE` registers of points.
+    /// Computes all columns of `WIDE` registers of points.
     #[inline(always)]
     fn slab<S: Simd, const WIDE: usize>(&mut self, simd: S, i: usize, length: usize) {
         let mut j = 0;
@@ -174,8 +177,8 @@ impl Triangular<'_> {
     }
 }
 
-/// `sums[j][k] = left[j] · right[k]`, of symmetric sums those with `k ≥ j` (and some before). Row `j` of `sums`
-/// begins at `j · sums_stride`.
+/// Computes `sums[j][k] = left[j] · right[k]`. For symmetric sums, it computes those with `k ≥ j`
+/// (and some before). Row `j` of `sums` begins at `j · sums_stride`.
 pub(super) struct Gram<'a> {
     pub(super) left: &'a [f64],
     pub(super) right: &'a [f64],
@@ -206,7 +209,7 @@ impl WithSimd for Gram<'_> {
 }
 
 impl Gram<'_> {
-    /// Some rows of sums: three by four products keep the multipliers busy.
+    /// Computes several rows of sums. Three by four products keep the multipliers busy.
     #[inline(always)]
     fn strip<S: Simd, const ROWS: usize>(&mut self, simd: S, j: usize, columns: usize) {
         let mut k = if self.symmetric { j } else { 0 };
@@ -254,12 +257,12 @@ impl Gram<'_> {
     }
 }
 
-/// What is left of the points, `cᵢ − Σⱼ aⱼ Aᵢⱼ`, and its squared length; answers the largest of those whose
-/// weight is not 0, and the weighted sum.
+/// Computes the residuals `cᵢ − Σⱼ aⱼ Aᵢⱼ`, and their squared lengths. Returns the largest of those
+/// whose weight is not 0, and the weighted sum.
 pub(super) struct Residuals<'a, const D: usize> {
-    /// The columns of `A`.
+    /// Columns of `A`.
     pub(super) basis: &'a [f64],
-    /// The columns of the points, and of what is left of them.
+    /// Columns of the points, and of the residuals.
     pub(super) points: &'a [f64],
     pub(super) left: &'a mut [f64],
     pub(super) coefficients: &'a [[f64; D]],
@@ -329,7 +332,7 @@ fn largest_and_sum(squared: &[f64], weights: &[f64]) -> [f64; 2] {
     ]
 }
 
-/// The columns times weights: `to[j][i] = wᵢ from[j][i]`.
+/// Multiplies the columns by weights: `to[j][i] = wᵢ from[j][i]`.
 #[inline(always)]
 pub(super) fn weigh(from: &[f64], weights: &[f64], to: &mut [f64]) {
     let stride = weights.len();
@@ -340,7 +343,7 @@ pub(super) fn weigh(from: &[f64], weights: &[f64], to: &mut [f64]) {
     }
 }
 
-/// How many `weights` are above 0, or nothing if one is negative, infinite or NaN.
+/// Number of `weights` above 0; `None` if one is negative, infinite or NaN.
 #[inline(always)]
 pub(super) fn count_seen(weights: &[f64]) -> Option<usize> {
     let (mut seen, mut bad) = (0u64, 0u64);
@@ -351,7 +354,7 @@ pub(super) fn count_seen(weights: &[f64]) -> Option<usize> {
     (bad == 0).then_some(seen as usize)
 }
 
-/// Points of weight 0 become 0, whatever they are.
+/// Sets points of weight 0 to 0, whatever they are.
 #[inline(always)]
 pub(super) fn hide(columns: &mut [f64], weights: &[f64]) {
     for column in columns.chunks_exact_mut(weights.len()) {
@@ -361,8 +364,8 @@ pub(super) fn hide(columns: &mut [f64], weights: &[f64]) {
     }
 }
 
-/// Squared lengths `|zᵢ|²` of the rows of `columns`, and where ends are pinned the form `uᵀJu` of
-/// `u = Vᵀzᵢ` added (see `ends`); answers the largest.
+/// Computes the squared lengths `|zᵢ|²` of the rows of `columns`. If ends are pinned, adds the form
+/// `uᵀJu` of `u = Vᵀzᵢ` (see `ends`). Returns the largest.
 pub(super) struct Gains<'a> {
     pub(super) columns: &'a [f64],
     pub(super) stride: usize,

@@ -1,15 +1,16 @@
-//! A curve through its first and its last point exactly, made of one near them.
+//! Pins a curve to its first and its last point exactly.
 //!
-//! In the coordinates `y` of `weighted` a point of the curve is `zᵢᵀy`, and pinning both ends is `Vᵀy = p`
-//! with `V = [z₀ z₍N₋₁₎]`: of all such `y` the best is the free one, corrected along `V`,
+//! In the coordinates `y` of `weighted` a point of the curve is `zᵢᵀy`, and pinning both ends means
+//! `Vᵀy = p` with `V = [z₀ z₍N₋₁₎]`. The best such `y` is the free one, corrected along `V`:
 //!
 //! ```text
 //! y + V Q⁻¹ (p − Vᵀy),   Q = VᵀV
 //! ```
 //!
-//! The ends weigh 1 in the free fit, which changes nothing for the pinned one and keeps it determined where
-//! it alone holds the curve; so `Q ≤ 1`. What noise is left in `y` is `I − VQ⁻¹Vᵀ` of the points between,
-//! and `VQ⁻²Vᵀ` of the two ends, together `I + VJVᵀ` with `J = Q⁻² − Q⁻¹`.
+//! The ends have weight 1 in the free fit. This does not change the pinned fit, and keeps the free
+//! one determined if only the pins determine the curve; so `Q ≤ 1`. The noise in `y` is
+//! `I − VQ⁻¹Vᵀ` from the points between, and `VQ⁻²Vᵀ` from the two ends, together `I + VJVᵀ` with
+//! `J = Q⁻² − Q⁻¹`.
 
 /// `V` and `Q⁻¹`.
 pub(super) struct Ends {
@@ -26,7 +27,7 @@ impl Ends {
         }
     }
 
-    /// Takes `V` from `z(j)`, row `j` of it.
+    /// Sets `V` from `z(j)`, row `j` of it.
     pub(super) fn set(&mut self, z: impl Fn(usize) -> [f64; 2]) {
         let (mut first, mut mixed, mut last) = (0.0, 0.0, 0.0);
         for (j, v) in self.v.iter_mut().enumerate() {
@@ -73,8 +74,8 @@ impl Ends {
         ]
     }
 
-    /// `tr Q⁻¹ − 2 − tr(Q⁻² VᵀKV)`, the degrees of freedom that pinning gives back: the ends' own noise,
-    /// carried into the residuals of the points between.
+    /// `tr Q⁻¹ − 2 − tr(Q⁻² VᵀKV)`, the degrees of freedom that pinning returns: the ends' own
+    /// noise, which appears in the residuals of the points between.
     pub(super) fn freedom(&self, k: Option<&[f64]>) -> f64 {
         let q = &self.q_inverse;
         let mut freedom = q[0][0] + q[1][1] - 2.0;

@@ -1,6 +1,6 @@
-//! The normal equations `M a = AᵀWc`, factored by Cholesky with the right-hand sides and the identity
-//! carried along: the same row operations that make `Lᵀ` of `M = LLᵀ` make `y = L⁻¹AᵀWc` of the one and
-//! `L⁻¹` of the other, so no triangle is solved step after step afterwards.
+//! The normal equations `M a = AᵀWc`, factored by Cholesky together with the right-hand sides and
+//! the identity. The row operations that turn `M = LLᵀ` into `Lᵀ` also give `y = L⁻¹AᵀWc` and
+//! `L⁻¹`, so no triangular solve is needed afterwards.
 //!
 //! ```text
 //! [ M | AᵀWc | I ]  →  [ Lᵀ | y | L⁻¹ ]
@@ -31,7 +31,7 @@ impl<const D: usize> Normal<D> {
         self.stride
     }
 
-    /// Clears all but the identity, and gives the rows, to be filled from the diagonal of `M` on.
+    /// Clears all except the identity, and returns the rows, to be filled from the diagonal of `M`.
     pub(super) fn start(&mut self) -> &mut [f64] {
         self.rows.fill(0.0);
         for j in 0..self.count {
@@ -53,7 +53,7 @@ impl<const D: usize> Normal<D> {
         }
     }
 
-    /// The factorization. False where `M` is not positive definite to working accuracy.
+    /// Factorizes. Returns false if `M` is not numerically positive definite.
     pub(super) fn factor(&mut self, arch: lariat_portable::Arch) -> bool {
         arch.dispatch(Factor {
             rows: &mut self.rows,
@@ -61,7 +61,7 @@ impl<const D: usize> Normal<D> {
         })
     }
 
-    /// `y`.
+    /// Copies `y`.
     pub(super) fn copy_y(&self, y: &mut [[f64; D]]) {
         for (y, row) in y.iter_mut().zip(self.rows.chunks_exact(self.stride)) {
             y.copy_from_slice(&row[self.count..self.count + D]);
@@ -78,9 +78,9 @@ impl<const D: usize> Normal<D> {
         &self.rows[self.count + D..]
     }
 
-    /// `y = L⁻¹ right`, in the place of `right`.
+    /// Replaces `right` by `y = L⁻¹ right`.
     pub(crate) fn solve_lower(&self, right: &mut [[f64; D]]) {
-        // From the last on, as each needs those before it.
+        // From the last row on, as each needs those before it.
         for j in (0..self.count).rev() {
             let mut y = [0.0; D];
             for (inverse, right) in self.inverse_row(j)[..=j].iter().zip(&*right) {
@@ -117,12 +117,14 @@ impl WithSimd for Factor<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let count = self.rows.len() / self.stride;
-        // The diagonal may sink to what its own rounding leaves of it (Higham, Accuracy and Stability of
-        // Numerical Algorithms, theorem 10.7: it goes with the number of rows).
+        // The diagonal may fall to the level of its own rounding error (Higham, Accuracy and
+        // Stability of Numerical Algorithms, theorem 10.7: it is proportional to the number of
+        // rows).
         let tolerance = 4.0 * count as f64 * f64::EPSILON;
         for k in 0..count {
             let (done, rest) = self.rows.split_at_mut((k + 1) * self.stride);
-            // What the rows above have taken off the diagonal: the squares of their column.
+            // Amount that the rows above have subtracted from the diagonal: the squares of their
+            // column.
             let taken: f64 = (0..k).map(|j| done[j * self.stride + k].powi(2)).sum();
             let row = &mut done[k * self.stride..];
             let pivot = row[k];

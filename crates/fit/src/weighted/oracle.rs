@@ -1,4 +1,5 @@
-//! Least squares by QR of the whole weighted matrix, the definition of what is judged; and random numbers.
+//! Least squares by QR of the whole weighted matrix, the definition that tests compare with; and
+//! random numbers.
 
 use crate::bezier::bernstein;
 use crate::factor::{Qr, least_squares};
@@ -6,7 +7,7 @@ use crate::matrix::row_by_row;
 use faer::Mat;
 use lariat_portable::SplitMix64;
 
-/// The Bernstein polynomials of `count − 1` at each `ρ`, row by row.
+/// The Bernstein polynomials of order `count − 1` at each `ρ`, row by row.
 pub(crate) fn bernstein_rows(rho: &[f64], count: usize) -> Vec<f64> {
     let mut rows = vec![0.0; rho.len() * count];
     for (row, &rho) in rows.chunks_exact_mut(count).zip(rho) {
@@ -56,7 +57,7 @@ pub(crate) fn gram(rows: &[f64], width: usize) -> Vec<f64> {
     gram
 }
 
-/// The control points by QR. `penalty` are rows like those of [`differences`], perhaps none.
+/// Computes the control points by QR. `penalty` are rows like those of [`differences`], or empty.
 pub(crate) fn solve<const D: usize>(
     b: &[f64],
     points: &[[f64; D]],
@@ -134,7 +135,7 @@ pub(crate) fn apart<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A smooth rope some hundred pixels long, and noise of a standard deviation upon it.
+/// A smooth rope some hundred pixels long, with noise of this standard deviation.
 pub(crate) fn rope<const D: usize>(
     rho: &[f64],
     noise_px: f64,

@@ -4,7 +4,7 @@ use crate::factor::Qr;
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
-/// A problem of the tests, by rows.
+/// A test problem, by rows.
 #[derive(Clone)]
 struct Case<const D: usize> {
     b: Vec<f64>,
@@ -18,7 +18,7 @@ struct Case<const D: usize> {
 }
 
 impl<const D: usize> std::fmt::Debug for Case<D> {
-    /// Without the numbers of its matrices.
+    /// Omits the numbers of its matrices.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Case")
             .field("count", &self.count)
@@ -87,7 +87,8 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The same problem with one coordinate for each point: fitted, the columns are those of `H` and `P`.
+/// The same problem with one coordinate for each point. Fitted, the columns are those of `H` and
+/// `P`.
 fn unit_responses<const D: usize>(case: &Case<D>) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     (0..case.points.len())
         .map(|i| {
@@ -100,7 +101,7 @@ fn unit_responses<const D: usize>(case: &Case<D>) -> (Vec<Vec<f64>>, Vec<Vec<f64
         .unzip()
 }
 
-/// Orders whose points determine them, weights as they come, pins and ridge or not.
+/// Orders that the points determine, with random weights, with or without pins and ridge.
 fn cases() -> impl Strategy<Value = Case<2>> {
     (
         2usize..=16,
@@ -121,7 +122,7 @@ fn cases() -> impl Strategy<Value = Case<2>> {
         })
 }
 
-/// Ropes of which a part is hidden, a third at the most, or points here and there.
+/// Ropes with a hidden part, at most a third, or with scattered hidden points.
 fn partial_cases() -> impl Strategy<Value = Case<2>> {
     (
         2usize..=12,
@@ -173,7 +174,8 @@ proptest! {
             case.points[hidden] = [nonsense, f64::NAN];
         }
         let Ok((control_points, fit, weighted)) = case.fit() else {
-            // Then what is left cannot be fitted either, or only a hidden point of the curve is unsure.
+            // The remaining points cannot be fitted either, or only a hidden point of the curve is
+            // uncertain.
             return Ok(());
         };
         let seen = |i: &usize| case.weights[*i] > 0.0;
@@ -332,7 +334,7 @@ proptest! {
     }
 }
 
-/// Every order that the pseudoinverse is trusted with is fitted back as well as QR does it.
+/// At every order allowed for the pseudoinverse, a curve is recovered as accurately as by QR.
 #[test]
 fn a_curve_of_the_basis_is_found_again_at_any_order() {
     let mut random = SplitMix64::new(7);
@@ -438,9 +440,9 @@ fn a_hidden_part_that_nothing_holds_is_refused_with_its_gain() {
         assert!(gain >= 0.99 * last, "{hidden}: {gain} {last}");
         last = gain;
     }
-    // Extrapolation of order 8 is held for a tenth of the rope.
+    // Extrapolation of order 8 is accepted for a tenth of the rope.
     assert!((8..=20).contains(&refused_from.unwrap()));
-    // A ridge that says how smooth the rope is holds it.
+    // A ridge, which states how smooth the rope is, determines it.
     case.weights.fill(1.0);
     case.weights[90..].fill(0.0);
     assert!(case.fit().is_err());
@@ -501,7 +503,7 @@ fn a_refused_fit_leaves_nothing_behind() {
     assert_eq!(control_points, expected);
 }
 
-/// The empirical covariance of 20,000 noisy draws of a rope of which a part is hidden.
+/// Empirical covariance of 20,000 noisy draws of a rope with a hidden part.
 #[test]
 fn the_covariance_of_a_partly_hidden_rope_is_that_of_noisy_draws() {
     const DRAWS: usize = 20_000;
@@ -562,7 +564,7 @@ fn the_covariance_of_a_partly_hidden_rope_is_that_of_noisy_draws() {
         for i in 0..9 {
             for j in 0..9 {
                 let (found, claimed) = (sums[i * 9 + j] / samples, sigma * sigma * c[i * 9 + j]);
-                // Five per cent of the variance, or of what both spreads allow.
+                // Five percent of the variance, or of the product of both standard deviations.
                 let scale = sigma * sigma * (c[i * 9 + i] * c[j * 9 + j]).sqrt();
                 assert!(
                     (found - claimed).abs() < 0.05 * scale,

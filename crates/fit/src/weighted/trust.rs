@@ -1,16 +1,17 @@
-//! How far a fit can be trusted, read off `Z = A L⁻ᵀ` and `X = L⁻¹R⁻ᵀ`, the factor of
-//! `(BᵀWB + K)⁻¹ = XᵀX`: noise gains of the curve's points, covariance of the control points, degrees of
-//! freedom, condition number.
+//! Uncertainty of a fit, computed from `Z = A L⁻ᵀ` and `X = L⁻¹R⁻ᵀ`, the factor of
+//! `(BᵀWB + K)⁻¹ = XᵀX`: noise gains of the curve's points, covariance of the control points,
+//! degrees of freedom, condition number.
 //!
-//! In the coordinates `y` noise of the points has covariance `σ² (I − P + VJVᵀ)`: of the points it would be
-//! `σ² I`; a ridge takes off `P = ΠK̃Π`, `K̃ = XKXᵀ` (it also shrinks the noise), and pinned ends put in `VJVᵀ`
-//! (see `ends`). The residuals' `tr((I−H)ᵀW(I−H))` is `N − m + |P|²` plus what `ends` says.
+//! In the coordinates `y`, noise of the points has covariance `σ² (I − P + VJVᵀ)`. The points alone
+//! contribute `σ² I`. A ridge subtracts `P = ΠK̃Π`, `K̃ = XKXᵀ` (it also shrinks the noise), and
+//! pinned ends add `VJVᵀ` (see `ends`). The residuals' `tr((I−H)ᵀW(I−H))` is `N − m + |P|²` plus
+//! the contribution of `ends`.
 
 use super::columns::{Gains, Gram, Residuals, Triangular};
 use super::{MAX_NOISE_GAIN, Problem, Weighted, WeightedError, WeightedFit};
 
 impl<const D: usize> Weighted<D> {
-    /// Control points and everything about them, of the coefficients that have been found.
+    /// Computes the control points and all quality numbers from the coefficients.
     pub(crate) fn finish(
         &mut self,
         problem: &Problem<'_, D>,
@@ -20,7 +21,7 @@ impl<const D: usize> Weighted<D> {
         assert_eq!(control_points.len(), self.count, "m control points");
         self.refine(problem);
         let noise_gain = self.noise_gain(problem.pins);
-        // Not `>`: NaN must fail.
+        // Not `>`, so that NaN is rejected.
         if noise_gain.is_nan() || noise_gain > MAX_NOISE_GAIN {
             return Err(WeightedError::Undetermined {
                 gain: noise_gain,
@@ -56,7 +57,7 @@ impl<const D: usize> Weighted<D> {
         })
     }
 
-    /// The control points, corrected once by what `B` itself leaves of the points.
+    /// Computes the control points, corrected once by the residuals of `B` itself.
     fn refine(&mut self, problem: &Problem<'_, D>) {
         self.control_points.fill([0.0; D]);
         self.add_coefficients();
@@ -92,7 +93,7 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// Takes `R⁻ᵀKs` off the right-hand sides of the correction.
+    /// Subtracts `R⁻ᵀKs` from the right-hand sides of the correction.
     fn subtract_penalty(&mut self, k: &[f64]) {
         for (i, k) in k.chunks_exact(self.count).enumerate() {
             let mut pull = [0.0; D];
@@ -110,8 +111,8 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// What `B` and the control points leave of the points: the largest square of those that weigh, and the
-    /// weighted sum.
+    /// Computes the residuals of `B` and the control points. Returns the largest square of those
+    /// with a weight, and the weighted sum.
     fn exact_residuals(&mut self) -> [f64; 2] {
         let points = &self.a.all()[self.count * self.a.stride()..];
         self.arch.dispatch(Residuals {
@@ -144,7 +145,7 @@ impl<const D: usize> Weighted<D> {
         (squared * heaviest).sqrt()
     }
 
-    /// `X`, and `XᵀX` into the covariance.
+    /// Computes `X`, and `XᵀX` as the covariance.
     fn invert(&mut self) {
         let (count, normal, lower) = (self.count, &self.normal, &self.lower[..]);
         let (x, covariance) = (&mut self.x[..], &mut self.covariance[..]);
@@ -165,9 +166,9 @@ impl<const D: usize> Weighted<D> {
         );
     }
 
-    /// The condition number of `BᵀWB + K` by its largest eigenvalue and that of its inverse: two steps of the
-    /// power method each, from the sums of the weighted columns of `B`, and from the axis that the inverse
-    /// stretches most.
+    /// Condition number of `BᵀWB + K` from its largest eigenvalue and that of its inverse. Each
+    /// takes two steps of the power method: from the sums of the weighted columns of `B`, and from
+    /// the axis that the inverse stretches most.
     fn condition(&mut self, ridge: Option<&[f64]>) -> f64 {
         let mut norm = self.largest_eigenvalue();
         if let Some(ridge) = ridge {
@@ -189,7 +190,7 @@ impl<const D: usize> Weighted<D> {
         norm * (after / before).sqrt()
     }
 
-    /// Of `BᵀWB`: `vᵀBᵀWBv / vᵀv`, `v = BᵀW1`.
+    /// Largest eigenvalue of `BᵀWB`: `vᵀBᵀWBv / vᵀv`, `v = BᵀW1`.
     fn largest_eigenvalue(&mut self) -> f64 {
         let v = &mut self.room[..self.count];
         self.arch.dispatch(Gram {
@@ -201,7 +202,7 @@ impl<const D: usize> Weighted<D> {
             sums_stride: 1,
         });
         let length: f64 = v.iter().map(|v| v * v).sum();
-        // What is left of nothing is −Bv.
+        // The residual of zero is −Bv.
         let [_, weighted] = self.arch.dispatch(Residuals {
             basis: self.b.all(),
             points: self.zeros.all(),
@@ -236,7 +237,7 @@ impl<const D: usize> Weighted<D> {
         }
     }
 
-    /// Takes `XᵀPX` off the covariance.
+    /// Subtracts `XᵀPX` from the covariance.
     fn spread_ridge(&mut self) {
         let count = self.count;
         self.room.fill(0.0);
@@ -273,7 +274,8 @@ fn add(to: &mut [f64], factor: f64, row: &[f64]) {
     }
 }
 
-/// `out = lower · k · lowerᵀ`, square matrices row by row; `room` is as large.
+/// `out = lower · k · lowerᵀ`, square matrices row by row; `room` is scratch memory of the same
+/// size.
 pub(super) fn congruent(lower: &[f64], k: &[f64], room: &mut [f64], out: &mut [f64]) {
     let count = k.len().isqrt();
     room.fill(0.0);

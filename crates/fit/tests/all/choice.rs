@@ -1,14 +1,14 @@
-//! The size of a curve by a tolerance: the least that holds it, and kept while the rope moves.
+//! The size of a curve by a tolerance: the smallest that satisfies it, kept while the rope moves.
 
 use lariat_fit::{Basis, Curve, Fit, Fitter, Judged, Line, Options, SteadySize, Tolerance};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
 const POINTS: usize = 120;
-/// 25 frames a second.
+/// 25 frames per second.
 const FRAME_NS: u64 = 40_000_000;
 
-/// A rope 400 px long with this heading at each ρ: at equal steps of arc length, as the chain has it.
+/// A rope 400 px long with this heading at each ρ, at equal steps of arc length as in the chain.
 fn heading(at_rho: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     const FINE: usize = 20;
     let steps = FINE * (POINTS - 1);
@@ -24,7 +24,7 @@ fn heading(at_rho: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     points
 }
 
-/// One whose heading is a sum of waves of these amplitudes, in radians, and phases.
+/// A rope whose heading is a sum of waves of these amplitudes, in radians, and phases.
 fn rope(waves: &[(f64, f64)]) -> Vec<[f64; 2]> {
     let wave = |(k, (amplitude, phase)): (f64, &(f64, f64)), rho: f64| {
         amplitude * (0.5 * TAU * k * rho + phase).sin()
@@ -32,7 +32,7 @@ fn rope(waves: &[(f64, f64)]) -> Vec<[f64; 2]> {
     heading(|rho| (1..).map(f64::from).zip(waves).map(|w| wave(w, rho)).sum())
 }
 
-/// One that turns sharply where ρ is this, and is straight else.
+/// A rope that turns sharply at this ρ, and is straight elsewhere.
 fn hairpin(at_rho: f64) -> Vec<[f64; 2]> {
     heading(|rho| 2.0 * ((rho - at_rho) / 0.02).tanh())
 }
@@ -147,7 +147,7 @@ fn a_rope_that_even_knots_cannot_follow_has_its_own_where_it_bends() {
     let ropes = bends.map(hairpin);
     let mut fitter = auto();
     let mut sizes = [SteadySize::of(0), SteadySize::of(1)];
-    // They share a fitter, and take turns.
+    // The ropes share a fitter and take turns.
     for frame in 0..60 {
         for ((points, bend), size) in ropes.iter().zip(bends).zip(&mut sizes) {
             let line = Line::of(points);
@@ -223,7 +223,7 @@ fn a_rope_that_bends_more_and_less_keeps_its_size() {
 #[test]
 fn a_size_changes_after_a_second_of_misfit_once_and_says_so() {
     let winding = [(0.8, 0.4), (1.2, 1.9), (1.5, 0.7), (1.4, 2.2), (1.4, 5.0)];
-    // Straight, wound for half a second, straight, and wound for good.
+    // Straight, wound for half a second, straight, and then wound permanently.
     let film = (0..150).map(|frame| match frame {
         30..42 | 60.. => rope(&winding),
         _ => rope(&[(0.1, 0.0)]),

@@ -37,7 +37,8 @@ proptest! {
         prop_assert!(curve.nearest(curve.point(rho)).distance < 2e-6);
     }
 
-    /// Where it is not an end or a corner, the way there is at a right angle.
+    /// The direction to a nearest point that is not an end or a corner is perpendicular to the
+    /// curve.
     #[test]
     fn the_way_to_the_nearest_point_is_upright(
         owned in any_curve(16),
@@ -52,7 +53,7 @@ proptest! {
             let along = away[0] * tangent[0] + away[1] * tangent[1];
             let speed = curve.derivative(found.rho, 1);
             let speed = speed[0].hypot(speed[1]);
-            // Where the curve stands almost still ρ is less sure.
+            // If the curve's speed is almost zero, ρ is less accurate.
             prop_assert!(along.abs() < 1e-9 * (1.0 + 1e3 / speed) * (1.0 + found.distance));
         }
     }
@@ -71,7 +72,7 @@ proptest! {
         }
         for axis in 0..2 {
             prop_assert!(low[axis] <= seen[0][axis] + 1e-6 && high[axis] >= seen[1][axis] - 1e-6);
-            // At least one point is where the box is; of 5000 steps one is near, even of 32 corners.
+            // At least one point touches the box; of 5000 steps one is near, even with 32 corners.
             let size = high[axis] - low[axis];
             prop_assert!(low[axis] > seen[0][axis] - 1e-2 * size - 1e-9);
             prop_assert!(high[axis] < seen[1][axis] + 1e-2 * size + 1e-9);
@@ -87,7 +88,7 @@ proptest! {
             .sum();
         let length = curve.length();
         prop_assert!(length >= seen * (1.0 - 1e-12));
-        // A chord cuts off at most itself at each of 16 corners.
+        // At each of 16 corners, chords miss at most one chord length.
         prop_assert!(length <= seen * (1.0 + 5e-3));
     }
 
@@ -96,7 +97,7 @@ proptest! {
         let curve = owned.as_curve().unwrap();
         let rho = curve.rho_at_length(fraction);
         let length = curve.length();
-        // Random curves nearly have cusps now and then.
+        // Random curves occasionally have near-cusps.
         prop_assert!((curve.length_to(rho) - fraction * length).abs() <= 1e-8 * length);
         prop_assert_eq!(curve.length_to(0.0), 0.0);
         prop_assert_eq!(curve.length_to(1.0), length);
@@ -134,7 +135,7 @@ proptest! {
             })
             .collect();
         let distance = curve.distance_to(&points);
-        // Each of them is at most as far as at its ρ, and at least as far as from the whole curve.
+        // Each distance is at most that at its ρ, and at least that from the whole curve.
         let (mut least, mut most) = (0.0, 0.0);
         for (i, &point) in points.iter().enumerate() {
             least += curve.nearest(point).distance.powi(2);
@@ -146,7 +147,7 @@ proptest! {
     }
 }
 
-/// The one search by Newton's method from a good guess, the other over the whole curve.
+/// One search is Newton's method from a good guess, the other covers the whole curve.
 #[test]
 fn both_searches_agree_to_rounding() {
     let control_points = [
@@ -182,7 +183,7 @@ fn both_searches_agree_to_rounding() {
     }
 }
 
-/// On the far side of a circle the distance has its only maximum: the search begins beside it.
+/// On the far side of a circle the distance has its only maximum, and the search begins next to it.
 #[test]
 fn a_search_that_begins_on_a_hill_comes_down() {
     let circle = circle();
@@ -212,7 +213,7 @@ fn known_curves_have_their_known_lengths() {
     let parabola = Curve::bezier(&[[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]]).unwrap();
     let known = 5f64.sqrt() / 2.0 + 2f64.asinh() / 4.0;
     assert!((parabola.length() / known - 1.0).abs() < 1e-14);
-    // (ρ², ρ³) from −1 to 1 turns back in a cusp in its middle: 2 (13^(3/2) − 8)/27.
+    // (ρ², ρ³) from −1 to 1 has a cusp in the middle: 2 (13^(3/2) − 8)/27.
     let cusp = Curve::bezier(&[
         [1.0, -1.0],
         [-1.0 / 3.0, 1.0],
@@ -258,7 +259,7 @@ fn in_space_all_is_as_in_the_plane() {
     assert!((distance.rms - (61f64 / 3.0).sqrt()).abs() < 1e-12);
 }
 
-/// Every point of it is as near: any will do, but it has to end.
+/// All points of the circle are equally near. Any is valid, but the search must end.
 #[test]
 fn the_middle_of_a_circle_is_its_radius_away() {
     let (arc, circle) = (quarter_circle(), circle());
@@ -266,7 +267,7 @@ fn the_middle_of_a_circle_is_its_radius_away() {
     assert!((found.distance - 50.0).abs() < 1e-12);
     let found = arc.as_curve().unwrap().nearest([0.0, 0.0]);
     assert!((found.distance - 50.0).abs() < 1e-12);
-    // A hair beside it one point is nearest, if by a hair.
+    // Slightly off center, one point is the nearest by a small margin.
     let found = circle.as_curve().unwrap().nearest([300.0, 200.001]);
     assert!((found.distance - 49.999).abs() < 1e-10);
     assert!((found.rho - 0.25).abs() < 1e-6);
@@ -304,7 +305,7 @@ fn a_curve_that_comes_back_is_near_with_the_right_strand() {
     assert!((found.rho - (2.0 + 0.1) / 3.0).abs() < 1e-12);
     // A corner.
     assert_eq!(curve.nearest([110.0, -5.0]).rho, 1.0 / 3.0);
-    // Taken near its own ρ, it is measured from its own strand.
+    // Near its own ρ, a point is measured from its own strand.
     let near = curve.distance_to_at([([20.0, 4.0], 0.05)]);
     assert!((near.max - 4.0).abs() < 1e-12);
 }
@@ -330,7 +331,7 @@ fn what_is_no_number_has_no_distance_and_what_is_far_is_far() {
     assert_eq!(samples, [[3.0, 4.0]; 3]);
 }
 
-/// Both sums of the first quadrature of this nearly cusped curve agree, and are wrong by 2e-8.
+/// In the first quadrature of this nearly cusped curve, both sums agree, and are wrong by 2e-8.
 #[test]
 fn sums_that_agree_by_accident_are_not_taken() {
     let control_points = [
@@ -358,6 +359,6 @@ fn sums_that_agree_by_accident_are_not_taken() {
         .map(|i| [i, i + 1].map(|i| curve.point(f64::from(i) / f64::from(count))))
         .map(|[a, b]| apart(a, b))
         .sum();
-    // So many chords are short of the curve by 1e-11 of it.
+    // This many chords are shorter than the curve by 1e-11 of it.
     assert!((curve.length() - chords).abs() < 1e-10 * chords);
 }

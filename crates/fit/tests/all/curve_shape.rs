@@ -7,7 +7,7 @@ use lariat_fit::{Basis, Curve, CurveError, Knots, elevate_degree, reverse};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-/// Whether a value of ρ is so near to where two pieces meet that a difference would reach over.
+/// Returns whether ρ is so near to a knot that a difference would reach across it.
 fn near_a_knot(curve: &Curve, rho: f64) -> bool {
     curve.knots().iter().any(|knot| (knot - rho).abs() < 1e-3)
 }
@@ -20,7 +20,8 @@ proptest! {
         let curve = owned.as_curve().unwrap();
         prop_assume!(!near_a_knot(&curve, rho));
         for k in 1..=3 {
-            // The largest of this derivative and the third one after it is what central differences err by.
+            // The error of central differences is bounded by the largest of this derivative and of
+            // the third one after it.
             let size = (0..=100)
                 .map(|i| curve.derivative(f64::from(i) / 100.0, k))
                 .map(|d| d[0].hypot(d[1]))
@@ -109,7 +110,7 @@ proptest! {
         let there = |p: [f64; 2]| { let [x, y] = turn(p); [x + by[0], y + by[1]] };
         let mut moved = owned.clone();
         for (j, point) in moved.control_points.iter_mut().enumerate() {
-            // Waves do not sum to one: only the mean is a place.
+            // Waves do not sum to one: only the mean is a position.
             let is_place = j == 0 || !owned.basis.is_closed();
             *point = if is_place { there(*point) } else { turn(*point) };
         }
@@ -142,7 +143,7 @@ fn where_control_points_meet_the_tangent_is_the_way_on() {
     let start = Curve::bezier(&[[3.0, 4.0], [3.0, 4.0], [6.0, 8.0], [9.0, 0.0]]).unwrap();
     let tangent = start.tangent(0.0).unwrap();
     assert!(apart(tangent, [0.6, 0.8]) < 1e-12);
-    // The way on is what the curve does a little later.
+    // The direction is that of the curve a little later.
     assert!(apart(tangent, start.tangent(1e-6).unwrap()) < 1e-4);
     let end = Curve::bezier(&[[9.0, 0.0], [6.0, 8.0], [3.0, 4.0], [3.0, 4.0]]).unwrap();
     assert!(apart(end.tangent(1.0).unwrap(), [-0.6, -0.8]) < 1e-12);
@@ -177,7 +178,7 @@ fn circles_bend_by_one_over_their_radius() {
 
 #[test]
 fn in_space_a_curve_bends_to_no_side() {
-    // A flat parabola, tipped by 45°.
+    // A flat parabola, tilted by 45°.
     let flat = [[0.0, 0.0], [1.0, 2.0], [2.0, 0.0]];
     let tipped = flat.map(|[x, y]| [x, y * FRAC_1_SQRT_2, y * FRAC_1_SQRT_2]);
     let (flat, tipped) = (

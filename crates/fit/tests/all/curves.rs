@@ -1,4 +1,4 @@
-//! Curves against SciPy and geomdl; the script beside the fixture says how it was made.
+//! Compares curves with SciPy's and geomdl's. `tests/curves.py` made the fixture.
 
 use lariat_fit::{Basis, Curve, Knots, OwnedCurve, elevate_degree, insert_knot};
 use serde_json::Value;
@@ -27,7 +27,7 @@ fn cases<'a>(fixture: &'a Value, key: &str, count: usize) -> &'a [Value] {
     cases
 }
 
-/// Derivatives grow with order and pieces; so does what rounding leaves of them.
+/// Derivatives grow with order and pieces, and so does their rounding error.
 fn close<const D: usize>(found: &[f64; D], expected: &[f64; D], size: f64, about: &str) {
     for axis in 0..D {
         assert!(

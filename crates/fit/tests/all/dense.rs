@@ -1,4 +1,4 @@
-//! Dense matrices as the textbook has them: slow, plain, and independent of the library's own.
+//! Dense matrices as in a textbook: slow, plain, and independent of the library's own.
 
 use lariat_portable::SplitMix64;
 
@@ -93,13 +93,13 @@ impl Dense {
         Self::from_fn(rows, columns, |a, b| self[(i + a, j + b)])
     }
 
-    /// Two by two blocks of one size.
+    /// A matrix of 2×2 blocks of one size.
     pub(crate) fn of_blocks(blocks: [[&Self; 2]; 2]) -> Self {
         let (m, n) = (blocks[0][0].rows, blocks[0][0].columns);
         Self::from_fn(2 * m, 2 * n, |i, j| blocks[i / m][j / n][(i % m, j % n)])
     }
 
-    /// `L` with `LLᵀ` this, or nothing if it is not positive definite.
+    /// `L` with `LLᵀ` equal to this matrix; `None` if it is not positive definite.
     pub(crate) fn cholesky(&self) -> Option<Self> {
         let mut l = Self::from_fn(self.rows, self.rows, |_, _| 0.0);
         for i in 0..self.rows {
@@ -136,8 +136,8 @@ impl Dense {
         l.transposed().times(&l)
     }
 
-    /// The singular values, the largest first, by one-sided Jacobi rotations (G. Golub, C. Van Loan, *Matrix
-    /// Computations*, 8.6.3).
+    /// The singular values, the largest first, by one-sided Jacobi rotations (G. Golub, C. Van
+    /// Loan, *Matrix Computations*, 8.6.3).
     pub(crate) fn singular_values(&self) -> Vec<f64> {
         let mut m = self.clone();
         let dot = |m: &Self, p: usize, q: usize| -> f64 {
@@ -177,7 +177,7 @@ impl Dense {
         Self::from_fn(points.len(), 1, |i, _| points[i][axis])
     }
 
-    /// The largest difference of two entries by the largest entry.
+    /// The largest difference of two entries, divided by the largest entry.
     pub(crate) fn difference(&self, other: &Self) -> f64 {
         let size = |m: &Self| m.numbers.iter().fold(0.0f64, |size, n| size.max(n.abs()));
         size(&self.plus(-1.0, other)) / size(self).max(size(other)).max(1e-300)
@@ -201,7 +201,7 @@ pub(crate) fn errors<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> Vec<[f64
     a.iter().zip(b).map(difference).collect()
 }
 
-/// So many independent normal numbers.
+/// This many independent normal numbers.
 pub(crate) fn normals(random: &mut SplitMix64, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.normal()).collect()
 }

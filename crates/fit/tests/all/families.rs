@@ -1,4 +1,4 @@
-//! What must hold for every family of curves and every option.
+//! Properties of every family of curves and every option.
 
 use crate::dense::Dense;
 use lariat_fit::{
@@ -22,7 +22,7 @@ fn any_points(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<[f64; 
     prop::collection::vec(prop::array::uniform2(-1e3f64..1e3), count)
 }
 
-/// Every basis that is a regression, of sizes that all solvers take with 40 points or more.
+/// Every basis that is a regression, of sizes that all solvers accept with 40 points or more.
 fn regression() -> impl Strategy<Value = Basis> {
     prop_oneof![
         (1usize..=8).prop_map(|order| Basis::Bezier { order }),
@@ -49,7 +49,7 @@ fn any_basis() -> impl Strategy<Value = Basis> {
     ]
 }
 
-/// A basis and options that it takes.
+/// A basis and options that apply to it.
 fn request() -> impl Strategy<Value = Options> {
     (
         any_basis(),
@@ -99,7 +99,8 @@ proptest! {
         points in any_points(40..200),
         map in prop::array::uniform6(-3.0f64..3.0),
     ) {
-        // The coefficients of a Fourier series are no points but the first: they do not move along.
+        // The coefficients of a Fourier series are not points, except the first: they do not move
+        // along.
         let moves = |j: usize| f64::from(j == 0 || !options.basis.is_closed());
         let apply = |p: &[f64; 2], moved: f64| [
             map[0] * p[0] + map[1] * p[1] + 100.0 * moved * map[2],
@@ -164,7 +165,7 @@ proptest! {
         prop_assert!(largest_difference(&found, &product) < 1e-9 * size(&found));
     }
 
-    /// What a ridge and pins minimize has no smaller value nearby.
+    /// A ridge reduces the bending of the control polygon.
     #[test]
     fn a_ridge_bends_the_control_polygon_less(points in any_points(40..200), order in 2usize..9) {
         let bending = |fit: &Fit| -> f64 {
@@ -175,7 +176,7 @@ proptest! {
         let (free, some, much) = (with(0.0), with(1.0), with(1e9));
         prop_assert!(bending(&some) <= bending(&free) * (1.0 + 1e-9));
         prop_assert!(free.rms_px <= some.rms_px * (1.0 + 1e-12));
-        // As λ grows the curve becomes the regression line.
+        // As λ grows, the curve becomes the regression line.
         let line = fit(Options::bezier(1), &points);
         prop_assert!((much.rms_px - line.rms_px).abs() < 1e-3 * line.rms_px);
     }
@@ -207,7 +208,7 @@ fn an_ellipse_is_one_harmonic() {
     ];
     assert!(largest_difference(&found.control_points, &expected) < 1e-11);
     assert!(found.max_px < 1e-11);
-    // The functions are orthogonal on the grid, of squares N and N/2.
+    // The functions are orthogonal on the grid, with squares N and N/2.
     assert!((found.condition - 2f64.sqrt()).abs() < 1e-12);
 }
 
@@ -281,12 +282,13 @@ fn options_without_use_are_refused_with_what_to_do() {
     assert_eq!(text, "invalid ridge NaN: it must be 0 or positive");
 }
 
-/// 20,000 noisy draws of one centerline: their covariance is the stated one, within 5 %.
+/// Checks that the covariance of 20,000 noisy draws of one centerline is the stated one, within 5
+/// %.
 fn covariance_holds(options: Options) {
     const DRAWS: usize = 20_000;
     let sigma = 0.4;
     let mut fitter = Fitter::new(options).unwrap();
-    // What the family draws exactly, so that only noise is left.
+    // A curve that the family represents exactly, so that only noise is left.
     let smooth: Vec<[f64; 2]> = (0..options.points)
         .map(|i| [50.0 + 4.0 * i as f64, 240.0 - 1.5 * i as f64])
         .collect();
@@ -359,7 +361,7 @@ fn the_noise_gain_is_the_largest_standard_deviation() {
         .map(|j| fit.covariance_factor[(j, j)])
         .fold(0.0, f64::max);
     assert_eq!(fit.noise_gain(), largest.sqrt());
-    // N equal points tell the mean to 1/√N.
+    // N equal points determine the mean to 1/√N.
     let basis = Basis::CenterOfMass;
     let fitter = Fitter::new(Options::default().basis(basis)).unwrap();
     assert!((fitter.last().noise_gain() - 1.0 / 120f64.sqrt()).abs() < 1e-15);
@@ -372,7 +374,7 @@ fn the_condition_is_that_of_what_was_solved() {
         .collect();
     let even = Fitter::new(Options::default()).unwrap().last().condition;
     let mut fitter = Fitter::new(Options::default().weights(Weights::Given)).unwrap();
-    // The rows of B that weigh, and their singular values.
+    // The rows of B with weights, and their singular values.
     let solved = |from: usize| {
         let b = Dense::from_fn(120 - from, 9, |i, j| {
             let mut row = [0.0; 9];

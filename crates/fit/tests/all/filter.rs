@@ -1,4 +1,4 @@
-//! What a filter's users may rely on.
+//! Guarantees of a filter.
 
 mod behaviour;
 mod consistency;

@@ -1,4 +1,4 @@
-//! All three solvers against `numpy.linalg.lstsq`; the script beside the fixture says how it was made.
+//! Compares all three solvers with `numpy.linalg.lstsq`. `tests/numpy_lstsq.py` made the fixture.
 
 use lariat_fit::{Fitter, Options, Solver};
 use serde_json::Value;
@@ -23,7 +23,8 @@ fn every_solver_equals_numpy() {
                 Fitter::new(Options::bezier(order).points(points.len()).solver(solver)).unwrap();
             let about = format!("order {order}, {} points, {solver}", points.len());
 
-            // Singular values are known to ε times the largest: their ratio to ε times itself, relatively.
+            // Singular values are accurate to ε times the largest, so the relative error of their
+            // ratio is ε times the ratio.
             let condition = number("condition");
             assert!(
                 (fitter.last().condition - condition).abs() < 1e-11 * condition * condition,

@@ -1,17 +1,19 @@
-//! Pixel noise, through a tilted plane and equal steps set again, to the control points: as foretold, and as it is.
+//! Pixel noise through a tilted plane and resampling to the control points: predicted and empirical
+//! covariances.
 
 use lariat_fit::{Fitter, MAX_CONTROL_POINTS, Options, Resampler, Square};
 use lariat_portable::SplitMix64;
 
-/// A plane seen at a slant: along the ropes below a pixel at the one end is some two and a half times as long as at the other.
+/// A plane seen at a slant. Along the ropes below, a pixel at one end is some two and a half times
+/// as long as at the other.
 const H: [[f64; 3]; 3] = [
     [0.8, 0.05, -260.0],
     [-0.03, 1.1, -180.0],
     [1e-4, -1.3e-3, 1.0],
 ];
 
-/// So much that what the families of curves cannot follow of the ropes below is small beside it, and so little against the steps
-/// of 5 px that the squares of their slants do not add to the arc length.
+/// Large enough that the approximation error of the curves is small in comparison. Small enough,
+/// compared to the steps of 5 px, that the squares of their slopes do not add to the arc length.
 const SIGMA_PX: f64 = 0.02;
 
 fn place([x, y]: [f64; 2]) -> ([f64; 2], Square<2>) {
@@ -22,7 +24,7 @@ fn place([x, y]: [f64; 2]) -> ([f64; 2], Square<2>) {
     (point, j.map(|row| j.map(|other| dot(row, other))))
 }
 
-/// Equal steps in the picture along a wave, or round a ring.
+/// Equal steps in the picture along a wave, or around a ring.
 fn rope(closed: bool) -> Vec<[f64; 2]> {
     let at = |t: f64| {
         if closed {
@@ -47,10 +49,10 @@ fn rope(closed: bool) -> Vec<[f64; 2]> {
 }
 
 struct Trial {
-    /// What was foretold, in the mean, and the variance of the pixels by the residuals.
+    /// Mean of the predicted covariances, and variance of the pixels by the residuals.
     foretold: Vec<[f64; 3]>,
     sigma2: f64,
-    /// What came.
+    /// Empirical covariances.
     found: Vec<[f64; 3]>,
 }
 
@@ -81,7 +83,7 @@ fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
             shape.clone_from(&control_points);
         }
         for j in 0..count {
-            // From the first run's, so that nothing is lost to the size of coordinates.
+            // Relative to the first run's, to avoid cancellation.
             let [x, y] = [0, 1].map(|axis| control_points[j][axis] - shape[j][axis]);
             sums[j] = [sums[j][0] + x, sums[j][1] + y];
             for (sum, product) in products[j].iter_mut().zip([x * x, x * y, y * y]) {
@@ -108,8 +110,9 @@ fn trial(options: Options, closed: bool, sigma_px: f64, seed: u64) -> Trial {
     }
 }
 
-/// Foretold and found must agree within `tolerance` of each control point's larger variance: a variance of 4000 runs is itself
-/// known to 2.2 % (one standard deviation), the worst of 27 numbers to some 7 %.
+/// Checks that predictions and results agree within `tolerance` of each control point's larger
+/// variance. A variance of 4000 runs is itself accurate to 2.2 % (one standard deviation), and the
+/// worst of 27 numbers to some 7 %.
 fn agree(trial: &Trial, sigma_px: f64, tolerance: f64) {
     let share = trial.sigma2 / (sigma_px * sigma_px);
     assert!(
@@ -132,7 +135,7 @@ fn noise_of_pixels_comes_out_as_foretold() {
     let options = Options::bezier(8).points(120);
     let trial = trial(options, false, SIGMA_PX, 1);
     agree(&trial, SIGMA_PX, 0.1);
-    // And it is another along the rope than across it, which one number could not say.
+    // The variances along and across the rope differ, which one number could not express.
     let middle = trial.found[4];
     let spread = ((middle[0] - middle[2]).powi(2) + 4.0 * middle[1] * middle[1]).sqrt();
     assert!(spread > 0.5 * (middle[0] + middle[2]), "{middle:?}");

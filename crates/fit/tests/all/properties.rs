@@ -1,4 +1,4 @@
-//! What must hold for every centerline.
+//! Properties of fits to every centerline.
 
 use lariat_fit::{Basis, Fit, FitError, Fitter, FitterError, Options, Solver, bernstein, point_at};
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ fn any_points(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<[f64; 
     prop::collection::vec(prop::array::uniform2(-1e3f64..1e3), count)
 }
 
-/// An order, and random points enough for it.
+/// An order, and enough random points for it.
 fn problem() -> impl Strategy<Value = (usize, Vec<[f64; 2]>)> {
     (1usize..=8).prop_flat_map(|order| (Just(order), any_points(2 * order + 2..257)))
 }
@@ -99,7 +99,8 @@ proptest! {
         prop_assert!((found.residual_variance - sum / freedom).abs() < 1e-9 * (1.0 + sum));
     }
 
-    /// The residual of a least-squares fit is orthogonal to every column of B: no other proof needed.
+    /// The residual of a least-squares fit is orthogonal to every column of B, which is sufficient
+    /// proof.
     #[test]
     fn no_change_of_a_control_point_brings_the_curve_nearer((order, points) in problem()) {
         let found = fit(order, &points);

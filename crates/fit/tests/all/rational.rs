@@ -1,4 +1,4 @@
-//! What must hold for every rational fit.
+//! Properties of every rational fit.
 
 mod covariance;
 mod exact;

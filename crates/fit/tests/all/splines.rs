@@ -1,4 +1,4 @@
-//! B-splines against SciPy's and geomdl's; the script beside the fixture says how it was made.
+//! Compares B-splines with SciPy's and geomdl's. `tests/splines.py` made the fixture.
 
 use lariat_fit::{Basis, Fitter, Knots, Options, Rho, Solver};
 use serde_json::Value;

@@ -1,12 +1,13 @@
-//! Points in space that err by ellipsoids of their own, and ends that err along the curve: their control points' covariances, as foretold
-//! and as they come.
+//! 3-D points with error ellipsoids, and ends with errors along the curve: predicted and empirical
+//! covariances of their control points.
 
 use lariat_fit::{Fitter, Line, MAX_CONTROL_POINTS, Options, Resampler, Spread, Square};
 use lariat_portable::SplitMix64;
 
 const COUNT: usize = 120;
 const TRIALS: usize = 3000;
-/// Across the line of sight, along it, of each end along the rope, and of all points together along y, mm.
+/// Standard deviations across the line of sight, along it, of each end along the rope, and of all
+/// points together along y, mm.
 const SIGMAS: [f64; 4] = [0.05, 0.4, 0.6, 0.3];
 
 fn truth(t: f64) -> [f64; 3] {
@@ -47,7 +48,7 @@ fn covariances_in_space_are_those_of_the_errors() {
     in_common[1][1] = shift * shift;
     let exact = line(0.0, 1.0);
     let right = fitter.fit(&exact).expect("a fit").control_points.clone();
-    // How far t goes for a millimetre of the rope, at its ends.
+    // Change of t per millimeter of the rope, at its ends.
     let speed = |t: f64| {
         let (a, b) = (truth(t - 1e-4), truth(t + 1e-4));
         (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt() / 2e-4

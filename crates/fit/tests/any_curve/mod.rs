@@ -22,7 +22,7 @@ fn sizes(most: usize) -> impl Strategy<Value = Basis> {
     ]
 }
 
-/// Any curve of at most so many control points, all in a picture.
+/// Any curve of at most this many control points, all in a picture.
 pub(crate) fn any_curve(most: usize) -> impl Strategy<Value = OwnedCurve> {
     sizes(most).prop_flat_map(|basis| {
         let count = basis.control_points();
@@ -48,7 +48,8 @@ pub(crate) fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Weights 1, √½, 1 make a parabola's control points those of a circle (Piegl and Tiller, section 7.2).
+/// Weights 1, √½, 1 turn a parabola's control points into those of a circle (Piegl and Tiller,
+/// section 7.2).
 pub(crate) fn quarter_circle() -> OwnedCurve {
     OwnedCurve {
         basis: Basis::RationalBezier { order: 2 },

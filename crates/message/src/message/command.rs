@@ -1,35 +1,37 @@
-//! What a controller tells a robot's grippers, where the robot is a simulated one.
+//! Commands from a controller to the grippers of a simulated robot.
 
 #[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Most grippers of one robot.
+/// Maximum number of grippers of one robot.
 pub const MAX_GRIPPERS: usize = 2;
 
 message! {
-    /// Velocities for a robot's grippers, from the moment of sending on. A layout like those of the other messages.
+    /// Velocities for a robot's grippers, valid from the moment of sending. The layout follows the
+    /// same rules as the other messages.
     ///
-    /// Only the simulated rope takes commands: a real robot has a driver of its own.
+    /// Only the simulated rope accepts commands; a real robot has its own driver.
     pub struct Command = "lariat.Command.v2" {
-        /// How many the controller has sent, this one included.
+        /// Commands sent, including this one.
         count: u64 = 0 => number,
-        /// When it was sent, on the clock of [`now_ns`](crate::now_ns).
+        /// Time of sending on the clock of [`now_ns`](crate::now_ns).
         sent_ns: u64 = 0 => number,
-        /// When the image was taken that it goes by ([`Trace::exposed_ns`](crate::Trace::exposed_ns)); 0 if by none.
+        /// Exposure time of the image used ([`Trace::exposed_ns`](crate::Trace::exposed_ns)); 0 if
+        /// none.
         exposed_ns: u64 = 0 => number,
-        /// How many grippers are meant.
+        /// Number of valid grippers.
         grippers: u32 = 0 => count(velocities),
         /// Always 0.
         reserved: u32 = 0 => reserved,
-        /// The velocity of each gripper: along x, y and z, then the turns about x, y and z in rad/s. Of a rope in the image the first two are in
-        /// px/s and the last is the turn from x towards y, the others count for nothing; of a lifted one they are in mm/s and those of the
-        /// robot's frame.
+        /// Gripper velocities along x, y, z in mm/s, then about x, y, z in rad/s, in the robot's
+        /// frame. For a rope in the image only the first two, in px/s, and the last, from x towards
+        /// y, count.
         velocities: [[f64; 6]; MAX_GRIPPERS] = [[0.0; 6]; MAX_GRIPPERS] => list(velocities),
     }
 }
 
 impl Command {
-    /// The velocities that are meant.
+    /// The valid velocities.
     pub fn velocities(&self) -> &[[f64; 6]] {
         &self.velocities[..(self.grippers as usize).min(MAX_GRIPPERS)]
     }

@@ -1,8 +1,10 @@
-//! The one declaration of a message: its struct, an empty one, its layout and its visitors.
+//! The single declaration of a message. It generates the struct, an empty value, the layout and the
+//! visitors.
 
-/// Declares a message. Each field has its type, what it is in an empty message, and what it means: `number`, `flag`, `ends`,
-/// `code(Status)`, `count(of this list)`, `hidden(points)`, `points(accessor)` and `list(accessor)` of numbers, `message`,
-/// `messages(accessor)`, or `reserved`. An accessor is the method that gives as much of a list as is meant.
+/// Declares a message. Each field has a type, a value in an empty message, and a meaning: `number`,
+/// `flag`, `ends`, `code(Status)`, `count(of this list)`, `hidden(points)`, `points(accessor)`,
+/// `list(accessor)` of numbers, `message`, `messages(accessor)`, or `reserved`. An accessor is the
+/// method that returns the valid part of a list.
 macro_rules! message {
     (
         $(#[$attribute:meta])*
@@ -19,10 +21,10 @@ macro_rules! message {
         }
 
         impl $type {
-            /// An empty one.
+            /// An empty message.
             pub const EMPTY: Self = Self { $($field: $empty,)+ };
 
-            /// Its fields, and where they lie.
+            /// The fields and their offsets.
             pub const LAYOUT: $crate::fields::Layout = $crate::fields::Layout {
                 name: stringify!($type),
                 type_name: $type_name,

@@ -1,4 +1,4 @@
-//! What stands beside the bytes of an image.
+//! Header of an image.
 
 #[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
@@ -6,18 +6,18 @@ use iceoryx2::prelude::ZeroCopySend;
 use crate::{PixelFormat, Trace};
 
 message! {
-    /// What stands beside the bytes of a frame.
+    /// Header before the bytes of an image.
     ///
-    /// It fills two cache lines and begins on one, and so do the bytes that follow it. (The transport's own way to align
-    /// the bytes would align each of them, and take 64 times the memory.)
+    /// It fills two cache lines and begins on one, and so do the bytes that follow. The transport's
+    /// own alignment would align every single byte and take 64 times the memory.
     #[repr(align(64))]
     #[derive(Eq)]
     pub struct FrameHeader = "lariat.FrameHeader.v3" {
-        /// The frame's way so far.
+        /// Trace up to this stage.
         trace: Trace = Trace::EMPTY => message,
-        /// Pixels in a row; 0 if there is [no image](Self::is_blank).
+        /// Width in pixels; 0 [without an image](Self::is_blank).
         width: u32 = 0 => number,
-        /// Rows; 0 likewise.
+        /// Height in pixels; 0 without an image.
         height: u32 = 0 => number,
         /// Bytes from one row's start to the next.
         stride: u32 = 0 => number,
@@ -31,18 +31,19 @@ message! {
 }
 
 impl FrameHeader {
-    /// How the bytes make pixels; `None` for a number this version does not know.
+    /// Pixel format; `None` for a number this version does not know.
     pub const fn format(&self) -> Option<PixelFormat> {
         PixelFormat::from_code(self.pixel_format)
     }
 
-    /// Whether there is no image: the source has none to give, though it is time for one. A reader has nothing to look at
-    /// then, and sends on what it knows without.
+    /// Returns whether an image is missing: one is due, but the source cannot give it. A stage
+    /// still sends its result then, from what it already knows.
     pub const fn is_blank(&self) -> bool {
         self.width == 0 || self.height == 0
     }
 
-    /// What stands beside a mask of this frame: `Gray8` of its size, rows one after the other, with its trace.
+    /// Header of a mask of this frame: `Gray8` of the same size without row padding, with the same
+    /// trace.
     pub const fn of_mask(&self) -> Self {
         Self {
             stride: self.width,
@@ -51,7 +52,8 @@ impl FrameHeader {
         }
     }
 
-    /// What stands beside a depth image of this frame: `Gray16` of its own size, rows one after the other, with its trace.
+    /// Header of a depth image of this frame: `Gray16` of its own size without row padding, with
+    /// the same trace.
     pub const fn of_depth(&self, [width, height]: [u32; 2]) -> Self {
         Self {
             width,
@@ -62,7 +64,8 @@ impl FrameHeader {
         }
     }
 
-    /// Bytes of the whole image as the header describes it; `None` if the format is unknown or a row does not fit its stride.
+    /// Bytes of the whole image as described by the header; `None` if the format is unknown or a
+    /// row does not fit its stride.
     pub fn image_bytes(&self) -> Option<usize> {
         let format = self.format()?;
         (format.row_bytes(self.width) <= self.stride as usize)

@@ -1,16 +1,16 @@
-//! A bit a point: whether something covers it.
+//! Mask of covered points, one bit each.
 
 use crate::MAX_POINTS;
 
-/// A bit a point: bit i % 32 of word i / 32 is point i.
+/// One bit per point: bit i % 32 of word i / 32 is point i.
 pub type Hidden = [u32; MAX_POINTS / 32];
 
-/// Whether point `i` is covered.
+/// Returns whether point `i` is covered.
 pub const fn is_hidden(mask: &Hidden, i: usize) -> bool {
     i < MAX_POINTS && mask[i / 32] >> (i % 32) & 1 == 1
 }
 
-/// Of points in order, which are covered.
+/// Packs one bool per point, in order, into a mask.
 pub fn hidden(points: impl IntoIterator<Item = bool>) -> Hidden {
     let mut mask = [0; MAX_POINTS / 32];
     for (i, is_set) in points.into_iter().take(MAX_POINTS).enumerate() {

@@ -1,44 +1,45 @@
-//! The way of a frame through the chain.
+//! Counters and times of a frame on its way through the chain.
 
 #[cfg(feature = "transport")]
 use iceoryx2::prelude::ZeroCopySend;
 
 message! {
-    /// The way of one frame through the chain. Every message carries it; every stage adds its own lines.
+    /// Counters and times of one frame on its way through the chain. Every message carries it, and
+    /// every stage adds its own.
     ///
-    /// The counters make every loss a difference: of two consecutive messages, what `sequence` advanced more than
-    /// `captured` was lost at the source, what `captured` advanced more than `extracted` between capture and extract, and
-    /// so on. All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
+    /// The counters show losses as differences between two consecutive messages. If `sequence`
+    /// advanced by more than `captured`, the source lost the difference. If `captured` advanced by
+    /// more than `extracted`, the difference was lost between capture and extract, and so forth.
+    /// All times are nanoseconds of `CLOCK_MONOTONIC`, 0 before they are known.
     #[derive(Eq)]
     pub struct Trace = "lariat.Trace.v3" {
-        /// The source's own frame number, from 1.
+        /// Frame number of the source, from 1.
         sequence: u64 = 0 => number,
-        /// How many frames capture has sent, this one included.
+        /// Frames sent by capture, including this one.
         captured: u64 = 0 => number,
-        /// How many frames extract has sent, this one included.
+        /// Frames sent by extract, including this one.
         extracted: u64 = 0 => number,
-        /// How many frames fit has sent, this one included.
+        /// Frames sent by fit, including this one.
         fitted: u64 = 0 => number,
-        /// How many messages of this channel a bridge has written on this machine, this one included; 0 if it came over none, and
-        /// for pictures.
+        /// Messages of this channel that a local bridge has written, including this one; 0 without
+        /// one, and for images.
         bridged: u64 = 0 => number,
-        /// When the image was taken: the driver's timestamp, or the moment a file's frame was due.
+        /// Exposure time: the driver's timestamp, or when a file's frame was due.
         exposed_ns: u64 = 0 => number,
-        /// When capture had the frame ready to send.
+        /// End of capture, before sending.
         captured_ns: u64 = 0 => number,
-        /// When extract began.
+        /// Start of extract.
         extract_started_ns: u64 = 0 => number,
-        /// When extract had its result ready to send.
+        /// End of extract, before sending.
         extracted_ns: u64 = 0 => number,
-        /// When fit began.
+        /// Start of fit.
         fit_started_ns: u64 = 0 => number,
-        /// When fit had its result ready to send.
+        /// End of fit, before sending.
         fitted_ns: u64 = 0 => number,
-        /// By which settings the stage that sent this message went: 0 by those that its chain began with, one more for each
-        /// change since.
+        /// Settings version of the sender: number of changes since the chain's start.
         settings: u32 = 0 => number,
-        /// Restarts of capture, extract and fit, modulo 256, one byte each from the lowest:
-        /// [`restarts`](Self::restarts).
+        /// [Restarts](Self::restarts) of capture, extract and fit modulo 256, one byte each from
+        /// the lowest.
         restarts: u32 = 0 => number,
     }
 }
@@ -50,7 +51,7 @@ impl Trace {
         [capture, extract, fit]
     }
 
-    /// Says how often a stage was restarted: capture is 0, extract 1, fit 2.
+    /// Sets the restarts of a stage: capture is 0, extract 1, fit 2.
     pub const fn set_restarts(&mut self, stage: usize, restarts: u64) {
         let mut all = self.restarts.to_le_bytes();
         all[stage] = restarts as u8;

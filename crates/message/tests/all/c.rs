@@ -1,4 +1,4 @@
-//! The messages as C has them: `lariat.h` is made of these structs.
+//! The messages as C structs; cbindgen makes `lariat.h` of them.
 
 use std::fmt::Write;
 
@@ -7,12 +7,12 @@ use lariat_message::{CenterlinePoints, Descriptor, Descriptor3, Descriptors, Tra
 
 use crate::{hold, plain};
 
-/// What C calls a message, and what it is for.
+/// Name and purpose of each message in C.
 const STRUCTS: [(&Layout, &str, &str); 5] = [
     (
         &Trace::LAYOUT,
         "lariat_trace",
-        "The way of one frame through the chain. What the counters of two messages say of losses stands in ARCHITECTURE.md.",
+        "Counters and times of one frame on its way through the chain. ARCHITECTURE.md explains how they show losses.",
     ),
     (
         &Descriptor::LAYOUT,
@@ -27,7 +27,7 @@ const STRUCTS: [(&Layout, &str, &str); 5] = [
     (
         &Descriptors::LAYOUT,
         "lariat_descriptors",
-        "What the chain says of one frame.",
+        "The chain's message for one frame.",
     ),
     (
         &Descriptor3::LAYOUT,
@@ -39,9 +39,11 @@ const STRUCTS: [(&Layout, &str, &str); 5] = [
 #[test]
 fn c_has_every_field_and_every_code() {
     hold("crates/c/src/message.rs", |committed| {
-        let (before, _) = committed.split_once("// Made of").expect("where it begins");
+        let (before, _) = committed
+            .split_once("// Generated from")
+            .expect("where it begins");
         let mut text = before.to_owned();
-        text += "// Made of the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message\n";
+        text += "// Generated from the messages' declarations: LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message\n";
         for (layout, name, _) in STRUCTS {
             layout
                 .fields
@@ -76,13 +78,13 @@ fn c_has_every_field_and_every_code() {
     });
 }
 
-/// What a field's numbers stand for.
+/// Appends constants for the values of a field.
 fn constants(of: &str, field: &Field, text: &mut String) {
     let Meaning::Code(codes) = field.meaning else {
         return;
     };
     let field = field.name;
-    // The same numbers of another struct.
+    // Another struct has already defined the same constants.
     if text.contains(&format!("LARIAT_{}_", field.to_uppercase())) {
         return;
     }
@@ -117,7 +119,7 @@ fn comment(field: &Field) -> String {
     }
 }
 
-/// Without signs that a C header need not have.
+/// Replaces characters that a C header should avoid.
 fn ascii(about: &str) -> String {
     plain(about)
         .replace("πρ", "π·ρ")
@@ -127,7 +129,7 @@ fn ascii(about: &str) -> String {
 
 fn field_name(field: &Field) -> &'static str {
     match field.name {
-        // C says what they are.
+        // C calls the curves of a message ropes.
         "curves" => "ropes",
         name => name,
     }
@@ -149,7 +151,7 @@ fn of(of: &Type, field: &str) -> String {
     }
 }
 
-/// A length that has a name in C goes by it.
+/// Uses the name of a length, if it has one in C.
 fn length(count: usize, field: &str) -> String {
     match (count, field) {
         (8, "hidden") => "LARIAT_HIDDEN_WORDS".to_owned(),

@@ -49,7 +49,7 @@ fn the_document_of_messages_has_every_field_and_every_code() {
     });
 }
 
-/// The text with a message's own version wherever its type is named.
+/// Updates the version wherever the text names the message's type.
 fn with_version(text: &str, layout: &Layout) -> String {
     let unversioned = layout
         .type_name
@@ -63,7 +63,7 @@ fn with_version(text: &str, layout: &Layout) -> String {
     whole
 }
 
-/// The text with a message's size in the sentence that begins so.
+/// Updates a message's size in the sentence that begins with `head`.
 fn with_size(text: &str, head: &str, size: usize) -> String {
     let at = text.find(head).expect("it is described");
     let end = at + text[at..].find(" bytes").expect("its size");
@@ -75,7 +75,7 @@ fn with_size(text: &str, head: &str, size: usize) -> String {
     format!("{}{size}{}", &text[..from], &text[end..])
 }
 
-/// The text with this table behind a heading.
+/// Replaces the table after a heading.
 fn with_table(text: &str, head: &str, begins: &str, table: &str) -> String {
     let at = text
         .find(head)
@@ -132,7 +132,7 @@ fn codes() -> String {
     table
 }
 
-/// As a table has it: no sentence, if it is one.
+/// Text of a table cell: without the final period.
 fn cell(about: &str) -> String {
     let text = plain(about);
     text.strip_suffix('.').map_or(text.clone(), str::to_owned)

@@ -1,5 +1,6 @@
-//! What follows from the messages' declarations elsewhere: tables in documents, layouts for C and Python. They are committed,
-//! and made again by `LARIAT_WRITE_LAYOUTS=1 cargo test -p lariat-message`.
+//! Files that follow from the messages' declarations: tables in documents, layouts for C and
+//! Python. They are committed. To regenerate them: `LARIAT_WRITE_LAYOUTS=1 cargo test -p
+//! lariat-message`.
 
 use std::path::Path;
 
@@ -7,7 +8,7 @@ mod c;
 mod documents;
 mod python;
 
-/// Holds a committed file to what is made of it; writes that, if it is asked for.
+/// Checks that a committed file equals the generated text, or writes that text if requested.
 fn hold(path: &str, made: impl FnOnce(&str) -> String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")
@@ -33,7 +34,7 @@ fn plain(about: &str) -> String {
         text += before;
         let end = link.find(']').unwrap_or(link.len());
         let (name, after) = (&link[..end], link.get(end + 1..).unwrap_or_default());
-        // A range or a pair of coordinates is no link.
+        // A range or a pair of coordinates is not a link.
         let is_link = name.starts_with('`') || after.starts_with('(');
         text += &if is_link {
             name.to_owned()

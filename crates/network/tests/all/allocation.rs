@@ -1,4 +1,4 @@
-//! Nothing is allocated but for a picture that is larger than all before.
+//! A run allocates only for a picture larger than all before it.
 
 use lariat_network::{Maps, Network, Picture, Workspace};
 

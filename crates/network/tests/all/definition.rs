@@ -1,4 +1,5 @@
-//! The network against its definition, written with no thought of speed: whole pictures, windows that ask for every pixel.
+//! The network against its definition, written for clarity rather than speed: whole pictures, with
+//! a bounds check for every pixel of a window.
 
 use std::collections::HashMap;
 
@@ -7,7 +8,7 @@ use lariat_portable::Finish;
 
 use crate::picture::{draw, maps};
 
-/// Activations, by channel, column and row; what is outside is `outside`.
+/// Activations by channel, column and row. Pixels outside are `outside`.
 #[derive(Clone)]
 struct Picture {
     size: [usize; 2],
@@ -123,7 +124,7 @@ fn the_maps_are_those_of_the_definition() {
         let found = maps(&network, &mut workspace, &rgb, size);
         let expected = expected(&network, &rgb, size);
         assert!(found == expected, "{size:?}");
-        // The random network says something.
+        // The output of the random network is not trivial.
         let told = found
             .iter()
             .flatten()

@@ -1,9 +1,9 @@
-//! The file is read as it was written, and anything else is refused in words.
+//! A file is read as it was written, and anything else is refused with a message.
 
 use lariat_network::{Network, NetworkError};
 use proptest::prelude::*;
 
-/// The bytes with a check sum that is theirs, so that what lies behind it is reached.
+/// Replaces the checksum by the correct one, so that the checks after it run.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.truncate(bytes.len() - 4);
     let mut crc = !0u32;
@@ -44,7 +44,8 @@ fn what_is_no_file_of_weights_is_refused_in_words() {
     };
     let mut longer = bytes.clone();
     longer.extend([0; 4]);
-    // The stem's: 16 bytes of the head and 8 of its shape, then 432 weights, 16 biases, 16 scales.
+    // Offsets of the stem: 16 bytes of header and 8 of shape, then 432 weights, 16 biases and 16
+    // scales.
     let (stem_weight, stem_bias, stem_scale) = (24, 24 + 432, 24 + 432 + 64);
     let cases: [(&[u8], &str); 14] = [
         (b"", "begin with LARIATN1"),
@@ -101,7 +102,8 @@ proptest! {
         if is_sealed && bytes.len() >= 4 {
             bytes = sealed(bytes);
         }
-        // A change is refused, or is one of numbers within their bounds and with a check sum that is right.
+        // A change is refused, unless it only changes numbers within their bounds and the checksum
+        // is correct.
         match Network::from_bytes(&bytes) {
             Ok(network) => prop_assert!(network.to_bytes() == bytes && (is_sealed || bytes == original)),
             Err(NetworkError::Damaged) => prop_assert!(!is_sealed || bytes.len() < original.len()),

@@ -1,9 +1,9 @@
-//! A picture for the tests, and the network's maps of it.
+//! A test picture, and the network's maps of it.
 
 use lariat_network::{Maps, Network, Picture, Workspace};
 use lariat_portable::SplitMix64;
 
-/// Smooth waves and noise, 3 bytes a pixel.
+/// Draws smooth waves and noise, 3 bytes per pixel.
 pub(crate) fn draw(width: usize, height: usize, seed: u64) -> Vec<u8> {
     let mut random = SplitMix64::new(seed);
     let slopes: [u64; 3] = std::array::from_fn(|_| random.next_u64() % 9);
@@ -15,7 +15,7 @@ pub(crate) fn draw(width: usize, height: usize, seed: u64) -> Vec<u8> {
     bytes.collect()
 }
 
-/// Both maps of a picture without gaps between its rows.
+/// Computes both maps of a picture without padding between rows.
 pub(crate) fn maps(
     network: &Network,
     workspace: &mut Workspace,

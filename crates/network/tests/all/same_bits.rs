@@ -1,4 +1,4 @@
-//! The same maps, to the last bit, in all kinds of registers and on every machine.
+//! The maps have the same bits with every instruction set and on every machine.
 
 use lariat_network::{Maps, Network, Picture, Workspace};
 use lariat_portable::{Arch, ConvolutionKernels};
@@ -11,7 +11,8 @@ fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xCBF2_9CE4_8422_2325, step)
 }
 
-/// Of a random network: a change of it, of the drawn picture or of the arithmetic changes them.
+/// Hashes of a random network's maps. They change with the network, the drawn picture and the
+/// arithmetic.
 const EXPECTED: (u64, u64) = (10_924_765_985_122_882_579, 12_913_875_111_644_284_762);
 
 #[test]
@@ -25,7 +26,7 @@ fn every_kind_of_registers_gives_the_same_maps() {
         let found = (hash(&rope), hash(&seam));
         assert_eq!(found, EXPECTED, "{arch:?}");
     }
-    // Also those that faster ones of the same registers hide.
+    // Includes kernels that a faster one for the same instruction set hides.
     for kernels in ConvolutionKernels::all() {
         let [mut rope, mut seam] = [(); 2].map(|()| vec![0; size[0] * size[1]]);
         let picture = Picture {

@@ -18,7 +18,7 @@ proptest! {
         let cut = Vec::from_iter(rows.flatten().copied());
         let expected = maps(&network, &mut Workspace::new(), &cut, [width, height]);
 
-        // With a workspace that has seen another picture, and maps with room between their rows.
+        // The workspace has seen another picture, and the maps have padding between rows.
         let mut workspace = Workspace::new();
         maps(&network, &mut workspace, &rgb, whole);
         let stride = width + 5;
@@ -60,7 +60,7 @@ fn what_has_no_room_is_refused_in_words() {
         done.map_err(|error: SizeError| error.to_string())
     };
     assert_eq!(run(4, 3, 36, [12, 4], [12, 12]), Ok(()));
-    // A last row needs no more than its pixels.
+    // The last row needs only its pixels, not a full stride.
     assert_eq!(run(4, 3, 2 * 20 + 12, [20, 6], [16, 16]), Ok(()));
     let cases = [
         (

@@ -1,4 +1,4 @@
-//! Which kernels a machine has, and what they are given.
+//! The kernels of a machine, and their inputs.
 
 use super::{ConvolutionShape, Finish, plain};
 use crate::arch::Arch;
@@ -19,32 +19,33 @@ impl<T: Copy> Sixteen<T> {
     }
 }
 
-/// Output channels whose sums are kept in registers at the same time, and what makes them.
+/// Output channels whose sums are in registers at the same time, and their parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
-    /// The first of them.
+    /// The first channel.
     pub(super) first: usize,
-    /// For each of a window's pixels, for each four bytes of it, a line for each group of 16 channels.
+    /// For each pixel of a window and each four of its bytes, a line per group of 16 channels.
     pub(super) weights: Vec<Line>,
-    /// For each group.
+    /// One entry per group.
     pub(super) bias: Vec<Sixteen<i32>>,
-    /// For each group.
+    /// One entry per group.
     pub(super) scale: Vec<Sixteen<f32>>,
 }
 
 impl Block {
-    /// The most groups of 16 channels in a block.
+    /// Maximum number of groups of 16 channels in a block.
     pub(super) const GROUPS: usize = 4;
 }
 
-/// A row to be made.
+/// A row to be computed.
 pub(super) struct Job<'a> {
     pub(super) shape: ConvolutionShape,
-    /// `side` rows, each from the first window's first byte on, and at least as long as [`Convolution::input_bytes`] says.
+    /// `side` rows, each starting at the first window's first byte, of at least
+    /// [`Convolution::input_bytes`].
     ///
     /// [`Convolution::input_bytes`]: super::Convolution::input_bytes
     pub(super) rows: &'a [&'a [u8]],
-    /// As long as `out`.
+    /// Residuals, of the length of `out`.
     pub(super) residual: Option<&'a [u8]>,
     pub(super) finish: Finish,
     /// `width` pixels of `shape.out_channels` bytes.
@@ -53,7 +54,7 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// The most pixels that a kernel works on at the same time.
+    /// Maximum number of pixels that a kernel processes at the same time.
     pub(super) const PIXELS: usize = 16;
 
     /// Bytes from one window to the next.
@@ -61,7 +62,8 @@ impl Job<'_> {
         self.shape.stride * self.shape.in_bytes()
     }
 
-    /// The stretches of a window that are in one piece along a row: how many, bytes from one to the next, and bytes of each.
+    /// The contiguous runs of a window along a row: their number, the bytes from one to the next,
+    /// and the bytes of each.
     pub(super) fn runs(&self) -> (usize, usize, usize) {
         let bytes = self.shape.in_bytes();
         match self.shape.dilation {
@@ -71,7 +73,7 @@ impl Job<'_> {
     }
 }
 
-/// The instructions that convolutions run in. What they give does not depend on it.
+/// The instructions used for convolutions. Results do not depend on them.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvolutionKernels {
     pub(super) name: &'static str,
@@ -81,23 +83,23 @@ pub struct ConvolutionKernels {
     pub(super) spin: fn(u64) -> Spin,
 }
 
-/// What [`ConvolutionKernels::spin`] did.
+/// Result of [`ConvolutionKernels::spin`].
 #[derive(Clone, Copy, Debug)]
 pub struct Spin {
-    /// Multiply-adds.
+    /// Number of multiply-adds.
     pub multiply_adds: u64,
-    /// What came of them, so that they are not left out.
+    /// Their sum, so that they are not optimized away.
     pub sum: i32,
 }
 
 impl ConvolutionKernels {
-    /// The fastest of the registers that [`Arch::new`] gives.
+    /// The fastest kernels for the registers that [`Arch::new`] returns.
     pub fn new() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(kernels) = super::x86::of(Arch::new()) {
             return kernels;
         }
-        // Every 64-bit ARM has NEON: its plain registers are those.
+        // Every 64-bit ARM has NEON, in its plain registers.
         #[cfg(target_arch = "aarch64")]
         return match Arch::new() {
             Arch::Plain => super::neon::fastest(),
@@ -106,7 +108,7 @@ impl ConvolutionKernels {
         Self::plain()
     }
 
-    /// All that this machine can run, the plain loop first: for tests that hold them equal.
+    /// All kernels that this machine can run, the plain loop first, for tests that compare them.
     pub fn all() -> Vec<Self> {
         #[cfg(target_arch = "x86_64")]
         let fast = super::x86::all();
@@ -127,7 +129,7 @@ impl ConvolutionKernels {
         }
     }
 
-    /// What the instructions are called.
+    /// Name of the instructions.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -137,18 +139,19 @@ impl ConvolutionKernels {
         (self.row)(job, block);
     }
 
-    /// Pixels of three bytes as ones of four, each byte halved (so that 255 becomes 127), the fourth 0. As many as both have.
+    /// Converts pixels of three bytes to pixels of four. Each byte is halved, so that 255 becomes
+    /// 127, and the fourth is 0. Stops at the end of the shorter slice.
     pub fn widen(&self, rgb: &[u8], out: &mut [u8]) {
         (self.widen)(rgb, out);
     }
 
-    /// Each byte becomes that of the table in its place.
+    /// Replaces each byte by the table's entry at its value.
     pub fn look_up(&self, table: &[u8; 256], bytes: &mut [u8]) {
         (self.look_up)(table, bytes);
     }
 
-    /// As many multiply-adds as the machine can do, `rounds` times a few, in registers alone: the limit that a kernel's time is
-    /// held against.
+    /// Does as many multiply-adds as the machine can, `rounds` times a few, in registers alone.
+    /// This is the upper bound to which a kernel's time is compared.
     pub fn spin(&self, rounds: u64) -> Spin {
         (self.spin)(rounds)
     }

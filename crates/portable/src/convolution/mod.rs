@@ -1,11 +1,14 @@
-//! Convolutions of whole numbers: 7-bit activations, 8-bit weights, 32-bit sums, the same bits on every machine.
+//! Integer convolutions: 7-bit activations, 8-bit weights, 32-bit sums, with the same bits on every
+//! machine.
 //!
-//! An activation is a byte from 0 to 127, a weight one from −127 to 127. Two products of such fit 16 bits (2·127·127 =
-//! 32,258), so that no instruction that adds in pairs saturates, and every sum is exact in whatever order it is taken. What is
-//! left is requantization, one product of IEEE floats a sum: [`Finish`].
+//! An activation is a byte from 0 to 127, and a weight is one from −127 to 127. The sum of two
+//! products fits 16 bits (2·127·127 = 32,258). No instruction that adds in pairs saturates, and
+//! every sum is exact in any order. Only requantization remains, one IEEE float product per sum:
+//! [`Finish`].
 //!
-//! Pixels lie channels last, a row at a time, within a border of zeros as wide as windows reach out ([`Plane`]). An output
-//! row is made of the three input rows that its windows lie in:
+//! Pixels are stored with channels last, row by row, inside a border of zeros as wide as the
+//! windows' reach ([`Plane`]). An output row is computed from the three input rows that contain its
+//! windows:
 //!
 //! ```text
 //! for each block of P output pixels and 16·C output channels       their sums stay in P·C registers
@@ -16,8 +19,9 @@
 //!     out = sums requantized, four registers to 64 bytes; plus the residual; at least 0
 //! ```
 //!
-//! [`ConvolutionKernels`] does so in the registers that the machine has: `vpdpbusd` of AVX-512 VNNI or AVX-VNNI, `vpmaddubsw`
-//! of AVX-512BW or AVX2, `sdot` or `smull` of NEON. `plain` is the definition, and a property test holds them all to it.
+//! [`ConvolutionKernels`] implements this in the registers of the machine: `vpdpbusd` of AVX-512
+//! VNNI or AVX-VNNI, `vpmaddubsw` of AVX-512BW or AVX2, `sdot` or `smull` of NEON. `plain` is the
+//! definition, and a property test compares all others with it.
 
 mod kernels;
 #[cfg(target_arch = "aarch64")]
@@ -37,56 +41,58 @@ pub use plane::Plane;
 
 use thiserror::Error;
 
-/// What a convolution is between: channels, and where its windows lie.
+/// Channels and window geometry of a convolution.
 ///
-/// The window of output pixel (x, y) is centred on the input pixel of the same place where `stride` is 1. Where it is 2, it
-/// *begins* at (2x, 2y), as TensorFlow's and JAX's `SAME` have it for even sizes: a row and a column of padding lie behind
-/// the picture, none before it.
+/// If `stride` is 1, the window of output pixel (x, y) is centered on the input pixel at the same
+/// place. If it is 2, the window *begins* at (2x, 2y), as with `SAME` of TensorFlow and JAX for
+/// even sizes: one row and one column of padding follow the image, and none precedes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ConvolutionShape {
-    /// Channels of the input. A pixel's channels are filled up to a multiple of four bytes.
+    /// Channels of the input. A pixel's channels are padded to a multiple of four bytes.
     pub in_channels: usize,
     /// Channels of the output, a multiple of 16.
     pub out_channels: usize,
-    /// 1 or 3: a window is `side` × `side` pixels.
+    /// Side of a window in pixels, 1 or 3.
     pub side: usize,
-    /// 1 or 2: input pixels from one window to the next.
+    /// Input pixels from one window to the next, 1 or 2.
     pub stride: usize,
     /// Input pixels from one of a window's pixels to the next.
     pub dilation: usize,
 }
 
-/// What becomes of an output's sum: `v = round(float(sum + bias) · scale)`, ties to even, and then:
+/// Final step of an output: `v = round(float(sum + bias) · scale)`, ties to even, and then one of
+/// these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finish {
-    /// `clamp(v + residual, 0, 127)`: an activation. The residual is that of the same pixel and channel, or 0.
+    /// `clamp(v + residual, 0, 127)`, an activation. The residual is that of the same pixel and
+    /// channel, or 0.
     Relu,
     /// `clamp(v, −128, 127)`, a signed byte.
     Signed,
 }
 
-/// Why numbers make no convolution.
+/// Reason why numbers do not define a convolution.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum ConvolutionError {
-    /// A shape that no kernel takes.
+    /// A shape that no kernel supports.
     #[error(
         "No kernel takes {0:?}: use 1 × 1 or 3 × 3 pixels, a stride of 1 or 2, a dilation from 1 to 16 (1 where the stride is 2) and a multiple of 16 output channels."
     )]
     Shape(ConvolutionShape),
-    /// Not as many as the shape has.
+    /// A count that does not match the shape.
     #[error("{found} {what} for a convolution of {needed}: give as many as its shape has.")]
     Count {
-        /// Weights, biases or scales.
+        /// `weights`, `biases` or `scales`.
         what: &'static str,
-        /// How many are needed.
+        /// Required count.
         needed: usize,
-        /// How many there are.
+        /// Actual count.
         found: usize,
     },
-    /// −128, whose product with an activation is too large in pairs.
+    /// A weight of −128, whose products can overflow in pairs.
     #[error("A weight of −128: weights lie from −127 to 127.")]
     Weight,
-    /// Sums that a float does not hold exactly.
+    /// Sums that a float cannot represent exactly.
     #[error(
         "The sums of output channel {channel} reach {most}, and no more than 16777215 (2²⁴ − 1) is exact: lower its bias or its weights."
     )]
@@ -96,7 +102,7 @@ pub enum ConvolutionError {
         /// The largest magnitude of a sum with its bias.
         most: u64,
     },
-    /// A scale that is negative, not finite, or so large that no sum makes sense.
+    /// A scale that is negative, not finite, or too large.
     #[error("A scale of {scale} for output channel {channel}: scales lie from 0 to 64.")]
     Scale {
         /// The output channel.
@@ -106,7 +112,7 @@ pub enum ConvolutionError {
     },
 }
 
-/// Weights in the order that the kernels read them in, with all that a row is made by.
+/// Weights in the order in which the kernels read them, with the other parameters of a row.
 #[derive(Clone, Debug)]
 pub struct Convolution {
     shape: ConvolutionShape,
@@ -115,12 +121,12 @@ pub struct Convolution {
 }
 
 impl Convolution {
-    /// A convolution of `weights[((ky · side + kx) · in_channels + i) · out_channels + o]` (JAX's HWIO), a bias and a scale for
-    /// each output channel.
+    /// Creates a convolution from `weights[((ky · side + kx) · in_channels + i) · out_channels +
+    /// o]` (JAX's HWIO), and a bias and a scale for each output channel.
     ///
     /// # Errors
     ///
-    /// Where the shape is none that kernels take, a count is not that of the shape, or numbers are outside the bounds within
+    /// The shape is not supported, a count does not match it, or numbers exceed the bounds within
     /// which every kind of registers gives the same bits.
     pub fn new(
         shape: ConvolutionShape,
@@ -148,19 +154,20 @@ impl Convolution {
         })
     }
 
-    /// Its shape.
+    /// Shape of the convolution.
     pub fn shape(&self) -> ConvolutionShape {
         self.shape
     }
 
-    /// Input pixels before the one at an output's place that its window reaches out to: what [`row`](Self::row)'s input rows
-    /// begin with, and how many rows above it the first of them is.
+    /// Number of input pixels of a window before the one at its output's place. The input rows of
+    /// [`row`](Self::row) begin with this many pixels, and the first of them is this many rows
+    /// above.
     pub fn reach(&self) -> usize {
         self.shape.reach()
     }
 
-    /// The bytes that [`row`](Self::row) needs in each input row for `width` output pixels: blocks of 16 pixels are read, also
-    /// where there are fewer.
+    /// Bytes that [`row`](Self::row) needs in each input row for `width` output pixels. Blocks of
+    /// 16 pixels are read, even if there are fewer.
     pub fn input_bytes(&self, width: usize) -> usize {
         let shape = self.shape;
         let window = (shape.side - 1) * shape.dilation + 1;
@@ -168,13 +175,15 @@ impl Convolution {
         pixels * shape.in_bytes()
     }
 
-    /// Makes a row of `out.len() / out_channels` output pixels of the `side` input rows that their windows lie in. The first byte of an input
-    /// row is that of the first window: [`reach`](Self::reach) pixels left of the picture.
+    /// Computes a row of `out.len() / out_channels` output pixels from the `side` input rows that
+    /// contain their windows. An input row begins with the first window: [`reach`](Self::reach)
+    /// pixels left of the image.
     ///
     /// # Panics
     ///
-    /// Where `out` is no whole number of pixels, an input row is shorter than [`input_bytes`](Self::input_bytes), the residual
-    /// is not as long as `out`, or a signed output is to have one.
+    /// If `out` is not a whole number of pixels, an input row is shorter than
+    /// [`input_bytes`](Self::input_bytes), the residual is not as long as `out`, or a signed output
+    /// has a residual.
     pub fn row(
         &self,
         kernels: ConvolutionKernels,
@@ -270,7 +279,7 @@ fn check(
             return Err(ConvolutionError::Sum { channel, most });
         }
         let scale = scale[channel];
-        // The largest sum times the largest scale is below 2³⁰: a whole number of 32 bits.
+        // The largest sum times the largest scale is below 2³⁰, so it fits in 32 bits.
         if !(0.0..=64.0).contains(&scale) {
             return Err(ConvolutionError::Scale { channel, scale });
         }
@@ -278,7 +287,8 @@ fn check(
     Ok(())
 }
 
-/// The weights of a block of output channels, from `first` on, in the order that they are read in.
+/// The weights of a block of output channels, starting at `first`, in the order in which they are
+/// read.
 fn pack(shape: ConvolutionShape, weights: &[i8], first: usize, groups: usize) -> Vec<Line> {
     let mut packed = Vec::new();
     for tap in 0..shape.side * shape.side {

@@ -1,8 +1,8 @@
-//! The kernels in the registers of 64-bit ARMs, which are 16 bytes long.
+//! The kernels in the 16-byte registers of 64-bit ARM.
 //!
-//! `unsafe` is needed to call what is compiled for instructions that not every machine has, after asking whether this one has
-//! them, to name an instruction that has no function yet, and to load and store through pointers of the lengths that
-//! [`Registers`] promises.
+//! `unsafe` is needed to call code compiled for instructions that not every machine has, after a
+//! check that this one has them. It is also needed to name an instruction that lacks a function,
+//! and to load and store through pointers of the lengths that [`Registers`] requires.
 #![allow(unsafe_code)]
 
 use std::arch::aarch64::*;
@@ -12,12 +12,12 @@ use super::kernels::{Block, ConvolutionKernels, Job, Spin};
 use super::plain;
 use super::registers::{self, Registers};
 
-/// The fastest that this machine has.
+/// The fastest kernels of this machine.
 pub(super) fn fastest() -> ConvolutionKernels {
     dotprod().unwrap_or_else(neon)
 }
 
-/// All that it has.
+/// All kernels of this machine.
 pub(super) fn all() -> impl Iterator<Item = ConvolutionKernels> {
     dotprod().into_iter().chain([neon()])
 }
@@ -25,7 +25,7 @@ pub(super) fn all() -> impl Iterator<Item = ConvolutionKernels> {
 fn dotprod() -> Option<ConvolutionKernels> {
     is_aarch64_feature_detected!("dotprod").then_some(ConvolutionKernels {
         name: "NEON with sdot",
-        // SAFETY: the machine has it.
+        // SAFETY: the machine has the instruction.
         row: |job, block| unsafe { row_dotprod(job, block) },
         widen: plain::widen,
         look_up: plain::look_up,
@@ -37,7 +37,7 @@ fn dotprod() -> Option<ConvolutionKernels> {
 fn neon() -> ConvolutionKernels {
     ConvolutionKernels {
         name: "NEON",
-        // SAFETY: every 64-bit ARM that Rust's targets mean has NEON.
+        // SAFETY: every 64-bit ARM that Rust supports has NEON.
         row: |job, block| unsafe { row_neon(job, block) },
         widen: plain::widen,
         look_up: plain::look_up,
@@ -46,13 +46,13 @@ fn neon() -> ConvolutionKernels {
     }
 }
 
-/// Four registers, with `sdot` or without. An activation is no more than 127, and so a signed byte.
+/// Four registers, with `sdot` or without. An activation is at most 127, so it fits a signed byte.
 struct Neon<const DOT: bool>;
 
 impl<const DOT: bool> Neon<DOT> {
     #[inline(always)]
     unsafe fn dot_one(sums: int32x4_t, input: int8x16_t, weights: int8x16_t) -> int32x4_t {
-        // SAFETY: the trait's; the instruction reads and writes its registers alone.
+        // SAFETY: the trait's; the instruction accesses only its registers.
         unsafe {
             if DOT {
                 let mut sums = sums;
@@ -78,7 +78,7 @@ impl<const DOT: bool> Registers for Neon<DOT> {
     type Scales = [float32x4_t; 4];
     type Bytes = [int8x16_t; 4];
 
-    // SAFETY, here and below: what the trait asks of its caller.
+    // SAFETY, here and below: the requirements of the trait.
     #[inline(always)]
     unsafe fn sums(at: *const i32) -> [int32x4_t; 4] {
         unsafe {
@@ -183,7 +183,7 @@ impl<const DOT: bool> Registers for Neon<DOT> {
 
 /// # Safety
 ///
-/// None but NEON.
+/// The machine has NEON.
 #[inline(always)]
 unsafe fn narrow(sums: [int32x4_t; 4]) -> int8x16_t {
     // SAFETY: the caller's promise.
@@ -194,7 +194,7 @@ unsafe fn narrow(sums: [int32x4_t; 4]) -> int8x16_t {
     }
 }
 
-/// Of 32 registers there are enough for a group of channels and four pixels.
+/// The 32 registers suffice for one group of channels and four pixels.
 ///
 /// # Safety
 ///

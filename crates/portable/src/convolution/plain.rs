@@ -1,9 +1,9 @@
-//! The kernels as plain loops: what they are by definition.
+//! The kernels as plain loops, which define them.
 
 use super::Finish;
 use super::kernels::{Block, Job, Spin};
 
-/// Makes a block's channels of a row.
+/// Computes a block's channels of a row.
 pub(super) fn row(job: &mut Job, block: &Block) {
     let (shape, step) = (job.shape, job.step());
     let (bytes, channels) = (shape.in_bytes(), shape.out_channels);
@@ -37,7 +37,7 @@ pub(super) fn row(job: &mut Job, block: &Block) {
     }
 }
 
-/// Pixels of three bytes as ones of four.
+/// Converts pixels of three bytes to pixels of four.
 pub(super) fn widen(rgb: &[u8], out: &mut [u8]) {
     let pixels = rgb.as_chunks::<3>().0.iter();
     for (&[r, g, b], out) in pixels.zip(out.as_chunks_mut::<4>().0) {
@@ -45,14 +45,14 @@ pub(super) fn widen(rgb: &[u8], out: &mut [u8]) {
     }
 }
 
-/// Bytes by a table.
+/// Replaces bytes using a table.
 pub(super) fn look_up(table: &[u8; 256], bytes: &mut [u8]) {
     for byte in bytes {
         *byte = table[usize::from(*byte)];
     }
 }
 
-/// Multiply-adds of 16 lanes.
+/// Multiply-adds in 16 lanes.
 pub(super) fn spin(rounds: u64) -> Spin {
     let mut sums = [0i32; 16];
     for round in 0..rounds {

@@ -1,6 +1,6 @@
-//! Activations of a picture, within a border.
+//! Activations of an image with a border.
 
-/// Activations with their channels last, within a border of zeros (or of another byte) on all four sides.
+/// Activations with channels last, inside a border of zeros (or of another byte) on all four sides.
 #[derive(Clone, Debug, Default)]
 pub struct Plane {
     width: usize,
@@ -11,7 +11,8 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Nothing yet, for pixels of so many bytes and so wide a border; see [`resize`](Self::resize).
+    /// Creates an empty plane for pixels of this many bytes and this border; see
+    /// [`resize`](Self::resize).
     pub fn new(bytes: usize, border: usize) -> Self {
         Self {
             bytes,
@@ -20,25 +21,27 @@ impl Plane {
         }
     }
 
-    /// Makes it so large, and fills it with `fill` if it was of another size. Allocates only where it was never as large before.
+    /// Sets the size, and fills the plane with `fill` if the size changes. Allocates only if the
+    /// plane was never this large.
     pub fn resize(&mut self, width: usize, height: usize, fill: u8) {
         if (self.width, self.height) == (width, height) {
             return;
         }
         (self.width, self.height) = (width, height);
-        // Behind the last row there is what a block of 16 windows two pixels apart may read, and no more than reads.
+        // After the last row: data that a block of 16 windows, two pixels apart, may read but not
+        // use.
         let behind = (2 * 16 + 2 * self.border) * self.bytes;
         let rows = height + 2 * self.border;
         self.data.clear();
         self.data.resize(rows * self.stride() + behind, fill);
     }
 
-    /// Pixels of a row.
+    /// Pixels per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
@@ -53,12 +56,13 @@ impl Plane {
         row as usize * self.stride() + self.border * self.bytes
     }
 
-    /// From `reach` pixels left of row `y` on, as far as the memory goes: what [`Convolution::row`](crate::Convolution::row)
-    /// reads. The rows above and below the picture are the border.
+    /// Returns the data from `reach` pixels left of row `y` to the end, which
+    /// [`Convolution::row`](crate::Convolution::row) reads. The rows above and below the image are
+    /// the border.
     ///
     /// # Panics
     ///
-    /// Where `y` or `reach` is outside the border.
+    /// If `y` or `reach` is outside the border.
     pub fn windows(&self, y: isize, reach: usize) -> &[u8] {
         assert!(reach <= self.border);
         &self.data[self.start(y) - reach * self.bytes..]
@@ -68,7 +72,7 @@ impl Plane {
     ///
     /// # Panics
     ///
-    /// Where there is none.
+    /// If the row does not exist.
     pub fn row(&self, y: usize) -> &[u8] {
         assert!(y < self.height);
         &self.data[self.start(y as isize)..][..self.width * self.bytes]
@@ -78,7 +82,7 @@ impl Plane {
     ///
     /// # Panics
     ///
-    /// Where there is none.
+    /// If the row does not exist.
     pub fn row_mut(&mut self, y: usize) -> &mut [u8] {
         assert!(y < self.height);
         let start = self.start(y as isize);

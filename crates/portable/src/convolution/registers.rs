@@ -1,8 +1,9 @@
 //! The loop over a row, written once for every kind of registers.
 //!
-//! `unsafe` is needed to call what is compiled for registers that not every machine has, and to read and write through
-//! pointers, whose bounds are told where they are made. All is `#[inline(always)]`, and nothing is a closure: only so is it
-//! compiled for the registers of the function that calls [`row`].
+//! `unsafe` is needed to call code compiled for registers that not every machine has, and to read
+//! and write through pointers, whose bounds are stated where they are created. Everything is
+//! `#[inline(always)]`, and nothing is a closure; only then is it compiled for the registers of the
+//! function that calls [`row`].
 #![allow(unsafe_code)]
 
 use std::mem::MaybeUninit;
@@ -10,53 +11,55 @@ use std::mem::MaybeUninit;
 use super::Finish;
 use super::kernels::{Block, Job, Spin};
 
-/// What a kind of registers can do.
+/// Operations of a kind of registers.
 ///
 /// # Safety
 ///
-/// Every function needs a machine with these registers; those that take a pointer, that as many bytes are there as they say.
+/// Every function requires a machine with these registers. A pointer must be valid for the stated
+/// number of bytes.
 pub(super) trait Registers {
     /// A sum for each of 16 output channels.
     type Sums: Copy;
     /// Four weights for each of 16 output channels.
     type Weights: Copy;
-    /// Four bytes of input, as every channel needs them.
+    /// Four bytes of input, repeated for every channel.
     type Input: Copy;
     /// A float for each of 16 output channels.
     type Scales: Copy;
     /// 64 signed bytes.
     type Bytes: Copy;
 
-    /// From 64 bytes.
+    /// Loads 64 bytes.
     unsafe fn sums(at: *const i32) -> Self::Sums;
-    /// From 64 bytes.
+    /// Loads 64 bytes.
     unsafe fn weights(at: *const i8) -> Self::Weights;
-    /// From four bytes.
+    /// Loads four bytes.
     unsafe fn input(at: *const u8) -> Self::Input;
-    /// From 64 bytes.
+    /// Loads 64 bytes.
     unsafe fn scales(at: *const f32) -> Self::Scales;
-    /// From 64 bytes.
+    /// Loads 64 bytes.
     unsafe fn bytes(at: *const u8) -> Self::Bytes;
-    /// To 64 bytes.
+    /// Stores 64 bytes.
     unsafe fn store(bytes: Self::Bytes, at: *mut u8);
 
-    /// To each sum its four products.
+    /// Adds to each sum its four products.
     unsafe fn dot(sums: Self::Sums, input: Self::Input, weights: Self::Weights) -> Self::Sums;
     /// `round(float(sum) · scale)`.
     unsafe fn scaled(sums: Self::Sums, scales: Self::Scales) -> Self::Sums;
-    /// The sums as bytes, in order; those that are too large or too small as the largest and smallest byte.
+    /// Converts the sums to bytes in order, with saturation.
     unsafe fn narrow(sums: [Self::Sums; 4]) -> Self::Bytes;
-    /// Sums that are no larger than the largest byte and no smaller than the smallest.
+    /// Adds with saturation.
     unsafe fn add(a: Self::Bytes, b: Self::Bytes) -> Self::Bytes;
-    /// The larger of each and 0.
+    /// The maximum of each byte and 0.
     unsafe fn not_negative(bytes: Self::Bytes) -> Self::Bytes;
 }
 
-/// The most bytes that a block of pixels makes.
+/// Maximum number of bytes that a block of pixels produces.
 const MOST: usize = 512;
 
-/// Makes the channels of `C` groups of a block, from `group` on, along a row, `P` pixels at a time, and `REST` where no more
-/// are left. `STEP` is the job's step, or 0 where that is not known before.
+/// Computes the channels of `C` groups of a block, from `group` on, along a row. It processes `P`
+/// pixels at a time, and `REST` if no more are left. `STEP` is the job's step, or 0 if it is
+/// unknown at compile time.
 ///
 /// # Safety
 ///
@@ -88,8 +91,8 @@ pub(super) unsafe fn row<
     }
 }
 
-/// Makes `P` pixels from `x` on, and says where they end. If the row ends before, they are moved back so that they end with
-/// it, and some of them are made again.
+/// Computes `P` pixels from `x` on and returns where they end. If the row ends before, the pixels
+/// are moved back to end with it, and some are computed again.
 ///
 /// # Safety
 ///
@@ -103,7 +106,8 @@ unsafe fn pixels<R: Registers, const C: usize, const P: usize, const STEP: usize
 ) -> usize {
     const { assert!(C * P >= 4 && 16 * C * P <= MOST && P <= Job::PIXELS) };
     let first = x.min(job.width.saturating_sub(P));
-    // SAFETY: the caller's promise; an input row has at least 16 windows, and P of them from `first` on.
+    // SAFETY: the caller's promise; an input row has at least 16 windows, and `P` of them from
+    // `first` on.
     unsafe {
         let sums = sums::<R, C, P, STEP>(job, block, group, first);
         finish::<R, C, P>(job, block, group, first, sums);
@@ -113,7 +117,8 @@ unsafe fn pixels<R: Registers, const C: usize, const P: usize, const STEP: usize
 
 /// # Safety
 ///
-/// The machine has the registers, the block has the groups, and the rows have `P` windows from `first` on.
+/// The machine has the registers, the block has the groups, and the rows have `P` windows from
+/// `first` on.
 #[inline(always)]
 unsafe fn sums<R: Registers, const C: usize, const P: usize, const STEP: usize>(
     job: &Job,
@@ -128,8 +133,8 @@ unsafe fn sums<R: Registers, const C: usize, const P: usize, const STEP: usize>(
     let bias: &[_; C] = block.bias[group..]
         .first_chunk()
         .expect("the caller's promise");
-    // SAFETY: the caller's promise. A bias is 16 numbers; the weights are as many as are read, by the assertion; a run is
-    // within its window, and `input_bytes` counts all of a window.
+    // SAFETY: the caller's promise. A bias has 16 numbers; the assertion checks the number of
+    // weights; a run is within its window, and `input_bytes` covers whole windows.
     unsafe {
         let mut biases = [R::sums(bias[0].0.as_ptr()); C];
         for (biases, bias) in biases.iter_mut().zip(bias) {
@@ -175,10 +180,10 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     let channels = job.shape.out_channels;
     let pixels = P.min(job.width - first);
     let range = first * channels..(first + pixels) * channels;
-    // Of each pixel, and 16·C bytes of it: the block's channels are among those of the shape.
+    // The 16·C bytes of each pixel; the block's channels are among those of the shape.
     let start = block.first + 16 * group;
     assert!(start + 16 * C <= channels);
-    // Where these are all channels of P pixels, they lie in one piece; else they go by way of an array.
+    // All channels of `P` pixels are contiguous; otherwise they go through an array.
     let whole = pixels == P && channels == 16 * C;
     let out = job.out[range.clone()].as_mut_ptr();
     let residual = job.residual.map(|r| r[range].as_ptr());
@@ -191,8 +196,9 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     let scale: &[_; C] = block.scale[group..]
         .first_chunk()
         .expect("the caller's promise");
-    // SAFETY: the caller's promise. A scale is 16 floats. `out` and `residual` are of `pixels` times `channels` bytes, by
-    // their range; the arrays are of 16·C·P bytes or more, and filled before they are read.
+    // SAFETY: the caller's promise. A scale has 16 floats. `out` and `residual` have `pixels` times
+    // `channels` bytes, by their range. The arrays have at least 16·C·P bytes and are filled before
+    // they are read.
     unsafe {
         let residual = match residual {
             Some(residual) if !whole => {
@@ -211,7 +217,7 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
             *scales = R::scales(scale.0.as_ptr());
         }
         for four in 0..(C * P).div_ceil(4) {
-            // The last four may have some of those before.
+            // The last four may overlap the previous ones.
             let at = (4 * four).min(C * P - 4);
             let mut values = [sums[0][0]; 4];
             for (k, value) in values.iter_mut().enumerate() {
@@ -236,7 +242,8 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     }
 }
 
-/// `rounds` times a `dot` for each of `N` registers of sums, each with weights of its own and inputs that change, so that all products are made.
+/// Runs `rounds` times one `dot` for each of `N` registers of sums. Each has its own weights, and
+/// the inputs change, so that all products are computed.
 ///
 /// # Safety
 ///
@@ -247,7 +254,7 @@ pub(super) unsafe fn spin<R: Registers, const N: usize>(rounds: u64) -> Spin {
     let weights = std::hint::black_box([[2i8; 64]; N]);
     let zeros = std::hint::black_box([0i32; 16]);
     let mut out = [0u8; 64];
-    // SAFETY: the caller's promise; the arrays are as long as is read and written.
+    // SAFETY: the caller's promise; the arrays are as long as the accesses.
     unsafe {
         let mut kept = [R::weights(weights[0].as_ptr()); N];
         for (kept, weights) in kept.iter_mut().zip(&weights) {

@@ -1,11 +1,11 @@
-//! Every kind of registers gives what the formula gives.
+//! Every kind of registers gives the result of the formula.
 
 use proptest::prelude::*;
 
 use super::*;
 use crate::SplitMix64;
 
-/// A convolution with what it was made of, and a picture.
+/// A convolution with its parameters, and an image.
 struct Case {
     shape: ConvolutionShape,
     weights: Vec<i8>,

@@ -1,7 +1,8 @@
 //! The kernels in the registers of x86-64.
 //!
-//! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
-//! has them, and to load and store through pointers of the lengths that [`Registers`] promises.
+//! `unsafe` is needed to call code compiled for registers that not every machine has, after a check
+//! that this one has them. It is also needed to load and store through pointers of the lengths that
+//! [`Registers`] requires.
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::*;
@@ -11,7 +12,7 @@ use super::plain;
 use super::registers::{self, Registers};
 use crate::arch::Arch;
 
-/// The fastest of these registers, if there are kernels for them.
+/// The fastest kernels for these registers, if there are any.
 pub(super) fn of(arch: Arch) -> Option<ConvolutionKernels> {
     match arch {
         Arch::Plain => None,
@@ -20,12 +21,12 @@ pub(super) fn of(arch: Arch) -> Option<ConvolutionKernels> {
     }
 }
 
-/// All that this machine can run.
+/// All kernels that this machine can run.
 pub(super) fn all() -> impl Iterator<Item = ConvolutionKernels> {
     wide().chain(narrow())
 }
 
-/// Those of 64 bytes, the fastest first.
+/// Kernels in 64-byte registers, the fastest first.
 fn wide() -> impl Iterator<Item = ConvolutionKernels> {
     let has = is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512bw");
     let vnni = has && is_x86_feature_detected!("avx512vnni");
@@ -56,7 +57,7 @@ fn wide() -> impl Iterator<Item = ConvolutionKernels> {
     vnni.into_iter().chain(bytes)
 }
 
-/// Those of 32 bytes, the fastest first.
+/// Kernels in 32-byte registers, the fastest first.
 fn narrow() -> impl Iterator<Item = ConvolutionKernels> {
     let has = is_x86_feature_detected!("avx2");
     let vnni = has && is_x86_feature_detected!("avxvnni");
@@ -91,7 +92,7 @@ impl<const VNNI: bool> Registers for Wide<VNNI> {
     type Scales = __m512;
     type Bytes = __m512i;
 
-    // SAFETY, here and below: what the trait asks of its caller.
+    // SAFETY, here and below: the requirements of the trait.
     #[inline(always)]
     unsafe fn sums(at: *const i32) -> __m512i {
         unsafe { _mm512_loadu_si512(at.cast()) }
@@ -139,8 +140,8 @@ impl<const VNNI: bool> Registers for Wide<VNNI> {
         unsafe { _mm512_cvtps_epi32(_mm512_mul_ps(_mm512_cvtepi32_ps(sums), scales)) }
     }
 
-    /// Within each of a register's four parts the bytes of the four registers lie one after the other: parts and registers are
-    /// exchanged.
+    /// Within each of a register's four parts, the bytes of the four registers follow each other,
+    /// so parts and registers are swapped.
     #[inline(always)]
     unsafe fn narrow(s: [__m512i; 4]) -> __m512i {
         unsafe {
@@ -166,7 +167,7 @@ impl<const VNNI: bool> Registers for Wide<VNNI> {
 struct Narrow<const VNNI: bool>;
 
 impl<const VNNI: bool> Narrow<VNNI> {
-    // SAFETY, here and below: what the trait asks of its caller.
+    // SAFETY, here and below: the requirements of the trait.
     #[inline(always)]
     unsafe fn dot_one(sums: __m256i, input: __m256i, weights: __m256i) -> __m256i {
         unsafe {
@@ -280,8 +281,8 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
     }
 }
 
-/// As many pixels as leave registers for the weights of `C` groups and for the input; the steps of the mask network's layers
-/// are known to the compiler.
+/// Processes as many pixels as leave registers for the weights of `C` groups and for the input. The
+/// compiler knows the steps of the mask network's layers.
 ///
 /// # Safety
 ///
@@ -306,8 +307,8 @@ unsafe fn in_512<R: Registers>(job: &mut Job, block: &Block) {
     }
 }
 
-/// Of 16 registers there are enough for a group of channels and `P` pixels: six with VNNI, four without, where pairs of
-/// products take registers too.
+/// The 16 registers suffice for one group of channels and `P` pixels: six with VNNI, four without,
+/// where pairs of products need registers too.
 ///
 /// # Safety
 ///
@@ -369,11 +370,11 @@ fn spin_256(rounds: u64) -> Spin {
 }
 
 fn widen_in_256(rgb: &[u8], out: &mut [u8]) {
-    // SAFETY: every machine with kernels of this file has AVX2.
+    // SAFETY: every machine that uses kernels of this file has AVX2.
     unsafe { widen_256(rgb, out) }
 }
 
-/// Eight pixels at a time, as long as four bytes can be read behind them.
+/// Converts eight pixels at a time, as long as four bytes can be read after them.
 #[target_feature(enable = "avx2")]
 fn widen_256(rgb: &[u8], out: &mut [u8]) {
     let order = _mm256_broadcastsi128_si256(_mm_setr_epi8(
@@ -385,7 +386,7 @@ fn widen_256(rgb: &[u8], out: &mut [u8]) {
         let Some(bytes) = rgb.get(3 * done..3 * done + 28) else {
             break;
         };
-        // SAFETY: from byte 12 on there are 16 of the 28; a chunk is 32 bytes long.
+        // SAFETY: 16 of the 28 bytes follow byte 12; a chunk has 32 bytes.
         unsafe {
             let high = bytes[12..].as_ptr().cast();
             let pixels = _mm256_loadu2_m128i(high, bytes.as_ptr().cast());
@@ -397,16 +398,16 @@ fn widen_256(rgb: &[u8], out: &mut [u8]) {
     plain::widen(&rgb[3 * done..], &mut out[4 * done..]);
 }
 
-/// Half of the table is two registers.
+/// Looks up each half of the table in two registers.
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn look_up_vbmi(table: &[u8; 256], bytes: &mut [u8]) {
     let quarters = table.as_chunks::<64>().0;
-    // SAFETY: a quarter is 64 bytes long.
+    // SAFETY: a quarter has 64 bytes.
     let quarter = |k: usize| unsafe { _mm512_loadu_si512(quarters[k].as_ptr().cast()) };
     let [a, b, c, d] = [0, 1, 2, 3].map(quarter);
     let (chunks, rest) = bytes.as_chunks_mut::<64>();
     for chunk in chunks {
-        // SAFETY: a chunk is 64 bytes long.
+        // SAFETY: a chunk has 64 bytes.
         unsafe {
             let at = _mm512_loadu_si512(chunk.as_ptr().cast());
             let low = _mm512_permutex2var_epi8(a, at, b);

@@ -1,4 +1,4 @@
-//! Every message comes back to the bit, and hostile bytes are errors.
+//! Every message is read back bit for bit, and hostile bytes are errors.
 
 use lariat_message::fields::Type;
 use lariat_message::{
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{CdrError, encode_control_points};
 
-/// Numbers without end, each another.
+/// An endless sequence of distinct numbers.
 struct Numbers(u64);
 
 impl Numbers {
@@ -182,7 +182,7 @@ fn what_is_not_meant_is_not_written() {
 
 #[test]
 fn counts_beyond_the_arrays_are_read_as_full() {
-    // A writer of another release may say anything.
+    // A writer of another release may write any count.
     let mut sent = descriptors(1, 4, 5);
     (sent.count, sent.curves[0].count) = (99, 1000);
     let mut cdr = Vec::new();
@@ -196,7 +196,7 @@ fn counts_beyond_the_arrays_are_read_as_full() {
 fn lists_that_belong_together_have_one_length() {
     let mut cdr = Vec::new();
     centerlines(1, 1, 0, 3).encode(&mut cdr);
-    // Head, trace, size, count, the curve's words, sizes and age: then the points' count.
+    // Head, trace, size, count, the curve's words, sizes and age; then the points' count.
     let at = 4 + 96 + 8 + 4 + 16 + 8 + 4 + 8;
     assert_eq!(cdr[at..at + 4], [1, 0, 0, 0]);
     cdr[at] = 0;
@@ -231,7 +231,7 @@ fn every_schema_names_the_definitions_it_needs() {
     }
 }
 
-/// Its name in a schema.
+/// Name of a field's type in a schema.
 fn type_name(field: &Field) -> String {
     let (element, shape) = field.of.element();
     let name = match (element, &shape[..]) {
@@ -255,7 +255,7 @@ fn type_name(field: &Field) -> String {
     }
 }
 
-/// What the schema of a message has to say: its codes, then its fields in the order in which they are written.
+/// Expected schema of a message: its codes, then its fields in the order in which they are written.
 fn definition(message: &dyn Message) -> Vec<String> {
     let mut said = Vec::new();
     for (field, _) in message.fields() {
@@ -296,7 +296,7 @@ fn every_schema_says_the_fields_that_are_written() {
             let said = text.lines().map(|line| line.split('#').next().unwrap_or_default());
             let said = said.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
             let mut said: Vec<_> = said.filter(|line| !line.is_empty()).collect();
-            // In which order codes are said is all the same.
+            // The order of codes does not matter.
             let codes = said.iter().filter(|line| line.contains('=') && !line.contains("<=")).count();
             said[..codes].sort();
             let expected = definition(&$message::EMPTY);
@@ -320,7 +320,7 @@ fn every_schema_says_the_fields_that_are_written() {
 #[test]
 fn annotations_hold_the_control_points_from_the_pixel_s_corner() {
     let mut sent = descriptors(3, 4, 1);
-    // Points are seen a pixel to the right; one of the second rope is not.
+    // Points are shifted by a pixel to the right; one of the second rope is not visible.
     sent.curves[1].control_points[2] = [f64::NAN; 2];
     let pixel = |[x, y]: [f64; 2]| x.is_finite().then_some([x + 1.0, y]);
     let mut cdr = Vec::new();

@@ -1,4 +1,4 @@
-//! What a recording says of itself.
+//! Metadata of a recording.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use super::layout::{HEAD_BYTES, kind};
 use super::storage::Storage;
 use mcap::records::Record;
 
-/// The name of lariat's metadata.
+/// Name of lariat's metadata record.
 pub const METADATA: &str = "lariat";
 
-/// What stands in a recording's metadata: nothing, if lariat did not make it.
+/// The metadata of a recording. Empty if lariat did not make it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct About(BTreeMap<String, String>);
 
@@ -30,29 +30,29 @@ impl About {
             if let Ok(Record::Metadata(metadata)) = mcap::parse_record(kind::METADATA, &buffer)
                 && metadata.name == METADATA
             {
-                // What is known at the end is said again, and holds.
+                // Later records override earlier ones.
                 about.0.extend(metadata.metadata);
             }
         }
         Ok(about)
     }
 
-    /// What it says of this.
+    /// Returns the value of a key.
     pub fn get(&self, key: &str) -> Option<&str> {
         self.0.get(key).map(String::as_str)
     }
 
-    /// All that it says, in the keys' order.
+    /// All entries, sorted by key.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().map(|(key, value)| (&key[..], &value[..]))
     }
 
-    /// The release of lariat that made it.
+    /// The release of lariat that made the recording.
     pub fn version(&self) -> Option<&str> {
         self.get("version")
     }
 
-    /// What is added to a moment of `CLOCK_MONOTONIC` for a log time.
+    /// Offset from a `CLOCK_MONOTONIC` time to a log time.
     pub fn monotonic_to_wall_ns(&self) -> Option<i64> {
         self.get("monotonic_to_wall_ns")?.parse().ok()
     }

@@ -1,4 +1,5 @@
-//! How much is on each topic, told from the indexes of the messages: nothing is unpacked where they are there.
+//! Counts messages and bytes on each topic from the message indexes. Chunks are unpacked only if
+//! their indexes are missing.
 
 use std::collections::BTreeMap;
 
@@ -10,15 +11,15 @@ use super::layout::{
 };
 use super::storage::Storage;
 
-/// What a message takes among the records beside its own bytes: a record's head and its own.
+/// Bytes of a message record besides the message: the record's head and the message's own.
 const MESSAGE_HEAD_BYTES: u64 = HEAD_BYTES + 2 + 4 + 8 + 8;
 
-/// What is on a topic.
+/// Totals of a topic.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Count {
     pub(super) messages: u64,
     pub(super) bytes: u64,
-    /// Those of the largest message.
+    /// Bytes of the largest message.
     pub(super) largest: u64,
 }
 
@@ -30,7 +31,7 @@ impl Count {
     }
 }
 
-/// Counts, by channel.
+/// Counts messages by channel.
 pub(super) fn take(
     storage: &dyn Storage,
     index: &Index,
@@ -44,7 +45,7 @@ pub(super) fn take(
         let found = find_places(storage, indexed, &mut places, &mut buffer)?;
         match found {
             Some(end) => count_places(&mut places, end, &mut counts),
-            // What is damaged counts for nothing.
+            // Damaged parts are not counted.
             None if unpacker.load(indexed.part).is_err() => {}
             None => count_records(unpacker.records(), &mut counts),
         }
@@ -52,8 +53,8 @@ pub(super) fn take(
     Ok(counts)
 }
 
-/// Where among the unpacked records each message is, with its channel; and where the records end. `None` if the indexes do
-/// not say.
+/// Finds the offset and channel of each message among the unpacked records, and the end of the
+/// records. Returns `None` if the indexes are unusable.
 fn find_places(
     storage: &dyn Storage,
     indexed: &Indexed,
@@ -86,7 +87,8 @@ fn find_places(
     Ok(chunk.map(|chunk| chunk.unpacked))
 }
 
-/// A message reaches to the next one: what a topic is called, when it stands between them, is lost in that.
+/// Counts each message up to the next one. Definitions of topics between two messages are therefore
+/// included.
 fn count_places(places: &mut [(u64, u16)], end: u64, counts: &mut BTreeMap<u16, Count>) {
     places.sort_unstable();
     for (i, (place, channel)) in places.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Chunks read and unpacked, into memory that is kept from one to the next.
+//! Reads and unpacks chunks into memory that is reused.
 
 use std::io::Read;
 use std::sync::Arc;
@@ -7,30 +7,30 @@ use super::error::RecordingError;
 use super::layout::{ChunkHead, HEAD_BYTES, head, kind};
 use super::storage::{Storage, check_size};
 
-/// By how much lz4 can shrink: a byte of a match's length stands for at most 255 bytes.
+/// Maximum compression ratio of lz4: a byte of a match's length represents at most 255 bytes.
 const LZ4_RATIO: u64 = 255;
-/// By how much zstd can: a block of four bytes stands for at most 128 KiB.
+/// Maximum compression ratio of zstd: a block of four bytes represents at most 128 KiB.
 const ZSTD_RATIO: u64 = 32 * 1024;
 
-/// A part of the file that holds records with messages.
+/// A part of the file that contains records with messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Part {
-    /// Where it begins: a chunk's head, or the first of some records.
+    /// Position of a chunk's head, or of the first of some records.
     pub(super) offset: u64,
-    /// Its bytes in the file, the head included.
+    /// Length in the file, including the head.
     pub(super) length: u64,
-    /// Whether it is a chunk, or records that are in none.
+    /// True for a chunk, false for records outside of chunks.
     pub(super) is_chunk: bool,
 }
 
 /// Reads one part after the other.
 pub(super) struct Unpacker {
     storage: Arc<dyn Storage>,
-    /// The part as it is in the file.
+    /// The part as stored in the file.
     packed: Vec<u8>,
     unpacked: Vec<u8>,
     zstd: Option<zstd::bulk::Decompressor<'static>>,
-    /// Which of the two, and where in it, the records are.
+    /// Buffer and range that contain the records.
     records: (Held, std::ops::Range<usize>),
 }
 
@@ -51,7 +51,7 @@ impl Unpacker {
         }
     }
 
-    /// The records of the last part that was loaded.
+    /// Records of the part that was loaded last.
     pub(super) fn records(&self) -> &[u8] {
         let (held, range) = &self.records;
         let bytes = match held {
@@ -61,7 +61,7 @@ impl Unpacker {
         &bytes[range.clone()]
     }
 
-    /// Reads and unpacks a part, and checks that it is what was written. After an error there are no records.
+    /// Reads and unpacks a part, and verifies its checksum. After an error there are no records.
     pub(super) fn load(&mut self, part: Part) -> Result<(), RecordingError> {
         self.records = (Held::Packed, 0..0);
         let Part { offset, length, .. } = part;
@@ -136,7 +136,7 @@ fn unpack_zstd(
         Some(decoder) => decoder,
         None => kept.insert(zstd::bulk::Decompressor::new()?),
     };
-    // Its room is what the vector has reserved; only what is written is touched.
+    // Writes only into the reserved capacity.
     into.reserve(size);
     decoder.decompress_to_buffer(packed, into)?;
     Ok(())

@@ -1,4 +1,4 @@
-//! Messages, one after the other in the order in which they were written.
+//! Iterates over messages in the order in which they were written.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,53 +16,53 @@ use super::topics::{Kind, Topics};
 use crate::foxglove::{Form, Room};
 use crate::{Losses, Record};
 
-/// What a frame's messages may come later than the next frames, at most: behind the end of a time span they are looked for
-/// as long.
+/// Maximum delay of a frame's results relative to later frames. After the end of a span, messages
+/// are searched for this long.
 const LATE_NS: u64 = 2_000_000_000;
 
-/// A recording, as its cursors share it.
+/// A file of a recording, shared by its cursors.
 #[derive(Clone)]
 pub(super) struct Source {
     pub(super) storage: Arc<dyn Storage>,
     pub(super) index: Arc<Index>,
     pub(super) topics: Arc<Topics>,
-    /// What turns a moment of a trace into a log time; without it, a message's own log time counts.
+    /// Offset from a trace's time to a log time. Without it, a message's own log time counts.
     pub(super) offset_ns: Option<i64>,
 }
 
-/// A cursor over a recording's messages. Chunks are unpacked one by one, into memory that is kept: once warm, a message
-/// costs no allocation.
+/// A cursor over a recording's messages. Chunks are unpacked one by one into reused memory, so once
+/// warm, a message needs no allocation.
 pub struct Messages {
     source: Source,
-    /// The files that follow, the next one last.
+    /// Files after the current one, the next one last.
     rest: Vec<Source>,
     unpacker: Unpacker,
-    /// Log times of the frames that are wanted; the other messages are wanted with their frame.
+    /// Log times of the wanted frames. Other messages are wanted with their frame.
     span_ns: Range<u64>,
-    /// The next part.
+    /// Index of the next part.
     part: usize,
-    /// Where among the loaded part's records the next is.
+    /// Position of the next message among the loaded part's records.
     at: usize,
-    /// A header whose image is still to come, with its log time; and the same of a mask.
+    /// A header that waits for its image, with its log time; the same for a mask.
     frame: Option<(FrameHeader, u64)>,
     mask: Option<(FrameHeader, u64)>,
-    /// How many frames without headers there were.
+    /// Number of frames without headers so far.
     counted: u64,
     scratch: Box<Scratch>,
 }
 
-/// Messages are decoded into these.
+/// Buffers into which messages are decoded.
 struct Scratch {
     header: FrameHeader,
     centerlines: Centerlines,
     descriptors: Descriptors,
     losses: Losses,
-    /// Pixels that were not in the message as they are.
+    /// Pixels that had to be decoded or converted.
     room: Room,
     converted: Vec<u8>,
 }
 
-/// What was found, so that it can be lent once the search is over.
+/// A message found, to be lent once the search is over.
 enum Found {
     Frame(FoundFrame),
     Centerlines,
@@ -99,7 +99,7 @@ impl FoundFrame {
 }
 
 impl Messages {
-    /// `source`: the first file; `rest`: those that follow it.
+    /// Creates a cursor. `source` is the first file and `rest` the files after it.
     pub(super) fn new(source: Source, rest: &[Source], span_ns: Range<u64>, counted: u64) -> Self {
         Self {
             unpacker: Unpacker::new(source.storage.clone()),
@@ -122,11 +122,12 @@ impl Messages {
         }
     }
 
-    /// The next message; `None` after the last. After an error the next call goes on behind what is damaged.
+    /// Returns the next message; `None` after the last. After an error, the next call continues
+    /// behind the damaged part.
     ///
     /// # Errors
-    /// A chunk or a message is damaged.
-    #[allow(clippy::should_implement_trait)] // What is lent lives until the next call.
+    /// Fails if a chunk or a message is damaged.
+    #[allow(clippy::should_implement_trait)] // The result borrows from `self`, which `Iterator` does not allow.
     pub fn next(&mut self) -> Result<Option<Entry<'_>>, RecordingError> {
         let Some(found) = self.find()? else {
             return Ok(None);
@@ -144,10 +145,10 @@ impl Messages {
         }))
     }
 
-    /// The next frame; other messages are passed over.
+    /// Returns the next frame and skips other messages.
     ///
     /// # Errors
-    /// As [`next`](Self::next).
+    /// Fails as [`next`](Self::next) does.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, RecordingError> {
         loop {
             match self.find()? {
@@ -167,7 +168,7 @@ impl Messages {
                 return Ok(without_image(header, log_time_ns, Side::Frame));
             }
             let Some((channel, log_time_ns, range)) = self.next_message()? else {
-                // Their images never came.
+                // Remaining headers whose images never came.
                 let (side, held) = match (self.frame.take(), self.mask.take()) {
                     (Some(frame), mask) => {
                         self.mask = mask;
@@ -199,7 +200,7 @@ impl Messages {
         }
     }
 
-    /// The next message of any kind: its channel, its log time, and where its bytes are.
+    /// Returns the channel, log time and range of the next message of any kind.
     fn next_message(&mut self) -> Result<Option<(u16, u64, Range<usize>)>, RecordingError> {
         loop {
             let records = self.unpacker.records();
@@ -224,7 +225,7 @@ impl Messages {
         }
     }
 
-    /// Loads the next part that can hold something that is wanted; `false` behind the last.
+    /// Loads the next part that can contain a wanted message; `false` after the last.
     fn load_next(&mut self) -> Result<bool, RecordingError> {
         let last_ns = self.span_ns.end.saturating_add(LATE_NS);
         loop {
@@ -284,14 +285,14 @@ impl Messages {
         Ok(Some(found).filter(|_| self.is_wanted(trace.as_ref(), log_time_ns)))
     }
 
-    /// Whether a message's frame lies within the span.
+    /// Returns whether a message's frame is within the span.
     fn is_wanted(&self, trace: Option<&Trace>, log_time_ns: u64) -> bool {
         let of_frame = trace.zip(self.source.offset_ns);
         let at_ns = of_frame.map(|(trace, offset)| trace.captured_ns.wrapping_add_signed(offset));
         self.span_ns.contains(&at_ns.unwrap_or(log_time_ns))
     }
 
-    /// Holds a header until its image comes. One that was held till now has none.
+    /// Keeps a header until its image comes. A header that was already kept has no image.
     fn take_header(&mut self, kind: Kind, log_time_ns: u64) -> Option<Found> {
         let header = self.scratch.header;
         let (held, side) = match kind {

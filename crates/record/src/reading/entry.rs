@@ -1,4 +1,4 @@
-//! What comes out of a recording.
+//! Entries of a recording.
 
 use lariat_message::{Centerlines, Descriptors, FrameHeader};
 
@@ -7,46 +7,47 @@ use crate::Losses;
 /// A message.
 #[derive(Debug, Clone, Copy)]
 pub enum Entry<'a> {
-    /// What capture sent.
+    /// A frame from capture.
     Frame(Frame<'a>),
-    /// A mask that was made elsewhere.
+    /// A mask made by another program.
     Mask(Frame<'a>),
-    /// What extract sent.
+    /// Centerlines from extract.
     Centerlines(&'a Centerlines),
-    /// What fit sent.
+    /// Descriptors from fit.
     Descriptors(&'a Descriptors),
     /// The true centerlines of a rendered rope.
     Truth(&'a Centerlines),
-    /// What was lost up to here.
+    /// Losses up to this point.
     Losses(&'a Losses),
 }
 
 /// A frame, or a mask.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// Its trace, size and format; of pixels that are there as they are, with the length of their rows as they lie
-    /// here. In recordings that lariat did not make, the sequence counts from 1, the times are those of the image, and
-    /// of a [picture file](Pixels::Png) the size is 0: the file says it.
+    /// Trace, size and format. For raw pixels, the stride is that of `pixels`. In recordings of
+    /// other programs, the sequence counts from 1 and the times are those of the image. For a
+    /// [picture file](Pixels::Png) from such a recording, the size is 0, because only the file
+    /// contains it.
     pub header: FrameHeader,
-    /// What is seen.
+    /// The pixels.
     pub pixels: Pixels<'a>,
-    /// When it was logged, in nanoseconds of Unix time.
+    /// Log time, in nanoseconds of Unix time.
     pub log_time_ns: u64,
-    /// Bytes of the message that held the pixels.
+    /// Size of the message with the pixels, in bytes.
     pub message_bytes: usize,
 }
 
-/// What is seen in a frame.
+/// Pixels of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pixels<'a> {
-    /// Nothing: a blank frame, or one whose image was not recorded.
+    /// No pixels: a blank frame, or one whose image was not recorded.
     None,
-    /// The bytes, as the header describes them.
+    /// Raw bytes, as described by the header.
     Raw(&'a [u8]),
     /// A PNG file.
     Png(&'a [u8]),
     /// A JPEG file.
     Jpeg(&'a [u8]),
-    /// A picture file of another kind, such as WebP: its first bytes say which.
+    /// A picture file of another kind, such as WebP, which its first bytes identify.
     Other(&'a [u8]),
 }

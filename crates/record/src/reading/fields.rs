@@ -1,6 +1,6 @@
-//! The fields of MCAP's records: little endian, lengths before what they measure, and none of them believed.
+//! Fields of MCAP's records: little endian, each length before its contents. No length is trusted.
 
-/// Reads a record's fields in order. Every answer is `None` once they are at an end.
+/// Reads a record's fields in order. Every method returns `None` once the bytes are exhausted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
@@ -33,13 +33,13 @@ impl<'a> Fields<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// Bytes behind a length of four.
+    /// Reads bytes after a four-byte length.
     pub(super) fn short_block(&mut self) -> Option<&'a [u8]> {
         let count = self.u32()?;
         self.bytes(count as usize)
     }
 
-    /// Bytes behind a length of eight.
+    /// Reads bytes after an eight-byte length.
     pub(super) fn long_block(&mut self) -> Option<&'a [u8]> {
         let count = usize::try_from(self.u64()?).ok()?;
         self.bytes(count)

@@ -1,14 +1,15 @@
-//! The files of a recording: one, or those of the folder that `ros2 bag record` makes.
+//! The files of a recording: a single file, or those in a folder made by `ros2 bag record`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::RecordingError;
 
-/// How the names of recordings end: MCAP, also compressed as a whole; and others, which are refused with the way to convert them.
+/// File name endings of recordings: MCAP, also compressed as a whole. The other formats are refused
+/// with a hint to convert them.
 const ENDINGS: [&str; 5] = [".mcap", ".mcap.zstd", ".mcap.zst", ".db3", ".bag"];
 
-/// Whether a file is a recording by its name.
+/// Returns whether a file is a recording, judging by its name.
 pub fn names_a_recording(path: &Path) -> bool {
     let name = path
         .file_name()
@@ -16,7 +17,7 @@ pub fn names_a_recording(path: &Path) -> bool {
     name.is_some_and(|name| ENDINGS.iter().any(|ending| name.ends_with(ending)))
 }
 
-/// The files that a path names, in their order; and sentences about those that are missing.
+/// Lists the files that a path names, in order, with messages about missing files.
 pub(super) fn listed(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), RecordingError> {
     if !path.is_dir() {
         return Ok((vec![path.to_owned()], Vec::new()));
@@ -40,7 +41,7 @@ pub(super) fn listed(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Recordi
             None => missing.push(format!("{name}, which metadata.yaml names, is missing")),
         }
     }
-    // A recorder that was killed has not listed its last file, or none.
+    // A recorder that was killed has not listed its last file, or any.
     found.retain(|file| !files.contains(file));
     files.append(&mut found);
     match files.is_empty() {
@@ -49,7 +50,7 @@ pub(super) fn listed(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Recordi
     }
 }
 
-/// The list `relative_file_paths` of a bag's metadata.
+/// Returns the list `relative_file_paths` of a bag's metadata.
 fn files_of(metadata: &str) -> impl Iterator<Item = &str> {
     let lines = metadata.lines().map(str::trim);
     let behind = lines

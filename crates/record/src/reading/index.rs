@@ -1,4 +1,4 @@
-//! What is where in a recording: topics, chunks, attachments, metadata.
+//! Locates everything in a recording: topics, chunks, attachments, metadata.
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use super::chunk::Part;
 use super::layout::{Records, kind};
 use mcap::records::{AttachmentIndex, MetadataIndex, Record};
 
-/// A definition of messages, as it stands in the file.
+/// A message definition in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Definition {
     pub(super) name: String,
     pub(super) text: Vec<u8>,
 }
 
-/// A topic, as it stands in the file.
+/// A channel in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Listed {
     pub(super) topic: String,
@@ -21,39 +21,40 @@ pub(super) struct Listed {
     pub(super) schema: u16,
 }
 
-/// A part with messages, the times between which they were logged, and where their indexes are.
+/// A part with messages, with the range of its log times and the positions of its message indexes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Indexed {
     pub(super) part: Part,
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
-    /// Of each channel that has messages in it, where the index record is. Empty where there are no such records.
+    /// Position of the message index of each channel with messages in this part. Empty without such
+    /// records.
     pub(super) indexes: Vec<(u16, u64)>,
 }
 
-/// An attachment, or a piece of metadata.
+/// Position of an attachment or of metadata.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Placed {
     pub(super) name: String,
     pub(super) offset: u64,
-    /// The head included.
+    /// Length including the record's head.
     pub(super) length: u64,
 }
 
-/// Everything but the messages.
+/// Everything except the messages.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Index {
     pub(super) schemas: BTreeMap<u16, Definition>,
     pub(super) channels: BTreeMap<u16, Listed>,
-    /// In the file's order.
+    /// Parts in the file's order.
     pub(super) parts: Vec<Indexed>,
     pub(super) attachments: Vec<Placed>,
     pub(super) metadata: Vec<Placed>,
 }
 
 impl Index {
-    /// Takes over what a record says, if it is one of those that say what is where; `false` if it should and cannot be
-    /// read.
+    /// Adds the contents of an index record, and ignores other records. Returns `false` if an index
+    /// record cannot be read.
     pub(super) fn take(&mut self, kind: u8, record: &[u8]) -> bool {
         let says_where = matches!(
             kind,
@@ -119,7 +120,7 @@ impl Index {
         true
     }
 
-    /// Takes over the topics that are told of among messages.
+    /// Adds the topics that are defined among messages.
     pub(super) fn take_topics(&mut self, records: &[u8]) {
         for (kind, record) in Records::new(records) {
             if matches!(kind, kind::SCHEMA | kind::CHANNEL) {

@@ -1,20 +1,20 @@
-//! The records of an MCAP file (<https://mcap.dev/spec>) that are read from a part of their bytes, or for each message. The mcap
-//! crate reads the others. It cannot read these: a chunk's head without the chunk, a torn file's records up to the tear, and an
-//! attachment of fewer bytes than its own fields, which makes it panic (0.26).
+//! Records of an MCAP file (<https://mcap.dev/spec>) that are read partially, or once per message.
+//! The mcap crate (0.26) reads the others. It cannot read a chunk's head without the chunk, or the
+//! records of a torn file. It panics on an attachment that is shorter than its own fields.
 
 use super::fields::Fields;
 use mcap::records::{MessageIndexEntry, Record};
 
-/// What a file begins and ends with.
+/// First and last bytes of a file.
 pub(super) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
-/// Before each record: its kind, and its length in eight bytes.
+/// Bytes before each record: its kind, and its length in eight bytes.
 pub(super) const HEAD_BYTES: u64 = 9;
-/// A footer with its head, and the magic behind it.
+/// A footer with its head, and the magic after it.
 pub(super) const END_BYTES: u64 = HEAD_BYTES + 8 + 8 + 4 + MAGIC.len() as u64;
-/// The head of a chunk up to its records, with a compression name of at most sixteen letters.
+/// Head of a chunk up to its records, with a compression name of at most sixteen letters.
 pub(super) const CHUNK_HEAD_BYTES: u64 = HEAD_BYTES + 8 + 8 + 8 + 4 + 4 + 16 + 8;
 
-/// The kinds of records.
+/// Kinds of records.
 pub(super) mod kind {
     pub(crate) const FOOTER: u8 = 0x02;
     pub(crate) const SCHEMA: u8 = 0x03;
@@ -30,15 +30,15 @@ pub(super) mod kind {
     pub(crate) const DATA_END: u8 = 0x0F;
 }
 
-/// A record's kind and the length of what follows; `None` of bytes that are no head.
+/// Reads a record's kind and the length of its contents; `None` if the bytes are not a head.
 pub(super) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
     let mut fields = Fields(bytes);
     let kind = fields.u8()?;
-    // A file that was made longer ahead of need ends in zeros.
+    // A file that was extended in advance ends in zeros.
     (kind != 0).then_some((kind, fields.u64()?))
 }
 
-/// Walks over records in memory, up to the end or the first that is not whole.
+/// Iterates over records in memory, up to the end or the first incomplete one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Records<'a>(pub(super) Fields<'a>);
 
@@ -49,7 +49,7 @@ impl<'a> Records<'a> {
 }
 
 impl<'a> Iterator for Records<'a> {
-    /// The kind, and the fields.
+    /// Kind and contents of a record.
     type Item = (u8, &'a [u8]);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -58,7 +58,7 @@ impl<'a> Iterator for Records<'a> {
     }
 }
 
-/// A message, but for its bytes.
+/// A message.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Message<'a> {
     pub(super) channel: u16,
@@ -81,24 +81,24 @@ impl<'a> Message<'a> {
     }
 }
 
-/// What stands before a chunk's records.
+/// Head of a chunk, before its records.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChunkHead<'a> {
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
-    /// Bytes of its records once unpacked.
+    /// Size of the unpacked records, in bytes.
     pub(super) unpacked: u64,
-    /// CRC-32 of them; 0: none was taken.
+    /// CRC-32 of the unpacked records; 0 if none was computed.
     pub(super) crc: u32,
     pub(super) compression: &'a str,
-    /// Bytes of its records as they are in the file.
+    /// Size of the records in the file, in bytes.
     pub(super) packed: u64,
-    /// Bytes from the chunk's fields to its records.
+    /// Offset of the records from the chunk's first field, in bytes.
     pub(super) length: usize,
 }
 
 impl<'a> ChunkHead<'a> {
-    /// `record`: the chunk's fields, at least up to its records.
+    /// Reads the head. `record` contains the chunk's fields, at least up to its records.
     pub(super) fn read(record: &'a [u8]) -> Option<Self> {
         let mut fields = Fields(record);
         let mut head = Self {
@@ -115,7 +115,7 @@ impl<'a> ChunkHead<'a> {
     }
 }
 
-/// An attachment: its name and its bytes.
+/// Returns an attachment's name and contents.
 pub(super) fn attachment(record: &[u8]) -> Option<(&str, &[u8])> {
     let mut fields = Fields(record);
     let _times = fields.bytes(16)?;
@@ -127,14 +127,15 @@ pub(super) fn attachment(record: &[u8]) -> Option<(&str, &[u8])> {
     (crc == 0 || crc == crc32fast::hash(checked)).then_some((name, bytes))
 }
 
-/// An attachment's name, of the beginning of its record.
+/// Returns an attachment's name, given the beginning of its record.
 pub(super) fn attachment_name(record: &[u8]) -> Option<&str> {
     let mut fields = Fields(record);
     let _times = fields.bytes(16)?;
     fields.text()
 }
 
-/// The places of one channel's messages in a chunk; `None` of another record, or one that is damaged.
+/// Returns the positions of one channel's messages in a chunk; `None` for a record of another kind
+/// or channel, or a damaged one.
 pub(super) fn message_index(record: &[u8], channel: u16) -> Option<Vec<MessageIndexEntry>> {
     match mcap::parse_record(kind::MESSAGE_INDEX, record) {
         Ok(Record::MessageIndex(index)) if index.channel_id == channel => Some(index.records),

@@ -1,4 +1,4 @@
-//! Opening the files of a recording.
+//! Opens the files of a recording.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,11 +17,12 @@ use super::topics::Topics;
 pub(super) struct Opened {
     pub(super) source: Source,
     pub(super) about: About,
-    /// A sentence about a part that is missing at its end.
+    /// Message about a missing part at the end.
     pub(super) cut_off: Option<String>,
 }
 
-/// Opens all files that a path names, at least one; with sentences about those that are missing, cut off or not read.
+/// Opens all files that a path names, at least one. Also returns messages about files that are
+/// missing, cut off or not readable.
 pub(super) fn open(
     path: &Path,
     topic: Option<&str>,
@@ -50,7 +51,7 @@ pub(super) fn open(
             }
             Err(error) => {
                 use RecordingError::{Empty, NoImages, NoTopic};
-                // A file of a long recording may be without images.
+                // A file of a long recording may contain no images.
                 if !matches!(error, Empty { .. } | NoImages { .. } | NoTopic { .. }) {
                     notes.push(format!("{name} is not read: {error}"));
                 }
@@ -68,8 +69,10 @@ pub(super) fn open(
 }
 
 impl Opened {
+    /// Opens one file.
+    ///
     /// # Errors
-    /// It is no recording, or has nothing that lariat reads.
+    /// Fails if the file is not a recording, or contains nothing that lariat reads.
     pub(super) fn new(
         storage: Arc<dyn Storage>,
         topic: Option<&str>,
@@ -116,7 +119,7 @@ fn cut_off(end: End, size: u64, is_ours: bool) -> Option<String> {
             "this recording was not closed (its writer was killed, or the machine went down): what was written up to byte {at} \
              of {size} is whole and is read, what was not yet in a whole chunk then is missing"
         )),
-        // Others may close theirs so.
+        // Recordings of other programs may normally end without an index.
         End::WithoutIndex if is_ours => Some(
             "this recording was closed in need (its disk was full, or failed): it is whole up to there".to_owned(),
         ),

@@ -1,4 +1,5 @@
-//! What an image's message says: pixels as they are, pixels to convert, or a picture file, whose first bytes tell its kind.
+//! Reads an image message: raw pixels, pixels to convert, or a picture file, whose first bytes
+//! identify its kind.
 
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use crate::cdr::CdrError;
 use crate::conversion::convert;
 use crate::{CompressedImageRecord, ImageRecord};
 
-/// Where a frame's bytes are, and what they are.
+/// Kind and location of a frame's bytes.
 #[derive(Debug, Clone)]
 pub(super) enum Bytes {
     None,
@@ -19,19 +20,19 @@ pub(super) enum Bytes {
     Other(Place),
 }
 
-/// Where bytes are.
+/// Location of bytes.
 #[derive(Debug, Clone)]
 pub(super) enum Place {
-    /// In the loaded part's records.
+    /// In the records of the loaded part.
     Records(Range<usize>),
-    /// Where the message's reader has put them.
+    /// In the memory of the message's reader.
     Room,
-    /// Where the conversion has put them.
+    /// In the output of the conversion.
     Converted,
 }
 
 impl Place {
-    /// Where a part of the records lies in them; bytes from elsewhere are the reader's.
+    /// Locates a slice in the records. Bytes from elsewhere are the reader's.
     fn of(part: &[u8], records: &[u8]) -> Self {
         match records.as_ptr_range().contains(&part.as_ptr()) {
             true => {
@@ -44,7 +45,7 @@ impl Place {
 }
 
 impl Bytes {
-    /// The bytes themselves.
+    /// Returns the bytes themselves.
     pub(super) fn lend<'a>(
         self,
         records: &'a [u8],
@@ -66,7 +67,7 @@ impl Bytes {
     }
 }
 
-/// What is wrong with a message.
+/// Error in a message.
 pub(super) enum Wrong {
     Cdr(CdrError),
     Image,
@@ -80,7 +81,8 @@ impl From<CdrError> for Wrong {
     }
 }
 
-/// An image, with the header that came before it, or one made of what it says itself; converted if no frame has its encoding.
+/// Reads an image, with the header that came before it or one made from the image. Encodings that
+/// frames do not have are converted.
 pub(super) fn raw(
     image: ImageRecord,
     known: Option<FrameHeader>,
@@ -114,10 +116,12 @@ pub(super) fn raw(
     }
 }
 
-/// Bytes before the PNG of a depth image of image transport: its kind, and two parameters of its quantization.
+/// Bytes before the PNG of a depth image of image transport: its kind, and two parameters of its
+/// quantization.
 const DEPTH_HEAD_BYTES: usize = 12;
 
-/// A picture file. Its bytes tell its kind; only if they are of none that is known does the writer's word count.
+/// Reads a picture file. Its bytes identify its kind. The writer's claim counts only if they are
+/// unknown.
 pub(super) fn picture(
     picture: CompressedImageRecord,
     known: Option<FrameHeader>,
@@ -125,7 +129,7 @@ pub(super) fn picture(
 ) -> Result<(FrameHeader, Bytes), Wrong> {
     let header = known.unwrap_or_else(|| header_of(picture.stamp_ns));
     let place = Place::of(picture.data, records);
-    // ROS says the like of `rgb8; jpeg compressed bgr8`.
+    // ROS writes formats such as `rgb8; jpeg compressed bgr8`.
     let is = |name: &str| picture.format.contains(name);
     let behind_head = picture.data.get(DEPTH_HEAD_BYTES..).unwrap_or_default();
     let of_bytes = image::guess_format(picture.data).ok();
@@ -143,10 +147,10 @@ pub(super) fn picture(
     Ok((header, bytes))
 }
 
-/// The signature of PNG files.
+/// Signature of PNG files.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Of an image that lariat did not take.
+/// Header for an image of another program.
 fn header_of(stamp_ns: u64) -> FrameHeader {
     FrameHeader {
         trace: Trace {

@@ -1,4 +1,4 @@
-//! A recording, opened.
+//! An open recording.
 
 use std::io;
 use std::ops::Range;
@@ -16,65 +16,68 @@ use super::layout::{HEAD_BYTES, attachment};
 use super::opening::{self, Opened};
 use super::scan::{times_among, times_of};
 
-/// A recording: an MCAP file that lariat made, or another with images in it, or the folder of several that ROS 2 makes.
+/// A recording: an MCAP file that lariat made, or another one with images, or a folder of several
+/// files as ROS 2 makes it.
 ///
-/// Any bytes may be in the file. No length in it is believed before the bytes are there, so that memory stays within some
-/// times the file's size and 1 GiB for a chunk.
+/// The file may contain any bytes. Lengths are not trusted before the bytes are there, so memory is
+/// limited to a few times the file's size, and 1 GiB for a chunk.
 pub struct Recording {
-    /// Its files in their order, at least one.
+    /// The files in their order, at least one.
     files: Vec<Source>,
-    /// All topics of images among which that one was chosen.
+    /// All topics with images from which the frames' topic was chosen.
     candidates: Vec<String>,
     about: About,
     cut_off: Option<String>,
 }
 
-/// A place in a recording.
+/// A position in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// A frame's place among the frames of the recording, from 1.
+    /// Number of a frame in the recording, counted from 1.
     Frame(u64),
-    /// So long after the first message.
+    /// Time since the first message.
     After(Duration),
 }
 
-/// A part of a recording: its frames from one place up to, and without, another; and all that was made of these frames.
+/// A part of a recording: the frames from one position up to but excluding another, and all results
+/// of these frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Span {
-    /// Without it, from the beginning.
+    /// The beginning if `None`.
     pub from: Option<Place>,
-    /// Without it, to the end.
+    /// The end if `None`.
     pub to: Option<Place>,
 }
 
 /// A topic of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TopicSummary {
-    /// Its name.
+    /// Name of the topic.
     pub name: String,
-    /// The name of its messages' definition; empty if there is none.
+    /// Name of its schema; empty if there is none.
     pub schema: String,
-    /// How many messages are on it.
+    /// Number of messages.
     pub messages: u64,
-    /// Their bytes, unpacked.
+    /// Bytes of the messages, unpacked.
     pub bytes: u64,
-    /// Bytes of the largest, at most.
+    /// Upper bound of the largest message's size, in bytes.
     pub largest: u64,
 }
 
 impl Recording {
-    /// Opens a file, or a folder.
+    /// Opens a file or a folder.
     ///
     /// # Errors
-    /// It cannot be read, is no recording, or holds nothing that lariat reads.
+    /// Fails if it cannot be read, is not a recording, or contains nothing that lariat reads.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         Self::open_topic(path, None)
     }
 
-    /// The same; `topic` names the one whose images are the frames, where there are several.
+    /// Opens a file or a folder. `topic` names the topic whose images are the frames, if there are
+    /// several.
     ///
     /// # Errors
-    /// As [`open`](Self::open); or there is no such topic.
+    /// Fails as [`open`](Self::open) does, or if there is no such topic.
     pub fn open_topic(path: &Path, topic: Option<&str>) -> Result<Self, RecordingError> {
         let (files, notes) = opening::open(path, topic)?;
         let mut recording = Self::of_files(files);
@@ -82,15 +85,15 @@ impl Recording {
         Ok(recording)
     }
 
-    /// A recording in memory.
+    /// Opens a recording in memory.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// Fails as [`open`](Self::open) does.
     pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, RecordingError> {
         Ok(Self::of_files(vec![Opened::new(Arc::new(bytes), None)?]))
     }
 
-    /// The first of these files tells what holds for all of them.
+    /// Combines files. Metadata comes from the first one.
     fn of_files(mut files: Vec<Opened>) -> Self {
         let mut candidates: Vec<String> = (files.iter())
             .flat_map(|file| file.source.topics.candidates.iter().cloned())
@@ -107,17 +110,17 @@ impl Recording {
         }
     }
 
-    /// What it says of itself.
+    /// Metadata of the recording.
     pub fn about(&self) -> &About {
         &self.about
     }
 
-    /// A sentence about what is missing at its end, if it was not closed.
+    /// Message about what is missing at the end, if the recording was not closed.
     pub fn cut_off(&self) -> Option<&str> {
         self.cut_off.as_deref()
     }
 
-    /// Bytes of its files.
+    /// Total size of the files, in bytes.
     pub fn size(&self) -> u64 {
         self.files.iter().map(|file| file.storage.size()).sum()
     }
@@ -127,12 +130,13 @@ impl Recording {
         (self.files.iter()).find_map(|file| file.topics.images.as_deref())
     }
 
-    /// The topics of images among which that one was chosen: several, if several cameras were recorded.
+    /// All topics with images from which that one was chosen. There are several if several cameras
+    /// were recorded.
     pub fn cameras(&self) -> &[String] {
         &self.candidates
     }
 
-    /// Whether its frames are lariat's own, with the traces they had.
+    /// Returns whether the frames are lariat's own, with their traces.
     pub fn has_traces(&self) -> bool {
         self.files.iter().any(|file| file.topics.has_headers)
     }
@@ -145,12 +149,12 @@ impl Recording {
         (first.unwrap_or(0), last.unwrap_or(0))
     }
 
-    /// The attachment of this name.
+    /// Returns the attachment of this name.
     ///
     /// # Errors
-    /// It is damaged.
+    /// Fails if the attachment is damaged.
     pub fn attachment(&self, name: &str) -> Result<Option<Vec<u8>>, RecordingError> {
-        // The last of a name holds.
+        // The last attachment of a name is the valid one.
         let mut placed = self.files.iter().rev().flat_map(|file| {
             let placed = file.index.attachments.iter().rev();
             placed.map(move |placed| (&file.storage, placed))
@@ -177,16 +181,16 @@ impl Recording {
         }
     }
 
-    /// The names of its attachments.
+    /// Names of the attachments.
     pub fn attachments(&self) -> impl Iterator<Item = &str> {
         let placed = self.files.iter().flat_map(|file| &file.index.attachments);
         placed.map(|placed| &placed.name[..])
     }
 
-    /// What is on each topic, by name.
+    /// Counts the messages on each topic, sorted by name.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// Fails if the file cannot be read.
     pub fn topics(&self) -> Result<Vec<TopicSummary>, RecordingError> {
         let mut topics: Vec<TopicSummary> = Vec::new();
         for Source { storage, index, .. } in &self.files {
@@ -222,20 +226,21 @@ impl Recording {
         Ok(topics)
     }
 
-    /// How many frames there are.
+    /// Counts the frames.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// Fails if the file cannot be read.
     pub fn frames(&self) -> Result<u64, RecordingError> {
         let mut count = 0;
         self.each_frame(|_| count += 1)?;
         Ok(count)
     }
 
-    /// How many frames there are in a part, and the log times of the first and the last, in nanoseconds of Unix time.
+    /// Returns the number of frames in a part, and the log times of the first and the last, in
+    /// nanoseconds of Unix time.
     ///
     /// # Errors
-    /// A place is behind the last frame, or the file cannot be read.
+    /// Fails if a position is after the last frame, or if the file cannot be read.
     pub fn frame_times_ns(&self, span: Span) -> Result<(u64, Option<[u64; 2]>), RecordingError> {
         let span_ns = self.span_ns(span)?;
         let (mut count, mut ends) = (0, None);
@@ -249,10 +254,10 @@ impl Recording {
         Ok((count, ends))
     }
 
-    /// A cursor over the messages of a part.
+    /// Returns a cursor over the messages of a part.
     ///
     /// # Errors
-    /// A place is behind the last frame, or the file cannot be read.
+    /// Fails if a position is after the last frame, or if the file cannot be read.
     pub fn messages(&self, span: Span) -> Result<Messages, RecordingError> {
         let span_ns = self.span_ns(span)?;
         let mut before = 0;
@@ -263,12 +268,13 @@ impl Recording {
         Ok(Messages::new(first, rest, span_ns, before))
     }
 
-    /// A cursor over a part at the end that has what was said last of losses, and whatever else is there.
+    /// Returns a cursor over a part at the end that contains the last report of losses, and
+    /// possibly other messages.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// Fails if the file cannot be read.
     pub fn losses(&self) -> Result<Messages, RecordingError> {
-        // At least one: a recording without a file is not opened.
+        // There is at least one: a recording without a file is not opened.
         let file = &self.files[self.files.len() - 1];
         let has_losses = |indexed: &&Indexed| {
             let is_losses = |(channel, _): &(u16, u64)| file.topics.is_losses(*channel);
@@ -295,13 +301,13 @@ impl Recording {
         let to = match span.to {
             None => u64::MAX,
             Some(Place::After(time)) => after(time),
-            // Up to a frame behind the last is up to the end.
+            // A frame after the last one means the end.
             Some(Place::Frame(frame)) => self.time_of(frame)?.unwrap_or(u64::MAX),
         };
         Ok(from..to)
     }
 
-    /// The log time of a frame, or how many there are.
+    /// Returns the log time of a frame, or the number of frames if there is no such frame.
     fn time_of(&self, frame: u64) -> Result<Result<u64, u64>, RecordingError> {
         let (mut count, mut time) = (0, None);
         self.each_frame(|at_ns| {
@@ -313,7 +319,7 @@ impl Recording {
         Ok(time.ok_or(count))
     }
 
-    /// Tells of the log time of each frame, in the order of the file.
+    /// Calls `each` with the log time of each frame, in the order of the file.
     fn each_frame(&self, mut each: impl FnMut(u64)) -> Result<(), RecordingError> {
         let mut buffer = Vec::new();
         for file in &self.files {
@@ -333,7 +339,7 @@ impl Recording {
     }
 }
 
-/// A damaged part counts as empty: so it is to a cursor, too.
+/// Loads a part. A damaged part counts as empty, as it does for a cursor.
 fn load(unpacker: &mut Unpacker, indexed: &Indexed) -> Result<(), RecordingError> {
     match unpacker.load(indexed.part) {
         Err(RecordingError::Io(error)) if error.kind() != io::ErrorKind::UnexpectedEof => {

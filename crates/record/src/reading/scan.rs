@@ -1,5 +1,6 @@
-//! The index of a recording that was not closed, or was written without one: found by going through the file from record to
-//! record. Chunks are leapt over; unpacked are only those that tell of topics, and the last one, which alone can be torn.
+//! Rebuilds the index of a recording that was not closed, or was written without one, by scanning
+//! the file from record to record. It skips over chunks and unpacks only those that define topics,
+//! and the last one, which alone can be torn.
 
 use std::sync::Arc;
 
@@ -12,10 +13,10 @@ use super::layout::{
 };
 use super::storage::Storage;
 
-/// Messages that are in no chunk are read so many bytes at a time.
+/// Number of bytes read at a time from messages outside of chunks.
 const BARE_BYTES: u64 = 4 << 20;
 
-/// What was found.
+/// Result of a scan.
 pub(super) struct Found {
     pub(super) index: Index,
     pub(super) end: End,
@@ -26,19 +27,19 @@ pub(super) struct Found {
 pub(super) enum End {
     /// With its index.
     Closed,
-    /// As it should, but for the index.
+    /// Regularly, but without an index.
     WithoutIndex,
-    /// In the middle of something.
+    /// In the middle of a record.
     Torn {
-        /// Where that begins.
+        /// Position of that record.
         at: u64,
     },
 }
 
-/// Goes through the file.
+/// Scans the file.
 ///
 /// # Errors
-/// The file cannot be read.
+/// Fails if the file cannot be read.
 pub(super) fn scan(storage: &Arc<dyn Storage>) -> Result<Found, RecordingError> {
     let mut scan = Scan {
         storage: storage.as_ref(),
@@ -49,7 +50,7 @@ pub(super) fn scan(storage: &Arc<dyn Storage>) -> Result<Found, RecordingError> 
     let mut index = scan.index;
     let mut unpacker = Unpacker::new(storage.clone());
     if end != End::WithoutIndex {
-        // After a power cut, what was written last may not be what was to be written.
+        // After a power failure, the last bytes on disk may be wrong.
         while let Some(last) = index.parts.last().filter(|last| last.part.is_chunk) {
             if unpacker.load(last.part).is_ok() {
                 break;
@@ -85,7 +86,7 @@ impl Scan<'_> {
                 return Ok(End::Torn { at });
             };
             if kind == kind::DATA_END {
-                // What is torn behind this is the index alone.
+                // Only the index after this record can be torn.
                 return Ok(match self.has_end()? {
                     true => End::WithoutIndex,
                     false => End::Torn { at },
@@ -103,7 +104,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Whether the file ends as it should.
+    /// Returns whether the file ends with the magic.
     fn has_end(&self) -> Result<bool, RecordingError> {
         let mut end = [0; MAGIC.len()];
         let at = self.storage.size().saturating_sub(MAGIC.len() as u64);
@@ -126,7 +127,7 @@ impl Scan<'_> {
         });
     }
 
-    /// A message that is in no chunk becomes one of a part.
+    /// Adds a message outside of chunks to a part of such messages.
     fn bare_message(&mut self, (offset, length): (u64, u64), begin: &[u8]) {
         let Some(message) = Message::read(begin) else {
             return;
@@ -155,7 +156,7 @@ impl Scan<'_> {
     }
 
     fn aside(&mut self, kind: u8, (offset, length): (u64, u64)) -> Result<(), RecordingError> {
-        // Of an attachment only the name is wanted, which stands at its beginning.
+        // Only the attachment's name is needed, which is at its beginning.
         let bytes = (length - HEAD_BYTES).min(4096);
         self.storage
             .read_into(offset + HEAD_BYTES, bytes, &mut self.buffer)?;
@@ -194,7 +195,7 @@ impl Scan<'_> {
     }
 }
 
-/// Looks for the topics in the chunks that have messages of an unknown one.
+/// Searches for topics in chunks that have messages of an unknown one.
 fn find_topics(index: &mut Index, unpacker: &mut Unpacker) {
     for i in 0..index.parts.len() {
         let indexed = &index.parts[i];
@@ -206,9 +207,9 @@ fn find_topics(index: &mut Index, unpacker: &mut Unpacker) {
     }
 }
 
-/// The messages of one channel in one part: the log time of each.
+/// Calls `each` with the log time of each message of one channel in one part.
 ///
-/// `None` where the index of the part does not say.
+/// Returns `None` if the part has no usable index.
 pub(super) fn times_of(
     storage: &dyn Storage,
     indexed: &Indexed,
@@ -235,7 +236,7 @@ pub(super) fn times_of(
     Ok(Some(()))
 }
 
-/// The same, of records in memory.
+/// Calls `each` with the log time of each message of one channel in records in memory.
 pub(super) fn times_among(records: &[u8], channel: u16, mut each: impl FnMut(u64)) {
     for (kind, record) in Records::new(records) {
         if kind == kind::MESSAGE

@@ -1,4 +1,5 @@
-//! Where the bytes of a recording are: in a file, or in memory. Read at places, so that several readers share one.
+//! Storage of a recording's bytes: a file, or memory. It is read at given positions, so that
+//! several readers can share it.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -7,26 +8,27 @@ use std::path::Path;
 
 use super::error::RecordingError;
 
-/// No part of a recording is larger: the largest image that extraction takes, 16384 pixels a side in RGB, fits.
+/// Maximum size of a part. The largest image that extraction accepts, 16384 pixels per side in RGB,
+/// fits.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Bytes at places.
+/// Bytes that are read at given positions.
 pub(super) trait Storage: Send + Sync {
     fn size(&self) -> u64;
 
-    /// Fills `into` with the bytes from `offset` on.
+    /// Fills `into` with the bytes from `offset`.
     fn read_at(&self, offset: u64, into: &mut [u8]) -> io::Result<()>;
 }
 
-/// A file as large as it was when it was opened.
+/// A file, with its size when it was opened.
 pub(super) struct FileStorage {
     file: File,
     size: u64,
 }
 
 impl FileStorage {
-    /// Opens a file. One that is compressed by zstd as a whole is unpacked into a temporary file, as only the parts of a recording
-    /// can be read at places.
+    /// Opens a file. A file compressed by zstd as a whole is unpacked into a temporary file,
+    /// because it cannot be read at a position.
     pub(super) fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = File::open(path)?;
         let mut magic = [0; ZSTD.len()];
@@ -43,7 +45,8 @@ impl FileStorage {
 /// The first bytes of a zstd frame (RFC 8878, section 3.1.1).
 const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
-/// The file that a file was packed from. If that is cut off or damaged, as much of it as there is.
+/// Unpacks a file into a temporary one. From a damaged or cut off file, it unpacks as much as
+/// possible.
 fn unpacked(packed: &File) -> Result<File, RecordingError> {
     let unpackable = |error| RecordingError::Unpack {
         folder: std::env::temp_dir(),
@@ -88,10 +91,11 @@ impl Storage for Vec<u8> {
 }
 
 impl dyn Storage + '_ {
-    /// Reads a part into a buffer, which is emptied first. No more memory is taken than there are bytes.
+    /// Reads a part into a buffer, replacing its contents. Memory is allocated only for bytes that
+    /// exist.
     ///
     /// # Errors
-    /// It does not lie within the file, it is too large, or it cannot be read.
+    /// Fails if the part exceeds the file, is too large, or cannot be read.
     pub(super) fn read_into(
         &self,
         offset: u64,
@@ -104,13 +108,13 @@ impl dyn Storage + '_ {
             return Err(RecordingError::Damaged { offset, why });
         }
         check_size(offset, bytes)?;
-        // What was read before needs not be zeroed again.
+        // Keeps old contents, which need not be zeroed.
         buffer.resize(bytes as usize, 0);
         self.read_at(offset, buffer)?;
         Ok(())
     }
 
-    /// As many bytes as there are, up to `into.len()`.
+    /// Reads up to `into.len()` bytes, fewer at the end.
     pub(super) fn read_some<'a>(&self, offset: u64, into: &'a mut [u8]) -> io::Result<&'a [u8]> {
         let left = self.size().saturating_sub(offset);
         let count = into.len().min(usize::try_from(left).unwrap_or(usize::MAX));
@@ -119,8 +123,10 @@ impl dyn Storage + '_ {
     }
 }
 
+/// Checks that a part of this size is not too large.
+///
 /// # Errors
-/// A part of so many bytes is too large.
+/// Fails if it is.
 pub(super) fn check_size(offset: u64, bytes: u64) -> Result<(), RecordingError> {
     if bytes > MOST_BYTES {
         let most = MOST_BYTES;

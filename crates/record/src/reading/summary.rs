@@ -1,4 +1,4 @@
-//! The index of a recording that was closed: it stands at the end.
+//! Reads the index at the end of a closed recording.
 
 use super::error::RecordingError;
 use super::fields::Fields;
@@ -6,10 +6,10 @@ use super::index::Index;
 use super::layout::{END_BYTES, HEAD_BYTES, MAGIC, Records, kind};
 use super::storage::Storage;
 
-/// Reads the index at the end; `None` if there is none, or none that can be believed.
+/// Reads the index; `None` if it is missing or not trustworthy.
 ///
 /// # Errors
-/// The file cannot be read.
+/// Fails if the file cannot be read.
 pub(super) fn read(storage: &dyn Storage) -> Result<Option<Index>, RecordingError> {
     let Some(footer_at) = storage.size().checked_sub(END_BYTES) else {
         return Ok(None);
@@ -19,7 +19,7 @@ pub(super) fn read(storage: &dyn Storage) -> Result<Option<Index>, RecordingErro
     let Some((start, crc)) = footer(&end) else {
         return Ok(None);
     };
-    // All of it up to its own checksum.
+    // The checksum covers everything up to itself.
     let checked = (footer_at + HEAD_BYTES + 16).checked_sub(start);
     let Some(bytes) = checked.filter(|_| start > 0 && start <= footer_at) else {
         return Ok(None);
@@ -39,13 +39,13 @@ pub(super) fn read(storage: &dyn Storage) -> Result<Option<Index>, RecordingErro
         }
         has_messages |= kind == kind::CHUNK_INDEX;
     }
-    // Without chunks, or without an index of them, the messages are to be found by looking.
+    // Without chunks, or without their index, a scan has to find the messages.
     let whole = walk.0.0.is_empty() && has_messages && !index.channels.is_empty();
     index.parts.sort_by_key(|indexed| indexed.part.offset);
     Ok(Some(index).filter(|_| whole))
 }
 
-/// Where the summary begins, and its checksum.
+/// Returns the start of the summary, and its checksum.
 fn footer(end: &[u8]) -> Option<(u64, u32)> {
     let mut fields = Fields(end.strip_suffix(&MAGIC)?);
     if (fields.u8()?, fields.u64()?) != (kind::FOOTER, 20) {

@@ -1,4 +1,4 @@
-//! What each topic of a recording is to lariat.
+//! Identifies the topics of a recording that lariat reads.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::foxglove::Form;
 use crate::schema::{ENCODING, Schema};
 use crate::{COMPRESSED_IMAGE, IMAGE, Losses, Record};
 
-/// What a topic's messages are.
+/// Kind of a topic's messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     FrameHeader,
@@ -25,7 +25,7 @@ pub(super) enum Kind {
     Losses,
 }
 
-/// Lariat's own kinds of messages, and what to call them.
+/// Lariat's own kinds of messages, and their names.
 const OWN: [(Schema, &str); 5] = [
     (FrameHeader::SCHEMA, "frames"),
     (Centerlines::SCHEMA, "centerlines"),
@@ -34,26 +34,27 @@ const OWN: [(Schema, &str); 5] = [
     (Losses::SCHEMA, "losses"),
 ];
 
-/// What is read of a recording.
+/// The topics that are read from a recording.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Topics {
-    /// By channel.
+    /// Kind of each channel.
     kinds: BTreeMap<u16, Kind>,
-    /// The channel that frames are counted by, and its topic.
+    /// The channel by which frames are counted, and its topic.
     pub(super) frames: Option<(u16, String)>,
     /// The topic of the images.
     pub(super) images: Option<String>,
-    /// All topics that could have been it.
+    /// All topics that could have been chosen for the images.
     pub(super) candidates: Vec<String>,
-    /// Whether frames have lariat's headers.
+    /// True if frames have lariat's headers.
     pub(super) has_headers: bool,
 }
 
 impl Topics {
-    /// `wanted`: the topic of the images, if the user named one.
+    /// Chooses the topics to read. `wanted` is the topic of the images, if the user named one.
     ///
     /// # Errors
-    /// There is nothing that lariat reads, or it was made by a release with other messages.
+    /// Fails if there is nothing that lariat reads, or if a release with other messages made the
+    /// recording.
     pub(super) fn choose(
         index: &Index,
         version: Option<&str>,
@@ -77,13 +78,14 @@ impl Topics {
                 Some(Kind::Image(_) | Kind::Picture(_))
             )
         });
-        // With headers it is the image beside them.
+        // If there are headers, the frames are the images next to them.
         let has_headers = index
             .channels
             .iter()
             .filter(|(id, _)| is(id, Kind::FrameHeader));
         let has_headers: Vec<_> = has_headers.map(|(_, header)| &header.topic).collect();
-        // Depth images (of image transport) are frames only if they are asked for, to be refused by name.
+        // Depth images (of image transport) count as frames only on request, so that the error can
+        // name them.
         let is_candidate = |topic: &str| {
             let is_of_header = || has_headers.iter().any(|header| siblings(header, topic));
             !topic.ends_with(DEPTH_TRANSPORT) && (has_headers.is_empty() || is_of_header())
@@ -94,7 +96,7 @@ impl Topics {
             .filter(|topic| is_candidate(topic))
             .collect();
         candidates.sort();
-        // On one topic there may be both, images and picture files.
+        // One topic may have both images and picture files.
         candidates.dedup();
         let mut images = images.filter(|(_, listed)| match (wanted, headers) {
             (Some(topic), _) => listed.topic == topic,
@@ -115,7 +117,7 @@ impl Topics {
             let topics = names(index);
             return Err(RecordingError::NoImages { topics });
         }
-        // Other images are of no concern. On one topic there may be both, images and picture files.
+        // Drops other images. One topic may have both images and picture files.
         let topic_of = |id: &u16| index.channels.get(id).map(|listed| &listed.topic);
         let chosen = image.as_ref().map(|(_, topic)| topic);
         let header = headers.as_ref().map(|(_, topic)| topic);
@@ -131,18 +133,18 @@ impl Topics {
         Ok(topics)
     }
 
-    /// Whether a channel tells of losses.
+    /// Returns whether a channel reports losses.
     pub(super) fn is_losses(&self, channel: u16) -> bool {
         self.kind(channel) == Some(Kind::Losses)
     }
 
-    /// What a channel's messages are; `None` if they are of no concern.
+    /// Kind of a channel's messages; `None` if they are ignored.
     pub(super) fn kind(&self, channel: u16) -> Option<Kind> {
         self.kinds.get(&channel).copied()
     }
 }
 
-/// Whether two topics are of one rig.
+/// Returns whether two topics belong to the same rig.
 fn siblings(a: &str, b: &str) -> bool {
     let parent = |topic: &str| topic.rsplit_once('/').map(|(rig, _)| rig.to_owned());
     parent(a) == parent(b)
@@ -163,10 +165,11 @@ fn names(index: &Index) -> String {
     names.join(", ")
 }
 
-/// The end of the topics on which image transport sends depth images as PNG.
+/// Ending of topics on which image transport sends depth images as PNG.
 const DEPTH_TRANSPORT: &str = "/compressedDepth";
 
-/// The images of other writers: the encoding of a channel, the names of its schema, and how their messages are read.
+/// Images of other programs: the channel's encoding, its schema names, and the form of their
+/// messages.
 const OTHERS: [(&str, &str, &str, Form); 4] = [
     (
         "ros1",
@@ -211,7 +214,7 @@ fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
     let kind = if *schema == FrameHeader::SCHEMA.name {
         match last {
             "masks" => Kind::MaskHeader,
-            // Written for other programs, and not read.
+            // Depth images are written for other programs and not read.
             "depth" => return None,
             _ => Kind::FrameHeader,
         }
@@ -241,8 +244,10 @@ fn kind_of(index: &Index, listed: &Listed) -> Option<Kind> {
     Some(kind)
 }
 
+/// Checks the definitions of lariat's own messages.
+///
 /// # Errors
-/// One of lariat's own messages is defined in another way than here.
+/// Fails if one of them differs from the definition in this release.
 fn check_release(index: &Index, version: Option<&str>) -> Result<(), RecordingError> {
     for definition in index.schemas.values() {
         let ours = OWN
@@ -260,7 +265,7 @@ fn check_release(index: &Index, version: Option<&str>) -> Result<(), RecordingEr
     Ok(())
 }
 
-/// Whether a definition says the same, whatever its comments and the names that it gives to numbers.
+/// Returns whether a definition is equivalent, ignoring comments and the names of constants.
 fn is_same(definition: &Definition, ours: &Schema) -> bool {
     let Ok(text) = std::str::from_utf8(&definition.text) else {
         return false;
@@ -278,6 +283,7 @@ fn meaning(text: &str) -> impl Iterator<Item = &str> {
         })
 }
 
-/// A curve's degree, and what the field was called in recordings until October 2026: it has always held the degree.
+/// A curve's degree, and the field's name in recordings until October 2026. It has always been the
+/// degree.
 const DEGREE: &str = "uint32 degree";
 const OLD_DEGREE: &str = "uint32 order";

@@ -1,19 +1,20 @@
-//! From the clock of the traces to the time of day, which recordings are ordered by.
+//! Converts the clock of the traces to the time of day, which orders recordings.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use lariat_message::now_ns;
 
-/// What is added to a moment of `CLOCK_MONOTONIC` for the Unix time: fixed when a recording begins, and written into it, so
-/// that the sum can be undone to the bit. If the clock on the wall is set meanwhile, log times do not jump.
+/// Offset from `CLOCK_MONOTONIC` to Unix time. It is fixed when a recording begins and stored in
+/// it, so the conversion can be undone exactly. If the system time is set meanwhile, log times do
+/// not jump.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clock {
-    /// Nanoseconds.
+    /// The offset in nanoseconds.
     pub monotonic_to_wall_ns: i64,
 }
 
 impl Clock {
-    /// As the clocks stand now.
+    /// Measures the current offset of the clocks.
     pub fn now() -> Self {
         let offset = || {
             let before = now_ns();
@@ -23,14 +24,14 @@ impl Clock {
             let monotonic_ns = before + (after - before) / 2;
             (after - before, wall_ns - monotonic_ns as i64)
         };
-        // The one that was interrupted least.
+        // Takes the measurement that was interrupted least.
         let best = (0..8).map(|_| offset()).min_by_key(|(took, _)| *took);
         Self {
             monotonic_to_wall_ns: best.map_or(0, |(_, offset)| offset),
         }
     }
 
-    /// A moment of `CLOCK_MONOTONIC` as Unix time.
+    /// Converts a `CLOCK_MONOTONIC` time to Unix time.
     pub const fn wall_ns(self, monotonic_ns: u64) -> u64 {
         monotonic_ns.wrapping_add_signed(self.monotonic_to_wall_ns)
     }
@@ -49,7 +50,7 @@ mod tests {
             log_ns.wrapping_add_signed(-clock.monotonic_to_wall_ns),
             at_ns
         );
-        // 2020: it is the time of day, and not the time since the machine was started.
+        // After 2020: the time of day rather than the time since boot.
         assert!(log_ns > 1_577_836_800_000_000_000);
     }
 }

@@ -1,4 +1,4 @@
-//! Why a recording cannot be written, each as a sentence that says what to do.
+//! Errors of writing a recording, with messages that say what to do.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,28 +7,28 @@ use thiserror::Error;
 
 use super::space::NoRoom;
 
-/// Why a recording could not be begun, or ends before its time.
+/// Why a recording could not be started, or ended early.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// There is a recording of that name.
+    /// A recording of this name exists.
     #[error("there is a recording {} already: name another file, or replace it with --force", .0.display())]
     Exists(PathBuf),
-    /// There is something else of that name.
+    /// A file of this name exists and is not a recording.
     #[error("{} is not a recording, and is not overwritten: name another file", .0.display())]
     NoRecording(PathBuf),
-    /// Another program is writing to it.
+    /// Another program is writing to the file.
     #[error("{} is being written by another program: name another file", .0.display())]
     InUse(PathBuf),
-    /// The file could not be made.
+    /// The file could not be created.
     #[error("the recording {} could not be begun ({cause}): is its folder there, and may it be written to?", path.display())]
     Begin {
         /// The file.
         path: PathBuf,
-        /// The system's own word.
+        /// The system's error.
         cause: io::Error,
     },
-    /// There is no room for more. The file is closed well.
+    /// There is no more room. The file is closed properly.
     #[error("the recording {} ends here, and all before it is in it: {why}", path.display())]
     Full {
         /// The file.
@@ -45,10 +45,10 @@ pub enum WriteError {
     Broken {
         /// The file.
         path: PathBuf,
-        /// The system's own word.
+        /// The system's error.
         cause: io::Error,
     },
-    /// The thread that writes has panicked, and has said why.
+    /// The writing thread has panicked and reported the reason.
     #[error(
         "the recording's own thread fell, for the reason it gave above: the file can be read up to its last whole chunk"
     )]
@@ -56,7 +56,7 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// What a fault of the format's writer means: it writes to memory, so the commit is all that can fail.
+    /// Converts an error of the MCAP writer. It writes to memory, so only a commit can fail.
     pub(super) fn broken(path: &Path, fault: mcap::McapError) -> Self {
         Self::Broken {
             path: path.to_owned(),

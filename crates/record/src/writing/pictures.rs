@@ -1,4 +1,4 @@
-//! Frames as PNG or JPEG: smaller, for the time it takes to make them.
+//! Encodes frames as PNG or JPEG, which takes time but saves space.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
@@ -8,22 +8,23 @@ use lariat_message::PixelFormat;
 use crate::images::ImageRecord;
 use crate::{CdrError, encode_compressed_image};
 
-/// How the frames' pixels are recorded.
+/// Encoding of recorded frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Images {
-    /// As they are.
+    /// Raw pixels.
     #[default]
     Raw,
-    /// As PNG: gray, RGB, BGR and BGRA to the bit, but for the byte of BGRA that nobody looks at. What is YUV stays as it is,
-    /// since PNG would have it as RGB, larger and rounded; so do Bayer patterns.
+    /// PNG: lossless for gray, RGB, BGR and BGRA, except for the unused byte of BGRA. YUV stays
+    /// raw, since PNG would require RGB, which is larger and rounded. Bayer patterns stay raw as
+    /// well.
     Png,
-    /// As JPEG of this quality, 1 to 100; Bayer patterns stay as they are.
+    /// JPEG of this quality, 1 to 100. Bayer patterns stay raw.
     Jpeg(u8),
-    /// Not at all.
+    /// No images.
     None,
 }
 
-/// Makes picture files, in memory that it keeps.
+/// Makes picture files in memory that it reuses.
 #[derive(Debug, Default)]
 pub struct PictureMaker {
     rgb: Vec<u8>,
@@ -31,11 +32,11 @@ pub struct PictureMaker {
 }
 
 impl PictureMaker {
-    /// Writes a recorded image as a picture, as `sensor_msgs/CompressedImage`, into a buffer; `false` if it is to stay as it
-    /// is.
+    /// Encodes a recorded image as a picture, as `sensor_msgs/CompressedImage`, into a buffer;
+    /// `false` if the image is to stay raw.
     ///
     /// # Errors
-    /// The bytes are no `sensor_msgs/Image`.
+    /// Fails if the bytes are not a `sensor_msgs/Image`.
     pub fn make(
         &mut self,
         cdr: &[u8],
@@ -58,7 +59,8 @@ impl PictureMaker {
                 (encoder.write_image(pixels, width, height, color), "jpeg")
             }
             _ => {
-                // The fast one is a third larger than the best and takes a tenth of its time.
+                // The fast compression is a third larger than the best and takes a tenth of its
+                // time.
                 let encoder = PngEncoder::new_with_quality(
                     &mut *file,
                     CompressionType::Fast,
@@ -67,7 +69,7 @@ impl PictureMaker {
                 (encoder.write_image(pixels, width, height, color), "png")
             }
         };
-        // A size that the format does not have (JPEG ends at 65,535 pixels) is recorded as it is.
+        // An image too large for the format (JPEG is limited to 65,535 pixels) is recorded raw.
         if made.is_ok() {
             encode_compressed_image(file, name, image.stamp_ns, image.frame_id, into);
         }
@@ -75,7 +77,8 @@ impl PictureMaker {
     }
 }
 
-/// The pixels as a picture has them, in `buffer` if they have to be turned; `None` if they are not to become one.
+/// Returns the pixels as a picture needs them, in `buffer` if they are converted; `None` if the
+/// image stays raw.
 fn pixels<'a>(
     buffer: &'a mut Vec<u8>,
     image: &ImageRecord<'a>,
@@ -87,7 +90,7 @@ fn pixels<'a>(
         (_, Images::Raw | Images::None) => return None,
         (PixelFormat::Gray8, _) => return Some((data, ExtendedColorType::L8)),
         (PixelFormat::Rgb8, _) => return Some((data, ExtendedColorType::Rgb8)),
-        // A PNG's numbers of 16 bits are given in the machine's own order, and a JPEG has none.
+        // PNG takes 16-bit numbers in the machine's own order, and JPEG has none.
         (PixelFormat::Gray16, Images::Png) => return Some((data, ExtendedColorType::L16)),
         (PixelFormat::Gray16, _) => {
             buffer.clear();
@@ -145,7 +148,7 @@ fn yuv_at(
         _ => {
             let colors = &data[(height + y / 2) * step..];
             let pair = 2 * (x / 2);
-            // Of an odd width the last pair may be cut off.
+            // If the width is odd, the last pair may be cut off.
             let u = colors.get(pair).copied().unwrap_or(128);
             let v = colors.get(pair + 1).copied().unwrap_or(128);
             [row[x], u, v]
@@ -153,7 +156,7 @@ fn yuv_at(
     }
 }
 
-/// BT.601 in full range, as extraction takes it.
+/// BT.601 in full range, as in extraction.
 fn rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
     let (y, u, v) = (f32::from(y), f32::from(u) - 128.0, f32::from(v) - 128.0);
     [
@@ -181,7 +184,7 @@ mod tests {
         PixelFormat::Nv12,
     ];
 
-    /// A slope of brightness as an image, and the RGB it stands for.
+    /// A brightness gradient as an image.
     fn slope(format: PixelFormat, width: u32, height: u32) -> Vec<u8> {
         let stride = format.row_bytes(width) as u32;
         let header = FrameHeader {

@@ -1,5 +1,5 @@
-//! Where a recording goes: into a new file, in the place of an old recording once it has something in it, or into a pipe or
-//! a device.
+//! Opens the destination of a recording: a new file, a file that replaces an old recording once it
+//! has contents, a pipe or a device.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -10,35 +10,35 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::error::WriteError;
 
-/// What to do where there is a recording already.
+/// Policy for an existing recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
-    /// It makes room, once the new one has something in it. What is no recording is kept all the same.
+    /// Replace it once the new one has contents. A file that is not a recording is kept anyway.
     Replace,
-    /// It is kept.
+    /// Keep it.
     Keep,
 }
 
-/// A file that was opened for a recording.
+/// A file opened for a recording.
 #[derive(Debug)]
 pub(super) struct Opened {
     pub(super) file: File,
-    /// Whether it is a pipe or a device, which has no places to write at.
+    /// True for a pipe or a device, which cannot be written at a position.
     pub(super) is_stream: bool,
     pub(super) old: Option<Old>,
 }
 
-/// An old recording, with the new one beside it.
+/// An old recording, with the new one next to it.
 #[derive(Debug)]
 pub(super) struct Old {
     path: PathBuf,
     beside: PathBuf,
-    /// Nobody else is to write to the old one meanwhile.
+    /// Prevents other programs from writing to the old one.
     _lock: File,
 }
 
 impl Old {
-    /// The new one takes the old one's place.
+    /// Replaces the old recording by the new one.
     pub(super) fn make_room(&self) -> io::Result<()> {
         fs::rename(&self.beside, &self.path)
     }
@@ -46,7 +46,7 @@ impl Old {
 
 impl Drop for Old {
     fn drop(&mut self) {
-        // If it has taken the old one's place, it is not there any more.
+        // Fails if the new one has already been renamed.
         let _ = fs::remove_file(&self.beside);
     }
 }
@@ -100,12 +100,12 @@ pub(super) fn open(path: &Path, existing: Existing) -> Result<Opened, WriteError
     }
 }
 
-/// Makes a file beside the old one.
+/// Creates a file next to the old one.
 fn beside(path: &Path, old: File) -> io::Result<Opened> {
-    // Where links lead.
+    // Resolves links.
     let path = path.canonicalize()?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // The process's number keeps it apart from others'.
+    // The process id makes the name unique.
     let beside = path.with_file_name(format!(".{name}.{}", std::process::id()));
     let file = File::options()
         .read(true)
@@ -128,7 +128,7 @@ fn beside(path: &Path, old: File) -> io::Result<Opened> {
 fn lock(file: &File, path: &Path) -> Result<(), WriteError> {
     match flock(file, FlockOperation::NonBlockingLockExclusive) {
         Err(rustix::io::Errno::WOULDBLOCK) => Err(WriteError::InUse(path.to_owned())),
-        // Where there are no locks, there are none.
+        // Some file systems do not support locks.
         _ => Ok(()),
     }
 }

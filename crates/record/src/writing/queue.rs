@@ -1,8 +1,10 @@
-//! The queue between the thread that reads channels and the one that writes: a bounded channel of buffers out of a pool.
+//! The queue between the thread that reads channels and the one that writes: a bounded channel of
+//! pooled buffers.
 //!
-//! What there may be of buffers is bounded in bytes, and each goes round: filled by the reader, written, given back. So once
-//! the pool has grown to what is needed, no message takes memory, and a disk that falls behind costs messages, never memory
-//! without end. A part is kept for what is small, so that images that find no room do not take the shapes with them.
+//! The total size of the buffers is bounded. Each buffer is filled by the reader, written, and
+//! returned. Once the pool has grown to the size needed, messages need no allocation. A slow disk
+//! causes dropped messages, but memory stays bounded. A part is reserved for small messages, so
+//! that images without room do not displace the shapes.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,11 +16,12 @@ use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bound
 
 use super::topic::Topic;
 
-/// A buffer of more than this is an image's.
+/// Buffers larger than this are for images.
 const SMALL_BYTES: usize = 128 << 10;
-/// A small buffer has this to begin with: what most messages of one rope take.
+/// Initial size of a small buffer: enough for most messages of one rope.
 const FIRST_BYTES: usize = 4 << 10;
-/// Most messages that wait. The bytes are the bound that is meant; a slot is 64 of them, taken at the start.
+/// Maximum number of waiting messages. The main bound is in bytes. A slot takes 64 bytes, allocated
+/// at the start.
 const MOST_MESSAGES: usize = 8192;
 
 /// A message on its way to the file.
@@ -28,31 +31,31 @@ pub(crate) struct Parcel {
     pub(crate) sequence: u32,
     pub(crate) log_ns: u64,
     pub(crate) cdr: Vec<u8>,
-    /// Whether its buffer is one of the pool's.
+    /// True if the buffer belongs to the pool.
     pub(crate) is_pooled: bool,
 }
 
-/// What is to be done beside writing messages.
+/// Requests other than writing messages.
 #[derive(Debug)]
 pub(crate) enum Order {
-    /// A file goes into the recording.
+    /// Add a file to the recording.
     Attach {
         name: String,
         media_type: &'static str,
         log_ns: u64,
         bytes: Vec<u8>,
     },
-    /// The recording says more of itself.
+    /// Add metadata to the recording.
     About(BTreeMap<String, String>),
-    /// What is kept in memory goes into this file.
+    /// Write the messages kept in memory into this file.
     Flush(PathBuf),
 }
 
-/// What goes through the queue.
+/// An item in the queue.
 #[derive(Debug)]
 pub(crate) enum Item {
     Message(Parcel),
-    /// Anything else, which is rare.
+    /// A request, which is rare.
     Order(Box<Order>),
 }
 
@@ -66,9 +69,9 @@ pub(crate) struct Intake {
     items: Sender<Item>,
     returned: Receiver<Vec<u8>>,
     freed: Arc<[AtomicUsize; 2]>,
-    /// Those that are free, by their [`Size`].
+    /// Free buffers, by their [`Size`].
     free: [Vec<Vec<u8>>; 2],
-    /// The capacities of all buffers there are, free or out, by their size.
+    /// Capacities of all buffers, free or in use, by their size.
     held_bytes: [usize; 2],
     most_bytes: usize,
     most_large_bytes: usize,
@@ -79,11 +82,11 @@ pub(crate) struct Intake {
 pub(crate) struct Outlet {
     items: Receiver<Item>,
     back: Sender<Vec<u8>>,
-    /// Bytes of buffers that found no way back, by their size.
+    /// Bytes of buffers that could not be returned, by their size.
     freed: Arc<[AtomicUsize; 2]>,
 }
 
-/// What a buffer is for.
+/// Class of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Size {
     Small,
@@ -100,7 +103,8 @@ impl Size {
     }
 }
 
-/// A queue whose buffers take so many bytes at most, of which so many are kept for small ones.
+/// Creates a queue whose buffers take at most `most_bytes`, of which `kept_for_small` are reserved
+/// for small ones.
 pub(crate) fn queue(most_bytes: usize, kept_for_small: usize) -> (Intake, Outlet) {
     let (items, to_write) = bounded(MOST_MESSAGES);
     let (back, returned) = bounded(MOST_MESSAGES);
@@ -123,7 +127,7 @@ pub(crate) fn queue(most_bytes: usize, kept_for_small: usize) -> (Intake, Outlet
 }
 
 impl Intake {
-    /// An empty buffer with room for so many bytes; `None` if the queue is full.
+    /// Returns an empty buffer for this many bytes; `None` if the queue is full.
     pub(crate) fn buffer(&mut self, bytes: usize) -> Option<Vec<u8>> {
         self.take_back();
         let size = Size::of(bytes);
@@ -134,7 +138,7 @@ impl Intake {
         if before < wanted {
             let more = wanted - before;
             let others = self.held_bytes.iter().sum::<usize>();
-            // One image goes even if it is larger than all that there may be.
+            // A single image is accepted even if it exceeds the bound.
             let fits = match size {
                 Size::Large => {
                     self.held_bytes[place] == before
@@ -144,7 +148,7 @@ impl Intake {
                 Size::Small => others + more <= self.most_bytes,
             };
             if !fits {
-                // Its memory may be what the next one lacks.
+                // Frees the buffer, as the next request may need its memory.
                 self.held_bytes[place] -= before;
                 return None;
             }
@@ -154,13 +158,13 @@ impl Intake {
         Some(buffer)
     }
 
-    /// A buffer, waited for if need be.
+    /// Returns a buffer, and waits for one if necessary.
     pub(crate) fn buffer_waited_for(&mut self, bytes: usize) -> Result<Vec<u8>, Gone> {
         loop {
             if let Some(buffer) = self.buffer(bytes) {
                 return Ok(buffer);
             }
-            // What is free of other sizes is in the way.
+            // Frees unused buffers, which may be of the wrong size.
             for (held, free) in self.held_bytes.iter_mut().zip(&mut self.free) {
                 *held -= free
                     .drain(..)
@@ -184,13 +188,13 @@ impl Intake {
         self.held_bytes[Size::of(after) as usize] += after;
     }
 
-    /// Takes a buffer back that was not sent.
+    /// Returns a buffer that was not sent to the pool.
     pub(crate) fn keep(&mut self, mut buffer: Vec<u8>) {
         buffer.clear();
         self.free[Size::of(buffer.capacity()) as usize].push(buffer);
     }
 
-    /// Sends it on; `Ok(false)`: there are too many messages in the queue already.
+    /// Sends a message. Returns `Ok(false)` if there are too many messages in the queue.
     pub(crate) fn send(&mut self, parcel: Parcel) -> Result<bool, Gone> {
         match self.items.try_send(Item::Message(parcel)) {
             Ok(()) => Ok(true),
@@ -202,7 +206,7 @@ impl Intake {
         }
     }
 
-    /// Sends it on, and waits for room if need be.
+    /// Sends an item, and waits for room if necessary.
     pub(crate) fn send_waiting(&mut self, item: Item) -> Result<(), Gone> {
         self.items.send(item).map_err(|_| Gone)
     }
@@ -218,7 +222,7 @@ impl Intake {
 }
 
 impl Outlet {
-    /// The next, waited for until the deadline.
+    /// Returns the next item, and waits for it until the deadline.
     pub(crate) fn next(&self, deadline: Option<Instant>) -> Result<Item, RecvTimeoutError> {
         match deadline {
             Some(deadline) => self.items.recv_deadline(deadline),
@@ -229,14 +233,14 @@ impl Outlet {
         }
     }
 
-    /// Whether anything waits.
+    /// Returns whether any item is waiting.
     pub(crate) fn has_more(&self) -> bool {
         !self.items.is_empty()
     }
 
-    /// Gives a buffer back.
+    /// Returns a buffer to the reader.
     pub(crate) fn give_back(&self, buffer: Vec<u8>) {
-        // A reader that takes none has its fill.
+        // The channel is full if the reader does not take buffers back.
         if let Err(TrySendError::Full(buffer)) = self.back.try_send(buffer) {
             let bytes = buffer.capacity();
             self.freed[Size::of(bytes) as usize].fetch_add(bytes, Ordering::Relaxed);
@@ -268,7 +272,8 @@ mod tests {
     #[test]
     fn what_there_is_of_buffers_stays_within_its_bound() {
         let (mut intake, outlet) = queue(10 << 20, 2 << 20);
-        // Eight images fit beside what is kept for small messages, and then those fit still.
+        // Eight images fit next to the part reserved for small messages, and small messages still
+        // fit after that.
         for _ in 0..8 {
             let buffer = intake.buffer(1 << 20).unwrap();
             assert!(intake.send(parcel(buffer)).unwrap());
@@ -279,7 +284,7 @@ mod tests {
             assert!(intake.send(parcel(buffer)).unwrap());
         }
         assert!(intake.buffer(100).is_none());
-        // What was written has room again.
+        // Written messages free their memory.
         outlet.give_back(written(&outlet));
         assert!(intake.buffer(100).is_none());
         assert!(intake.buffer(1 << 20).is_some());
@@ -316,7 +321,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(move || {
                 outlet.give_back(buffer);
-                // And then it is gone.
+                // The writer then goes away.
             });
             let again = intake.buffer_waited_for(1 << 20).unwrap();
             assert!(again.capacity() >= 1 << 20);
@@ -337,7 +342,7 @@ mod tests {
     #[test]
     fn buffers_that_find_no_way_back_make_room_all_the_same() {
         let (mut intake, outlet) = queue(1 << 30, 0);
-        // As many as a ring may let go at once, while the reader sleeps.
+        // A ring may free this many at once while the reader sleeps.
         let buffers: Vec<_> = (0..MOST_MESSAGES + 100)
             .map(|_| intake.buffer(100).unwrap())
             .collect();

@@ -1,7 +1,8 @@
-//! Records what a rig says: messages in, at the reader's pace; a thread of its own writes them.
+//! Records a rig's messages. The reader passes messages at its own pace, and a separate thread
+//! writes them.
 //!
-//! A message is copied once, out of shared memory into the bytes that go to the file. The reader never waits for the disk
-//! (unless it is asked to): what finds no room is dropped, and counted.
+//! A message is copied once, from shared memory into the bytes for the file. The reader never waits
+//! for the disk unless requested. Messages without room are dropped and counted.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,36 +24,36 @@ use crate::{Losses, Record, encode_control_points, encode_image, encode_ropes};
 /// How messages are recorded.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// How frames' pixels are.
+    /// Encoding of the frames' pixels.
     pub images: Images,
     /// Memory for messages that wait for the disk.
     pub queue_bytes: usize,
-    /// Whether the reader waits for the disk, rather than that a message is dropped.
+    /// True if the reader waits for the disk instead of dropping messages.
     pub waits: bool,
-    /// From the clock of the traces to log times.
+    /// Converts the traces' clock to log times.
     pub clock: Clock,
 }
 
-/// What is kept in memory, until it is asked for.
+/// Options of a recording that is kept in memory until requested.
 pub struct RingOptions {
-    /// The last so long.
+    /// Time span to keep.
     pub time: Duration,
-    /// And no more than this.
+    /// Maximum memory.
     pub bytes: usize,
-    /// How the recordings are written.
+    /// Compression of the recordings.
     pub compression: super::writer::Compression,
-    /// Is told of each recording that was written, or was not.
+    /// Called for each recording that was written, or failed.
     pub report: Box<dyn Fn(Flushed) + Send>,
 }
 
-/// Messages that are not in the recording: the recorder did not get them in time, or had no room for them.
+/// Messages missing from the recording, because the recorder missed them or had no room for them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Drops {
-    /// Frames whose images are not in it.
+    /// Frames whose images are missing.
     pub frames: u64,
     /// Centerlines.
     pub centerlines: u64,
-    /// Descriptors that came. (Those that did not come are lost on the link before.)
+    /// Descriptors that arrived. (Those that did not arrive are lost on the link before.)
     pub descriptors: u64,
     /// True centerlines.
     pub truth: u64,
@@ -60,19 +61,19 @@ pub struct Drops {
     pub masks: u64,
     /// Depth images.
     pub depths: u64,
-    /// Descriptors in space.
+    /// 3-D descriptors.
     pub descriptors3: u64,
 }
 
 impl Drops {
-    /// All of them.
+    /// Total number of missing messages.
     pub fn total(&self) -> u64 {
         let images = self.frames + self.masks + self.depths;
         images + self.centerlines + self.descriptors + self.descriptors3 + self.truth
     }
 }
 
-/// The recording has ended before its time. [`Recorder::finish`] says why.
+/// The recording has ended early. [`Recorder::finish`] returns the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the recording has ended before its time")]
 pub struct Ended;
@@ -86,13 +87,13 @@ impl From<Gone> for Ended {
 /// How a recording ended.
 #[derive(Debug)]
 pub struct Ending {
-    /// What is in it.
+    /// Contents of the recording.
     pub written: Written,
-    /// Why it ended before its time, if it did.
+    /// Reason for an early end, if any.
     pub fault: Option<WriteError>,
 }
 
-/// A recording under way: the reader's end.
+/// The reader's end of a recording in progress.
 #[derive(Debug)]
 pub struct Recorder {
     intake: Intake,
@@ -100,11 +101,11 @@ pub struct Recorder {
     rig: String,
     options: Options,
     drops: Drops,
-    /// The last count that was seen of frames, masks, centerlines and truth.
+    /// Last counts of frames, masks, centerlines and truth.
     counts: [Option<u64>; 4],
 }
 
-/// What has a counter of its own.
+/// Messages that have a counter.
 #[derive(Debug, Clone, Copy)]
 enum Counted {
     Frames,
@@ -117,7 +118,7 @@ impl Recorder {
     /// Records into a file.
     ///
     /// # Errors
-    /// There can be no other thread.
+    /// Fails if no thread can be started.
     pub fn to_file(writer: Writer, head: &Head, options: Options) -> std::io::Result<Self> {
         let (intake, outlet) = queue(options.queue_bytes, options.queue_bytes / 8);
         let images = options.images;
@@ -127,10 +128,10 @@ impl Recorder {
         Ok(Self::new(intake, thread, head, options))
     }
 
-    /// Keeps the last seconds in memory, and writes them when it is asked to.
+    /// Keeps the last seconds in memory, and writes them on request.
     ///
     /// # Errors
-    /// There can be no other thread.
+    /// Fails if no thread can be started.
     pub fn to_ring(ring: RingOptions, head: &Head, options: Options) -> std::io::Result<Self> {
         let all_bytes = options.queue_bytes + ring.bytes;
         let (intake, outlet) = queue(all_bytes, options.queue_bytes / 8);
@@ -152,20 +153,21 @@ impl Recorder {
         }
     }
 
-    /// What is not in the recording so far.
+    /// Messages missing from the recording so far.
     pub fn drops(&self) -> Drops {
         self.drops
     }
 
-    /// The next message of each channel is its first: what is missing before it was dropped.
+    /// States that the rig starts now: messages of a channel before the first one received count as
+    /// dropped.
     pub fn begins_with_the_rig(&mut self) {
         self.counts = [Some(0); 4];
     }
 
-    /// Records a frame. What follows the image in `bytes` is left out.
+    /// Records a frame. Bytes after the image are left out.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn frame(&mut self, header: &FrameHeader, bytes: &[u8]) -> Result<(), Ended> {
         self.drops.frames += self.missed(Counted::Frames, header.trace.captured);
         let whole = self.image([Topic::Frames, Topic::Image], header, bytes)?;
@@ -173,12 +175,12 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records a mask that was made elsewhere.
+    /// Records a mask made by another program.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn mask(&mut self, header: &FrameHeader, bytes: &[u8]) -> Result<(), Ended> {
-        // Who makes masks may leave frames out.
+        // Programs that make masks may skip frames.
         self.missed(Counted::Masks, header.trace.captured);
         let whole = self.image([Topic::Masks, Topic::MaskImage], header, bytes)?;
         self.drops.masks += u64::from(!whole);
@@ -188,17 +190,17 @@ impl Recorder {
     /// Records a depth image.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn depth(&mut self, header: &FrameHeader, bytes: &[u8]) -> Result<(), Ended> {
         let whole = self.image([Topic::Depth, Topic::DepthImage], header, bytes)?;
         self.drops.depths += u64::from(!whole);
         Ok(())
     }
 
-    /// Records what fit made of it.
+    /// Records 3-D descriptors from fit.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn descriptors3(&mut self, shapes: &Descriptors3) -> Result<(), Ended> {
         let at = (shapes.trace.sequence, shapes.trace.fitted_ns);
         let recorded = self.small(Topic::Descriptors3, at, |cdr| shapes.encode(cdr))?;
@@ -206,10 +208,10 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records what extract saw, and how it is drawn.
+    /// Records centerlines from extract, and their annotations.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn centerlines(&mut self, seen: &Centerlines) -> Result<(), Ended> {
         self.drops.centerlines += self.missed(Counted::Centerlines, seen.trace.extracted);
         let at = (seen.trace.sequence, seen.trace.extracted_ns);
@@ -222,10 +224,11 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records what fit made of it, and how it is drawn. `pixel`: where in the image a point of it is seen.
+    /// Records descriptors from fit, and their annotations. `pixel` maps a point of the descriptors
+    /// to the image.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn descriptors(
         &mut self,
         shapes: &Descriptors,
@@ -244,7 +247,7 @@ impl Recorder {
     /// Records the true centerlines of a rendered frame.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn truth(&mut self, truth: &Centerlines) -> Result<(), Ended> {
         self.drops.truth += self.missed(Counted::Truth, truth.trace.captured);
         let at = (truth.trace.sequence, truth.trace.captured_ns);
@@ -253,10 +256,10 @@ impl Recorder {
         Ok(())
     }
 
-    /// Records what was lost so far: what the links lost, and what was dropped here. Waits for room for it.
+    /// Records the losses so far: on the links, and in this recorder. Waits for room.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn losses(&mut self, links: &Losses) -> Result<(), Ended> {
         let losses = Losses {
             dropped_frames: self.drops.frames,
@@ -274,11 +277,11 @@ impl Recorder {
         Ok(self.intake.send_waiting(Item::Message(parcel))?)
     }
 
-    /// Puts a file into the recording. In a ring, into all that are written from now on, in the place of one of the same
-    /// name.
+    /// Adds a file to the recording. In a ring, it is added to all recordings written from now on,
+    /// and replaces one of the same name.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn attach(
         &mut self,
         name: &str,
@@ -294,25 +297,25 @@ impl Recorder {
         })
     }
 
-    /// Says more of the recording.
+    /// Adds metadata.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn about(&mut self, about: BTreeMap<String, String>) -> Result<(), Ended> {
         self.order(Order::About(about))
     }
 
-    /// Writes what the ring holds into a file. Where there is no ring, nothing happens.
+    /// Writes the contents of the ring into a file. Does nothing without a ring.
     ///
     /// # Errors
-    /// The recording has ended.
+    /// Fails if the recording has ended.
     pub fn flush_to(&mut self, path: PathBuf) -> Result<(), Ended> {
         self.order(Order::Flush(path))
     }
 
-    /// Ends the recording when all that waits is written.
+    /// Ends the recording when all waiting messages are written.
     pub fn finish(self) -> Ending {
-        // The thread ends when nothing can come any more.
+        // The thread ends once the queue is closed.
         drop(self.intake);
         self.thread.join().unwrap_or_else(|_| Ending {
             written: Written::default(),
@@ -324,14 +327,15 @@ impl Recorder {
         Ok(self.intake.send_waiting(Item::Order(Box::new(order)))?)
     }
 
-    /// How many messages are missing before this one.
+    /// Returns the number of messages missing before this one.
     fn missed(&mut self, what: Counted, count: u64) -> u64 {
         let last = self.counts[what as usize].replace(count);
-        // A stage that was restarted counts from 1 again.
+        // A restarted stage counts from 1 again.
         last.map_or(0, |last| count.saturating_sub(last.saturating_add(1)))
     }
 
-    /// Records a frame's head and, if it has them, its pixels; `false` if there was no room for one of them.
+    /// Records a frame's header and, if any, its pixels; `false` if there was no room for one of
+    /// them.
     fn image(
         &mut self,
         [head, pixels]: [Topic; 2],
@@ -342,17 +346,18 @@ impl Recorder {
         if self.options.images == Images::None || header.is_blank() {
             return self.small(head, at, |cdr| header.encode(cdr));
         }
-        // What beside the pixels is in an image's message is its rig's name and a few numbers.
+        // Besides the pixels, an image message contains its rig's name and a few numbers.
         let most = header.image_bytes().unwrap_or(0).min(bytes.len()) + self.rig.len() + 128;
         let image = self.buffer(most)?;
-        // That there was a frame is recorded even if its image is not; but no image without its head.
+        // A frame's header is recorded even without its image, but an image is not recorded without
+        // its header.
         let recorded = self.small(head, at, |cdr| header.encode(cdr))?;
         let Some(mut cdr) = image else {
             return Ok(false);
         };
         let stamp_ns = self.options.clock.wall_ns(header.trace.exposed_ns);
         let rig = &self.rig;
-        // Not in a format that this version does not know.
+        // False for a format that this version does not know.
         let mut is_image = false;
         if recorded {
             self.intake.fill(&mut cdr, |cdr| {
@@ -367,7 +372,7 @@ impl Recorder {
         self.send(parcel)
     }
 
-    /// Records a message of some kilobytes; `false` if there was no room.
+    /// Records a message of a few kilobytes; `false` if there was no room.
     fn small(
         &mut self,
         topic: Topic,
@@ -400,7 +405,7 @@ impl Recorder {
     fn parcel(&self, topic: Topic, (sequence, at_ns): (u64, u64), cdr: Vec<u8>) -> Parcel {
         Parcel {
             topic,
-            // Of 32 bits there; the whole number is in the message.
+            // MCAP's sequence has 32 bits. The complete number is in the message.
             sequence: sequence as u32,
             log_ns: self.options.clock.wall_ns(at_ns),
             cdr,

@@ -1,4 +1,4 @@
-//! The last seconds, in memory: written when someone asks for them, and kept all the same.
+//! Keeps the last seconds in memory. They are written on request and remain in memory.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -12,24 +12,24 @@ use super::recorder::{Ending, RingOptions};
 use super::thread::{self, Developer};
 use super::writer::{Head, Writer, Written};
 
-/// A recording was made of what the ring held, or was not.
+/// Report of a recording made from the ring.
 #[derive(Debug)]
 pub struct Flushed {
-    /// Its file.
+    /// File of the recording.
     pub path: PathBuf,
-    /// From its first message to its last.
+    /// Time from its first message to its last.
     pub time: Duration,
-    /// What is in it.
+    /// Contents of the recording.
     pub written: Written,
-    /// Why it is not whole, if so.
+    /// Reason why it is incomplete, if it is.
     pub fault: Option<WriteError>,
 }
 
-/// Messages in the order they came, of the last seconds.
+/// Messages of the last seconds, in order of arrival.
 #[derive(Debug)]
 struct Ring {
     parcels: VecDeque<Parcel>,
-    /// The memory of their buffers.
+    /// Memory of their buffers.
     bytes: usize,
     longest_ns: u64,
     most_bytes: usize,
@@ -50,12 +50,13 @@ impl Ring {
         self.parcels.push_back(parcel);
     }
 
-    /// Whether the oldest is to go.
+    /// Returns whether the oldest message must be dropped.
     fn overflows(&self) -> bool {
         let (Some(oldest), Some(newest)) = (self.parcels.front(), self.parcels.back()) else {
             return false;
         };
-        // Messages of a frame come after each other: one that is older than the one before it is no reason.
+        // Messages of a frame come one after the other, so a message may be older than the one
+        // before it. It must not cause an overflow.
         let age_ns = newest.log_ns.saturating_sub(oldest.log_ns);
         (age_ns > self.longest_ns || self.bytes > self.most_bytes) && self.parcels.len() > 1
     }
@@ -67,19 +68,19 @@ impl Ring {
     }
 }
 
-/// A recording being made of a ring, message by message, while others come in.
+/// A recording being written from a ring, while further messages arrive.
 struct Flush {
     writer: Writer,
     path: PathBuf,
-    /// The next message to be written, from the front of the ring.
+    /// Index in the ring of the next message to write.
     next: usize,
-    /// Where those that had come end.
+    /// End of the messages that had arrived when the recording was requested.
     end: usize,
     first_ns: u64,
     last_ns: u64,
 }
 
-/// Keeps what comes until the queue's other end is gone.
+/// Keeps messages until the queue's other end is gone.
 pub(crate) fn keep(options: RingOptions, head: Head, outlet: Outlet, images: Images) -> Ending {
     let mut keeper = Keeper {
         ring: Ring::new(options.time, options.bytes),
@@ -92,7 +93,8 @@ pub(crate) fn keep(options: RingOptions, head: Head, outlet: Outlet, images: Ima
     };
     let mut is_open = true;
     while is_open || keeper.flush.is_some() {
-        // While a file is written, messages go first: the disk must not hold them up.
+        // Incoming messages have priority over writing a file, so that the disk does not delay
+        // them.
         if keeper.flush.is_none() || keeper.outlet.has_more() {
             match keeper.outlet.next(None) {
                 Ok(Item::Message(parcel)) => keeper.take(parcel),
@@ -112,7 +114,7 @@ struct Keeper {
     ring: Ring,
     developer: Developer,
     head: Head,
-    /// What goes into every file.
+    /// Attachments for every file.
     files: Vec<(String, &'static str, u64, Vec<u8>)>,
     flush: Option<Flush>,
     options: RingOptions,
@@ -129,7 +131,7 @@ impl Keeper {
         }
         self.ring.push(parcel);
         while self.ring.overflows() {
-            // What is still to be written is written first.
+            // Writes the oldest message before it is dropped, if it is part of the file.
             while self.flush.as_ref().is_some_and(|flush| flush.next == 0) {
                 self.write_next();
             }
@@ -160,7 +162,7 @@ impl Keeper {
         }
     }
 
-    /// Begins a file. One that is under way is written first.
+    /// Begins a file. A file in progress is completed first.
     fn begin(&mut self, path: PathBuf) {
         while self.flush.is_some() {
             self.write_next();
@@ -196,7 +198,7 @@ impl Keeper {
         Ok(writer)
     }
 
-    /// Writes the next message of the file that is under way, and closes it after the last.
+    /// Writes the next message of the file in progress, and closes it after the last.
     fn write_next(&mut self) {
         let Some(flush) = &mut self.flush else { return };
         let parcel = (flush.next < flush.end).then(|| &self.ring.parcels[flush.next]);

@@ -1,9 +1,10 @@
-//! Room on the disk, taken before it is needed: a full disk is learnt of while there is still room to close a file well.
+//! Reserves disk space in advance, so that a full disk is noticed while a file can still be closed
+//! properly.
 //!
-//! Blocks are reserved ahead of the file's end (`fallocate`, which leaves its length as it is), so that whatever is written
-//! into them cannot fail for want of space; what is left over is given back when the file is closed. The limit on a file's
-//! size is looked at as well, since the kernel asks for it only when bytes are written. A file system that cannot reserve
-//! says so once, and then only a failing write can tell.
+//! Blocks are reserved after the file's end (`fallocate`, which keeps the file's length), so that
+//! writing to them cannot fail for lack of space. The rest is freed when the file is closed. The
+//! limit on a file's size is checked as well, since the kernel enforces it only when bytes are
+//! written. If a file system cannot reserve, only a failing write reveals a full disk.
 
 use std::fmt;
 use std::fs::File;
@@ -13,17 +14,18 @@ use rustix::fs::{FallocateFlags, fallocate};
 use rustix::io::Errno;
 use rustix::process::{Resource, getrlimit};
 
-/// So much is reserved beyond what is needed now, so that it is asked for a few times a second at most.
+/// Space reserved beyond the current need, so that requests are made at most a few times per
+/// second.
 const AHEAD_BYTES: u64 = 32 << 20;
 
-/// Why a file can grow no further.
+/// Why a file cannot grow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoRoom {
     /// The disk is full.
     Disk,
-    /// The user may have no more of it.
+    /// The user's quota is exhausted.
     Quota,
-    /// No file may be longer: the limit in bytes, if it is this process's own.
+    /// The maximum file size is reached: the limit in bytes, if it is this process's own.
     FileSize(Option<u64>),
 }
 
@@ -47,18 +49,18 @@ impl fmt::Display for NoRoom {
     }
 }
 
-/// The room that a growing file has.
+/// Reserved space of a growing file.
 #[derive(Debug)]
 pub(crate) struct Space {
     file: File,
-    /// Blocks are there up to this byte.
+    /// End of the reserved blocks.
     reserved_to: u64,
-    /// Whether the file system can reserve.
+    /// True if the file system can reserve.
     can_reserve: bool,
 }
 
 impl Space {
-    /// `file`: another handle of the file that is written to.
+    /// Tracks a file. `file` is another handle of the file being written.
     pub(crate) fn of(file: File) -> Self {
         Self {
             file,
@@ -67,7 +69,7 @@ impl Space {
         }
     }
 
-    /// Makes sure that the file can grow to this length.
+    /// Reserves space for a file of this length.
     pub(crate) fn reserve(&mut self, length: u64) -> Result<(), NoRoom> {
         let most = getrlimit(Resource::Fsize).current;
         if let Some(most) = most.filter(|&most| length > most) {
@@ -78,14 +80,14 @@ impl Space {
         }
         let ahead = (length + AHEAD_BYTES).min(most.unwrap_or(u64::MAX));
         match self.reserve_to(ahead) {
-            // Near the end of the disk only what is needed is asked for.
+            // On an almost full disk, only the necessary space is requested.
             Err(Errno::NOSPC | Errno::DQUOT | Errno::FBIG) => match self.reserve_to(length) {
                 Err(Errno::NOSPC) => Err(NoRoom::Disk),
                 Err(Errno::DQUOT) => Err(NoRoom::Quota),
                 Err(Errno::FBIG) => Err(NoRoom::FileSize(None)),
                 _ => Ok(()),
             },
-            // Not supported, or a fault that the next write will meet as well.
+            // Reservation is not supported, or the next write will fail as well.
             Err(_) => {
                 self.can_reserve = false;
                 Ok(())
@@ -108,10 +110,10 @@ impl Space {
         }
     }
 
-    /// Gives back what is reserved behind the file's end.
+    /// Frees the space reserved after the file's end.
     pub(crate) fn give_back(&mut self) -> io::Result<()> {
         let length = self.file.metadata()?.len();
-        // To the length it has: this frees the blocks behind it.
+        // Setting the current length frees the blocks after it.
         self.file.set_len(length)?;
         self.reserved_to = length;
         Ok(())
@@ -143,9 +145,9 @@ mod tests {
     fn a_file_that_no_disk_can_hold_is_refused() {
         let mut space = Space::of(tempfile::tempfile().unwrap());
         if space.reserve(1).is_ok() && space.can_reserve {
-            // Half of what a file offset can say.
+            // Half of the maximum file offset.
             assert!(space.reserve(1 << 62).is_err());
-            // A smaller one is still possible.
+            // A smaller reservation is still possible.
             assert_eq!(space.reserve(1 << 10), Ok(()));
         }
     }

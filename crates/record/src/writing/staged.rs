@@ -1,7 +1,8 @@
-//! A file that grows by whole chunks: what is written is held in memory until it is committed, and then written in one go.
+//! A file that grows by whole chunks. Data is kept in memory until it is committed, and then
+//! written at once.
 //!
-//! So a recorder that is killed leaves whole chunks only, but for the one that was just being written; and a write that
-//! fails can be undone, because it is known where the last whole one ended.
+//! A recorder that is killed therefore leaves only whole chunks, except for one that was being
+//! written. A failed write can be undone, because the end of the last whole chunk is known.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -9,7 +10,8 @@ use std::os::unix::fs::FileExt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The end of a file that has no index: no checksum of the data, no summary. Readers then look through the whole file.
+/// The end of a file without an index: no checksum of the data, no summary. Readers then scan the
+/// whole file.
 const PLAIN_END: [u8; 50] = {
     const DATA_END: u8 = 0x0f;
     const FOOTER: u8 = 0x02;
@@ -31,20 +33,20 @@ const PLAIN_END: [u8; 50] = {
 #[derive(Debug)]
 pub(crate) struct Staged {
     file: File,
-    /// Whether it has no places to write at.
+    /// True if the file cannot be written at a position.
     is_stream: bool,
-    /// So much of the file is committed.
+    /// Length of the committed part of the file.
     committed: Arc<AtomicU64>,
-    /// What comes behind it.
+    /// Bytes after the committed part.
     bytes: Vec<u8>,
-    /// Where in `bytes` the next is written.
+    /// Position in `bytes` of the next write.
     at: usize,
-    /// A commit failed; there is no other after it.
+    /// True once a commit has failed. All later ones fail as well.
     failed: bool,
 }
 
 impl Staged {
-    /// Of an empty file, or a pipe or device.
+    /// Wraps an empty file, or a pipe or device.
     pub(crate) fn new(file: File, is_stream: bool) -> Self {
         Self {
             file,
@@ -56,12 +58,12 @@ impl Staged {
         }
     }
 
-    /// How long the file is, for who else wants to know.
+    /// Committed length of the file, for other users.
     pub(crate) fn committed(&self) -> Arc<AtomicU64> {
         self.committed.clone()
     }
 
-    /// Has all that was committed be on the disk itself.
+    /// Waits until all committed data is on the disk.
     pub(crate) fn sync(&self) -> io::Result<()> {
         self.file.sync_all()
     }
@@ -84,8 +86,8 @@ impl Staged {
             if self.is_stream {
                 return Err(cause);
             }
-            // Back to the last whole chunk, and an end behind it if there is room. If not, readers find the end
-            // by themselves.
+            // Truncates to the last whole chunk and appends an end if there is room. Otherwise,
+            // readers find the end by themselves.
             let _ = self.file.set_len(base);
             if self.file.write_all_at(&PLAIN_END, base).is_err() {
                 let _ = self.file.set_len(base);
@@ -176,7 +178,7 @@ mod tests {
 
     #[test]
     fn after_a_write_that_failed_there_is_no_other() {
-        // A handle that may not write stands for a disk that is broken.
+        // A read-only handle simulates a broken disk.
         let path = tempfile::NamedTempFile::new().unwrap();
         let mut staged = Staged::new(File::open(path.path()).unwrap(), false);
         staged.write_all(b"chunk").unwrap();

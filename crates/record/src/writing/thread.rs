@@ -1,4 +1,4 @@
-//! The thread that writes a recording: takes messages from the queue, and gives their buffers back.
+//! The thread that writes a recording. It takes messages from the queue and returns their buffers.
 
 use crossbeam::channel::RecvTimeoutError;
 
@@ -23,12 +23,12 @@ pub(crate) fn to_file(mut writer: Writer, outlet: Outlet, images: Images) -> End
             break Some(fault);
         }
     };
-    // The reader is not to wait while the file is closed.
+    // The reader must not wait while the file is closed.
     drop(outlet);
     end(writer, fault)
 }
 
-/// Closes a recording, also one that ended before its time.
+/// Closes a recording, including one that ended early.
 pub(super) fn end(writer: Writer, fault: Option<WriteError>) -> Ending {
     match (writer.finish(), fault) {
         (Ok(written), fault) => Ending { written, fault },
@@ -73,7 +73,7 @@ fn obey(writer: &mut Writer, order: Order) -> Result<(), WriteError> {
     }
 }
 
-/// Makes pictures of images, where that is wanted.
+/// Encodes images as pictures if requested.
 pub(super) struct Developer {
     images: Images,
     maker: PictureMaker,
@@ -89,15 +89,16 @@ impl Developer {
         }
     }
 
-    /// The picture that takes the place of a message, if it is an image that becomes one. Masks are told from zero by the
-    /// bit, which a JPEG is not: they become PNG.
+    /// Returns the picture that replaces a message, if it is an image to encode. Masks distinguish
+    /// zero from other values, which JPEG does not preserve, so they become PNG.
     pub(super) fn develop(&mut self, topic: Topic, cdr: &[u8]) -> Option<(Topic, &[u8])> {
         let (topic, images) = match (topic, self.images) {
             (Topic::Image, Images::Png | Images::Jpeg(_)) => (Topic::Picture, self.images),
             (Topic::MaskImage, Images::Png | Images::Jpeg(_)) => (Topic::MaskPicture, Images::Png),
             _ => return None,
         };
-        // Written by this library: that it cannot be read does not happen, and it would be recorded as it is.
+        // The image was written by this library, so decoding should not fail. If it does, the image
+        // is recorded as it is.
         let made = self.maker.make(cdr, images, &mut self.cdr);
         made.unwrap_or(false).then_some((topic, &self.cdr))
     }

@@ -1,47 +1,47 @@
-//! What a recording's topics are called, and what is on each.
+//! Names and contents of a recording's topics.
 
 use lariat_message::{Centerlines, Descriptors, Descriptors3, FrameHeader};
 
 use crate::{ANNOTATIONS, COMPRESSED_IMAGE, IMAGE, Losses, Record, Schema};
 
-/// One topic of a recording.
+/// A topic of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Topic {
-    /// What stands beside each frame.
+    /// Headers of frames.
     Frames,
-    /// The frames' pixels as they are.
+    /// Raw pixels of frames.
     Image,
-    /// The frames' pixels as PNG or JPEG.
+    /// Pixels of frames as PNG or JPEG.
     Picture,
-    /// What stands beside each mask that was made elsewhere.
+    /// Headers of masks made by other programs.
     Masks,
-    /// The masks' pixels as they are.
+    /// Raw pixels of masks.
     MaskImage,
-    /// The masks' pixels as PNG.
+    /// Pixels of masks as PNG.
     MaskPicture,
-    /// What extract saw.
+    /// Centerlines from extract.
     Centerlines,
-    /// What fit made of it.
+    /// Descriptors from fit.
     Descriptors,
-    /// The true centerlines of rendered frames.
+    /// True centerlines of rendered frames.
     Truth,
-    /// The centerlines, drawn over the image.
+    /// Annotations of the centerlines.
     Ropes,
-    /// The control polygons, drawn over the image.
+    /// Annotations of the control polygons.
     ControlPoints,
-    /// What was lost so far.
+    /// Losses so far.
     Losses,
-    /// What stands beside each depth image.
+    /// Headers of depth images.
     Depth,
-    /// The depth images' pixels as they are.
+    /// Raw pixels of depth images.
     DepthImage,
-    /// What fit made of them.
+    /// 3-D descriptors from fit.
     Descriptors3,
 }
 
 impl Topic {
-    /// All of them, each at the place of its number.
+    /// All topics, each at the index of its number.
     pub const ALL: [Self; 15] = [
         Self::Frames,
         Self::Image,
@@ -60,7 +60,7 @@ impl Topic {
         Self::Descriptors3,
     ];
 
-    /// Its name on a rig.
+    /// Name of the topic on a rig.
     pub fn on(self, rig: &str) -> String {
         let name = match self {
             Self::Frames => "frames",
@@ -80,7 +80,7 @@ impl Topic {
         format!("/{rig}/{name}")
     }
 
-    /// What its messages are.
+    /// Schema of its messages.
     pub const fn schema(self) -> Schema {
         match self {
             Self::Frames | Self::Masks | Self::Depth => FrameHeader::SCHEMA,

@@ -1,8 +1,8 @@
-//! One recording being written.
+//! A recording being written.
 //!
-//! It grows by whole chunks, each written in one go ([`Staged`]) into room that was taken before the chunk was begun
-//! ([`Space`]), and that always also holds the chunk that is open and the index at the end. So a full disk refuses a message,
-//! and never a part of the file.
+//! It grows by whole chunks, each written at once ([`Staged`]) into space reserved before the chunk
+//! was begun ([`Space`]). The reservation always includes the open chunk and the index at the end.
+//! A full disk therefore refuses a message, but never a part of the file.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -20,90 +20,96 @@ use crate::schema::{ENCODING, SCHEMA_ENCODING};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 
-/// A chunk that has so many bytes is closed: one image of 640×480 in colour, which stays in a core's cache while it is read,
-/// checked and shown; and enough that its head and its index do not count.
+/// A chunk is closed when it reaches this many bytes. It then contains a color image of 640×480,
+/// which stays in a core's cache while it is read, checked and shown. Its head and index are
+/// negligible in comparison.
 const CHUNK_BYTES: u64 = 1 << 19;
-/// A chunk is closed after so long in any case: who kills the recorder loses no more.
+/// A chunk is closed after this time at the latest, so killing the recorder loses no more than
+/// that.
 const CHUNK_TIME: Duration = Duration::from_secs(1);
-/// What a message takes in a chunk and its index beside its own bytes: 9 of a record's head, 22 of the message's, and 16 of
-/// the index.
+/// Bytes of a message in a chunk and its index, besides its contents: 9 for the record's head, 22
+/// for the message's, and 16 for the index.
 const MESSAGE_BYTES: u64 = 48;
-/// What a chunk takes beside its messages, in the file and in the summary: heads, and what each of twelve topics has in its
-/// indexes.
+/// Bytes of a chunk besides its messages, in the file and in the summary: heads, and index entries
+/// of each of twelve topics.
 const CHUNK_HEAD_BYTES: u64 = 2048;
-/// What a summary takes beside what is added for schemas, channels, chunks and attachments: statistics, offsets, the end.
+/// Bytes of a summary besides those for schemas, channels, chunks and attachments: statistics,
+/// offsets, the end.
 const SUMMARY_BYTES: u64 = 4096;
 
-/// How chunks are compressed.
+/// Compression of chunks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Compression {
-    /// Not at all.
+    /// No compression.
     #[default]
     None,
-    /// Fast, little.
+    /// Fast, with a low ratio.
     Lz4,
-    /// Slower, more.
+    /// Slower, with a higher ratio.
     Zstd,
 }
 
 impl Compression {
-    /// The most that so many bytes can become.
+    /// Maximum compressed size of this many bytes.
     const fn bound(self, bytes: u64) -> u64 {
         match self {
             Self::None => bytes,
-            // LZ4 adds 4 bytes to a block of 64 kB that it cannot compress, zstd 3 to one of 128 kB, and both a head and a
-            // tail of less than 32.
+            // LZ4 adds 4 bytes to an incompressible block of 64 kB, and zstd adds 3 to one of 128
+            // kB. Both add a head and a tail of less than 32 bytes.
             Self::Lz4 | Self::Zstd => bytes + bytes / 4096 + 1024,
         }
     }
 }
 
-/// What a recording says of itself.
+/// Description of a recording.
 #[derive(Debug, Clone)]
 pub struct Head {
-    /// The rig, which its topics are named after.
+    /// The rig, whose name is in the topics' names.
     pub rig: String,
-    /// What stands in its metadata, under the name `lariat`.
+    /// Metadata, stored under the name `lariat`.
     pub about: BTreeMap<String, String>,
 }
 
-/// What was written.
+/// Contents of a written recording.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Written {
-    /// Messages of each topic, at the place of its number.
+    /// Number of messages of each topic, at the index of the topic's number.
     pub messages: [u64; Topic::ALL.len()],
     /// Length of the file.
     pub bytes: u64,
-    /// Whether an old recording that was to make room is still there, as [nothing](Self::is_empty) came in its stead.
+    /// True if an old recording was to be replaced, but was kept because the new one is
+    /// [empty](Self::is_empty).
     pub kept_old: bool,
 }
 
 impl Written {
-    /// Whether nothing of a rig is in it: what was lost is written also where nothing came.
+    /// Returns whether the recording contains nothing of a rig. Losses do not count, since they are
+    /// written in any case.
     pub fn is_empty(&self) -> bool {
         !has_content(&self.messages)
     }
 }
 
-/// A recording being written. Dropped without [`finish`](Self::finish), it is closed, but nobody learns of a fault.
+/// A recording being written. If it is dropped without [`finish`](Self::finish), it is closed, but
+/// errors are ignored.
 pub struct Writer {
     mcap: mcap::Writer<Staged>,
     committed: Arc<AtomicU64>,
     space: Space,
     path: PathBuf,
-    /// The recording that makes room, until it has.
+    /// The recording to be replaced, until that is done.
     old: Option<Old>,
     is_stream: bool,
     rig: String,
     compression: Compression,
-    /// The number that each topic has in the file, once it has one.
+    /// Channel number of each topic in the file, once it has one.
     channels: [Option<u16>; Topic::ALL.len()],
     messages: [u64; Topic::ALL.len()],
-    /// The most that is staged, uncompressed.
+    /// Maximum size of the staged data, uncompressed.
     staged_bytes: u64,
-    /// The most that the summary will take.
+    /// Maximum size of the summary.
     summary_bytes: u64,
-    /// When the open chunk was begun.
+    /// Time at which the open chunk was begun.
     since: Option<Instant>,
 }
 
@@ -119,7 +125,7 @@ impl Writer {
     /// Begins a recording.
     ///
     /// # Errors
-    /// There is a file already, it could not be made, or there is no room for it.
+    /// Fails if the file exists or cannot be created, or if there is not enough space.
     pub fn create(
         path: &Path,
         existing: Existing,
@@ -141,7 +147,7 @@ impl Writer {
         let options = WriteOptions::new()
             .library(concat!("lariat ", env!("CARGO_PKG_VERSION")))
             .profile("ros2")
-            // Chunks are closed here, by size and by time.
+            // This writer closes chunks itself, by size and by time.
             .chunk_size(None)
             .calculate_data_section_crc(false)
             .compression(match compression {
@@ -149,7 +155,7 @@ impl Writer {
                 Compression::Lz4 => Some(mcap::Compression::Lz4),
                 Compression::Zstd => Some(mcap::Compression::Zstd),
             })
-            // By the thread that writes, and no other: the cores are the chain's.
+            // Only the writing thread compresses; the other cores belong to the chain.
             .compression_threads(0);
         let broken = |fault| WriteError::broken(path, fault);
         let mut writer = Self {
@@ -171,10 +177,10 @@ impl Writer {
         Ok(writer)
     }
 
-    /// Says more of the recording: what is said last of a key holds.
+    /// Adds metadata. The last value of a key is the valid one.
     ///
     /// # Errors
-    /// There is no room for it, or writing failed.
+    /// Fails if there is not enough space, or if a write fails.
     pub fn about(&mut self, about: &BTreeMap<String, String>) -> Result<(), WriteError> {
         let bytes: usize = about
             .iter()
@@ -190,10 +196,10 @@ impl Writer {
         self.commit()
     }
 
-    /// Puts a file into the recording. `log_ns`: when, in nanoseconds of Unix time.
+    /// Adds a file to the recording. `log_ns` is its time, in nanoseconds of Unix time.
     ///
     /// # Errors
-    /// There is no room for it, or writing failed.
+    /// Fails if there is not enough space, or if a write fails.
     pub fn attach(
         &mut self,
         name: &str,
@@ -215,10 +221,12 @@ impl Writer {
         self.commit()
     }
 
-    /// Writes a message: CDR, by its topic's schema. `log_ns`: its time, in nanoseconds of Unix time.
+    /// Writes a message: CDR in its topic's schema. `log_ns` is its time, in nanoseconds of Unix
+    /// time.
     ///
     /// # Errors
-    /// There is no room for it, or writing failed. What was written before is whole: [`finish`](Self::finish) closes it.
+    /// Fails if there is not enough space, or if a write fails. Earlier data is intact, and
+    /// [`finish`](Self::finish) closes the file.
     pub fn write(
         &mut self,
         topic: Topic,
@@ -247,7 +255,7 @@ impl Writer {
         self.commit_if_due()
     }
 
-    /// When the open chunk is to be closed, if one is open.
+    /// Time at which the open chunk has to be closed, if one is open.
     pub fn due(&self) -> Option<Instant> {
         self.since.map(|since| since + CHUNK_TIME)
     }
@@ -255,7 +263,7 @@ impl Writer {
     /// Closes the open chunk if it is old enough.
     ///
     /// # Errors
-    /// Writing failed.
+    /// Fails if a write fails.
     pub fn commit_if_due(&mut self) -> Result<(), WriteError> {
         match self.due() {
             Some(due) if Instant::now() >= due => self.commit(),
@@ -263,10 +271,10 @@ impl Writer {
         }
     }
 
-    /// Closes the recording, and waits until the disk has it.
+    /// Closes the recording, and waits until it is on the disk.
     ///
     /// # Errors
-    /// Writing failed.
+    /// Fails if a write fails.
     pub fn finish(self) -> Result<Written, WriteError> {
         let Self {
             mut mcap,
@@ -300,16 +308,16 @@ impl Writer {
         })
     }
 
-    /// The file.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Makes a topic known to the file.
+    /// Defines a topic in the file.
     fn add(&mut self, topic: Topic) -> Result<u16, WriteError> {
         let schema = topic.schema();
         let name = topic.on(&self.rig);
-        // Once where it is first used, once in the summary.
+        // Once at its first use, and once in the summary.
         let bytes = (schema.text.len() + schema.name.len() + name.len()) as u64 + 128;
         self.make_room(bytes, bytes)?;
         let text = schema.text.as_bytes();
@@ -322,7 +330,7 @@ impl Writer {
         Ok(id)
     }
 
-    /// Makes sure that there is room for so many bytes more, and for the end of the file behind them.
+    /// Reserves room for this many more bytes, and for the end of the file after them.
     fn make_room(&mut self, bytes: u64, in_summary: u64) -> Result<(), WriteError> {
         let staged = self.staged_bytes + bytes + MESSAGE_BYTES;
         let summary = self.summary_bytes + in_summary;
@@ -339,7 +347,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Closes the open chunk, and writes it.
+    /// Closes the open chunk and writes it.
     fn commit(&mut self) -> Result<(), WriteError> {
         self.since = None;
         self.staged_bytes = 0;
@@ -356,7 +364,7 @@ impl Writer {
     }
 }
 
-/// Whether anything of a rig is among the messages.
+/// Returns whether the messages include any from a rig.
 fn has_content(messages: &[u64; Topic::ALL.len()]) -> bool {
     let of_losses = messages[Topic::Losses as usize];
     messages.iter().sum::<u64>() > of_losses

@@ -1,4 +1,4 @@
-//! Reading allocates for a chunk at most, not for a message.
+//! Reading allocates at most once per chunk, not per message.
 
 use lariat_record::{Recording, Span};
 use lariat_test_support::allocations;
@@ -6,7 +6,7 @@ use mcap::Compression;
 
 #[test]
 fn a_message_costs_no_allocation_once_warm() {
-    // lz4's decoder is made again for each chunk; what else there is, is kept.
+    // lz4's decoder is created for each chunk. Everything else is reused.
     for (compression, per_chunk) in [
         (None, 0),
         (Some(Compression::Zstd), 0),
@@ -16,7 +16,7 @@ fn a_message_costs_no_allocation_once_warm() {
         let recording =
             Recording::from_bytes(crate::made::rig(compression, chunks, frames)).unwrap();
         let mut messages = recording.messages(Span::default()).unwrap();
-        // Two chunks make it warm.
+        // Two chunks warm it up.
         let next = |messages: &mut lariat_record::Messages, count| {
             for _ in 0..count {
                 assert!(messages.next().unwrap().is_some());

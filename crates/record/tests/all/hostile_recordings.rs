@@ -1,4 +1,4 @@
-//! Bytes that nobody wrote: they are refused, or read as far as they go, and nothing worse.
+//! Arbitrary bytes are refused, or read as far as possible, without further harm.
 
 use crate::made;
 
@@ -6,7 +6,7 @@ use lariat_record::{Entry, Record, Recording, Span};
 use mcap::Compression;
 use proptest::prelude::*;
 
-/// Reads all that can be read; the encoded centerlines come back.
+/// Reads everything possible. Returns the encoded centerlines.
 fn read(bytes: Vec<u8>) -> Vec<Vec<u8>> {
     let mut seen = Vec::new();
     let Ok(recording) = Recording::from_bytes(bytes) else {

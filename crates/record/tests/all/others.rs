@@ -1,4 +1,5 @@
-//! Recordings of other programs: folders, files compressed as a whole, other schemas, and what is refused by name.
+//! Recordings of other programs: folders, files compressed as a whole, other schemas, and refusals
+//! with a reason.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +16,7 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n and so on";
 const JPEG: &[u8] = b"\xff\xd8\xff\xe0 and so on";
 const WEBP: &[u8] = b"RIFF\x10\0\0\0WEBPVP8 and so on";
 
-/// The first frame's header, and its pixels as they are told apart.
+/// Returns the first frame's header, and its pixels as text.
 fn first(recording: &Recording) -> Result<(FrameHeader, String), RecordingError> {
     let mut messages = recording.messages(Span::default())?;
     let frame = messages.next_frame()?.expect("there is a frame");
@@ -26,7 +27,7 @@ fn of(bytes: Vec<u8>) -> Result<(FrameHeader, String), RecordingError> {
     first(&Recording::from_bytes(bytes)?)
 }
 
-/// Fields of a protocol buffer.
+/// Encodes a field of a protocol buffer.
 fn bytes_field(number: u8, bytes: &[u8]) -> Vec<u8> {
     [&[number << 3 | 2, bytes.len() as u8][..], bytes].concat()
 }
@@ -77,7 +78,7 @@ fn foxgloves_raw_images_are_read_in_every_encoding() {
         assert_eq!(header.format(), Some(PixelFormat::Rgb8));
         assert_eq!(header.trace.exposed_ns, STAMP_NS);
         assert_eq!(pixels, format!("{:?}", Pixels::Raw(RGB)));
-        // Cut off anywhere it is refused, and nothing panics.
+        // A message cut off anywhere is refused without a panic.
         for end in 0..message.len() {
             let mut made = Made::new(None);
             made.encoded("/camera", kind, 9, &message[..end]);
@@ -158,7 +159,7 @@ fn a_depth_image_of_image_transport_is_called_one() {
     };
     let refused = of(made(&["/a/depth"])).unwrap_err().to_string();
     assert!(refused.contains("/a/depth are depth images"), "{refused}");
-    // By the usual name it is no camera, unless it is asked for.
+    // A topic with the usual name is not a camera unless requested.
     let recording = Recording::from_bytes(made(&["/a/compressedDepth"])).unwrap();
     assert_eq!(recording.cameras(), ["/color/compressed"]);
     assert_eq!(
@@ -172,7 +173,7 @@ fn a_depth_image_of_image_transport_is_called_one() {
     assert!(refused.contains("are depth images"), "{refused}");
 }
 
-/// A file of a bag: the numbers of its frames.
+/// A file of a bag, with frames of these numbers.
 fn part(numbers: std::ops::Range<u64>, before: &[&str]) -> Vec<u8> {
     let mut made = Made::new(None);
     for topic in before {
@@ -189,7 +190,7 @@ fn part(numbers: std::ops::Range<u64>, before: &[&str]) -> Vec<u8> {
     made.finish()
 }
 
-/// The first bytes of all frames.
+/// First bytes of all frames.
 fn shown(recording: &Recording, span: Span) -> Vec<(u64, u8)> {
     let mut messages = recording.messages(span).unwrap();
     let mut shown = Vec::new();
@@ -205,7 +206,7 @@ fn shown(recording: &Recording, span: Span) -> Vec<(u64, u8)> {
 
 fn bag(folder: &Path) {
     fs::write(folder.join("x_0.mcap"), part(0..3, &[])).unwrap();
-    // Here the topic has another number.
+    // In this file, the topic has another channel number.
     fs::write(folder.join("x_1.mcap"), part(3..5, &["/a", "/b"])).unwrap();
     let packed = zstd::encode_all(&part(5..7, &[])[..], 1).unwrap();
     fs::write(folder.join("x_2.mcap.zstd"), packed).unwrap();
@@ -252,7 +253,8 @@ fn a_missing_or_damaged_file_of_a_bag_is_named_and_the_others_are_read() {
 
 #[test]
 fn a_file_that_was_compressed_as_a_whole_is_read_up_to_where_it_is_cut_off() {
-    // Chunks of more than zstd's block of 128 KiB, so that the first one is there without the second.
+    // The chunks are larger than zstd's block of 128 KiB, so that the first one is complete without
+    // the second.
     let mut made = Made::new(None);
     for number in 0..3000 {
         made.image(
@@ -311,7 +313,7 @@ fn recordings_of_other_formats_are_refused_with_the_way_to_convert_them() {
 
 #[test]
 fn images_of_encodings_that_no_frame_has_are_converted() {
-    // Two pixels, as sensor_msgs/Image has them.
+    // Two pixels as `sensor_msgs/Image`.
     let with = |encoding: &str, step: u32, data: &[u8]| {
         let mut cdr = Vec::new();
         let mut to = Encoder::new(&mut cdr);

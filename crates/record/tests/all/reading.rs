@@ -1,4 +1,4 @@
-//! What a recording gives back.
+//! Reading back recordings.
 
 use crate::made;
 
@@ -13,7 +13,7 @@ use mcap::{Compression, WriteOptions};
 
 const ALL: [Option<Compression>; 3] = [None, Some(Compression::Lz4), Some(Compression::Zstd)];
 
-/// A message as one line: equal lines are equal messages.
+/// Formats a message as one line. Equal lines are equal messages.
 fn line(entry: Entry) -> String {
     let encoded = |message: &dyn Fn(&mut Vec<u8>)| {
         let mut cdr = Vec::new();
@@ -30,7 +30,7 @@ fn line(entry: Entry) -> String {
     }
 }
 
-/// All messages that can be read.
+/// Returns all messages that can be read.
 fn lines(mut messages: Messages) -> Vec<String> {
     let mut lines = Vec::new();
     loop {
@@ -46,7 +46,7 @@ fn all(recording: &Recording) -> Vec<String> {
     lines(recording.messages(Span::default()).unwrap())
 }
 
-/// What a rig's recording should give, frame by frame.
+/// Expected contents of a rig's recording, frame by frame.
 fn expected(sequences: impl IntoIterator<Item = u64>) -> Vec<String> {
     let mut expected = Vec::new();
     for sequence in sequences {
@@ -115,14 +115,15 @@ fn what_is_on_each_topic_is_counted_alike_with_indexes_and_without() {
         .unwrap()
         .topics()
         .unwrap();
-    // A head, a time, "r", width and height, "mono8", the byte order, length of a row and of all, and the pixels.
+    // Head, time, "r", width and height, "mono8", byte order, length of a row and of all rows, and
+    // the pixels.
     assert_eq!(
         counted[3].bytes,
         6 * (4 + 8 + (4 + 4) + 8 + (4 + 6) + 2 + 8 + 32)
     );
     for (listed, counted) in topics.iter().zip(&counted) {
         assert_eq!(listed.messages, counted.messages);
-        // The topics' own names stand among the messages in the first chunk.
+        // The definitions of topics are among the messages in the first chunk.
         assert!(
             listed.bytes.abs_diff(counted.bytes) < 8000,
             "{listed:?} {counted:?}"
@@ -137,7 +138,7 @@ fn a_recording_cut_off_anywhere_is_read_up_to_its_last_whole_chunk() {
     let mut most = 0;
     for end in 0..whole.len() {
         let Ok(recording) = Recording::from_bytes(whole[..end].to_vec()) else {
-            // Once there is something, it stays.
+            // Once a message can be read, it stays readable.
             assert_eq!(most, 0, "cut at {end}");
             continue;
         };
@@ -145,7 +146,7 @@ fn a_recording_cut_off_anywhere_is_read_up_to_its_last_whole_chunk() {
         assert!(read.len() >= most, "cut at {end}");
         assert_eq!(read.len() % 5, 0);
         assert_eq!(read, expected[..read.len()]);
-        // A chunk is at home with its last byte, whether or not anything is behind it.
+        // A chunk is readable from its last byte on, whatever comes after it.
         assert!(recording.cut_off().is_some() || read.len() == expected.len());
         most = read.len();
     }
@@ -155,7 +156,8 @@ fn a_recording_cut_off_anywhere_is_read_up_to_its_last_whole_chunk() {
 #[test]
 fn a_torn_last_chunk_is_left_out_also_where_its_length_is_right() {
     let mut bytes = made::rig(None, 3, 1);
-    // As after a power cut: the index and the second half of the last chunk were never written, but the file is longer.
+    // As after a power failure: the index and the second half of the last chunk were never written,
+    // but the file is longer.
     let last = find_last_chunk(&bytes);
     bytes[last + 400..].fill(0);
     let recording = Recording::from_bytes(bytes).unwrap();
@@ -167,7 +169,7 @@ fn a_torn_last_chunk_is_left_out_also_where_its_length_is_right() {
     );
 }
 
-/// Where the last chunk's head is.
+/// Returns the position of the last chunk's head.
 fn find_last_chunk(bytes: &[u8]) -> usize {
     let mut at = 8;
     let mut last = None;

@@ -1,6 +1,6 @@
 //! Small recordings, written by the mcap crate's own writer.
 
-#![allow(dead_code)] // Each test uses a part of it.
+#![allow(dead_code)] // Each test uses a part.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -15,14 +15,14 @@ use lariat_record::{
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
-/// What is added to a trace's moments.
+/// Offset from a trace's times to log times.
 pub(crate) const OFFSET_NS: u64 = 1_700_000_000_000_000_000;
-/// From one frame to the next.
+/// Time from one frame to the next.
 pub(crate) const PERIOD_NS: u64 = 10_000_000;
 pub(crate) const WIDTH: u32 = 8;
 pub(crate) const HEIGHT: u32 = 4;
 
-/// A file in the making.
+/// A file being made.
 pub(crate) struct Made {
     writer: Writer<Cursor<Vec<u8>>>,
     channels: BTreeMap<String, u16>,
@@ -87,13 +87,13 @@ impl Made {
         self.put(topic, &COMPRESSED_IMAGE, log_time_ns);
     }
 
-    /// A message of any kind.
+    /// Adds a message of any kind.
     pub(crate) fn raw(&mut self, topic: &str, schema: &Schema, log_time_ns: u64, bytes: &[u8]) {
         self.cdr = bytes.to_vec();
         self.put(topic, schema, log_time_ns);
     }
 
-    /// A message in another encoding than ROS 2's.
+    /// Adds a message in an encoding other than ROS 2's.
     pub(crate) fn encoded(
         &mut self,
         topic: &str,
@@ -116,7 +116,7 @@ impl Made {
         writer.write_to_known_channel(&header, bytes).unwrap();
     }
 
-    /// An image on a channel of its own, though others may be on its topic.
+    /// Adds an image on its own channel, even if another channel has the same topic.
     pub(crate) fn image_apart(
         &mut self,
         topic: &str,
@@ -243,7 +243,7 @@ pub(crate) fn descriptors(sequence: u64) -> Descriptors {
     message
 }
 
-/// A rig's recording: `per_chunk` frames in each of `chunks`, with all that is made of them.
+/// A rig's recording: `per_chunk` frames in each of `chunks`, with all their results.
 pub(crate) fn rig(compression: Option<Compression>, chunks: u64, per_chunk: u64) -> Vec<u8> {
     let mut made = Made::new(compression);
     made.metadata(&[
@@ -260,7 +260,7 @@ pub(crate) fn rig(compression: Option<Compression>, chunks: u64, per_chunk: u64)
     made.finish()
 }
 
-/// A frame and all that is made of it.
+/// Adds a frame and all its results.
 pub(crate) fn frame(made: &mut Made, sequence: u64) {
     let header = header(sequence);
     let trace = trace(sequence);

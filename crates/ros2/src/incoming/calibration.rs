@@ -1,4 +1,5 @@
-//! A camera's calibration from its `camera_info`: written as the file that ROS's `camera_calibration` writes, and given to the chain.
+//! Takes a camera's calibration from its `camera_info`, writes it in the format of ROS's
+//! `camera_calibration`, and gives it to the chain.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,18 +16,18 @@ use super::pixels::shown;
 use super::received::{CameraInfo, Region};
 use super::trouble::Tally;
 
-/// By this a file is known to be one of ours, which may be replaced.
+/// Marks a file as ours, which may be replaced.
 const MARK: &str = "# Written by lariat ros2";
 
-/// Another calibration is taken no sooner after one than this: it is written, and the chain reads it.
+/// Minimum time between two calibrations, because each is written to a file and read by the chain.
 const APART: Duration = Duration::from_secs(1);
 
-/// What is done with the calibrations that come.
+/// Handler of received calibrations.
 pub(super) struct Calibration {
     topic: String,
     rig: Rig,
     path: PathBuf,
-    /// As text: what came is taken once. And when.
+    /// The last calibration as text, so that it is used only once, and its time.
     taken: Option<(String, Instant)>,
     tally: Arc<Tally>,
     said: Option<String>,
@@ -45,8 +46,8 @@ impl Calibration {
         }
     }
 
-    /// Takes the first calibration, and each that is another than the one before. One that comes too soon is passed over: a camera
-    /// says its own with every picture.
+    /// Uses the first calibration and each one that differs from the previous one. One that arrives
+    /// too soon is ignored: a camera sends its calibration with every image.
     pub(super) fn take(&mut self, info: &CameraInfo) {
         let done = yaml(info).and_then(|text| match &self.taken {
             Some((taken, at)) if *taken == text || at.elapsed() < APART => Ok(()),
@@ -62,7 +63,7 @@ impl Calibration {
         }
     }
 
-    /// Counts what is no calibration, and says what is wrong, until something else is.
+    /// Counts an invalid calibration, and reports the problem when it changes.
     pub(super) fn refuse(&mut self, trouble: String) {
         self.tally.refuse();
         if self.said.as_ref() != Some(&trouble) {
@@ -71,7 +72,7 @@ impl Calibration {
         }
     }
 
-    /// Writes the file, and has the chain go by it, if one runs.
+    /// Writes the file, and makes the chain use it if one runs.
     fn put(&self, text: &str) -> Result<()> {
         let path = std::path::absolute(&self.path)?;
         let existing = match std::fs::read_to_string(&path) {
@@ -85,7 +86,7 @@ impl Calibration {
         let marked = format!("{MARK} from {}.\n{text}", self.topic);
         Output::new(&path, existing, [])?.write(marked.as_bytes())?;
         let (rig, shown) = (self.rig.clone(), path.display().to_string());
-        // It may take a moment to answer, and images come meanwhile.
+        // The chain may take a moment to answer, and images arrive meanwhile.
         std::thread::Builder::new()
             .name("calibration".to_owned())
             .spawn(move || {
@@ -103,10 +104,10 @@ impl Calibration {
     }
 }
 
-/// The calibration as a file.
+/// Formats the calibration as a file.
 ///
 /// # Errors
-/// It is none, or one that lariat does not know.
+/// The calibration is missing or of a kind that lariat does not support.
 fn yaml(info: &CameraInfo) -> Result<String> {
     if info.k == [0.0; 9] {
         bail!("the camera is not calibrated: its K is 0");
@@ -117,7 +118,7 @@ fn yaml(info: &CameraInfo) -> Result<String> {
     } else {
         (&*info.distortion_model, &info.d[..])
     };
-    // Another node's word must not become another key.
+    // A word from another node must not inject a key.
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !model.chars().all(is_word) {
         bail!("the distortion model {} is not known", shown(model));

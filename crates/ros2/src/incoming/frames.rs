@@ -1,4 +1,5 @@
-//! Images of a topic as the frames of a rig whose chain was started with `--source external`.
+//! Writes images of a topic as the frames of a rig whose chain was started with `--source
+//! external`.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -14,14 +15,14 @@ use super::received::{Picture, TakePicture};
 use super::stamps::{Originals, Stamps};
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// An image that is older than this is of a recording or another clock, and nothing to steer by.
+/// An older image comes from a recording or another clock, and must not be used for steering.
 const OLDEST_NS: u64 = 10_000_000_000;
-/// Frames that a mask may still come for: two seconds at 30 in one.
+/// Frames for which a mask may still arrive: two seconds at 30 fps.
 const KNOWN: usize = 64;
-/// Publishers whose numbers are known.
+/// Publishers with a stored message number.
 const MOST_PUBLISHERS: usize = 8;
 
-/// The newest frames by their stamps, as masks are paired with them.
+/// The newest frames by their stamps, for pairing with masks.
 #[derive(Default)]
 pub(super) struct Sent(VecDeque<(u64, FrameHeader)>);
 
@@ -44,7 +45,7 @@ impl Sent {
 pub(super) struct Frames {
     topic: String,
     writer: FrameWriter,
-    /// The picture file that is read next.
+    /// The image file to be decoded next.
     file: Vec<u8>,
     is_file: bool,
     stamps: Stamps,
@@ -82,7 +83,7 @@ impl Frames {
         self.sent.clone()
     }
 
-    /// Sends the image that was taken; its stamp, if it became a frame.
+    /// Sends the image that was read. Returns its stamp if it became a frame.
     pub(super) fn send(&mut self, taken: Result<u64, Trouble>, info: &MessageInfo) -> Option<u64> {
         let (sequence, lost) = self
             .numbers
@@ -105,13 +106,14 @@ impl Frames {
         }
     }
 
-    /// Counts a message that could not even be read.
+    /// Counts a message that could not even be parsed.
     pub(super) fn refuse_unread(&mut self, trouble: &Trouble) {
         self.numbers.unread += 1;
         self.refuse(trouble);
     }
 
-    /// Counts what is no image. Its number is skipped, so that the chain counts a frame lost at the source.
+    /// Counts an invalid image. Its number is skipped, so that the chain counts a frame lost at the
+    /// source.
     fn refuse(&mut self, trouble: &Trouble) {
         self.tally.refuse();
         self.reporter.report(&self.topic, trouble);
@@ -135,7 +137,7 @@ impl Frames {
             exposed_ns: Some(exposed_ns),
             sequence: Some(sequence),
         };
-        // Before the frame is: what is sent of it may be there soon after.
+        // Before the frame is sent, because messages about it may follow soon.
         if stamp_ns != 0 {
             self.originals.add(exposed_ns, stamp_ns);
         }
@@ -176,18 +178,18 @@ fn not_written(cause: WriteError) -> Trouble {
     }
 }
 
-/// The numbers of frames, by those that publishers give their messages: what never came is a gap.
+/// Numbers of frames, derived from the publishers' message numbers. A lost message leaves a gap.
 #[derive(Default)]
 struct Numbers {
     last: u64,
-    /// Messages since the last one whose number nobody told: they are no gap.
+    /// Unparsable messages since the last one. Their numbers are unknown, and they are not gaps.
     unread: u64,
-    /// Each with its last number, the newest at the end.
+    /// Each publisher with its last number, the most recent one at the end.
     publishers: VecDeque<(Gid, i64)>,
 }
 
 impl Numbers {
-    /// The frame's number, and how many of its publisher's messages between it and the last one did not come.
+    /// Returns the frame's number and how many messages of its publisher were lost before it.
     fn next(&mut self, publisher: Gid, number: i64) -> (u64, u64) {
         let known = self
             .publishers
@@ -196,7 +198,7 @@ impl Numbers {
         let before = known.and_then(|place| self.publishers.remove(place));
         let lost = before.map_or(0, |(_, last)| {
             let between = number.saturating_sub(last).saturating_sub(1);
-            // More is no number of images.
+            // A larger gap cannot be a number of images.
             u32::try_from(between.max(0)).unwrap_or(0)
         });
         if self.publishers.len() == MOST_PUBLISHERS {
@@ -230,7 +232,7 @@ mod tests {
         assert_eq!(numbers.next(b, 3), (9, 1));
         numbers.unread = 1;
         assert_eq!(numbers.next(b, 6), (12, 1));
-        // Back, or far ahead: nothing that can be counted.
+        // Backwards or far ahead: nothing that can be counted.
         assert_eq!(numbers.next(b, 2), (13, 0));
         assert_eq!(numbers.next(b, i64::MAX), (14, 0));
     }

@@ -1,4 +1,6 @@
-//! Velocities of topics, one a gripper, as the commands of a rig whose rope is simulated: in its units, in its image or, lifted, in its robot's frame.
+//! Writes velocities of topics, one topic per gripper, as the commands of a rig whose rope is
+//! simulated. Their units are those of the rig, in its image or, for a lifted rope, in its robot's
+//! frame.
 
 use std::sync::Arc;
 
@@ -11,14 +13,15 @@ use super::received::TwistStamped;
 use super::stamps::Stamps;
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// What is older is not gone by: the simulated robot stops by itself as long after its last command.
+/// Age at which a velocity is no longer used. The simulated robot stops by itself as long after its
+/// last command.
 const HOLDS_NS: u64 = 250_000_000;
 
 /// The rig's commands.
 pub(super) struct Grippers {
     topics: Vec<(String, Arc<Tally>)>,
     writer: Writer<Command>,
-    /// Of each gripper, and when it came.
+    /// Newest velocity of each gripper, and its time.
     newest: [(u64, [f64; 6]); MAX_GRIPPERS],
     count: u64,
     stamps: Stamps,
@@ -26,7 +29,7 @@ pub(super) struct Grippers {
 }
 
 impl Grippers {
-    /// Becomes the writer of the rig's commands.
+    /// Opens the writer of the rig's commands.
     ///
     /// # Errors
     /// Another process writes them.
@@ -46,7 +49,8 @@ impl Grippers {
         })
     }
 
-    /// Sends what a gripper is told, and what the other one was told last, unless that is old by now.
+    /// Sends a gripper's velocity, together with the other one's last velocity unless that is too
+    /// old.
     pub(super) fn send(&mut self, gripper: usize, twist: &TwistStamped) {
         match self.try_send(gripper, twist) {
             Ok(()) => self.topics[gripper].1.take(),
@@ -54,7 +58,7 @@ impl Grippers {
         }
     }
 
-    /// Counts what is no command.
+    /// Counts an invalid command.
     pub(super) fn refuse(&mut self, gripper: usize, trouble: &Trouble) {
         let (topic, tally) = &self.topics[gripper];
         tally.refuse();
@@ -94,7 +98,7 @@ impl Grippers {
     }
 }
 
-/// The velocity, for as long as it holds.
+/// The velocity, or 0 if it is too old.
 fn held((told_ns, velocity): (u64, [f64; 6]), now_ns: u64) -> [f64; 6] {
     let is_old = now_ns.saturating_sub(told_ns) > HOLDS_NS;
     if is_old { [0.0; 6] } else { velocity }

@@ -1,4 +1,5 @@
-//! Masks of a topic as the rig's, each paired with its frame by its stamp, in whatever order the two come.
+//! Writes masks of a topic as the rig's. Each is paired with its frame by its stamp, in either
+//! order of arrival.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -12,7 +13,7 @@ use super::pixels::{Pixels, decode, shown};
 use super::received::{Picture, TakePicture};
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// Masks that wait for their image: it is larger, and may come later.
+/// Masks that may wait for their image, which is larger and may arrive later.
 const MOST_WAITING: usize = 4;
 
 /// The rig's masks.
@@ -25,24 +26,24 @@ pub(super) struct Masks {
     reporter: TroubleReporter,
 }
 
-/// A mask whose image has not come.
+/// A mask whose image has not arrived.
 struct Mask {
     stamp_ns: u64,
     size: [u32; 2],
     bytes: Vec<u8>,
 }
 
-/// What was taken of a message.
+/// The result of reading a message.
 pub(super) enum Taken {
-    /// It has only to be sent.
+    /// The mask is in its slot and only needs to be sent.
     Lent,
-    /// Its image has not come.
+    /// The image has not arrived.
     Early {
         stamp_ns: u64,
         size: [u32; 2],
         bytes: Vec<u8>,
     },
-    /// A picture file, which is still to be read.
+    /// An image file that still has to be decoded.
     File { stamp_ns: u64, file: Vec<u8> },
 }
 
@@ -63,14 +64,15 @@ impl Masks {
         }
     }
 
-    /// Sends the mask that was taken, or keeps it until its image comes.
+    /// Sends the mask that was read, or keeps it until its image arrives.
     pub(super) fn send(&mut self, taken: Result<Taken, Trouble>) {
         if let Err(trouble) = taken.and_then(|taken| self.send_taken(taken)) {
             self.refuse(&trouble);
         }
     }
 
-    /// The image with this stamp has become a frame: sends its mask, if that came before it.
+    /// Sends the mask of the image with this stamp, which has become a frame, if the mask arrived
+    /// first.
     pub(super) fn offer(&mut self, stamp_ns: u64) {
         let place = self
             .waiting
@@ -83,7 +85,7 @@ impl Masks {
         }
     }
 
-    /// Counts what is no mask.
+    /// Counts an invalid mask.
     pub(super) fn refuse(&mut self, trouble: &Trouble) {
         self.tally.refuse();
         self.reporter.report(&self.topic, trouble);
@@ -126,7 +128,7 @@ impl Masks {
         Ok(())
     }
 
-    /// Has `copy` fill the slot of the mask, if its image has come.
+    /// Lets `copy` fill the slot of the mask, if its image has arrived.
     fn lend(
         &mut self,
         stamp_ns: u64,

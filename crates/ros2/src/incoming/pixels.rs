@@ -1,4 +1,4 @@
-//! The pixels of an image of ROS, as a frame has them: its rows one after the other without gaps. Pure.
+//! Converts the pixels of a ROS image to those of a frame: rows without gaps. Pure.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -10,26 +10,26 @@ use lariat_wire::PixelFormat;
 use super::Trouble;
 use super::received::Image;
 
-/// Most pixels along a side, as of frames.
+/// Maximum number of pixels along a side, as for frames.
 const MAX_SIDE: u32 = 8192;
 
-/// An image whose bytes are as many as it says.
+/// An image with the number of bytes that it declares.
 #[derive(Debug, Clone)]
 pub(super) struct Pixels<'a> {
     pub(super) width: u32,
     pub(super) height: u32,
-    /// As they become.
+    /// Format after conversion.
     pub(super) format: PixelFormat,
     step: usize,
-    /// As they came, or converted.
+    /// The original bytes, or the converted ones.
     data: Cow<'a, [u8]>,
 }
 
 impl<'a> Pixels<'a> {
-    /// Looks at what an image says of itself.
+    /// Checks an image's fields and converts it if necessary.
     ///
     /// # Errors
-    /// The encoding is not known, or the numbers do not fit together.
+    /// The encoding is not supported, or the numbers are inconsistent.
     pub(super) fn of(image: &'a Image) -> Result<Self, Trouble> {
         let record = ImageRecord {
             stamp_ns: 0,
@@ -68,7 +68,7 @@ impl<'a> Pixels<'a> {
         })
     }
 
-    /// Copies them to where there is room for just these rows.
+    /// Copies the rows into a slice of exactly their size.
     pub(super) fn copy_to(&self, into: &mut [u8]) {
         let row = self.format.row_bytes(self.width);
         let rows = into
@@ -82,7 +82,7 @@ impl<'a> Pixels<'a> {
     }
 }
 
-/// A picture file, read.
+/// A decoded image file.
 #[derive(Debug)]
 pub(super) struct Decoded {
     pub(super) width: u32,
@@ -92,10 +92,10 @@ pub(super) struct Decoded {
     pub(super) bytes: Vec<u8>,
 }
 
-/// Reads a picture file.
+/// Decodes an image file.
 ///
 /// # Errors
-/// It is none, is damaged, or is larger than a frame may be.
+/// It is not an image, is damaged, or is larger than a frame may be.
 pub(super) fn decode(file: &[u8]) -> Result<Decoded, Trouble> {
     let read = || {
         let mut reader = ImageReader::new(Cursor::new(file)).with_guessed_format()?;
@@ -123,7 +123,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Decoded, Trouble> {
     })
 }
 
-/// What another node says, as far as it is to be read in a sentence.
+/// Text from another node, shortened for an error message.
 pub(super) fn shown(text: &str) -> String {
     let short: String = text.chars().filter(|c| !c.is_control()).take(24).collect();
     format!("\"{short}\"")
@@ -188,7 +188,7 @@ mod tests {
             let trouble = Pixels::of(&image).err();
             assert!(
                 matches!(trouble, Some(Trouble::Size { .. }))
-                    // No row: the writer of frames refuses it.
+                    // Without rows: the writer of frames refuses it.
                     || size[0] == 0 && trouble.is_none(),
                 "{encoding} {size:?}: {trouble:?}"
             );

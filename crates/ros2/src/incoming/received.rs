@@ -1,4 +1,4 @@
-//! Messages of ROS as they come in, read where the transport has them.
+//! Incoming ROS messages, read in the transport's memory.
 
 use std::cell::RefCell;
 
@@ -18,13 +18,13 @@ struct Time {
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Header {
     stamp: Time,
-    /// Not looked at: what comes is in the picture of this rig.
+    /// Ignored, because everything received belongs to the image of this rig.
     #[serde(rename = "frame_id")]
     _frame_id: String,
 }
 
 impl Header {
-    /// Nanoseconds of ROS time; 0 if nobody set it.
+    /// Nanoseconds of ROS time; 0 if not set.
     pub(crate) fn stamp_ns(&self) -> u64 {
         u64::from(self.stamp.sec.max(0).unsigned_abs()) * NS_PER_S + u64::from(self.stamp.nanosec)
     }
@@ -58,7 +58,8 @@ pub(crate) enum Picture<'a> {
     File(CompressedImage<'a>),
 }
 
-/// Reads an image and hands it to `take` while it lies in the transport's memory, so that its pixels are copied once.
+/// Parses an image and passes it to `take` while it is in the transport's memory, so that its
+/// pixels are copied only once.
 pub(crate) struct PictureSeed<'f, F> {
     pub(crate) is_file: bool,
     pub(crate) take: &'f RefCell<F>,
@@ -83,11 +84,12 @@ impl<'de, F: TakePicture> DeserializeSeed<'de> for PictureSeed<'_, F> {
     }
 }
 
-/// What takes images.
+/// A handler of images.
 pub(crate) trait TakePicture {
-    /// What is kept of one.
+    /// The part of an image that is kept.
     type Taken: 'static;
-    /// Takes what is needed of an image. The transport waits meanwhile: it is copied here, and nothing else is done with it.
+    /// Copies what is needed of an image. The transport waits meanwhile, so nothing else is done
+    /// here.
     fn take(&mut self, picture: Picture) -> Self::Taken;
 }
 

@@ -1,4 +1,5 @@
-//! When what comes in was taken, on the clock of the rig; and the stamps as they came, for what is sent of the same frames.
+//! Converts stamps to the clock of the rig, and keeps the original stamps for messages about the
+//! same frames.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,14 +8,14 @@ use lariat_record::Clock;
 
 use super::Trouble;
 
-/// A stamp ahead by no more than this is of clocks that were read one after the other.
+/// A stamp ahead by no more than this is explained by reading the clocks one after the other.
 const CLOCKS_APART_NS: u64 = 1_000_000;
-/// The clocks are held against each other again when this is over: the keepers of the time of day move it.
+/// Interval at which the clocks are compared again, because the wall clock is adjusted.
 const MEASURED_FOR_NS: u64 = 1_000_000_000;
-/// Frames whose stamps are known: more than are under way in any chain.
+/// Frames with a stored stamp: more than any chain processes at once.
 const KNOWN: usize = 256;
 
-/// Stamps of ROS as moments of `CLOCK_MONOTONIC`.
+/// Converts ROS stamps to times of `CLOCK_MONOTONIC`.
 pub(crate) struct Stamps {
     clock: Clock,
     measured_ns: u64,
@@ -22,7 +23,7 @@ pub(crate) struct Stamps {
 }
 
 impl Stamps {
-    /// `by_arrival`: that stamps are not gone by.
+    /// With `by_arrival`, stamps are ignored.
     pub(crate) fn new(by_arrival: bool) -> Self {
         Self {
             clock: Clock::now(),
@@ -31,10 +32,11 @@ impl Stamps {
         }
     }
 
-    /// The moment of a stamp in a message that arrived at `now_ns`, at which it is at the latest; and what is wrong with the stamp, if it is another moment.
+    /// Returns the time of a stamp in a message that arrived at `now_ns`, which is the upper limit.
+    /// If the result differs from the stamp, also returns the reason.
     ///
     /// # Errors
-    /// It is older than `oldest_ns`.
+    /// The stamp is older than `oldest_ns`.
     pub(crate) fn moment(
         &mut self,
         stamp_ns: u64,
@@ -53,7 +55,7 @@ impl Stamps {
         }
         let arrived_ns = self.clock.wall_ns(now_ns);
         match arrived_ns.checked_sub(stamp_ns) {
-            // What was before the machine started is too old, whatever its age is allowed to be.
+            // A time before the machine started is too old, whatever the limit.
             Some(age_ns) if age_ns <= oldest_ns => now_ns
                 .checked_sub(age_ns)
                 .map(|moment_ns| (moment_ns, None))
@@ -68,8 +70,8 @@ impl Stamps {
     }
 }
 
-/// The stamps of the newest frames as they came, by their exposure: a message of the same frame has the same, to the last
-/// digit, as ROS's synchronizers want it.
+/// The original stamps of the newest frames, by exposure time. A message about the same frame
+/// carries exactly the same stamp, as ROS's synchronizers require.
 #[derive(Clone, Default)]
 pub(crate) struct Originals(Arc<Mutex<VecDeque<[u64; 2]>>>);
 
@@ -82,7 +84,7 @@ impl Originals {
         known.push_back([exposed_ns, stamp_ns]);
     }
 
-    /// The stamp of the frame that was exposed then, if it came with one.
+    /// The stamp of the frame with this exposure time, if it came with one.
     pub(crate) fn of(&self, exposed_ns: u64) -> Option<u64> {
         let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mut newest_first = known.iter().rev();

@@ -1,9 +1,9 @@
-//! What can be wrong with what comes in, each as a sentence, and how much of it was.
+//! Problems of incoming messages, each with an error text, and their counts.
 
 use std::mem::{Discriminant, discriminant};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Why a message was not taken, or not as it was.
+/// Reason why a message was rejected or changed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Trouble {
     #[error(
@@ -58,7 +58,7 @@ fn secs(ns: u64) -> String {
     format!("{:.3}", ns as f64 / 1e9)
 }
 
-/// What came of a topic.
+/// Counts of the messages of a topic.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     taken: AtomicU64,
@@ -72,7 +72,7 @@ impl Tally {
         self.taken.fetch_add(1, Relaxed);
     }
 
-    /// So many were sent and never came.
+    /// Counts messages that were sent but never arrived.
     pub(super) fn lose(&self, count: u64) {
         self.lost.fetch_add(count, Relaxed);
     }
@@ -85,12 +85,12 @@ impl Tally {
         self.restamped.fetch_add(1, Relaxed);
     }
 
-    /// Whether anything came.
+    /// Returns whether any message has arrived.
     pub(super) fn has_come(&self) -> bool {
         self.taken.load(Relaxed) + self.refused.load(Relaxed) > 0
     }
 
-    /// As diagnostics say it.
+    /// The counts for diagnostics.
     pub(crate) fn values(&self, what: &str) -> [(String, String); 4] {
         [
             ("taken", &self.taken),
@@ -102,7 +102,7 @@ impl Tally {
     }
 }
 
-/// Says of each topic each kind of trouble once.
+/// Reports each kind of problem once per topic.
 #[derive(Default)]
 pub(super) struct TroubleReporter(Vec<Discriminant<Trouble>>);
 

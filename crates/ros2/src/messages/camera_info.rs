@@ -6,8 +6,8 @@ use lariat_wire::FrameHeader;
 
 use super::Header;
 
-/// Writes the size of the pictures, and what their camera was calibrated with. Without that `K` is 0, which is ROS's word for a
-/// camera that is not calibrated; so it is where the calibration is of other pictures.
+/// Writes the size of the images and the calibration of their camera. Without a calibration, or
+/// with one for other images, `K` is 0, which means uncalibrated in ROS.
 pub(crate) fn camera_info(
     frame: &FrameHeader,
     camera: Option<&Camera>,
@@ -27,7 +27,7 @@ pub(crate) fn camera_info(
         }
         Some(camera) => {
             let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
-            // One camera, not turned: what it sees without distortion is seen by the same matrix.
+            // A single camera without rotation: the same matrix describes its undistorted image.
             k = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0];
             r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
             p = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
@@ -40,7 +40,7 @@ pub(crate) fn camera_info(
     k.put(to);
     r.put(to);
     p.put(to);
-    // Binning, then a region that is all of it, and is not rectified.
+    // Binning, then the whole image as region, not rectified.
     [0_u32; 6].put(to);
     0_u8.put(to);
 }

@@ -4,7 +4,7 @@ use lariat_record::{Cdr, Encoder};
 
 use super::Header;
 
-/// How it stands, as in `diagnostic_msgs/DiagnosticStatus`.
+/// Level, as in `diagnostic_msgs/DiagnosticStatus`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Level {
     Ok = 0,
@@ -12,7 +12,7 @@ pub(crate) enum Level {
     Stale = 3,
 }
 
-/// What is said of one thing.
+/// Status of one component.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Status {
     pub(crate) level: Level,
@@ -22,7 +22,7 @@ pub(crate) struct Status {
     pub(crate) values: Vec<(String, String)>,
 }
 
-/// Writes what is said.
+/// Writes the statuses.
 pub(crate) fn diagnostics(statuses: &[Status], header: &Header, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     header.put(to);

@@ -1,24 +1,25 @@
-//! A covariance as RViz draws it: the axes of an ellipse or an ellipsoid, and how it lies.
+//! A covariance as RViz draws it: axes and orientation of an ellipse or an ellipsoid.
 
 use super::{Scale, turn_about_z};
 
-/// Half axes of what holds nine of ten points, in standard deviations, by the number of dimensions: √(−2 ln 0.1) of the plane,
-/// and the same quantile of χ with three degrees of freedom.
+/// Half axes of the region that contains nine of ten points, in standard deviations, for two and
+/// three dimensions: √(−2 ln 0.1), and the same quantile of χ with three degrees of freedom.
 const DEVIATIONS: [f64; 2] = [2.145_966, 2.500_278];
-/// Turns after which a matrix of three rows has long been diagonal: each takes the largest entry beside the diagonal.
+/// Limit on rotations; a matrix of three rows is diagonal long before. Each removes the largest
+/// off-diagonal entry.
 const MOST_TURNS: usize = 24;
 
-/// The ellipsoid that holds nine of ten points. A flat one has no third axis.
+/// The ellipsoid that contains nine of ten points. The third axis of a flat one is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ellipsoid {
-    /// Lengths from end to end.
+    /// Full lengths.
     pub(crate) axes: [f64; 3],
-    /// How it is turned, as a quaternion x, y, z, w.
+    /// Orientation as a quaternion x, y, z, w.
     pub(crate) turn: [f64; 4],
 }
 
 impl Ellipsoid {
-    /// Of a covariance `[xx, xy, yy]`; the longer axis is the first.
+    /// Ellipse of a covariance `[xx, xy, yy]`; the longer axis is the first.
     pub(crate) fn flat([xx, xy, yy]: [f64; 3]) -> Self {
         let middle = 0.5 * (xx + yy);
         let half = (0.5 * (xx - yy)).hypot(xy);
@@ -29,7 +30,8 @@ impl Ellipsoid {
         }
     }
 
-    /// Of a covariance `[xx, xy, xz, yy, yz, zz]`: by Jacobi's rotations, taken together as a quaternion.
+    /// Ellipsoid of a covariance `[xx, xy, xz, yy, yz, zz]`, by Jacobi rotations that are combined
+    /// into a quaternion.
     pub(crate) fn in_space([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Self {
         let mut a = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let mut turn = [0.0, 0.0, 0.0, 1.0];
@@ -70,17 +72,17 @@ impl Ellipsoid {
     }
 }
 
-/// From end to end.
+/// Full length of an axis.
 fn axis(variance: f64, deviations: f64) -> f64 {
     2.0 * deviations * variance.max(0.0).sqrt()
 }
 
-/// The entry beside the diagonal that a turn about this axis changes.
+/// The off-diagonal entry that a rotation about this axis changes.
 fn beside(a: &[[f64; 3]; 3], axis: usize) -> f64 {
     a[(axis + 1) % 3][(axis + 2) % 3].abs()
 }
 
-/// Two turns, the second about the axes that the first has turned.
+/// Product of two rotations; the second is about the axes rotated by the first.
 fn product([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     [
         aw * bx + ax * bw + ay * bz - az * by,
@@ -103,7 +105,7 @@ mod tests {
         assert_eq!(found.turn, turn_about_z(std::f64::consts::FRAC_PI_4));
     }
 
-    /// What a quaternion makes of a vector.
+    /// Rotates a vector by a quaternion.
     fn turned(by: [f64; 4], [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [a, b, c, w] = by;
         let [i, j, k, _] = product(product(by, [x, y, z, 0.0]), [-a, -b, -c, w]);

@@ -5,7 +5,7 @@ use lariat_wire::{Centerlines, Crossing, Descriptors, MAX_CONTROL_POINTS, Unit};
 
 use super::{Header, Rope, Scale};
 
-/// As in `visualization_msgs/Marker`.
+/// Types, as in `visualization_msgs/Marker`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Sphere = 2,
@@ -22,22 +22,22 @@ const ELLIPSE: Color = [1.0, 1.0, 1.0, 0.35];
 const CROSSING: Color = [1.0, 1.0, 1.0, 0.6];
 const UNDER: Color = [0.15, 0.15, 0.15, 1.0];
 
-/// Points that a curve is drawn with.
+/// Points with which a curve is drawn.
 const DRAWN: usize = 96;
-/// Points on each side of a crossing by which the strands there are drawn.
+/// Points of a strand that are drawn on each side of a crossing.
 const BESIDE: usize = 4;
-/// Not turned.
+/// The identity rotation.
 const AS_IT_IS: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
-/// A rope's own.
+/// Color of a rope.
 fn color(track: u32) -> Color {
     let [red, green, blue] = rope_color(track).map(|byte| f32::from(byte) / 255.0);
     [red, green, blue, 1.0]
 }
 
-/// What is drawn once.
+/// A single marker.
 struct Marker<'a> {
-    /// What it belongs to.
+    /// Namespace of the marker.
     ns: &'a str,
     id: i32,
     kind: Kind,
@@ -49,9 +49,10 @@ struct Marker<'a> {
     points: &'a [[f64; 3]],
 }
 
-/// Writes what is to be drawn: all that was before is deleted, then for each rope by its `curve`, its `control_points` and for each
-/// an ellipse of `covariance`, in space an ellipsoid; then, where the centerlines of a flat message are there, each crossing with the strand that
-/// is `over` and the one `under`, by its side. In space the strands themselves lie so.
+/// Writes all markers. Earlier ones are deleted first. Each rope then has its `curve`, its
+/// `control_points`, and for each of those a `covariance`: an ellipse, or in space an ellipsoid. If
+/// the centerlines of a flat message are known, each crossing follows, with the strand `over` and
+/// the one `under` at different heights. In space the strands themselves have heights.
 pub(crate) fn markers(
     ropes: &[Rope],
     crossed: Option<(&Descriptors, &Centerlines)>,
@@ -78,7 +79,7 @@ pub(crate) fn markers(
 /// Markers, counted while they are written.
 struct Drawing<'a> {
     count: usize,
-    /// As a message by itself: it begins with its number of markers, not yet known.
+    /// A message of its own that begins with the number of markers, which is not known yet.
     body: Vec<u8>,
     header: &'a Header<'a>,
 }
@@ -105,7 +106,7 @@ impl Drawing<'_> {
         let mut curve: Vec<_> = rope.along(DRAWN).map(|(at, _)| at).collect();
         curve.extend(curve.first().copied().filter(|_| rope.is_closed()));
         self.lines("curve", rope.track as i32, 0.3 * rope.width, color, &curve);
-        // The coefficients of a Fourier series lie nowhere.
+        // The coefficients of a Fourier series are not positions.
         if rope.is_closed() {
             return;
         }
@@ -154,7 +155,7 @@ impl Drawing<'_> {
         message: &Descriptors,
     ) {
         let scale = Scale::of(message);
-        // Extract's curves and fit's are of the same tracks.
+        // Extract's curves and fit's curves have the same tracks.
         let line = |rope: u32| {
             let track = seen.curves().get(rope as usize)?.track;
             let place = message
@@ -204,7 +205,7 @@ impl Drawing<'_> {
                 kind: Kind::LineStrip,
                 at: [0.0; 3],
                 turn: AS_IT_IS,
-                // Of a line, x is the width, and the rest has no meaning.
+                // For a line, x is the width; the rest is unused.
                 scale: [width, 0.0, 0.0],
                 color,
                 points,
@@ -214,7 +215,7 @@ impl Drawing<'_> {
     }
 
     fn put(&mut self, marker: &Marker, action: i32) {
-        // Continued where it stands, so that what follows is aligned.
+        // Continue the same encoding, so that the following data is aligned.
         let to = &mut if self.count == 0 {
             let mut to = Encoder::new(&mut self.body);
             to.byte_count(0);
@@ -232,12 +233,13 @@ impl Drawing<'_> {
         marker.turn.put(to);
         marker.scale.put(to);
         marker.color.put(to);
-        // It stays until the next message, and is not locked to a frame that moves.
+        // The marker stays until the next message, and does not follow a moving frame.
         [0_u32; 2].put(to);
         0_u8.put(to);
         to.byte_count(marker.points.len());
         marker.points.iter().for_each(|point| point.put(to));
-        // No colors by the point, no texture (a name, then a whole compressed image), no places on it, no text, no mesh.
+        // No colors per point, texture (a name and a compressed image), texture coordinates, text
+        // or mesh.
         to.byte_count(0);
         to.string("");
         Header {
@@ -256,14 +258,14 @@ impl Drawing<'_> {
     }
 
     fn finish(mut self, into: &mut Vec<u8>) {
-        // Behind the head of four bytes.
+        // After the four-byte header.
         self.body[4..8].copy_from_slice(&(self.count as u32).to_le_bytes());
         *into = self.body;
     }
 }
 
-/// A strand's points around a crossing. On a plane ρ is not the image's, but of pictures of a table seldom far from it: enough to
-/// say which piece is meant.
+/// A strand's points around a crossing. On a plane, ρ differs from that in the image, but for
+/// images of a table usually not much, so it suffices to select the points.
 fn beside<'a>(
     points: &'a [[f32; 2]],
     rho: f32,
@@ -276,7 +278,7 @@ fn beside<'a>(
             let [x, y] = [0, 1].map(|axis| point[axis] - crossing.at[axis]);
             x * x + y * y
         };
-        // Near the ρ that it says, as the rope may come by more than once.
+        // Search near the given ρ, because the rope may pass more than once.
         let said = (f64::from(rho) * last as f64) as usize;
         let about = said.saturating_sub(BESIDE)..=(said + BESIDE).min(last);
         about.min_by(|&a, &b| far(&points[a]).total_cmp(&far(&points[b])))?

@@ -1,13 +1,13 @@
-//! `nav_msgs/Path`: a rope's curve as poses along it; `geometry_msgs/PoseArray`: where ropes end.
+//! `nav_msgs/Path`: a rope's curve as poses along it. `geometry_msgs/PoseArray`: the ends of ropes.
 
 use lariat_record::Encoder;
 
 use super::{Header, Rope, put_pose};
 
-/// Poses along a curve: of a rope of 1 m one each 16 mm.
+/// Number of poses along a curve: one every 16 mm for a rope of 1 m.
 const POSES: usize = 64;
 
-/// Writes poses at even steps of ρ, each with its x axis along the rope.
+/// Writes poses at equal steps of ρ, each with its x axis along the rope.
 pub(crate) fn path(rope: &Rope, header: &Header, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     header.put(to);
@@ -18,8 +18,8 @@ pub(crate) fn path(rope: &Rope, header: &Header, into: &mut Vec<u8>) {
     }
 }
 
-/// Writes two poses for each open rope: its first end and its last, both with their x axis along the rope, from the first to
-/// the last.
+/// Writes two poses for each open rope, its first end and its last. Both have their x axis along
+/// the rope, in the direction from first to last.
 pub(crate) fn endpoints(ropes: &[Rope], header: &Header, into: &mut Vec<u8>) {
     let to = &mut Encoder::new(into);
     header.put(to);

@@ -1,11 +1,11 @@
-//! `sensor_msgs/PointCloud2`: the centerlines' points, with which rope they are of and what is known of each.
+//! `sensor_msgs/PointCloud2`: the points of the centerlines, with the rope and status of each.
 
 use lariat_record::{Cdr, Encoder};
 use lariat_wire::{Descriptors, Descriptors3, Place, Status as Seen};
 
 use super::{Header, Scale, Shapes};
 
-/// What a field of a point holds.
+/// Value of a point's field.
 #[derive(Clone, Copy)]
 enum Value {
     Byte(u8),
@@ -14,7 +14,7 @@ enum Value {
 }
 
 impl Value {
-    /// Its type, as in `sensor_msgs/PointField`, and its bytes.
+    /// Type, as in `sensor_msgs/PointField`, and size in bytes.
     fn kind(self) -> (u8, u32) {
         match self {
             Self::Byte(_) => (2, 1),
@@ -43,7 +43,7 @@ struct Point {
 }
 
 impl Point {
-    /// Its fields in their order, each behind the last. `more`: what it has in the image, or in space, alone.
+    /// The fields in order, without gaps. `more` is the field that differs between image and space.
     fn fields(&self, more: (&'static str, Value)) -> [(&'static str, Value); 8] {
         let [x, y, z] = self.at.map(Value::Number);
         [
@@ -67,9 +67,10 @@ fn sigma(sigma: f64) -> (&'static str, Value) {
     ("sigma", Value::Number(sigma))
 }
 
-/// Writes the points of all ropes that are seen, one rope after the other, each from its first end to its last. `rope` is the
-/// track, `rho` the normalized arc length, `hidden` 1 where something covers the rope, `sigma` the standard deviation along the line to the camera,
-/// `status` the descriptor's: 4 is a rope that may be none.
+/// Writes the points of all visible ropes, one rope after the other, each from its first end to its
+/// last. `rope` is the track and `rho` the normalized arc length. `hidden` is 1 for a covered
+/// point, and `sigma` is the standard deviation along the camera's line of sight. `status` is that
+/// of the descriptor; 4 is a possible rope.
 pub(crate) fn points(shapes: Shapes, header: &Header, into: &mut Vec<u8>) {
     match shapes {
         Shapes::Flat(message) => flat(message, header, into),
@@ -79,7 +80,7 @@ pub(crate) fn points(shapes: Shapes, header: &Header, into: &mut Vec<u8>) {
 
 fn flat(message: &Descriptors, header: &Header, into: &mut Vec<u8>) {
     let scale = Scale::of(message);
-    // The points of one that is lost are not of this image.
+    // The points of a lost rope are not from this image.
     let seen = || {
         let both = message.curves().iter().zip(message.centerlines());
         both.filter(|(rope, _)| is_seen(rope.status()))
@@ -138,14 +139,15 @@ fn is_seen(status: Option<Seen>) -> bool {
     status.is_some_and(|status| status != Seen::Lost)
 }
 
-/// A cloud of points, while it is written: each of as many bytes as its fields have, and room up to a whole word.
+/// A point cloud that is being written. Each point has the bytes of its fields, padded to a
+/// multiple of 4.
 struct Cloud<'e, 'b> {
     to: &'e mut Encoder<'b>,
     room: usize,
 }
 
 impl<'e, 'b> Cloud<'e, 'b> {
-    /// `more`: as of its points, whatever it is.
+    /// Begins a cloud. `more` is the additional field with any value.
     fn begin(
         to: &'e mut Encoder<'b>,
         header: &Header,
@@ -184,7 +186,7 @@ impl<'e, 'b> Cloud<'e, 'b> {
         self.to.raw(&[0; 3][..self.room]);
     }
 
-    /// Every number in it is one.
+    /// Ends the cloud; all its numbers are valid.
     fn end(self) {
         1_u8.put(self.to);
     }
@@ -196,7 +198,8 @@ mod tests {
 
     use super::*;
 
-    /// What a subscriber finds: name, offset and type of each field, and the bytes of a point.
+    /// The name, offset and type of each field as a subscriber reads them, and the size of a point
+    /// in bytes.
     fn read(more: (&'static str, Value)) -> (Vec<(String, u32, u8)>, usize) {
         let (mut buffer, point) = (Vec::new(), Point::default());
         let header = Header {
@@ -223,7 +226,7 @@ mod tests {
         assert_eq!(from.value(), Ok(0_u8), "little endian");
         let (step, row) = (word(&mut from), word(&mut from));
         assert_eq!((row, word(&mut from)), (3 * step, 3 * step));
-        // Behind the points is one byte more.
+        // One more byte follows the points.
         let head = buffer.len() - 1 - 3 * step as usize;
         assert!(buffer[head..buffer.len() - 1].iter().all(|byte| *byte == 0));
         (fields, step as usize)

@@ -1,4 +1,5 @@
-//! A rope's curve as ROS has it, in three coordinates: in space, on the plane or, in pixels, in the image.
+//! A rope's curve for ROS, in three coordinates: in space, on the plane or, in pixels, in the
+//! image.
 
 use lariat_wire::{
     Axes, Descriptor, Descriptor3, Descriptors, Descriptors3, FitQuality, MIN_CONFIDENCE, Place,
@@ -8,7 +9,7 @@ use lariat_wire::{
 use super::Scale;
 use super::ellipsoid::Ellipsoid;
 
-/// What says where the ropes of a frame are.
+/// The message with the shapes of a frame.
 #[derive(Clone, Copy)]
 pub(crate) enum Shapes<'a> {
     /// On the plane, or in the image.
@@ -17,7 +18,7 @@ pub(crate) enum Shapes<'a> {
 }
 
 impl<'a> Shapes<'a> {
-    /// In space, the axes; `None` of an unknown kind, too.
+    /// The axes of shapes in space; `None` for flat shapes and for unknown axes.
     pub(crate) fn axes(self) -> Option<Axes> {
         match self {
             Self::Flat(_) => None,
@@ -25,7 +26,7 @@ impl<'a> Shapes<'a> {
         }
     }
 
-    /// Ropes that are seen and whose place in space is not known.
+    /// Number of visible ropes whose position in space is unknown.
     pub(crate) fn unplaced(self) -> usize {
         let Self::InSpace(message) = self else {
             return 0;
@@ -38,7 +39,7 @@ impl<'a> Shapes<'a> {
             .count()
     }
 
-    /// The ropes whose curve may be steered by, in the order of the message.
+    /// The ropes that can be used for steering, in the order of the message.
     pub(crate) fn sure(self) -> Vec<Rope<'a>> {
         match self {
             Self::Flat(message) => {
@@ -51,8 +52,8 @@ impl<'a> Shapes<'a> {
     }
 }
 
-/// A rope whose curve may be steered by: not one that is lost or doubtful, nor one that misses its points, nor one whose place is
-/// not known.
+/// A rope that can be used for steering. Lost or doubtful ropes are excluded, as are those with a
+/// coarse curve or an unknown position.
 pub(crate) struct Rope<'a> {
     pub(crate) track: u32,
     pub(crate) width: f64,
@@ -94,12 +95,13 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Whether it lies on the plane, or in the image.
+    /// Returns whether it is on the plane, or in the image.
     pub(crate) fn is_flat(&self) -> bool {
         matches!(self.curve, Curve::Flat(..))
     }
 
-    /// Points at even steps of ρ, from the first end to the last, or once around, and the direction in which the curve goes there.
+    /// Points at equal steps of ρ, from end to end or once around, and the direction of the curve
+    /// at each.
     pub(crate) fn along(&self, count: usize) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
         (0..count).map(move |i| match &self.curve {
             Curve::Flat(_, shape, scale) => {
@@ -115,7 +117,7 @@ impl<'a> Rope<'a> {
         })
     }
 
-    /// Of a closed rope the coefficients of its Fourier series.
+    /// The control points; for a closed rope, the coefficients of its Fourier series.
     pub(crate) fn control_points(&self) -> Vec<[f64; 3]> {
         match &self.curve {
             Curve::Flat(_, shape, scale) => {
@@ -129,7 +131,7 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// How sure each control point is.
+    /// The covariance of each control point.
     pub(crate) fn uncertainties(&self) -> Vec<Ellipsoid> {
         match &self.curve {
             Curve::Flat(rope, _, scale) => {

@@ -8,10 +8,10 @@ use crate::messages::{self, Header, Rope};
 
 /// As many topics as a message has ropes.
 const MOST: usize = MAX_CURVES;
-/// A rope that was not seen for so long has no topic any more.
+/// Time without observation after which a rope's topic is removed.
 const ENDS_NS: u64 = 60_000_000_000;
 
-/// A topic for each rope that was seen lately.
+/// A topic for each recently observed rope.
 pub(super) struct Paths {
     prefix: String,
     paths: Vec<Path>,
@@ -24,7 +24,7 @@ struct Path {
 }
 
 impl Paths {
-    /// Of a rig whose topics begin so.
+    /// Topics of a rig with this prefix.
     pub(super) fn of(prefix: &str) -> Self {
         Self {
             prefix: format!("{prefix}/path"),
@@ -32,7 +32,7 @@ impl Paths {
         }
     }
 
-    /// What their names begin with.
+    /// Common prefix of their names.
     pub(super) fn prefix(&self) -> &str {
         &self.prefix
     }
@@ -41,8 +41,8 @@ impl Paths {
         self.paths.iter().map(|path| &path.topic)
     }
 
-    /// Makes the topics of ropes that are seen for the first time: before anything is sent, so that who is sent something finds a process that
-    /// makes nothing more.
+    /// Creates the topics of new ropes. This happens before anything is sent, so that a subscriber
+    /// that receives a message finds all topics.
     pub(super) fn make(&mut self, graph: &mut Graph, message: &Descriptors) -> Result<()> {
         let now_ns = now_ns();
         for rope in message.curves() {
@@ -52,7 +52,7 @@ impl Paths {
             let known = self.paths.iter().position(|path| path.track == rope.track);
             let place = match known {
                 Some(place) => place,
-                // RustDDS 0.15 waits for itself where a writer is made and its threads have ended.
+                // In RustDDS 0.15, creating a writer deadlocks once its threads have ended.
                 None if self.paths.len() < MOST && graph.is_alive() => {
                     let name = format!("{}/rope_{}", self.prefix, rope.track);
                     let topic = graph.publisher(&name, "nav_msgs", "Path")?;
@@ -72,7 +72,7 @@ impl Paths {
         Ok(())
     }
 
-    /// Sends the ropes' curves to whoever listens.
+    /// Publishes the ropes' curves to the subscribers.
     pub(super) fn send(
         &mut self,
         graph: &Graph,

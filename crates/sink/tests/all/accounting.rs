@@ -1,4 +1,4 @@
-//! Every frame is received or lost on exactly one link.
+//! Tests that every frame is received or lost on exactly one link.
 
 #[allow(dead_code, reason = "each test binary uses a part of it")]
 use crate::chain;
@@ -36,14 +36,14 @@ fn any_stage() -> impl Strategy<Value = Stage> {
     prop::sample::select(Stage::ALL.to_vec())
 }
 
-/// The fate of some frames, and which stage dies before which of them.
+/// Generates the fate of some frames, and the stage that dies before one of them.
 fn fates() -> impl Strategy<Value = (Vec<Option<Stage>>, Option<(Stage, usize)>)> {
     let fate = prop::option::weighted(0.4, any_stage());
     let death = prop::option::of((any_stage(), 0usize..120));
     (prop::collection::vec(fate, 0..120), death)
 }
 
-/// Where frame `i` ends: at its fate, or at the dead stage, if it gets as far.
+/// Returns where frame `i` is lost: at its fate, or before that at the dead stage.
 fn earlier(fate: Option<Stage>, death: Option<(Stage, usize)>, i: usize) -> Option<Stage> {
     let dead = death.filter(|(_, at)| i >= *at).map(|(stage, _)| stage);
     [fate, dead]
@@ -57,7 +57,7 @@ proptest! {
     fn what_each_link_lost_is_exact((fates, death) in fates(), joined in prop::option::of(0usize..40)) {
         let mut chain = Chain::default();
         let mut sink = sink(joined.is_none());
-        // What the stages had sent before the first message that the sink saw.
+        // Counters of the stages before the first message that the sink received.
         let mut before = joined.is_none().then(Chain::default);
         let mut received = 0;
         for (i, fate) in fates.iter().enumerate() {
@@ -84,7 +84,7 @@ proptest! {
         prop_assert!(is_whole(&found));
         prop_assert_eq!(found.received, received);
         let Some(before) = before else {
-            // Nothing came to a late joiner: there is nothing to count from.
+            // A late joiner without a message has nothing to count from.
             prop_assert_eq!(found.published, 0);
             return Ok(());
         };
@@ -127,7 +127,7 @@ proptest! {
         prop_assert!(is_whole(&found));
         prop_assert_eq!(found.received, received);
         prop_assert!(found.published <= chain.sent[0]);
-        // What two neighbours said is exact, whatever the others did not say.
+        // The link between two stages that reported is exact, whatever the others did not report.
         if !silent[1] {
             prop_assert_eq!(found.published, chain.sent[0]);
         }
@@ -245,7 +245,8 @@ fn losses_over_a_bridge_are_exact_and_shown() {
     let mut bridged = 0;
     for number in 0..100 {
         let mut trace = chain.frame(None).unwrap();
-        // Every tenth never arrives; of those that do, one is not read in time; then the bridge is killed, and away for five.
+        // Every tenth message never arrives, and one that arrives is not read in time. Then the
+        // bridge is killed, and five messages are missing.
         if number % 10 == 9 || (60..65).contains(&number) {
             continue;
         }
@@ -256,7 +257,7 @@ fn losses_over_a_bridge_are_exact_and_shown() {
         }
     }
     let lost = sink.frames().lost;
-    // The last one is not known of yet.
+    // The loss of the last message is not known yet.
     assert_eq!(
         lost,
         Lost {
@@ -277,7 +278,7 @@ fn an_extract_that_began_again_is_said_and_its_frames_are_counted() {
     for _ in 0..100 {
         receive(&mut sink, chain.frame(None).unwrap());
     }
-    // It is away for 30 frames, and counts from 1 again.
+    // Extract is missing for 30 frames, and then counts from 1 again.
     for _ in 0..30 {
         chain.frame(Some(Stage::Extract));
     }
@@ -315,7 +316,7 @@ fn frames_without_an_image_count_and_are_not_timed() {
         if is_blank {
             (message.width, message.height) = (0, 0);
         }
-        // Frames that were due take a second, blank ones nothing.
+        // Frames that were due take a second; blank ones take no time.
         let late_ns = if is_blank { 0 } else { 1_000_000_000 };
         sink.descriptors(&message, received_ns(&trace) + late_ns);
     }
@@ -420,7 +421,7 @@ fn frames_whose_masks_came_too_late_are_told_from_those_lost_on_the_way() {
 
 #[test]
 fn no_more_masks_are_late_than_frames_are_missing() {
-    // A sink that came late has not seen all that extract counted.
+    // A sink that joined late has not seen all frames that extract counted.
     let mut sink = sink(false);
     let mut chain = Chain::default();
     for number in 0..10 {
@@ -445,7 +446,8 @@ fn of_frames_from_elsewhere_those_count_that_came_since_the_chain_began() {
         sequence: 1000,
         sent: [900, 0, 0, 0],
     };
-    // Three that extract skipped before the first message, for want of masks; two that were lost at the source.
+    // Extract skipped three frames before the first message for lack of masks, and two were lost at
+    // the source.
     for _ in 0..3 {
         assert!(chain.frame(Some(Stage::Extract)).is_none());
     }
@@ -513,7 +515,8 @@ fn a_message_whose_counters_cannot_be_does_not_end_the_counting() {
     assert_eq!(sink.frames().lost, Lost::default());
 }
 
-/// Extract is restarted in its place: it counts on, and says so. Messages under way are lost at the restart, on their links.
+/// Extract is restarted by its chain, continues its counter, and reports it. Messages in progress
+/// are lost at the restart, on their links.
 #[test]
 fn what_was_lost_while_a_stage_was_restarted_is_told_apart() {
     let mut chain = Chain::default();
@@ -576,7 +579,7 @@ fn frames_and_depth_images_that_did_not_find_each_other_are_in_the_report() {
         let words = lines.split_whitespace().collect::<Vec<_>>().join(" ");
         (report.summary().depth.expect("there is depth"), words)
     };
-    // Of images from elsewhere nobody knows how many there were.
+    // The number of images from an external source is unknown.
     let (depth, text) = said(counts);
     assert_eq!((depth.frames_without, depth.images), (Some(4), None));
     assert!(text.contains("4 frames had no depth image"), "{text}");

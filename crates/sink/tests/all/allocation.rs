@@ -1,4 +1,4 @@
-//! A sink allocates nothing for a message once it is made.
+//! Tests that a sink allocates nothing for a message after its creation.
 use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
 use lariat_sink::{FinalCounts, Options, Sink};
 use lariat_test_support::allocations;
@@ -25,9 +25,9 @@ fn no_message_allocates() {
     let mut before = 0;
     for number in 0..400u64 {
         match number {
-            // Warm: the first messages have come and the first line was made.
+            // Warm: the first messages have arrived, and the first line was made.
             10 => before = allocations(),
-            // Later than warm, all that a message can hold comes for the first time.
+            // Full messages arrive for the first time when the sink is already warm.
             100 => {
                 (truth.count, truth.curves) = (full.0.count, full.0.curves);
                 (centerlines.count, centerlines.curves) = (full.0.count, full.0.curves);
@@ -84,7 +84,7 @@ fn a_day_of_frames_costs_no_memory_and_each_is_counted() {
     }
     assert_eq!(allocations() - before, 0);
     let frames = sink.frames();
-    // The last frame of the day is lost, and nothing after it has told so yet.
+    // The last frame of the day is lost, but no later message has shown it yet.
     assert_eq!(
         (frames.received, frames.lost.capture),
         (DAY - lost, lost - 1)

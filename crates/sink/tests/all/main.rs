@@ -1,4 +1,4 @@
-//! All tests of the crate's public face in one program, which is built and linked once.
+//! All tests of the crate's public interface in one program, which is built and linked once.
 
 #[path = "../chain/mod.rs"]
 mod chain;

@@ -1,4 +1,4 @@
-//! The report says what happened: in a table for people, in a summary for programs, in histograms for plots.
+//! Tests of the report: a table for people, a summary for programs, and histograms for plots.
 
 #[allow(dead_code, reason = "each test binary uses a part of it")]
 use crate::chain;
@@ -25,7 +25,8 @@ fn options() -> Options {
     }
 }
 
-/// Eight seconds of a chain: some frames lost, some late, one empty, the truth known.
+/// Runs a chain for eight seconds: some frames are lost, some late, one is empty, and the truth is
+/// known.
 fn a_run(options: Options) -> Sink {
     let mut sink = Sink::new(options);
     let mut chain = Chain::default();
@@ -40,7 +41,7 @@ fn a_run(options: Options) -> Sink {
         let Some(mut trace) = chain.frame(lost_before) else {
             continue;
         };
-        // Every tenth extraction takes half a millisecond more, one as long as a frame and a half.
+        // Every tenth extraction takes half a millisecond longer, and one takes a frame and a half.
         let longer_ns = match number {
             150 => 50_000_000,
             _ if number % 10 == 0 => 500_000,
@@ -165,7 +166,7 @@ fn frames_older_than_the_deadline_have_missed_it() {
         ..options()
     };
     let report = a_run(options).report_on(machine());
-    // Every tenth of 240, but for 20, 50, 100 and 200, which were lost.
+    // Every tenth of 240 frames, except 20, 50, 100 and 200, which were lost.
     assert_eq!(report.summary().deadline.missed, Some(20));
     assert_eq!(report.summary().deadline.us, Some(800.0));
     assert_eq!(self::report().summary().deadline.missed, Some(1));

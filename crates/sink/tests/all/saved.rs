@@ -1,5 +1,6 @@
-//! What a sink knows survives it: a tally that was saved and read back says the same and goes on the same; bytes that are not
-//! whole are refused with a sentence, whatever they are; what nobody counted between two sinks is lost with the sink.
+//! Tests that a sink's state survives it. A tally that was saved and restored gives the same
+//! results and continues in the same way. Incomplete bytes are refused with a sentence, whatever
+//! they are. Messages that were not counted between two sinks are lost with the sink.
 
 use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
 use lariat_message::Trace;
@@ -14,7 +15,7 @@ const OPTIONS: Options = Options {
     from_start: true,
 };
 
-/// All that a report says, as bytes.
+/// Returns the complete contents of a report as bytes.
 fn said(report: &Report) -> Vec<(String, Vec<u8>)> {
     let mut files = report.files().expect("memory takes it");
     let mut timeline = Vec::new();
@@ -51,7 +52,7 @@ fn counts(tally: &Tally) -> Vec<u8> {
     bytes
 }
 
-/// What happens to a frame: where it is lost, how much later it comes, whether its truth is known.
+/// The fate of a frame: where it is lost, how late it arrives, and whether its truth is known.
 type Fate = (Option<Stage>, u64, bool);
 
 fn fates() -> impl Strategy<Value = Vec<Fate>> {
@@ -60,7 +61,7 @@ fn fates() -> impl Strategy<Value = Vec<Fate>> {
     prop::collection::vec((lost, late_ns, any::<bool>()), 0..60)
 }
 
-/// Lets frames go through a chain into a sink; returns what another tally would be told.
+/// Sends frames through a chain to a sink. Returns the receipts for another tally.
 fn run(chain: &mut Chain, sink: &mut Sink, fates: &[Fate]) -> Vec<Receipt> {
     let mut receipts = Vec::new();
     for (lost_before, late_ns, is_known) in fates {
@@ -127,7 +128,7 @@ proptest! {
         }
     }
 
-    // The check at the end tells damage; this is what it would let through.
+    // The checksum detects damage, so this test corrects it to let damaged bytes through.
     #[test]
     fn no_bytes_whatever_make_a_tally_that_panics(
         before in fates(),
@@ -139,7 +140,7 @@ proptest! {
         for bytes in [saved(sink.tally()), counts(sink.tally())] {
             let mut body = bytes[..bytes.len() - 4].to_vec();
             for (place, byte) in &changes {
-                // Behind kind and version.
+                // Change only bytes after kind and version.
                 let length = body.len();
                 body[5 + place.index(length - 5)] = *byte;
             }
@@ -173,7 +174,8 @@ proptest! {
             let mut sink = Sink::of(tally);
             received += run(&mut chain, &mut sink, fates).len() as u64;
             let written = counts(sink.tally());
-            // What it received and did not write down, and what came while it was away: all the same to who counts.
+            // Messages that it received but did not save, and messages that arrived while it was
+            // away, count the same.
             for _ in 0..unwritten + missed {
                 chain.frame(None);
                 away += 1;
@@ -204,7 +206,7 @@ fn what_came_while_there_was_no_sink_is_lost_with_it_and_said() {
     let mut sink = Sink::new(OPTIONS);
     let none = (None, 0, false);
     run(&mut chain, &mut sink, &[none; 10]);
-    // One is lost before it as ever.
+    // One frame is lost before the sink, as in normal operation.
     run(
         &mut chain,
         &mut sink,
@@ -215,7 +217,8 @@ fn what_came_while_there_was_no_sink_is_lost_with_it_and_said() {
         newest = chain.frame(None);
     }
     let mut sink = Sink::of(sink.tally().clone().resumed());
-    // The service keeps the newest for who comes late; it is received, and its age is not the chain's.
+    // The service keeps the newest message for late readers. It is received, but its age says
+    // nothing about the chain.
     let newest: Trace = newest.expect("it arrives");
     let late_ns = 5_000_000_000;
     sink.descriptors(&descriptors(newest, &[]), received_ns(&newest) + late_ns);

@@ -1,4 +1,4 @@
-//! Errors against a truth whose distance is known.
+//! Tests of errors relative to a truth at a known distance.
 
 #[allow(dead_code, reason = "each test binary uses a part of it")]
 use crate::chain;
@@ -145,7 +145,7 @@ fn each_curve_is_held_against_the_rope_it_is_nearest_to() {
 
 #[test]
 fn a_bezier_curve_is_evaluated_between_its_control_points() {
-    // B(ρ) = (100ρ, 100·2ρ(1 − ρ)): a parabola, by its power form.
+    // B(ρ) = (100ρ, 100·2ρ(1 − ρ)): a parabola in its power form.
     let control_points = [[0.0, 0.0], [50.0, 100.0], [100.0, 0.0]];
     let parabola: Vec<_> = (0..256)
         .map(|i| {
@@ -158,7 +158,8 @@ fn a_bezier_curve_is_evaluated_between_its_control_points() {
     sink.truth(&centerlines(trace, &[&parabola]));
     sink.descriptors(&descriptors(trace, &[&control_points]), received_ns(&trace));
     let found = errors(&sink).curve;
-    // The polyline of 256 points lies at most (h²/8)·|B″| = (1/255²/8)·400 ≈ 0.0008 px inside the parabola.
+    // The polyline of 256 points is at most (h²/8)·|B″| = (1/255²/8)·400 ≈ 0.0008 px inside the
+    // parabola.
     assert!(close(found.max, 0.0, 1e-3), "{found:?}");
 }
 
@@ -262,7 +263,8 @@ fn a_basis_of_a_later_version_is_not_mistaken_for_one_of_this() {
     );
 }
 
-/// The mean distance of one curve, made by `change` of a straight one, from the straight rope 5 px below it.
+/// Returns the mean distance of a curve from the straight rope 5 px below. `change` makes the curve
+/// from a straight one.
 fn mean_px(change: impl FnOnce(&mut Descriptor)) -> f64 {
     let (mut sink, mut chain) = (sink(), Chain::default());
     let trace = chain.frame(None).unwrap();
@@ -320,7 +322,7 @@ fn every_basis_is_drawn_as_what_it_is() {
 #[test]
 fn a_source_that_began_again_is_not_held_against_its_old_truth() {
     let mut sink = sink();
-    // The truth of a frame that was lost on its way.
+    // The truth of a frame that was lost.
     let old = Chain::default().frame(None).unwrap();
     sink.truth(&centerlines(old, &[&straight(300.0)]));
     // The same number an hour later.

@@ -1,14 +1,14 @@
-//! A chain on paper: frames with a known way, lost where the test says.
+//! A simulated chain: frames with known times, lost where the test says.
 
 use lariat_message::{Basis, Centerlines, Curve, Descriptor, Descriptors, Status, Trace};
 
-/// When the first frame is exposed.
+/// Exposure time of the first frame.
 pub(crate) const START_NS: u64 = 1_000_000_000_000;
 
-/// 30 frames a second.
+/// Frame period at 30 frames per second.
 pub(crate) const PERIOD_NS: u64 = 33_333_333;
 
-/// The stages, in the order of the way; the last is the sink.
+/// The stages, in the order of the data. The last is the sink.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stage {
     Capture,
@@ -21,16 +21,16 @@ impl Stage {
     pub(crate) const ALL: [Self; 4] = [Self::Capture, Self::Extract, Self::Fit, Self::Sink];
 }
 
-/// What the stages have sent so far.
+/// Counters of the stages.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Chain {
     pub(crate) sequence: u64,
-    /// How many frames capture, extract and fit have sent, and the sink has received.
+    /// Frames that capture, extract and fit have sent, and that the sink has received.
     pub(crate) sent: [u64; 4],
 }
 
 impl Chain {
-    /// The next frame sets out and is lost on the way to `lost_before`; `None`: it arrives.
+    /// Sends the next frame, which is lost before `lost_before`. With `None` it arrives.
     pub(crate) fn frame(&mut self, lost_before: Option<Stage>) -> Option<Trace> {
         self.sequence += 1;
         for stage in Stage::ALL {
@@ -42,8 +42,8 @@ impl Chain {
         Some(self.trace())
     }
 
-    /// A frame's way: 40 µs of capture, 20 µs of waiting, 250 µs of extraction, 15, 10 µs of fitting; then, to be added
-    /// by who receives it, 25.
+    /// Returns a frame's trace: 40 µs of capture, 20 µs of waiting, 250 µs of extraction, 15 µs of
+    /// waiting, and 10 µs of fitting. [`received_ns`] adds a wait of 25 µs.
     fn trace(&self) -> Trace {
         let exposed_ns = START_NS + self.sequence * PERIOD_NS;
         Trace {
@@ -62,12 +62,12 @@ impl Chain {
     }
 }
 
-/// When a frame with this way is in the reader's hands, if nothing holds it up.
+/// Returns when a frame is received if nothing delays it.
 pub(crate) fn received_ns(trace: &Trace) -> u64 {
     trace.fitted_ns + 25_000
 }
 
-/// A message with these Bezier curves.
+/// Returns a message with these Bezier curves.
 pub(crate) fn descriptors(trace: Trace, curves: &[&[[f64; 2]]]) -> Box<Descriptors> {
     let mut message = Box::new(Descriptors::EMPTY);
     message.trace = trace;
@@ -86,7 +86,7 @@ pub(crate) fn descriptors(trace: Trace, curves: &[&[[f64; 2]]]) -> Box<Descripto
     message
 }
 
-/// A message with these centerlines.
+/// Returns a message with these centerlines.
 pub(crate) fn centerlines(trace: Trace, curves: &[&[[f32; 2]]]) -> Box<Centerlines> {
     let mut message = Box::new(Centerlines::EMPTY);
     message.trace = trace;
@@ -101,7 +101,7 @@ pub(crate) fn centerlines(trace: Trace, curves: &[&[[f32; 2]]]) -> Box<Centerlin
     message
 }
 
-/// A straight rope from (100, y) to (219, y): 120 points, a pixel apart.
+/// Returns a straight rope from (100, y) to (219, y): 120 points, one pixel apart.
 pub(crate) fn straight(y: f32) -> Vec<[f32; 2]> {
     (0..120).map(|i| [100.0 + i as f32, y]).collect()
 }

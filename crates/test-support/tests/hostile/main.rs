@@ -1,8 +1,9 @@
-//! Every target holds for the seeds that are kept, and for thousands of changes of them, always the same ones: the short run of each
-//! fuzz target, by the compiler that builds everything else.
+//! Runs every target on the stored seeds and on thousands of reproducible mutations of them. This
+//! is a short run of each fuzz target with the normal compiler.
 //!
-//! A change that does not hold is written into the folder for temporary files, and its place is said: kept under `seeds/`, it is tried
-//! first from then on. `LARIAT_HOSTILE_INPUTS=100000` tries more of them than are tried here.
+//! A mutation that fails is written to the folder for temporary files, and its path is reported.
+//! Copied to `seeds/`, it is tried first from then on. `LARIAT_HOSTILE_INPUTS=100000` tries more
+//! mutations.
 
 use std::fs;
 use std::panic::catch_unwind;
@@ -14,10 +15,11 @@ use targets::{TARGETS, Target};
 #[allow(unreachable_pub, reason = "`fuzz/` includes it as a part of a library")]
 mod targets;
 
-/// The longest input that is made up.
+/// Maximum length of a mutated input.
 const MOST_BYTES: usize = 600;
 
-/// How many inputs are tried, unless the environment says otherwise: a few seconds of each.
+/// Number of inputs to try, unless the environment sets it. The default takes a few seconds per
+/// target.
 fn inputs(usual: u64) -> u64 {
     let asked = std::env::var("LARIAT_HOSTILE_INPUTS");
     asked.map_or(usual, |asked| asked.parse().expect("a whole number"))
@@ -37,7 +39,7 @@ fn seeds(name: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(read).collect()
 }
 
-/// One of the seeds, or a part of two of them, with some bytes changed, put in or left out.
+/// Returns a seed, or parts of two, with some bytes changed, inserted or removed.
 fn made_up(seeds: &[(PathBuf, Vec<u8>)], random: &mut SplitMix64) -> Vec<u8> {
     let pick = |random: &mut SplitMix64| seeds[random.below(seeds.len())].1.clone();
     let mut bytes = pick(random);

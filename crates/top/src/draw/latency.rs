@@ -1,4 +1,4 @@
-//! How long a frame is under way, step by step, and how work and waiting share it.
+//! Draws the latency of a frame step by step, and the shares of work and waiting.
 
 use lariat_sink::{Micros, Step};
 use ratatui::Frame;
@@ -29,7 +29,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
     frame.render_widget(Paragraph::new(lines), area);
 }
 
-/// The color of a step: work in one each, all waiting the same.
+/// Returns the color of a step. Each work step has its own; all waits share one.
 fn style(step: Step) -> Style {
     match step {
         Step::Capture => Style::new().fg(Color::Blue),
@@ -56,7 +56,7 @@ fn row(row: &StepRow) -> Line<'static> {
     ])
 }
 
-/// The medians side by side, each as long as its share of them all.
+/// Draws the medians side by side, each with a length proportional to its share of the sum.
 fn bar(steps: &[StepRow], width: usize) -> Line<'static> {
     let parts = || {
         steps

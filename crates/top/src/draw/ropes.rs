@@ -1,4 +1,5 @@
-//! The ropes themselves, in Braille: eight dots a character, so that a terminal of 80 columns is an image of 100 pixels.
+//! Draws the ropes in Braille, with eight dots per character. A terminal of 80 columns is then an
+//! image about 100 pixels wide.
 
 use lariat_chain::confidence;
 use lariat_sink::Figure;
@@ -14,7 +15,7 @@ use ratatui::widgets::{Block, Paragraph};
 use super::{BAD, BOLD, DIM, DOUBTFUL, GOOD};
 use lariat_view::{InSpace, Rope, Shape};
 
-/// Colors by the rope's number, so that a rope keeps its own.
+/// Colors by track number, so that a rope keeps its color.
 const COLORS: [Color; 6] = [
     Color::Cyan,
     Color::Yellow,
@@ -23,9 +24,9 @@ const COLORS: [Color; 6] = [
     Color::Blue,
     Color::LightRed,
 ];
-/// Columns of the list beside the picture.
+/// Number of columns of the list next to the picture.
 const LIST: u16 = 30;
-/// Dots of a character, across and down.
+/// Number of dots in a character, across and down.
 const DOTS: [f64; 2] = [2.0, 4.0];
 
 pub(super) fn draw(frame: &mut Frame, area: Rect, shape: &Shape) {
@@ -48,14 +49,15 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, shape: &Shape) {
     frame.render_widget(Paragraph::new(lines(shape, list.height)), list);
 }
 
-/// What part of the plane is seen. Rows count downwards in an image, and upwards on a canvas: y is negated.
+/// The visible part of the plane. Rows count downwards in an image and upwards on a canvas, so y is
+/// negated.
 struct Window {
     x: [f64; 2],
     y: [f64; 2],
 }
 
 impl Window {
-    /// All of the image, or of where ropes were on the plane, with a dot as wide as it is high.
+    /// Returns the whole image, or the part of the plane where ropes have been, with square dots.
     fn of(shape: &Shape, area: Rect) -> Self {
         let [x0, y0, x1, y1] = match (shape.is_of_image, shape.width, shape.height) {
             (true, width @ 1.., height @ 1..) => {
@@ -102,13 +104,13 @@ fn paint(context: &mut Context, shape: &Shape) {
             });
         }
     }
-    // Above all the lines.
+    // Drawn on top of all lines.
     context.layer();
     for rope in &shape.ropes {
         for [x, y] in &rope.control_points {
             context.print(*x, -y, Span::styled("○", Style::new().fg(color(rope))));
         }
-        // The end that ρ counts from.
+        // The end where ρ is 0.
         if let Some([x, y]) = rope.points.first() {
             context.print(*x, -y, Span::styled("●", Style::new().fg(color(rope))));
         }
@@ -122,7 +124,8 @@ fn color(rope: &Rope) -> Color {
     }
 }
 
-/// A line of headings, and below it three lines for each rope, four in space, or one if there are many.
+/// Returns the heading and the lines of each rope: three, or four with 3-D data, or one if there
+/// are many ropes.
 fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
     if shape.ropes.is_empty() {
         return vec![Line::styled("no rope", DIM)];
@@ -151,7 +154,7 @@ fn lines(shape: &Shape, height: u16) -> Vec<Line<'static>> {
         .collect()
 }
 
-/// Where it is in space, or why that is not known.
+/// Returns the length in 3-D, or why it is unknown.
 fn placed(InSpace { place, length_mm }: InSpace) -> Line<'static> {
     match place {
         Some(Place::Known) => Line::raw(format!("  {length_mm:.1} mm in space")),

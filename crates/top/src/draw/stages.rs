@@ -1,4 +1,4 @@
-//! The processes of the rig, and what was lost between them.
+//! Draws the processes of the rig, and the losses between them.
 
 use lariat_sink::Figure;
 use ratatui::Frame;
@@ -16,7 +16,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
         "stage", "pid", "CPU %", "MB", "/s"
     );
     let mut lines = vec![Line::styled(heading, DIM)];
-    // The last two lines are for what was lost.
+    // The last two lines show the losses.
     let most = usize::from(area.height).saturating_sub(4);
     lines.extend(view.stages.iter().take(most).map(stage));
     if view.stages.is_empty() {
@@ -32,7 +32,7 @@ pub(super) fn draw(frame: &mut Frame, area: Rect, view: &View) {
 }
 
 fn stage(row: &StageRow) -> Line<'static> {
-    // One core is all that a stage can use.
+    // A stage can use at most one core.
     let cpu = match row.cpu_percent {
         Some(busy) if busy >= 90.0 => BAD,
         Some(busy) if busy >= 60.0 => DOUBTFUL,
@@ -48,7 +48,7 @@ fn stage(row: &StageRow) -> Line<'static> {
     ])
 }
 
-/// Frames that were lost on their way, under where they were.
+/// Returns the lines of lost frames, by where they were lost.
 fn lost(view: &View) -> [Line<'static>; 2] {
     let count = |count: u64, width: usize| {
         let style = if count > 0 { BAD } else { Style::new() };
@@ -56,7 +56,7 @@ fn lost(view: &View) -> [Line<'static>; 2] {
     };
     let here = [view.lost.source, view.lost.capture, view.lost.extract];
     let far = [here[0], here[1], here[2], view.lost.bridge];
-    // On another machine there is the way to it, too.
+    // On another machine, include the losses on the way to it.
     let (names, losses, widths) = match view.clock_bound_us {
         None => (
             &["at source", "→ extract", "→ fit"][..],

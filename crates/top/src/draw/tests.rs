@@ -1,4 +1,4 @@
-//! What stands on the screen, drawn into memory.
+//! Tests of the screen, drawn into memory.
 
 use lariat_sink::Step;
 use lariat_wire::{Place, Status};

@@ -1,4 +1,4 @@
-//! Images that go beside frames: masks, and depth.
+//! Writers for images that accompany frames: masks and depth images.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use crate::channel::{Channel, DEPTH, MASKS};
 use crate::error::MAX_SIDE;
 use crate::{Domain, FrameHeader, Rig, WireError, WriteError};
 
-/// Their end of a channel, and what stands beside the one on loan.
+/// Writing end of such a channel, with the header of the image on loan.
 struct Beside {
     images: Images,
     header: FrameHeader,
@@ -26,7 +26,7 @@ impl Beside {
         })
     }
 
-    /// Borrows the slot of an image that this header describes, beside this frame.
+    /// Borrows a slot for the image that `header` describes, which accompanies `frame`.
     fn loan(&mut self, frame: &FrameHeader, header: FrameHeader) -> Result<&mut [u8], WriteError> {
         if frame.is_blank() {
             return Err(WriteError::NoImage);
@@ -52,34 +52,36 @@ macro_rules! writer {
             #[doc = concat!("Becomes the writer of a rig's ", $what, ".")]
             ///
             /// # Errors
-            /// As [`FrameWriter::open`](super::FrameWriter::open).
+            /// As for [`FrameWriter::open`](super::FrameWriter::open).
             pub fn open(rig: &str) -> Result<Self, WriteError> {
                 Self::open_in(Domain::open()?, &rig.parse()?, Waiting::default())
             }
 
-            /// The same, in a domain of one's own choice, and with a word on slow readers.
+            /// Opens the writer in a given domain, with a given behavior towards slow readers.
             ///
             /// # Errors
-            /// As [`FrameWriter::open_in`](super::FrameWriter::open_in).
+            /// As for [`FrameWriter::open_in`](super::FrameWriter::open_in).
             pub fn open_in(domain: Domain, rig: &Rig, waiting: Waiting) -> Result<Self, WriteError> {
                 Ok(Self(Beside::open(domain, rig, &$channel, waiting)?))
             }
 
-            /// Sends the image on loan. `false`: it was lost, because waiting for a reader was given up.
+            /// Sends the image on loan. Returns `false` if it was lost because the writer gave up
+            /// waiting for a reader.
             ///
             /// # Errors
-            /// There is nothing to send, or the transport failed.
+            /// No image is on loan, or the transport failed.
             pub fn send(&mut self) -> Result<bool, WriteError> {
                 self.0.images.send(self.0.header)
             }
 
-            /// Whether its slots have room for an image of so many bytes, as
-            /// [`FrameWriter::has_room`](super::FrameWriter::has_room).
+            /// Returns whether the slots have room for an image of this many bytes, as
+            /// [`FrameWriter::has_room`](super::FrameWriter::has_room) does.
             pub fn has_room(&self, bytes: usize) -> bool {
                 self.0.images.has_room(bytes)
             }
 
-            /// Whether it waits for slow readers, so that each of them has every image.
+            /// Returns whether it waits for slow readers, so that each of them receives every
+            /// image.
             pub fn is_lossless(&self) -> bool {
                 self.0.images.is_lossless()
             }
@@ -88,7 +90,8 @@ macro_rules! writer {
 }
 
 writer! {
-    /// Writes the masks of a rig whose chain has `mask = "external"`: one for each frame, as soon as it is made.
+    /// Writes the masks of a rig whose chain has `mask = "external"`: one for each frame, as soon
+    /// as it is made.
     ///
     /// ```no_run
     /// use lariat_wire::{FrameReader, MaskWriter};
@@ -106,13 +109,13 @@ writer! {
     /// # Ok::<(), lariat_wire::WriteError>(())
     /// ```
     ///
-    /// It carries its frame's trace, by which extract knows whose mask it is.
+    /// The mask carries its frame's trace, so that extract can match the two.
     MaskWriter, "masks", MASKS
 }
 
 writer! {
-    /// Writes the depth images of a rig whose chain has a depth camera (`[camera] depth`): one for each frame, taken at the same
-    /// time or nearly.
+    /// Writes the depth images of a rig whose chain has a depth camera (`[camera] depth`): one for
+    /// each frame, taken at about the same time.
     ///
     /// ```no_run
     /// use lariat_wire::{DepthWriter, FrameReader};
@@ -131,28 +134,30 @@ writer! {
     /// # Ok::<(), lariat_wire::WriteError>(())
     /// ```
     ///
-    /// It carries its frame's trace, by which fit knows whose it is.
+    /// The depth image carries its frame's trace, so that fit can match the two.
     DepthWriter, "depth images", DEPTH
 }
 
 impl MaskWriter {
-    /// Borrows the slot of a frame's mask: a byte for each pixel of the frame, the higher the likelier rope, rows without gaps. It
-    /// holds an earlier one's. A slot that was borrowed and not sent is given back.
+    /// Borrows the slot of a frame's mask: one byte per pixel of the frame, higher where rope is
+    /// more likely, with rows without gaps. It still holds an earlier mask. A slot that was
+    /// borrowed and not sent is returned.
     ///
     /// # Errors
-    /// The frame has no image, or there is no room for its mask in `/dev/shm`.
+    /// The frame is blank, or `/dev/shm` lacks the space.
     pub fn loan(&mut self, frame: &FrameHeader) -> Result<&mut [u8], WriteError> {
         self.0.loan(frame, frame.of_mask())
     }
 }
 
 impl DepthWriter {
-    /// Borrows the slot of a frame's depth image, of its own size: two bytes for each pixel, a whole number in the machine's own order,
-    /// in the unit that the depth camera's calibration says; 0 where nothing is known. Rows without gaps. It holds an earlier
-    /// one's. A slot that was borrowed and not sent is given back.
+    /// Borrows the slot of a frame's depth image of the given size, with rows without gaps. Each
+    /// pixel is a 16-bit integer in native byte order, in the unit of the depth camera's
+    /// calibration; 0 is unknown. The slot still holds an earlier image. A slot that was borrowed
+    /// and not sent is returned.
     ///
     /// # Errors
-    /// The frame has no image, or the size is none; or there is no room for it in `/dev/shm`.
+    /// The frame is blank, the size is invalid, or `/dev/shm` lacks the space.
     pub fn loan(&mut self, frame: &FrameHeader, size: [u32; 2]) -> Result<&mut [u8], WriteError> {
         if size.iter().any(|&side| side > MAX_SIDE) {
             return Err(WriteError::NoImage);

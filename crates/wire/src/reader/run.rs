@@ -1,15 +1,17 @@
-//! When the chain was restarted: ropes are then numbered again, and a number means another rope.
+//! Detects restarts of the chain. Ropes are numbered again after one, and a number means another
+//! rope.
 //!
-//! A new fit is a new writer. A new extract under the same fit counts from 1 again. That is seen when the count goes back,
-//! or, after many messages, when it grew by less than fit's own, which cannot send what it was not sent. But a stage
-//! that its chain restarted in its place says so (`Trace::restarts`), counts on, and its ropes keep their numbers: that is the same run.
+//! A new fit is a new writer. A new extract under the same fit counts from 1 again. This shows when
+//! its count decreases, or, after many messages, when it grew by less than fit's own, because fit
+//! cannot send more than it receives. A stage that the chain restarts in place reports this
+//! (`Trace::restarts`), continues counting, and keeps its ropes' numbers; the run is then the same.
 
 use crate::Trace;
 
-/// The transport's number for a writer.
+/// The transport's ID of a writer.
 pub(crate) type WriterId = iceoryx2::identifiers::UniquePublisherId;
 
-/// The runs of the chain that a reader has seen.
+/// The chain's runs, counted by a reader.
 #[derive(Debug, Default)]
 pub(super) struct Runs {
     /// From 1; 0 before the first message.
@@ -19,7 +21,7 @@ pub(super) struct Runs {
 }
 
 impl Runs {
-    /// Takes in the next message that was looked at.
+    /// Processes the next message that was read.
     pub(super) fn follow(&mut self, writer: WriterId, trace: &Trace) {
         let last = self.last.replace((writer, *trace));
         let goes_on = last.filter(|(before, last)| {
@@ -42,13 +44,14 @@ impl Runs {
         self.run
     }
 
-    /// How long it is from one image that fit had to the next, s; `None` before the second of a run.
+    /// Time between the images of the last two frames of fit, s; `None` before the second frame of
+    /// a run.
     pub(super) fn period_s(&self) -> Option<f64> {
         self.period_s
     }
 }
 
-/// Whether one run of extract and fit sent both.
+/// Returns whether both messages come from the same run of extract and fit.
 fn goes_on(last: &Trace, next: &Trace) -> bool {
     let fitted = next.fitted.checked_sub(last.fitted);
     let extracted = next.extracted.checked_sub(last.extracted);
@@ -76,7 +79,7 @@ mod tests {
     #[test]
     fn an_extract_that_counts_anew_is_a_new_run() {
         assert!(!goes_on(&trace(10, 8), &trace(1, 9)));
-        // Seen only much later, when its count is higher than the old one's was.
+        // Detected only much later, when its count exceeds the old one's.
         assert!(!goes_on(&trace(10, 10), &trace(50, 60)));
     }
 

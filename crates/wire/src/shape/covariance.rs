@@ -1,21 +1,22 @@
-//! How uncertain control points and curve are.
+//! Uncertainty of the control points and of the curve.
 //!
-//! The message has a covariance `Dⱼ` for each control point. How two of them err together follows from the regression:
-//! with `G = (BᵀB)⁻¹` their errors are correlated by `cⱼₖ = Gⱼₖ/√(Gⱼⱼ Gₖₖ)`, and
+//! The message has a covariance `Dⱼ` for each control point. The correlation of two of them follows
+//! from the regression: with `G = (BᵀB)⁻¹`, it is `cⱼₖ = Gⱼₖ/√(Gⱼⱼ Gₖₖ)`, and
 //!
 //! ```text
 //! Cov(sⱼ, sₖ) = Dⱼ^½ cⱼₖ Dₖ^½
 //! ```
 //!
-//! Of plain least squares this is `σ²(BᵀB)⁻¹ ⊗ I₂`, and of its filter `k (BᵀB)⁻¹ ⊗ I₂`, to rounding. With ridge, pinned
-//! ends, weights or a plane `Dⱼ` is right and `cⱼₖ` that of the plain fit, an approximation.
+//! For plain least squares this equals `σ²(BᵀB)⁻¹ ⊗ I₂` to rounding, and for its filter `k (BᵀB)⁻¹
+//! ⊗ I₂`. With ridge, pinned ends, weights or a plane, `Dⱼ` is exact and `cⱼₖ` is that of the plain
+//! fit, an approximation.
 
 use super::{Inverse, Shape};
 
-/// How far from plain the ratios of the control points' variances may be and still be its rounding.
+/// Relative deviation of the variance ratios from a plain fit's that still counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// The covariance of all control points of a curve, in the unit's square.
+/// Joint covariance of all control points of a curve, in the unit squared.
 #[derive(Debug, Clone, Copy)]
 pub struct Covariance<'a> {
     shape: Shape<'a>,
@@ -26,14 +27,17 @@ impl<'a> Covariance<'a> {
         Self { shape }
     }
 
-    /// Each control point's own, `[xx, xy, yy]`.
+    /// Covariance of each control point alone, `[xx, xy, yy]`.
     fn each(&self) -> &'a [[f64; 3]] {
         self.shape.covariances.as_chunks().0
     }
 
-    /// Whether it is that of plain least squares, or of its filter: right to rounding. If not (ridge, pinned ends, weights,
-    /// a plane), each control point's own covariance is right, and how two of them hang together is that of the plain fit.
-    /// Rational curves, whose weights err too, are never exact.
+    /// Returns whether the matrix is exact to rounding: that of plain least squares or of its
+    /// filter.
+    ///
+    /// Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance is
+    /// exact, and the correlations are those of the plain fit. Rational curves are never exact,
+    /// because their weights have errors too.
     pub fn is_exact(&self) -> bool {
         if matches!(self.shape.form, super::Form::Rational { .. }) {
             return false;
@@ -50,10 +54,11 @@ impl<'a> Covariance<'a> {
         })
     }
 
-    /// How control points `j` and `k` err together: `[[xx, xy], [yx, yy]]`. For `j = k` control point `j`'s own.
+    /// Covariance of control points `j` and `k`: `[[xx, xy], [yx, yy]]`. For `j = k` it is that of
+    /// one point.
     ///
     /// # Panics
-    /// If there is no such control point.
+    /// If the control point does not exist.
     pub fn block(&self, j: usize, k: usize) -> [[f64; 2]; 2] {
         let [a, b] = [j, k].map(|i| root(self.each()[i]));
         let correlation = Inverse::with(&self.shape, |inverse| {
@@ -64,13 +69,13 @@ impl<'a> Covariance<'a> {
         product.map(|row| row.map(|entry| correlation * entry))
     }
 
-    /// How many rows and columns it has: two for each control point.
+    /// Number of rows and of columns: two for each control point.
     pub fn size(&self) -> usize {
         2 * self.shape.control_points.len()
     }
 
-    /// Writes the whole matrix, row by row, of the vector `x₀, y₀, x₁, y₁, …`: [`size`](Self::size) squared numbers.
-    /// Only as many are written as there are places.
+    /// Writes the whole matrix for the vector `x₀, y₀, x₁, y₁, …`, row by row: [`size`](Self::size)
+    /// squared numbers. Stops at the end of the slice.
     pub fn write_to(&self, matrix: &mut [f64]) {
         let size = self.size();
         for j in 0..size / 2 {
@@ -87,11 +92,12 @@ impl<'a> Covariance<'a> {
         }
     }
 
-    /// The covariance of the curve's point at `rho`: `[xx, xy, yy]`.
+    /// Covariance of the curve's point at `rho`: `[xx, xy, yy]`.
     pub fn of_point(&self, rho: f64) -> [f64; 3] {
         let [values] = self.shape.rows(rho);
         Inverse::with(&self.shape, |inverse| {
-            // Σⱼₖ bⱼbₖ Dⱼ^½ cⱼₖ Dₖ^½ = Σ_c Y_c Y_cᵀ with Y_c = Σⱼ bⱼ Dⱼ^½ R⁻¹ⱼ_c/√Gⱼⱼ: a sum of squares, never negative.
+            // Σⱼₖ bⱼbₖ Dⱼ^½ cⱼₖ Dₖ^½ = Σ_c Y_c Y_cᵀ with Y_c = Σⱼ bⱼ Dⱼ^½ R⁻¹ⱼ_c/√Gⱼⱼ: a sum of
+            // squares, so never negative.
             let mut columns = [[[0.0; 2]; 2]; crate::MAX_CONTROL_POINTS];
             for (j, &covariance) in self.each().iter().enumerate() {
                 let scale = values[j] / inverse.variance(j).sqrt();

@@ -1,32 +1,32 @@
-//! What a descriptor's numbers say its curve is, checked: a message is only bytes, and must not be evaluated as what it
-//! cannot be.
+//! Checks which curve a descriptor describes. A message is only bytes, and an inconsistent one must
+//! not be evaluated.
 
 use thiserror::Error;
 
 use crate::{Basis, MAX_CONTROL_POINTS, MAX_POINTS, Place};
 
-/// Which functions the control points weigh.
+/// Basis functions that the control points weigh.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Form<'a> {
-    /// Bernstein polynomials, of the degree that the number of control points says.
+    /// Bernstein polynomials; the number of control points gives the degree.
     Bezier,
-    /// B-splines, clamped.
+    /// Clamped B-splines.
     BSpline {
-        /// Of the pieces.
+        /// Degree of the pieces.
         degree: usize,
-        /// The inner knots.
+        /// Inner knots.
         inner: &'a [f64],
     },
     /// Rational Bernstein functions.
     Rational {
-        /// One for each control point.
+        /// One weight for each control point.
         weights: &'a [f64],
     },
     /// A truncated Fourier series.
     Fourier,
 }
 
-/// What a descriptor says of them.
+/// Fields of a descriptor that define its basis functions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Functions<'a> {
     pub(super) basis: Option<Basis>,
@@ -35,7 +35,7 @@ pub(super) struct Functions<'a> {
     pub(super) knots: &'a [f64; MAX_CONTROL_POINTS],
 }
 
-/// Why a descriptor has no curve.
+/// Reason why a descriptor lacks a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum NoShape {
     /// It has points of the rope instead.
@@ -50,18 +50,19 @@ pub enum NoShape {
          chain with --basis bezier or bspline"
     )]
     CenterOfMass,
-    /// Its numbers do not agree with each other. A chain of this release sends no such descriptor.
+    /// Its numbers are inconsistent. A chain of this release never sends such a descriptor.
     #[error(
         "the descriptor's numbers make no curve: use the same release of lariat for every process on the rig"
     )]
     Unreadable,
-    /// It is not known where in space the rope is.
+    /// The rope's position in space is unknown.
     #[error("it is not known where in space the rope is: {}", .0.name())]
     Nowhere(Place),
 }
 
 impl<'a> Form<'a> {
-    /// Checks what was read of the descriptor, and reads and checks all else that the curve is made of.
+    /// Checks the numbers already read from the descriptor, then reads and checks everything else
+    /// that the curve needs.
     pub(super) fn of<const D: usize>(
         functions: Functions<'a>,
         control_points: &[[f64; D]; MAX_CONTROL_POINTS],
@@ -79,7 +80,7 @@ impl<'a> Form<'a> {
             return Err(NoShape::Unreadable);
         };
         let coordinates = control_points[..count].iter().flatten();
-        // Each evaluation goes through all points that were fitted.
+        // Each evaluation of a covariance iterates over all fitted points.
         let is_fitted = (count..=MAX_POINTS).contains(&samples);
         if !coordinates.clone().all(|c| c.is_finite()) || !is_fitted {
             return Err(NoShape::Unreadable);
@@ -101,13 +102,13 @@ impl<'a> Form<'a> {
         form.is_sound().then_some(form).ok_or(NoShape::Unreadable)
     }
 
-    /// Whether knots ascend and weights are positive.
+    /// Returns whether knots ascend and weights are positive.
     fn is_sound(&self) -> bool {
         match *self {
             Self::Bezier | Self::Fourier => true,
             Self::BSpline { degree, inner } => {
                 let inside = |knot: f64| 0.0 < knot && knot < 1.0;
-                // A knot that comes more often than the degree would tear the curve.
+                // A knot that occurs more often than the degree would make the curve discontinuous.
                 let torn = |i: usize| i >= degree && inner[i] <= inner[i - degree];
                 inner.iter().all(|&knot| inside(knot))
                     && inner.is_sorted()

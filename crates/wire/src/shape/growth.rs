@@ -1,54 +1,58 @@
-//! How the uncertainty of a filtered control point grows from its image on.
+//! Growth of a filtered control point's uncertainty after its image.
 //!
-//! The chain's filter takes ropes to move with constant velocity and white acceleration of density `q`, and sees them every
-//! `T` seconds. A position of variance `p` that is `h` seconds old then has
+//! The chain's filter assumes constant velocity plus white acceleration of density `q`, with an
+//! observation every `T` seconds. A position of variance `p` that is `h` seconds old then has the
+//! variance
 //!
 //! ```text
 //! p + 2 h c + h² v + q h³/3
 //! ```
 //!
-//! with the velocity's variance `v` and its covariance `c` with the position, which the message leaves out. In the filter's
-//! steady state both follow from `p`, `q` and `T` (Bar-Shalom, Li, Kirubarajan, *Estimation with Applications to Tracking and
-//! Navigation*, 6.5, for the acceleration of 6.2.2): with the gains `α` and `β`,
+//! with the velocity's variance `v` and its covariance `c` with the position, which the message
+//! omits. In the filter's steady state both follow from `p`, `q` and `T` (Bar-Shalom, Li,
+//! Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 6.5, for the
+//! acceleration of 6.2.2). With the gains `α` and `β`,
 //!
 //! ```text
 //! α² + αβ − 2β + β²/6 = 0,   p = α(1 − α) q T³/β²,   c = (1 − α) q T²/β,   v = q T (α/β − ½)
 //! ```
 //!
-//! where `p/(q T³)` falls as `β` grows, from infinity to 0 at `β = 3 − √3`, where `α` is 1.
+//! where `p/(q T³)` decreases as `β` grows, from infinity to 0 at `β = 3 − √3`, where `α` is 1.
 
 use super::{Inverse, Shape};
 
-/// How a rope is taken to move: what the chain's own filter is told (`acceleration_px_s2` of `[fit]`).
+/// Motion model of a rope, as in the chain's own filter (`acceleration_px_s2` of `[fit]`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Growth {
-    /// The spectral density of the white acceleration of a point on the rope, along each axis, unit²/s³.
+    /// Spectral density of the white acceleration of a point on the rope, along each axis,
+    /// unit²/s³.
     pub(crate) density: f64,
-    /// How long it is from image to image, s.
+    /// Time from image to image, s.
     pub(crate) period_s: f64,
 }
 
 impl Growth {
-    /// The covariances of a shape's control points `seconds` after its image.
+    /// Covariances of a shape's control points `seconds` after its image.
     ///
-    /// Acceleration is equally likely in every direction of the space of curves, as in the filter: of control point `j` its
-    /// density is `q (N/m) (BᵀB)⁻¹ⱼⱼ`.
+    /// Acceleration is equally likely in every direction of the space of curves, as in the filter.
+    /// Control point `j` has the density `q (N/m) (BᵀB)⁻¹ⱼⱼ`.
     pub(crate) fn after(&self, seconds: f64, shape: &Shape, covariances: &mut [[f64; 3]]) {
         let size = shape.samples as f64 / shape.control_points.len() as f64;
         Inverse::with(shape, |inverse| {
-            // Of plain fits all control points have the same share, and so the same gain.
+            // In plain fits all control points have the same ratio `p/(q T³)`, and so the same
+            // gain.
             let mut last = (f64::NAN, 0.0);
             for (j, covariance) in covariances.iter_mut().enumerate() {
                 let density = self.density * size * inverse.variance(j);
                 let share =
                     (covariance[0] + covariance[2]) / (2.0 * density * self.period_s.powi(3));
-                // The shares of one fit differ by rounding.
+                // The ratios of one fit differ by rounding only.
                 let is_the_same = (share - last.0).abs() <= 1e-9 * share;
                 if !is_the_same {
                     last = (share, gain(share));
                 }
                 let grown = self.grown(seconds, last.1) * density;
-                // An acceleration of 0 makes nothing of anything.
+                // Zero acceleration adds nothing, even if the other factor is infinite.
                 let grown = if density > 0.0 { grown } else { 0.0 };
                 covariance[0] += grown;
                 covariance[2] += grown;
@@ -56,7 +60,7 @@ impl Growth {
         });
     }
 
-    /// By how much a variance grows, for `q = 1`.
+    /// Increase of a variance after `h` seconds, for `q = 1`.
     fn grown(&self, h: f64, beta: f64) -> f64 {
         let (t, alpha) = (self.period_s, alpha(beta));
         let c = (1.0 - alpha) * t * t / beta;
@@ -65,15 +69,15 @@ impl Growth {
     }
 }
 
-/// `α` that goes with `β`.
+/// The `α` that belongs to `β`.
 fn alpha(beta: f64) -> f64 {
     0.5 * ((beta * beta / 3.0 + 8.0 * beta).sqrt() - beta)
 }
 
-/// `β` of a filter whose positions have the variance `share · q T³`.
+/// The `β` of a filter whose positions have the variance `share · q T³`.
 fn gain(share: f64) -> f64 {
     let (mut low, mut high) = (0.0, 3.0 - 3.0f64.sqrt());
-    // To rounding, where β is not tiny.
+    // Converges to rounding, unless β is tiny.
     for _ in 0..52 {
         let beta = 0.5 * (low + high);
         let alpha = alpha(beta);

@@ -1,8 +1,10 @@
-//! How the errors of a fit's control points hang together: `(BᵀB)⁻¹`, as the inverse of the triangle `R` of `B = QR`.
+//! Correlation of the control points' errors in a fit: `(BᵀB)⁻¹`, computed from the inverse of the
+//! triangle `R` of `B = QR`.
 //!
-//! The message has each control point's own covariance; what it leaves out is the same in every frame, and is worked out
-//! here from basis, knots and the number of points. `R` and not `BᵀB`, whose condition number is the square of `B`'s and
-//! beyond all digits at high orders.
+//! The message has the covariance of each control point only. Their correlations are the same in
+//! every frame and are computed here from basis, knots and number of points. The triangle `R` is
+//! used instead of `BᵀB`, whose condition number is the square of that of `B` and exceeds double
+//! precision at high orders.
 
 use std::cell::RefCell;
 
@@ -14,12 +16,12 @@ use crate::MAX_CONTROL_POINTS;
 /// The upper triangle `R⁻¹`, so that `(BᵀB)⁻¹ = R⁻¹R⁻ᵀ`.
 #[derive(Debug, Clone)]
 pub(super) struct Inverse {
-    /// Row `j` is all that belongs to control point `j`; the entries before `j` are 0.
+    /// Row `j` belongs to control point `j`; its entries before `j` are 0.
     rows: [[f64; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS],
     count: usize,
 }
 
-/// What `B` depends on.
+/// Everything that `B` depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct Key {
     kind: u8,
@@ -31,13 +33,14 @@ struct Key {
 }
 
 thread_local! {
-    /// The last two that were asked for: of open curves and of closed ones. In a thread of its own each, as readers are.
+    /// The last two inverses, typically one of open curves and one of closed ones. Per thread, as
+    /// readers are.
     static LAST: RefCell<Vec<(Key, Box<Inverse>)>> = const { RefCell::new(Vec::new()) };
 }
 
 impl Inverse {
-    /// Lends the inverse of a shape's `B`. It is worked out where the last two were others: for 9 control points and 120
-    /// points some ten microseconds, and at first some kilobytes.
+    /// Lends the inverse of a shape's `B`. It is computed if it is not among the last two. The
+    /// first two calls of a thread allocate some kilobytes.
     pub(super) fn with<const D: usize, T>(shape: &Shape<D>, use_it: impl FnOnce(&Self) -> T) -> T {
         let key = Key::of(shape);
         LAST.with_borrow_mut(|last| {
@@ -51,17 +54,17 @@ impl Inverse {
                     **inverse = Self::of(shape);
                 }
             }
-            // There is at least the one that was just found or made.
+            // There is at least the one that was just found or added.
             use_it(&last[last.len() - 1].1)
         })
     }
 
-    /// Row `j` of `R⁻¹` from its diagonal on belongs to the columns from `j` on.
+    /// Row `j` of `R⁻¹`; its entries before column `j` are 0.
     pub(super) fn row(&self, j: usize) -> &[f64] {
         &self.rows[j][..self.count]
     }
 
-    /// The variance of control point `j` for noise of 1 in the points.
+    /// Variance of control point `j` for unit noise in the points.
     pub(super) fn variance(&self, j: usize) -> f64 {
         self.row(j).iter().map(|r| r * r).sum()
     }
@@ -81,7 +84,7 @@ impl Inverse {
     }
 }
 
-/// Takes a row of `B` into the triangle: Givens's rotations, one for each column.
+/// Adds a row of `B` to the triangle by Givens rotations, one per column.
 fn take_in(
     triangle: &mut [[f64; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS],
     row: &mut [f64; MAX_CONTROL_POINTS],
@@ -101,7 +104,7 @@ fn take_in(
     }
 }
 
-/// The inverse of an upper triangle, column by column from the diagonal up.
+/// Inverts an upper triangle, column by column from the diagonal up.
 fn inverted(
     triangle: &[[f64; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS],
     count: usize,

@@ -1,25 +1,27 @@
-//! The point of a curve that is nearest to a point beside it.
+//! The nearest point of a curve to a given point.
 //!
-//! The curve is looked at in even steps; about each step that is nearer than its neighbours, and could hide one nearer still than
-//! what is known, the root of `(f(ρ) − p) · f′(ρ)` is found by Newton's method, kept within its bracket by bisection.
+//! The curve is sampled at equal steps. Only samples nearer than their neighbors can be next to the
+//! minimum. If such a sample may hide a point nearer than the best one yet, Newton's method finds
+//! the root of `(f(ρ) − p) · f′(ρ)` there, kept within its bracket by bisection.
 
 use super::{Shape, norm};
 
-/// Looks for each control point: a polynomial of degree n comes and goes n times at most. With half as many, one wild curve in
-/// some thousands hid its nearest point in a valley beside another.
+/// Samples per control point. A polynomial of degree n changes direction at most n times. With half
+/// as many samples, one in some thousands of extreme curves missed its nearest point next to
+/// another minimum.
 const LOOKS: usize = 16;
-/// Halvings of a bracket until it is as narrow as ρ has digits.
+/// Bisections until a bracket is as narrow as the precision of ρ.
 const HALVINGS: usize = 52;
 
-/// Where a curve, or a line of points, is nearest to a point.
+/// Nearest point of a curve, or of a polyline, to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest<const D: usize = 2> {
-    /// Where along it.
+    /// Position ρ along the curve.
     pub rho: f64,
-    /// The point on it.
+    /// The point on the curve.
     pub point: [f64; D],
-    /// How far that is away.
+    /// Distance to the given point.
     pub distance: f64,
 }
 
@@ -34,7 +36,7 @@ impl<const D: usize> Nearest<D> {
     }
 }
 
-/// From the second to the first.
+/// Vector from the second point to the first.
 fn between<const D: usize>(to: [f64; D], from: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| to[k] - from[k])
 }
@@ -47,7 +49,7 @@ pub(super) fn nearest<const D: usize>(shape: &Shape<D>, point: [f64; D]) -> Near
         Nearest::to(point, rho, shape.point_at(rho))
     };
     let mut nearest = look(0);
-    // Around a closed curve the first look comes twice, so that there is one on each side of it.
+    // On a closed curve, sample 0 is used twice, so that it has a neighbor on each side.
     let mut before = if closed { look(steps - 1) } else { nearest };
     let mut here = nearest;
     let last = if closed { steps - 1 } else { steps };
@@ -75,7 +77,8 @@ pub(super) fn nearest<const D: usize>(shape: &Shape<D>, point: [f64; D]) -> Near
     nearest
 }
 
-/// Where in a bracket the way from the point meets the curve at a right angle, or an end of it.
+/// Finds ρ in a bracket where the line to the point is perpendicular to the curve, or an end of the
+/// bracket.
 fn foot<const D: usize>(
     shape: &Shape<D>,
     point: [f64; D],

@@ -1,19 +1,21 @@
-//! The functions that control points weigh, and their derivatives by ρ, at one ρ: a row of the matrix `B` of the fit.
+//! Basis functions of the control points and their derivatives with respect to ρ: a row of the
+//! fit's matrix `B`.
 //!
-//! Bezier curves are B-splines without inner knots, so that one recurrence serves both: Cox and de Boor's, in the form of
-//! Piegl and Tiller (*The NURBS Book*, algorithm A2.2). A derivative is the difference of two functions a degree lower
-//! (equation 2.7), and the recurrence comes by those on its way up. `lariat-fit` evaluates curves in other ways; the tests
-//! hold the two to each other.
+//! Bezier curves are B-splines without inner knots, so one recurrence serves both: Cox and de
+//! Boor's, in the form of Piegl and Tiller (*The NURBS Book*, algorithm A2.2). A derivative is the
+//! difference of two functions of one degree lower (equation 2.7), and the recurrence passes
+//! through those. `lariat-fit` evaluates curves in other ways; tests compare the two.
 
 use std::f64::consts::TAU;
 
 use super::form::Form;
 use crate::MAX_CONTROL_POINTS;
 
-/// Row `k` is the `k`-th derivative by ρ of the functions of all control points; those behind the last one are 0.
+/// Row `k` is the `k`-th derivative with respect to ρ of all control points' functions; unused
+/// entries are 0.
 pub(super) type Rows<const K: usize> = [[f64; MAX_CONTROL_POINTS]; K];
 
-/// The functions of a form with `count` control points, and their derivatives.
+/// Basis functions for `count` control points, and their derivatives.
 pub(super) fn rows<const K: usize>(form: &Form, count: usize, rho: f64) -> Rows<K> {
     let mut rows = [[0.0; MAX_CONTROL_POINTS]; K];
     match *form {
@@ -28,7 +30,7 @@ pub(super) fn rows<const K: usize>(form: &Form, count: usize, rho: f64) -> Rows<
     rows
 }
 
-/// Clamped knots: `degree + 1` times 0, the inner ones, `degree + 1` times 1.
+/// Clamped knots: `degree + 1` zeros, the inner knots, `degree + 1` ones.
 struct Knots<'a> {
     degree: usize,
     inner: &'a [f64],
@@ -49,9 +51,10 @@ impl Knots<'_> {
         }
     }
 
-    /// Outside 0 to 1 the first and the last piece go on as the polynomials that they are.
+    /// Evaluates the functions; outside 0 to 1, the first and last pieces are extrapolated.
     fn rows<const K: usize>(&self, rho: f64, rows: &mut Rows<K>) {
-        // The span that holds ρ begins at knot `degree + pieces`; there the functions from `pieces` on are not 0.
+        // The span that contains ρ begins at knot `degree + pieces`; its nonzero functions start at
+        // `pieces`.
         let pieces = self.inner.partition_point(|&knot| knot <= rho);
         let span = self.degree + pieces;
         let mut values = [0.0; MAX_CONTROL_POINTS];
@@ -71,7 +74,7 @@ impl Knots<'_> {
         }
     }
 
-    /// From the functions of one degree lower to those of `degree`.
+    /// Raises the functions by one degree, to `degree`.
     fn raise(&self, span: usize, degree: usize, rho: f64, values: &mut [f64; MAX_CONTROL_POINTS]) {
         let mut saved = 0.0;
         for (r, value) in values[..degree].iter_mut().enumerate() {
@@ -83,7 +86,8 @@ impl Knots<'_> {
         values[degree] = saved;
     }
 
-    /// From (derivatives of) the functions of degree `lower` to the next derivatives of those of a degree higher.
+    /// Turns functions of degree `lower`, or their derivatives, into the next derivatives one
+    /// degree higher.
     fn differentiate(&self, span: usize, lower: usize, row: &mut [f64; MAX_CONTROL_POINTS]) {
         let degree = lower + 1;
         let mut before = 0.0;
@@ -96,7 +100,8 @@ impl Knots<'_> {
     }
 }
 
-/// From polynomials to rational functions `wⱼ Bⱼ / Σ w B`, by Leibniz's rule: `wⱼ Bⱼ⁽ᵏ⁾ = Σ C(k, i) Rⱼ⁽ᵏ⁻ⁱ⁾ W⁽ⁱ⁾`.
+/// Turns polynomials into rational functions `wⱼ Bⱼ / Σ w B`, by Leibniz's rule: `wⱼ Bⱼ⁽ᵏ⁾ = Σ C(k,
+/// i) Rⱼ⁽ᵏ⁻ⁱ⁾ W⁽ⁱ⁾`.
 fn weigh<const K: usize>(rows: &mut Rows<K>, weights: &[f64]) {
     let mut sums = [0.0; K];
     for (row, sum) in rows.iter_mut().zip(&mut sums) {
@@ -120,12 +125,12 @@ fn weigh<const K: usize>(rows: &mut Rows<K>, weights: &[f64]) {
     }
 }
 
-/// `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
+/// The functions `1, cos 2πρ, sin 2πρ, cos 4πρ, …`.
 fn fourier<const K: usize>(rho: f64, count: usize, rows: &mut Rows<K>) {
     if let Some(values) = rows.first_mut() {
         values[0] = 1.0;
     }
-    // Once around is where it began, to the last bit.
+    // ρ = 1 gives exactly the same bits as ρ = 0.
     let turn = TAU * (rho - rho.floor());
     for harmonic in 1..=(count - 1) / 2 {
         let (sin, cos) = (harmonic as f64 * turn).sin_cos();

@@ -1,11 +1,11 @@
-//! A reader that is open allocates nothing, whatever comes and whatever is asked of it.
+//! An open reader does not allocate, whatever arrives and whatever it is asked.
 
 use std::time::{Duration, Instant};
 
 use lariat_test_support::allocations;
 use lariat_wire::*;
 
-/// What a controller asks in a tick, summed so that nothing is left out.
+/// Everything a controller reads in one cycle, summed so that nothing is optimized away.
 fn control(reader: &mut Reader, deadline: Option<Instant>) -> f64 {
     let frame = match deadline {
         Some(deadline) => reader.wait(deadline),
@@ -58,16 +58,16 @@ fn an_open_reader_allocates_nothing() {
         let line = &mut slot.centerlines[0];
         (line.count, line.points[1]) = (2, [3.0, 4.0]);
         slot.send().expect("sent");
-        // The transport's own box of a message that is sent does not count.
+        // The transport's allocation for sending does not count.
         let before = allocations();
         if frame % 3 == 0 {
             sum += control(&mut reader, Some(Instant::now() + Duration::from_secs(10)));
-            // Nothing comes: it sleeps.
+            // Nothing arrives, so it sleeps.
             sum += control(&mut reader, Some(Instant::now()));
         }
         sum += control(&mut reader, None);
         sum += control(&mut reader, None);
-        // The first frames take up the writer's end, and work out how control points err together.
+        // In the first frames the reader connects and computes the control points' correlations.
         if frame > 2 {
             allocated += allocations() - before;
         }

@@ -1,4 +1,5 @@
-//! Channels in one process: what a writer and its readers may rely on. (Whole processes are tested in the root package.)
+//! Guarantees of channels for a writer and its readers, within one process. Separate processes are
+//! tested in the root package.
 
 use std::os::fd::AsFd;
 use std::sync::Arc;
@@ -89,7 +90,7 @@ fn a_waiting_reader_wakes_for_a_message_a_descriptor_or_its_deadline() {
     reader.sleep(None, Some(readable.as_fd())).unwrap();
     assert!(reader.latest().unwrap().is_none());
     send(&writer, 8);
-    // A message that waits is not slept over, whatever has become of its bell.
+    // A waiting message prevents sleep, whatever happened to its notification.
     reader.sleep(None, None).unwrap();
     assert_eq!(reader.latest().unwrap().unwrap().trace.fitted, 8);
 }
@@ -176,7 +177,7 @@ fn a_slot_for_a_frame_takes_the_frames_bytes_and_little_more() {
             file.contains(&writer.id()) && file.ends_with(".data")
         })
         .expect("the frames' segment");
-    // Four readers, each with three frames waiting and two in hand, and the one that is being written.
+    // Four readers, each with three frames waiting and two held, and the one being written.
     let slots = 4 * (3 + 2) + 1;
     let bytes = segment.metadata().unwrap().len() as usize;
     assert!(
@@ -234,14 +235,14 @@ fn lossless_and_newest_wins_do_not_mix() {
         ),
         "{refused}"
     );
-    // A reader that asks for nothing takes the channel as it is.
+    // A reader without requirements accepts the channel as it is.
     let lossless = Rig::default();
     let _writer =
         Writer::<Descriptors>::create(&domain, &lossless, &DESCRIPTORS, &delivery).unwrap();
     Receiver::descriptors(&domain, &lossless).unwrap();
 }
 
-/// The same size, another version.
+/// The same size, but another version.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[type_name("lariat.Descriptors.v0")]
@@ -251,7 +252,8 @@ struct Older {
 
 #[test]
 fn another_version_of_a_message_is_refused_by_name() {
-    // A domain of its own: what is made past lariat would be taken for half made by who joins or leaves beside it.
+    // In a separate domain: processes that join or leave would treat objects created without
+    // lariat's lock as half created.
     let name = format!("{}versions", name());
     let (domain, rig) = (Domain::named(&name).expect("a domain"), rig("versions"));
     let mut config = Config::global_config().clone();

@@ -1,4 +1,4 @@
-//! Frames and masks of the user's own: what they carry, and what is refused.
+//! Users' own frames and masks: their contents, and the cases that are refused.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -9,7 +9,7 @@ use lariat_wire::{
     Rig, Stamp, Waiting, WireError, WriteError, now_ns,
 };
 
-/// A domain of the test's own.
+/// Name of a domain for one test.
 fn name() -> String {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -108,7 +108,7 @@ fn what_cannot_be_is_refused_and_does_not_count() {
         let refused = send(exposed(again));
         assert!(matches!(refused, Err(WriteError::Backwards { .. })));
     }
-    // As `time.time_ns()` is, which counts from 1970.
+    // Like `time.time_ns()`, which counts from 1970.
     let refused = send(exposed(now_ns() + 1_000_000_000_000));
     assert!(refused.unwrap_err().to_string().contains("CLOCK_MONOTONIC"));
     for sequence in [0, 1] {
@@ -196,7 +196,8 @@ fn a_lossless_writer_that_is_told_to_stop_meanwhile_loses_its_frame_and_says_so(
     };
     let mut writer = FrameWriter::open_in(domain(&name), &Rig::default(), waiting).unwrap();
     writer.loan(2, 2, PixelFormat::Gray8).unwrap();
-    // It looks once, which takes up its end, and never again: three frames wait for it, and no more.
+    // The reader connects with its first call and then reads no more, so only three frames fit its
+    // buffer.
     let mut reader = reader(&name);
     assert!(reader.try_next().unwrap().is_none());
     let send = |writer: &mut FrameWriter| {
@@ -205,7 +206,7 @@ fn a_lossless_writer_that_is_told_to_stop_meanwhile_loses_its_frame_and_says_so(
     };
     let sent = (0..10).take_while(|_| send(&mut writer)).count();
     assert!(sent == 3 && looks.load(Ordering::Relaxed) > 0, "{sent}");
-    // A reader that leaves is not waited for.
+    // The writer does not wait for a reader that has left.
     assert_eq!(
         reader.try_next().unwrap().unwrap().header().trace.captured,
         1,

@@ -1,5 +1,5 @@
-//! What a process leaves that is killed while it joins a rig or leaves it: nothing that keeps others out, and nothing that stays. (The
-//! short form of `tests/kills/kills.py`, which kills at each system call.)
+//! A process that is killed while it joins or leaves a rig leaves nothing that blocks others or
+//! remains. Short form of `tests/kills/kills.py`, which kills at each system call.
 
 use std::fs::{self, File, Permissions};
 use std::os::unix::fs::PermissionsExt;
@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 
 use lariat_wire::*;
 
-/// Far more than a process may wait: what takes longer hangs.
+/// Far more than a process may wait; anything longer is a hang.
 const HANGS: Duration = Duration::from_secs(20);
-/// The domain of the reader that is killed.
+/// Environment variable with the domain of the reader that is killed.
 const VICTIM: &str = "LARIAT_TEST_VICTIM";
 const HASH: &str = "0354a209029e7d094a819e2d4030ea331e6caaf0";
 
@@ -25,7 +25,7 @@ fn root(domain: &str) -> PathBuf {
     Path::new("/tmp").join(format!("lariat-{domain}"))
 }
 
-/// The files of a domain: in `/dev/shm`, and in its folder.
+/// The files of a domain, in `/dev/shm` and in its folder.
 fn files(domain: &str) -> Vec<PathBuf> {
     fn below(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -45,7 +45,7 @@ fn files(domain: &str) -> Vec<PathBuf> {
     found
 }
 
-/// Joins and leaves; an error if it hangs.
+/// Joins and leaves a domain; an error if it hangs.
 fn visit(domain: &str) -> Result<(), String> {
     let domain = domain.to_owned();
     let (send, receive) = mpsc::channel();
@@ -76,7 +76,8 @@ fn what_the_dead_left_half_made_is_removed_beside_the_living() {
     let prefix = format!("lariat_{name}_");
     let (shared, root) = (Path::new("/dev/shm"), root(&name));
     let nodes = root.join("nodes");
-    // Shared memory without a size, then with one but not yet filled; a port's that is whole.
+    // Shared memory without a size, one with a size but not yet filled, and a complete one of a
+    // port.
     leave_with(&shared.join(format!("{prefix}{HASH}_1.dynamic")), "", 0o200);
     leave_with(
         &shared.join(format!("{prefix}{HASH}_2_3.connection")),
@@ -89,13 +90,13 @@ fn what_the_dead_left_half_made_is_removed_beside_the_living() {
         0o600,
     );
     leave_with(&root.join(format!("{prefix}4.event")), "", 0o600);
-    // A service's file half written; one that is whole, but of no node.
+    // A half-written file of a service, and a complete one that belongs to no node.
     leave_with(
         &root.join(format!("services/{prefix}{HASH}.service")),
         "",
         0o600,
     );
-    // A node that was about to begin, one that had just ended, and one in between.
+    // A node about to start, one that has just ended, and one in between.
     leave_with(&nodes.join(format!("5/{prefix}node.details")), "x", 0o600);
     leave_with(
         &nodes.join(format!("{prefix}6.node_monitor_context")),
@@ -153,7 +154,7 @@ fn who_stands_still_in_the_door_is_named() {
 #[test]
 fn a_reader_that_is_killed_at_any_moment_leaves_the_rig_as_it_was() {
     let name = name("k");
-    // By a generator of its own, so that each run kills at the same moments.
+    // A fixed generator, so that each run kills at the same moments.
     let mut seed = 1_u64;
     let mut alive = 0;
     for round in 0..60 {
@@ -182,7 +183,7 @@ fn settings_of_the_transport_in_the_current_folder_change_nothing() {
     fs::remove_dir_all(here).unwrap();
 }
 
-/// This program as a process that joins the domain and leaves it, again and again.
+/// Runs this program as a process that joins and leaves the domain repeatedly.
 fn victim_of(domain: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command

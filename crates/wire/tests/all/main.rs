@@ -1,4 +1,4 @@
-//! All tests of the crate's public face in one program, which is built and linked once.
+//! All tests of the crate's public interface, in one program that is linked only once.
 
 mod allocation;
 mod channels;

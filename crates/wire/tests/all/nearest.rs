@@ -1,9 +1,9 @@
-//! The nearest point, held to looking everywhere.
+//! Compares the nearest point with an exhaustive search.
 
 use lariat_wire::{Basis, Centerline, CenterlinePoints, Descriptor, Shape};
 use proptest::prelude::*;
 
-/// Looks for brute force: many times as many as `nearest` has for a curve of so many control points.
+/// Samples of the exhaustive search, many times as many as `nearest` uses for these curves.
 const LOOKS: usize = 2_000;
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -50,7 +50,7 @@ proptest! {
             let away = distance(shape.point_at(rho), point);
             prop_assert!(nearest.distance <= away + 1e-9, "{} at {}, {:?}", away, rho, nearest);
         }
-        // Between its ends the way meets the curve at a right angle.
+        // Away from the ends, the line to the nearest point is perpendicular to the curve.
         if nearest.rho > 1e-6 && nearest.rho < 1.0 - 1e-6 && nearest.distance > 1.0 {
             let [tx, ty] = shape.tangent_at(nearest.rho).unwrap();
             let way = [point[0] - nearest.point[0], point[1] - nearest.point[1]];
@@ -87,7 +87,7 @@ proptest! {
 
 #[test]
 fn on_a_ring_the_nearest_point_may_lie_across_the_seam() {
-    // Once around (100, 100) with radius 50, from (150, 100) towards y.
+    // A circle around (100, 100) with radius 50, from (150, 100) towards y.
     let mut rope = curve(Basis::Fourier, &[[100.0, 100.0], [50.0, 0.0], [0.0, 50.0]]);
     rope.closed = 1;
     let nearest = Shape::of(&rope).unwrap().nearest([200.0, 99.0]);

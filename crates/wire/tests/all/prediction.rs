@@ -1,11 +1,12 @@
-//! Where readers predict a rope, held to the chain's own filter, which knows more than the message says.
+//! Compares readers' predictions with the chain's own filter, which has more data than the message.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use lariat_fit::{CurveSpace, Filter, FilterOptions, Fitter, Noise, Options};
 use lariat_wire::*;
 
-/// A filter that has seen a moving, noisy rope at `rate` frames a second, and what a reader had of it meanwhile.
+/// A filter that has observed a moving, noisy rope at `rate` frames per second, and a reader of its
+/// results.
 struct Followed {
     filter: Filter<2>,
     reader: Reader,
@@ -33,7 +34,8 @@ impl Followed {
             filter,
             reader,
             writer,
-            // The whole film lies in the past: an image of the future counts as taken when it arrives.
+            // All images are in the past, because one in the future would count as taken on
+            // arrival.
             exposed_ns: now_ns().saturating_sub(60_000_000_000),
             domain: name,
         };
@@ -62,7 +64,7 @@ impl Followed {
         followed
     }
 
-    /// As the fit stage does it.
+    /// Sends an observation as the fit stage does.
     fn take(&mut self, frame: u64, space: &CurveSpace, measured: &[[f64; 2]], variance_px2: f64) {
         let noise = Noise::Even { variance_px2 };
         self.filter
@@ -132,7 +134,8 @@ fn a_prediction_is_the_filters_own_once_it_has_settled() {
                 let (ours, theirs) = (shape.control_points()[j], truth.control_points[j]);
                 let apart = (ours[0] - theirs[0]).hypot(ours[1] - theirs[1]);
                 assert!(apart < 1e-6, "{rate}: {j} is {apart} px apart");
-                // σ² is estimated from each frame's residuals, with 220 degrees of freedom: a tenth of it, up and down.
+                // σ² is estimated from each frame's residuals with 220 degrees of freedom, which
+                // gives an error of about 10 %.
                 let [[variance, _], _] = shape.covariance().block(j, j);
                 let ratio = variance / truth.covariance_px2[j * (count + 1)];
                 assert!(

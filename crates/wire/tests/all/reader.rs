@@ -1,4 +1,4 @@
-//! What a control loop may rely on.
+//! Guarantees for control loops.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use lariat_wire::*;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-/// No image is older.
+/// More than the age of any image.
 const ANY_AGE: Duration = Duration::from_secs(3600);
 
-/// A rig of its own for each test, in a domain that no other test run shares.
+/// A rig for one test, in a domain that no other test run shares.
 struct Place {
     name: String,
     rig: Rig,
@@ -44,7 +44,7 @@ impl Drop for Place {
     }
 }
 
-/// What stands for the chain.
+/// Replaces the chain.
 struct Chain {
     writer: Writer<Descriptors>,
     _domain: Domain,
@@ -63,7 +63,7 @@ impl Chain {
         }
     }
 
-    /// Sends an image taken just now, of these ropes.
+    /// Sends an image of these ropes, taken just now.
     fn send(&mut self, ropes: &[Descriptor]) {
         self.send_as(now_ns(), [640, 480], ropes);
     }
@@ -96,7 +96,7 @@ fn rope(track: u32, status: Status, x: f64) -> Descriptor {
     rope
 }
 
-/// Its three points, of which the last is covered.
+/// The rope's three points; the last one is covered.
 fn points_of(rope: &Descriptor) -> CenterlinePoints {
     let mut points = CenterlinePoints::EMPTY;
     points.count = 3;
@@ -192,7 +192,7 @@ fn an_image_older_than_allowed_has_no_fresh_rope_whatever_it_shows() {
         assert!(last.age() >= 2 * second && x_of(&last.as_it_was()) == 5.0);
         assert!(!matches!(frame.only_rope(3 * second), Seen::Stale(_)));
     }
-    // Nor does an image of a chain whose clock is ahead stay fresh for ever.
+    // An image of a chain whose clock is ahead must not stay fresh forever either.
     chain.send_as(u64::MAX, [640, 480], &[rope(1, Status::Ok, 5.0)]);
     let frame = reader.latest().unwrap();
     assert!(matches!(frame.only_rope(Duration::ZERO), Seen::Stale(_)));
@@ -259,7 +259,7 @@ fn a_rope_below_the_confidence_that_a_loop_asks_for_is_not_fresh() {
     }
 }
 
-/// What a reader says of a rope with this status and fit.
+/// State that a reader reports for a rope with this status and fit.
 fn seen_as(place: &Place, accept: bool, status: Status, fit: u32) -> String {
     let (mut reader, mut chain) = (place.reader(), place.chain());
     reader.accept_coarse(accept);
@@ -280,7 +280,7 @@ fn a_coarse_curve_is_not_fresh_and_a_loop_that_accepts_it_gets_it() {
     let [unjudged, good, coarse] =
         [FitQuality::NotJudged, FitQuality::Good, FitQuality::Coarse].map(|fit| fit as u32);
     for (accept, status, fit, expected) in [
-        // A writer that does not judge is trusted.
+        // A writer that does not check the fit is trusted.
         (false, Status::Ok, unjudged, "fresh"),
         (false, Status::Ok, good, "fresh"),
         (false, Status::Partial, good, "partial"),
@@ -288,7 +288,7 @@ fn a_coarse_curve_is_not_fresh_and_a_loop_that_accepts_it_gets_it() {
         (false, Status::Partial, coarse, "Coarse"),
         (true, Status::Ok, coarse, "fresh"),
         (true, Status::Partial, coarse, "partial"),
-        // Whether it is a rope is another question than whether its curve lies on it.
+        // The doubt about a rope is independent of the fit of its curve.
         (false, Status::Doubtful, good, "NoRope"),
         (false, Status::Doubtful, coarse, "NoRope"),
         (true, Status::Doubtful, good, "NoRope"),
@@ -327,7 +327,7 @@ fn an_unsure_rope_says_why_and_its_centerline_is_there() {
     assert_eq!(line.widths(), [10.0, 11.0, 12.0]);
     assert!(!line.is_hidden(1) && line.is_hidden(2) && !line.is_closed());
     assert_eq!(lines[1].points()[0], [9.0, 0.0]);
-    // Stale and lost ones have theirs as well; who sends none has none.
+    // Stale and lost ropes have centerlines as well, unless the writer sends none.
     chain.send_as(now_ns() - 2_000_000_000, [640, 480], &[coarse]);
     let frame = reader.latest().unwrap();
     let Seen::Stale(last) = frame.only_rope(Duration::from_secs(1)) else {
@@ -381,7 +381,7 @@ fn of_several_ropes_none_is_the_only_one_and_each_has_its_track() {
     let two = [rope(4, Status::Ok, 4.0), rope(7, Status::Lost, 7.0)];
     chain.send(&two);
     let frame = reader.latest().unwrap();
-    // Also if all but one are lost: the one that is seen may not be the one that was meant.
+    // Also if all but one are lost, because the visible one may not be the intended one.
     assert!(matches!(
         frame.only_rope(ANY_AGE),
         Seen::Absent(Absent::Several)
@@ -418,7 +418,7 @@ fn a_chain_restarted_numbers_ropes_again_and_no_old_track_finds_one() {
     };
     let track = seen.track();
     drop(chain);
-    // Until a new one sends, the old shape stays, and gets older.
+    // Until a new chain sends, the old shape stays and gets older.
     assert!(matches!(
         reader.latest().unwrap().rope(track, Duration::ZERO),
         Seen::Stale(_)
@@ -493,7 +493,7 @@ fn a_poll_of_ones_own_is_woken_and_does_not_spin() {
         let timeout = Timespec::try_from(timeout).unwrap();
         poll(&mut [PollFd::new(&*reader, PollFlags::IN)], Some(&timeout)).unwrap()
     };
-    // The writer's call when it came has been rung.
+    // Drain the call that the writer sent when it joined.
     sleep(&mut reader, 0);
     assert_eq!(sleep(&mut reader, 1), 0, "nothing came");
     let longest = reader.before_poll().unwrap();

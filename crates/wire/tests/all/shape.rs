@@ -1,10 +1,10 @@
-//! Shapes that readers evaluate, held to the library that fits them.
+//! Compares the shapes that readers evaluate with the library that fits them.
 
 use lariat_fit::{Fitter, Knots, Options};
 use lariat_wire::{Basis, Descriptor, MAX_CONTROL_POINTS, NoShape, Shape, Status};
 use proptest::prelude::*;
 
-/// As the fit stage writes it.
+/// A descriptor as the fit stage writes it.
 fn descriptor(
     basis: lariat_fit::Basis,
     control_points: &[[f64; 2]],
@@ -57,8 +57,8 @@ fn is_near(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
 }
 
 proptest! {
-    /// The two evaluate by different recurrences: some hundred ulp of the largest term, which grows by the order, and by the
-    /// number of pieces, with each derivative.
+    /// The two evaluate by different recurrences. They differ by some hundred ulp of the largest
+    /// term, which grows with the order and, for each derivative, with the number of pieces.
     #[test]
     fn points_directions_and_bends_are_those_of_the_fitting_library(
         basis in basis(),
@@ -72,7 +72,7 @@ proptest! {
             lariat_fit::Basis::RationalBezier { .. } => &weights[..count],
             _ => &[],
         };
-        // A rational curve may run to infinity out there.
+        // Outside 0 to 1, a rational curve may go to infinity.
         let rho = if weights.is_empty() { rho } else { rho.clamp(0.0, 1.0) };
         let curve = lariat_fit::Curve::new(basis, control_points, weights, &[]).unwrap();
         let message = descriptor(basis, control_points, weights, curve.knots());
@@ -82,7 +82,7 @@ proptest! {
             lariat_fit::Basis::Fourier { harmonics } => 7 * harmonics,
             _ => 5 * count,
         } as f64;
-        // Outside, Bernstein polynomials of both signs cancel: (1.1)³¹ times more of it.
+        // Outside 0 to 1, Bernstein polynomials of both signs cancel: (1.1)³¹ times more error.
         let tolerance = 1e-10 * if (0.0..=1.0).contains(&rho) { 1.0 } else { 100.0 };
         prop_assert!(is_near(shape.point_at(rho), curve.point(rho), tolerance));
         prop_assert!(is_near(shape.derivative_at(rho), curve.derivative(rho, 1), tolerance * rate));
@@ -104,7 +104,7 @@ proptest! {
     }
 }
 
-/// A wavy line of points with some noise in them, the same each time.
+/// A wavy line of points with reproducible noise.
 fn wave(count: usize, closed: bool) -> Vec<[f64; 2]> {
     let mut state = 1u64;
     let mut noise = || {
@@ -127,7 +127,7 @@ fn wave(count: usize, closed: bool) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// What a plain fit of `basis` says, as a message.
+/// A plain fit with `basis`, as a message, and its covariance.
 fn fitted(basis: lariat_fit::Basis, change: impl Fn(&mut Options)) -> (Descriptor, Vec<f64>) {
     let mut options = Options::default().basis(basis);
     change(&mut options);
@@ -169,14 +169,15 @@ fn the_covariance_of_all_control_points_is_that_of_the_regression() {
             for k in 0..count {
                 let scale = (whole[j * (count + 1)] * whole[k * (count + 1)]).sqrt();
                 let entry = |r: usize, c: usize| matrix[(2 * j + r) * 2 * count + 2 * k + c];
-                // The regression's own entries carry the square of B's condition number, 2·10³ at order 14.
+                // The regression's own entries carry the square of B's condition number, 2·10³ at
+                // order 14.
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * scale;
                 assert!(near(entry(0, 0), whole[j * count + k]), "{basis}: {j} {k}");
                 assert!(near(entry(1, 1), whole[j * count + k]), "{basis}: {j} {k}");
                 assert!(near(entry(0, 1), 0.0) && near(entry(1, 0), 0.0));
             }
         }
-        // The curve's point is a sum of control points.
+        // A point of the curve is a weighted sum of control points.
         for rho in [0.0, 0.3, 1.0] {
             let weights = shape.jacobian_at(rho);
             let pairs = (0..count).flat_map(|j| (0..count).map(move |k| (j, k)));
@@ -201,7 +202,8 @@ fn a_covariance_that_is_not_the_plain_fits_says_so() {
     assert!(!Shape::of(&message).unwrap().covariance().is_exact());
     let (plain, _) = fitted(lariat_fit::Basis::Bezier { order: 8 }, |_| ());
     message = plain;
-    // On a table seen at a slant the axes differ; each control point's own covariance stays what the message says.
+    // On a tilted table the axes differ; each control point's own covariance stays that of the
+    // message.
     for (j, covariance) in message.covariances.iter_mut().enumerate() {
         *covariance = [2.0 + j as f64, 0.5, 1.0];
     }
@@ -243,7 +245,7 @@ fn numbers_that_make_no_curve_are_not_evaluated() {
         |d| d.degree = u32::MAX,
         |d| d.basis = 99,
         |d| d.samples = 6,
-        // More than a message has: each evaluation would go through all of them.
+        // More samples than a message has; all of them would be evaluated.
         |d| d.samples = 257,
         |d| d.samples = u32::MAX,
         |d| d.control_points[6][1] = f64::NAN,
@@ -264,7 +266,7 @@ fn a_direction_is_known_where_the_curve_stands_still() {
         let order = points.len() - 1;
         descriptor(lariat_fit::Basis::Bezier { order }, points, &[], &[])
     };
-    // The first two control points, and the last two, one upon the other.
+    // The first two control points coincide, and so do the last two.
     let message = bezier(&[[10.0, 10.0], [10.0, 10.0], [90.0, 50.0], [90.0, 50.0]]);
     let shape = Shape::of(&message).unwrap();
     let along = [80.0 / 8000f64.sqrt(), 40.0 / 8000f64.sqrt()];

@@ -1,4 +1,4 @@
-//! Who is at the ends of the channels, asked without being at one.
+//! Listing channels and the processes at their ends without joining them.
 
 use lariat_wire::*;
 
@@ -7,7 +7,7 @@ fn domain() -> Domain {
     Domain::named(&format!("s{}", std::process::id())).expect("a domain")
 }
 
-/// The channels of one rig: tests side by side share the process's domain.
+/// The channels of one rig, because concurrent tests share the process's domain.
 fn channels(domain: &Domain, rig: &Rig) -> Vec<ChannelState> {
     let all = domain.channels().expect("listed");
     all.into_iter().filter(|state| state.rig == *rig).collect()

@@ -1,4 +1,4 @@
-//! While threads open readers, the files of other threads have the rights that they should.
+//! Files of other threads get the right permissions while threads open readers.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -9,7 +9,7 @@ use lariat_wire::*;
 
 #[test]
 fn readers_are_opened_beside_threads_that_make_files() {
-    // In a process of its own: other tests are to keep their umask.
+    // In a separate process, so that other tests keep their umask.
     let opener = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "umask::opener", "--include-ignored"])
         .output()

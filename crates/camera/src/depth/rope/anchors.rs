@@ -1,4 +1,4 @@
-//! Where a rope is first found, along the rays of some of its points; and what of all that was found is not the rope.
+//! Finds a rope along the rays of some of its points, and rejects results that do not belong to it.
 
 use super::floats::{Floats, LANES, Lanes};
 use super::places::Places;
@@ -7,30 +7,34 @@ use crate::depth::image::DepthImage;
 use crate::depth::pair::DepthCamera;
 use lariat_portable::{Simd, WithSimd};
 
-/// Points between those at which a rope is looked for along the whole ray.
+/// Number of points from one search along a whole ray to the next.
 const ANCHOR_STEP: usize = 6;
-/// How far ahead of one section, or behind it, the next may be where the rope points at the camera, in radii.
+/// Maximum distance from one section to the next, ahead or back, where the rope points at the
+/// camera, in radii.
 const REACH: f64 = 6.0;
-/// How steep a rope may be where it points at the camera, so that next to nothing is seen of the way from one part of it to the next; and how
-/// many anchors, or sections, the smaller of the two parts has more than, not to be taken for something else behind or before the rope.
+/// Maximum slope of a rope where it points at the camera, so that the image shows almost nothing
+/// between two of its parts. The smaller part must have more than this many anchors, or sections.
+/// Otherwise it is treated as something behind or in front of the rope.
 const END_ON_STEEPEST: f64 = 16.0;
 const END_ON_ANCHORS: usize = 2;
 const END_ON_SECTIONS: usize = 4;
-/// One anchor alone is what is behind a hole in the rope's depth if it is farther ahead than the line from the one before to the one after by more
-/// than this for each millimetre aside of the nearer of these. Where a rope is as steep, the sections beside it find it again.
+/// A single anchor was seen through a hole in the rope's depth if it is too far behind the line
+/// between its two neighbors. The limit is this many mm per mm to the side of the nearer neighbor.
+/// The sections next to it find the rope again if the rope itself is that steep.
 const BEHIND: f64 = 1.0;
-/// So few sections at an end are the rope only where it rises no more steeply to them, on average, than this.
+/// Maximum number of sections that are cut off at an end. They are cut off if the mean slope to
+/// them would exceed `TIP_STEEPEST`.
 const TIP: usize = 3;
 const TIP_STEEPEST: f64 = 1.0;
 
-/// The numbers of steps of a walk along a ray, and more than all of them.
+/// Numbers of the steps in a walk along a ray, and a number beyond all of them.
 const STEPS: Lanes = [
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
 ];
 const NONE: f32 = 1e3;
 
 impl RopeDepth {
-    /// Walks some of the rays, and keeps the best chain of what is found that a rope can be.
+    /// Walks some of the rays, and keeps the best chain of results that can be one rope.
     pub(super) fn find(&mut self, image: &DepthImage, rope: &SeenRope) {
         self.anchors.clear();
         for i in (ANCHOR_STEP / 2..self.axes.len()).step_by(ANCHOR_STEP) {
@@ -44,7 +48,7 @@ impl RopeDepth {
         self.drop_behind();
     }
 
-    /// Leaves out single anchors that are what is seen through a hole: where a ray goes on beside the rope.
+    /// Drops single anchors that were seen through a hole, where the ray passes the rope.
     fn drop_behind(&mut self) {
         let mut k = 1;
         while k + 1 < self.anchors.len() {
@@ -58,14 +62,14 @@ impl RopeDepth {
         }
     }
 
-    /// How far a point's ray is aside of another's, for each millimetre ahead.
+    /// Distance between the rays of two points, in mm per mm of depth.
     fn apart(&self, i: usize, j: usize) -> f64 {
         let [a, b] = [self.sights[i].ray, self.sights[j].ray];
         length(a[0] - b[0], a[1] - b[1])
     }
 
-    /// Takes for not measured whatever the rope does not go on to from the others: the table beyond an end that the colour
-    /// image has too far out.
+    /// Marks sections that the rope cannot reach from the others as not measured. An example is the
+    /// table beyond an end that the color image puts too far out.
     pub(super) fn drop_strays(&mut self, closed: bool) {
         self.anchors.clear();
         let (mut radius, sections) = (0.0f64, self.sections.iter());
@@ -93,7 +97,7 @@ impl RopeDepth {
         }
     }
 
-    /// Cuts off the last anchors where they are farther from the others than an end is.
+    /// Cuts off the last anchors if they are too far from the others for an end.
     fn cut_tip(&mut self, slack_mm: f64) {
         let count = self.anchors.len();
         let tip = count.saturating_sub(TIP).max(1)..count;
@@ -105,8 +109,9 @@ impl RopeDepth {
         self.anchors.truncate(off.unwrap_or(count));
     }
 
-    /// Keeps the best chain of anchors in which the rope can rise from each to the next, give or take so many millimetres: the longest,
-    /// where each place at which it points at the camera costs so many anchors.
+    /// Keeps the best chain of anchors in which the rope can reach each from the one before, within
+    /// `slack_mm`. The best chain is the longest, where each place at which the rope points at the
+    /// camera costs `end_on_cost` anchors.
     fn keep_chain(&mut self, slack_mm: f64, end_on_cost: usize) {
         let mut pairs = self.anchors.windows(2);
         if pairs.all(|pair| self.can_follow(pair[0], pair[1], STEEPEST, slack_mm)) {
@@ -116,7 +121,7 @@ impl RopeDepth {
         for k in 0..self.anchors.len() {
             let mut best = (1, usize::MAX);
             for j in (0..k).rev() {
-                // Up to one there are no more than there are.
+                // A chain up to anchor j has at most j + 1 anchors, so no earlier one is better.
                 if j + 2 <= best.0 {
                     break;
                 }
@@ -131,7 +136,7 @@ impl RopeDepth {
             }
             self.chain.push(best);
         }
-        // From its last one back each that is in it is marked.
+        // Marks the anchors of the chain, from its last one back.
         let mut at = (0..self.chain.len()).max_by_key(|&k| self.chain[k].0);
         while let Some(link) = at.and_then(|k| self.chain.get_mut(k)) {
             link.0 = 0;
@@ -142,7 +147,7 @@ impl RopeDepth {
             .retain(|_| links.next().is_some_and(|link| link.0 == 0));
     }
 
-    /// Whether the rope can rise from one place to the other, that steeply and give or take so much.
+    /// Returns whether the rope can reach one place from the other, with this slope and slack.
     fn can_follow(
         &self,
         (i, a): (usize, f64),
@@ -154,7 +159,8 @@ impl RopeDepth {
         (a - b).abs() < steepest * aside + 6.0 * self.camera.sigma_mm(a.max(b)) + slack_mm
     }
 
-    /// The first place along a ray where what is measured is where the ray is: the colour camera's depth of the rope's axis.
+    /// Finds the first place along a ray where the measured depth agrees with the ray. Returns the
+    /// color camera's depth of the rope's axis.
     fn walk(&self, image: &DepthImage, axis: &Axis) -> Option<f64> {
         let [near, far] = self.camera.range_mm;
         let first = self.camera.pixel(self.place(axis, near))?;
@@ -175,13 +181,13 @@ impl RopeDepth {
     }
 }
 
-/// A way along a ray, from near to far.
+/// A walk along a ray, from near to far.
 struct Walk<'a> {
     image: &'a DepthImage<'a>,
     camera: &'a DepthCamera,
     /// The ray in the depth camera's frame.
     turned: [f64; 3],
-    /// The inverse depth that it begins at, and how much less that is from one place to the next, 1/mm; and how many of these steps it takes.
+    /// Inverse depth at the start, its decrease per step, 1/mm, and the number of steps.
     nearest: f64,
     step: f64,
     last: usize,
@@ -190,7 +196,7 @@ struct Walk<'a> {
 impl WithSimd for Walk<'_> {
     type Output = Option<f32>;
 
-    /// What is measured at the first place where that is where the ray is.
+    /// Returns the depth measured at the first place where it agrees with the ray.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Option<f32> {
         let camera = self.camera;
@@ -218,7 +224,7 @@ impl WithSimd for Walk<'_> {
         let none = Floats::splat(simd, NONE);
         let places = Places::new(simd, self.image);
         for from in (0..=self.last).step_by(LANES) {
-            // The places and what is measured there, times the inverse depth.
+            // The places and the measured depths, multiplied by the inverse depth.
             let begin = self.nearest - from as f64 * self.step;
             let inverse = Floats::splat(simd, begin as f32) - lanes * step;
             let z = z + inverse * ahead;
@@ -232,7 +238,7 @@ impl WithSimd for Walk<'_> {
             let rows = Floats::of(simd, &rows).rounded();
             let measured = places.read(places.starts(columns, rows));
             let there = measured * inverse;
-            // Of one step a ray looks along all its depths where it is a point in the image.
+            // With a single step, the ray is a point in the image, which covers all of its depths.
             let reach = match self.last {
                 1 => far * inverse * inverse,
                 _ => Floats::splat(simd, 0.75) * step,

@@ -1,16 +1,17 @@
-//! Vectors of floats with the signs that numbers have.
+//! Vectors of floats with arithmetic operators.
 //!
-//! All is inlined by force, and closures over vectors are avoided: what is not inlined is not compiled for the machine's registers.
+//! All functions are force-inlined, and closures over vectors are avoided. A function that is not
+//! inlined is not compiled for the machine's vector registers.
 
 use lariat_portable::Simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// As many floats are in a vector.
+/// Number of floats in a vector.
 pub(super) const LANES: usize = 16;
 /// A float in each lane.
 pub(super) type Lanes = [f32; LANES];
 
-/// A vector.
+/// A vector of floats.
 #[derive(Clone, Copy)]
 pub(super) struct Floats<S: Simd> {
     simd: S,
@@ -18,21 +19,21 @@ pub(super) struct Floats<S: Simd> {
 }
 
 impl<S: Simd> Floats<S> {
-    /// The number in every lane.
+    /// Creates a vector with the number in every lane.
     #[inline(always)]
     pub(super) fn splat(simd: S, number: f32) -> Self {
         let lanes = simd.splat_f32s(number);
         Self { simd, lanes }
     }
 
-    /// The first of these numbers, as many as there are lanes.
+    /// Loads the first numbers of a slice, one per lane.
     #[inline(always)]
     pub(super) fn of(simd: S, numbers: &[f32]) -> Self {
         let lanes = S::as_simd_f32s(numbers).0[0];
         Self { simd, lanes }
     }
 
-    /// The number of each lane.
+    /// Returns the number in each lane.
     #[inline(always)]
     pub(super) fn lanes(self) -> Lanes {
         let mut lanes = [0.0; LANES];
@@ -60,14 +61,14 @@ impl<S: Simd> Floats<S> {
         self.with(self.simd.max_f32s(self.lanes, other.lanes))
     }
 
-    /// Itself where `a < b`, elsewhere `other`.
+    /// Selects `self` where `a < b`, and `other` elsewhere.
     #[inline(always)]
     pub(super) fn where_less(self, a: Self, b: Self, other: Self) -> Self {
         let is_less = self.simd.less_than_f32s(a.lanes, b.lanes);
         self.with(self.simd.select_f32s(is_less, self.lanes, other.lanes))
     }
 
-    /// The whole numbers nearest to these, of below 4 million in size.
+    /// Rounds to the nearest integers, for absolute values below 4 million.
     #[inline(always)]
     pub(super) fn rounded(self) -> Self {
         let rounding = Self::splat(self.simd, 12_582_912.0);

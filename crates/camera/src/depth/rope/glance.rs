@@ -1,4 +1,4 @@
-//! Three pixels of each section: how far ahead the axis is, roughly.
+//! Estimates the axis of each section roughly, from three pixels.
 
 use super::STEEPEST;
 use super::floats::{Floats, LANES};
@@ -8,10 +8,10 @@ use super::sections::Sections;
 use crate::depth::image::DepthImage;
 use lariat_portable::{Simd, WithSimd};
 
-/// Farther ahead than anything: what a pixel says that does not count.
+/// Value of a pixel that does not count: farther ahead than anything.
 const NOTHING: f32 = f32::INFINITY;
 
-/// A glance at some sections.
+/// Rough reading of some sections.
 pub(super) struct Glance<'a> {
     pub(super) image: &'a DepthImage<'a>,
     pub(super) sections: &'a Sections,
@@ -20,7 +20,7 @@ pub(super) struct Glance<'a> {
 impl WithSimd for Glance<'_> {
     type Output = [Option<Found>; LANES];
 
-    /// How far ahead the axis is by the median of three pixels across.
+    /// Returns the distance ahead of the axis, from the median of three pixels across it.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let [left, middle, right] = [
@@ -30,7 +30,7 @@ impl WithSimd for Glance<'_> {
         ];
         let (least, most) = (left.min(middle), left.max(middle));
         let (first, second) = (least.min(right), least.max(most.min(right)));
-        // Of two the farther one.
+        // Selects the farther one of two pixels.
         let nothing = Floats::splat(simd, NOTHING);
         let ahead = second.where_less(second, nothing, first).lanes();
         let mut found = [None; LANES];
@@ -48,7 +48,8 @@ impl WithSimd for Glance<'_> {
 }
 
 impl Glance<'_> {
-    /// How far ahead the axis of each section is by the pixel so far beside its middle, px; `NOTHING` where that does not count.
+    /// Distance ahead of each section's axis, by the pixel `across` px to the side of its middle.
+    /// `NOTHING` if that does not count.
     #[inline(always)]
     fn axis_by_pixels<S: Simd>(&self, simd: S, across: f32) -> Floats<S> {
         let of = self.sections;

@@ -1,6 +1,7 @@
-//! All of a section's inside, read at places of a fixed pattern: what it says of the axis.
+//! Estimates the axis of each section from its whole inside, read at a fixed pattern of places.
 //!
-//! In a vector are as many sections as there are lanes, and the places come one after another: nothing is summed across lanes.
+//! A vector has one section per lane, and the places are processed one after another. Nothing is
+//! summed across lanes.
 
 use super::floats::{Floats, LANES, Lanes};
 use super::places::Places;
@@ -8,11 +9,12 @@ use super::sections::Sections;
 use crate::depth::image::DepthImage;
 use lariat_portable::{Simd, WithSimd};
 
-/// Places in a section where its pixels are read.
+/// Number of places in a section where pixels are read.
 const SAMPLES: usize = 32;
-/// The share of them that fall on a pixel of their own, at most.
+/// Maximum share of the places that read a pixel of their own.
 const READ_ONCE: f32 = 0.75;
-/// Where they are, -1 to 1: a lattice of Fibonacci's, without rows that would fall into step with those of the image.
+/// Coordinates of the places, -1 to 1. They are a Fibonacci lattice, which has no rows that could
+/// align with those of the image.
 const ALONG: [f32; SAMPLES] = {
     let mut places = [0.0; SAMPLES];
     let mut k = 0;
@@ -32,29 +34,29 @@ const ACROSS: [f32; SAMPLES] = {
     }
     places
 };
-/// Of the radius: how much of it is taken for wrong, as widths are.
+/// Assumed relative error of the radius, since widths have errors.
 const RADIUS_ERROR: f32 = 0.02;
-/// What is this many standard deviations from the mean is another thing.
+/// A value this many standard deviations from the mean belongs to another object.
 const STRAY: f32 = 2.5;
 
-/// Farther off than anything: what a pixel says that does not count.
+/// Value of a pixel that does not count: farther off than anything.
 const NOTHING: f32 = 1e9;
 
-/// What is read of an axis.
+/// Estimate of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
-    /// How far ahead of the depth camera it is, and the variance of that.
+    /// Distance ahead of the depth camera, and its variance.
     pub(super) ahead: f64,
     pub(super) variance: f64,
-    /// How far beside the middle of what is seen of the rope it is, of the rope's half width.
+    /// Distance of the axis from the middle of the visible rope, in half widths of the rope.
     pub(super) beside: f64,
 }
 
-/// All of some sections' insides.
+/// Full reading of some sections.
 pub(super) struct InsideSampler<'a> {
     pub(super) image: &'a DepthImage<'a>,
     pub(super) sections: &'a Sections,
-    /// Room.
+    /// Working memory.
     pub(super) pixels: &'a mut Pixels,
 }
 
@@ -69,7 +71,8 @@ impl WithSimd for InsideSampler<'_> {
 }
 
 impl InsideSampler<'_> {
-    /// Reads the pixels. First all of them, as what is read one by one can be taken up together only a while later.
+    /// Reads all pixels before they are used, because numbers that are stored one by one can be
+    /// loaded as a vector only some time later.
     #[inline(always)]
     fn read<S: Simd>(&mut self, simd: S) {
         let of = self.sections;
@@ -96,7 +99,7 @@ impl InsideSampler<'_> {
             let on = x * along_x + y * along_y;
             let from_axis = beside * per_px;
             let rise = (squared_radius - from_axis * from_axis).max(zero).sqrt();
-            // Of a narrow section the places fall on pixels beside it, too, which do not count.
+            // In a narrow section, some places fall on pixels next to it, which do not count.
             let starts = places.starts(column, row);
             let starts = starts.where_less(beside.abs(), inner, nowhere);
             let farther = rise * per_sine - (slope * on + tilt * beside);
@@ -107,7 +110,7 @@ impl InsideSampler<'_> {
         self.image.read(&to.starts, &mut to.off);
     }
 
-    /// What the pixels say of the axes.
+    /// Estimates the axes from the pixels.
     #[inline(always)]
     fn look<S: Simd>(&mut self, simd: S) -> [Option<Found>; LANES] {
         let of = self.sections;
@@ -129,7 +132,7 @@ impl InsideSampler<'_> {
         }
         let pixels = &*self.pixels;
         let all = sum / in_reach;
-        // What is behind an edge takes the first mean with it, and is left out then.
+        // Pixels behind an edge shift the first mean, and are left out of the next.
         let [count, sum] = pixels.sum(simd, all, stray);
         let near = all + (sum / count).where_less(zero, count, zero);
         let mut near = pixels.mean(simd, near, stray);
@@ -167,16 +170,18 @@ impl InsideSampler<'_> {
     }
 }
 
-/// The pixels of some sections, a place of all of them after the other.
+/// The pixels of some sections: for each place, those of all sections.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pixels {
-    /// Where they begin in the image.
+    /// Their offsets in the image.
     starts: [[u32; LANES]; SAMPLES],
-    /// How far beside the axis they are, px.
+    /// Their distances to the side of the axis, px.
     beside: [Lanes; SAMPLES],
-    /// How much farther ahead than what is measured there the axis is at the section's point, mm.
+    /// Excess of the axis's distance ahead, at the section's point, over the depth measured there,
+    /// mm.
     farther: [Lanes; SAMPLES],
-    /// What is measured there, mm; then by that how much farther ahead than it was taken for the axis is, or `NOTHING`.
+    /// The measured depth, mm; later how much farther ahead the axis is than was assumed, or
+    /// `NOTHING`.
     off: [Lanes; SAMPLES],
 }
 
@@ -188,7 +193,8 @@ impl Pixels {
         off: [[0.0; LANES]; SAMPLES],
     };
 
-    /// How many are nearer than `gate` to `about`, and the sum of their distances from it.
+    /// Returns the number of values closer than `gate` to `about`, and the sum of their differences
+    /// from it.
     #[inline(always)]
     fn sum<S: Simd>(&self, simd: S, about: Floats<S>, gate: Floats<S>) -> [Floats<S>; 2] {
         let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
@@ -201,7 +207,7 @@ impl Pixels {
         [count, sum]
     }
 
-    /// Their mean, and what else is known of it.
+    /// Computes the mean of these values, and its statistics.
     #[inline(always)]
     fn mean<S: Simd>(&self, simd: S, about: Floats<S>, gate: Floats<S>) -> Mean<S> {
         let (zero, one) = (Floats::splat(simd, 0.0), Floats::splat(simd, 1.0));
@@ -223,7 +229,8 @@ impl Pixels {
     }
 }
 
-/// The mean of so many numbers, the sum of the squares of their distances from it, and the mean of how far beside the axis they are.
+/// Mean of `count` numbers, the sum of the squared differences from it, and their mean distance to
+/// the side of the axis.
 #[derive(Clone, Copy)]
 struct Mean<S: Simd> {
     count: Floats<S>,
@@ -233,7 +240,7 @@ struct Mean<S: Simd> {
 }
 
 impl<S: Simd> Mean<S> {
-    /// Another where this is of nothing.
+    /// Uses another mean where this one is empty.
     #[inline(always)]
     fn or(self, simd: S, other: Self) -> Self {
         let zero = Floats::splat(simd, 0.0);

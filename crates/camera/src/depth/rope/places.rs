@@ -1,15 +1,15 @@
-//! Places in a depth image, as many as there are floats in a vector.
+//! Places in a depth image, one per vector lane.
 
 use super::floats::{Floats, LANES};
 use crate::depth::image::{DepthImage, NOWHERE};
 use lariat_portable::Simd;
 
-/// Where the pixels of a depth image are.
+/// Locates and reads the pixels of a depth image.
 #[derive(Clone, Copy)]
 pub(super) struct Places<'a, S: Simd> {
     simd: S,
     image: &'a DepthImage<'a>,
-    /// The image's middle, and half of its sides.
+    /// The image's center, and half of its size.
     middle: [Floats<S>; 2],
     half: [Floats<S>; 2],
 }
@@ -33,7 +33,8 @@ impl<'a, S: Simd> Places<'a, S> {
         }
     }
 
-    /// Where the pixels of these columns and rows, whole numbers, begin; nowhere outside of the image.
+    /// Returns the offsets of pixels with these integer columns and rows; `nowhere` outside of the
+    /// image.
     #[inline(always)]
     pub(super) fn starts(self, column: Floats<S>, row: Floats<S>) -> Floats<S> {
         let starts = self.image.starts(&column.lanes(), &row.lanes());
@@ -43,13 +44,13 @@ impl<'a, S: Simd> Places<'a, S> {
         starts.where_less((row - self.middle[1]).abs(), self.half[1], nowhere)
     }
 
-    /// Where nothing begins.
+    /// The offset of no pixel.
     #[inline(always)]
     pub(super) fn nowhere(simd: S) -> Floats<S> {
         Floats::splat(simd, f32::from_bits(NOWHERE))
     }
 
-    /// Reads the pixels that begin there, mm; 0 where that is not known.
+    /// Reads the pixels at these offsets, in mm; 0 if unknown.
     #[inline(always)]
     pub(super) fn read(self, starts: Floats<S>) -> Floats<S> {
         let mut read = [[0.0; LANES]];

@@ -1,6 +1,7 @@
-//! What a depth image says of a rope's axis, section by section.
+//! Reads a rope's axis from a depth image, section by section.
 //!
-//! A section is the stretch of the rope around every second of its points. Its inner width is read at places of a fixed pattern.
+//! A section is the part of the rope around every second of its points. Its inner width is read at
+//! a fixed pattern of places.
 
 use super::floats::LANES;
 use super::glance::Glance;
@@ -9,27 +10,28 @@ use super::sections::{Outline, Sections};
 use super::{DepthImage, RopeDepth, SeenRope};
 use std::ops::Range;
 
-/// Points between sections: those between have the depth of their neighbors' curve.
+/// Number of points from one section to the next. Points in between get the depth of their
+/// neighbors' curve.
 pub(super) const SECTION_STEP: usize = 2;
 
-/// How closely a depth image is looked at.
+/// How thoroughly to read a depth image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sampling {
-    /// A few pixels at each section, wherever they are within reach.
+    /// A few pixels of each section, which count at any depth within reach.
     Glance,
-    /// All of the rope's inside.
+    /// The whole inside of the rope.
     Whole,
 }
 
 impl RopeDepth {
-    /// Divides a rope into sections: around every second point, and the last.
+    /// Divides a rope into sections: around every second point, and around the last.
     pub(super) fn divide(&mut self, rope: &SeenRope) {
         let last = self.axes.len() - 1;
         self.sections.clear();
         self.sections.extend((0..last).step_by(SECTION_STEP));
         self.sections.push(last);
         self.course.begin(self.sections.len(), rope.closed);
-        // Where the next point is hidden, what covers it may reach on.
+        // Next to a hidden point, its cover may extend further.
         let share = |hidden: bool| if hidden { 0.25 } else { 0.5 };
         for (k, &i) in self.sections.iter().enumerate() {
             let before = if i == 0 { last } else { i - 1 };
@@ -39,7 +41,7 @@ impl RopeDepth {
         }
     }
 
-    /// Reads the depth image at each section, where it is known roughly.
+    /// Reads the depth image at each section, whose depth is roughly known.
     pub(super) fn read(&mut self, image: &DepthImage, rope: &SeenRope, reading: Sampling) {
         let count = self.sections.len();
         for k in 0..count {
@@ -50,7 +52,7 @@ impl RopeDepth {
         }
     }
 
-    /// Reads those where nothing was found again, from where the rope goes on to from those beside them.
+    /// Reads sections without a result again, at the depth that their neighbors extrapolate to.
     pub(super) fn read_again(&mut self, image: &DepthImage, rope: &SeenRope) {
         let count = self.sections.len();
         for k in 2..count {
@@ -61,7 +63,7 @@ impl RopeDepth {
         }
     }
 
-    /// Reads the third of four sections that go on from each other, if the first two are known and it is not.
+    /// Reads the third of four consecutive sections, if the first two are measured and it is not.
     fn go_on(&mut self, image: &DepthImage, rope: &SeenRope, four: [usize; 4]) {
         let third = self.sections[four[2]];
         if self.axes[third].is_measured || rope.hidden[third] {
@@ -84,12 +86,12 @@ impl RopeDepth {
         self.read_sections(image, rope, four[2]..four[2] + 1, Sampling::Whole);
     }
 
-    /// Sets the `k`-th section out as its depth is.
+    /// Places the `k`-th section at its depth.
     fn set_out(&mut self, rope: &SeenRope, k: usize) {
         let i = self.sections[k];
         let axis = &self.axes[i];
         let place = self.place(axis, axis.depth);
-        // Outside of its image nothing is read.
+        // Nothing is read outside of the image.
         let at = self.camera.pixel(place).unwrap_or([-1e6; 2]);
         let radius = if rope.hidden[i] {
             0.0
@@ -132,7 +134,7 @@ impl RopeDepth {
         }
     }
 
-    /// How some sections are read.
+    /// Determines how to read some sections.
     fn lay_out(&self, image: &DepthImage, rope: &SeenRope, which: Range<usize>) -> Sections {
         let (first, last) = (which.start, which.end - 1);
         let mut sections = self.arch.dispatch(Outline {
@@ -142,7 +144,7 @@ impl RopeDepth {
             noise: self.camera.noise as f32,
             rounding_mm: image.rounding_mm() as f32,
         });
-        // At a tip only the rope's side is read.
+        // At a tip, only the side toward the rope is read.
         if !rope.closed && first == 0 {
             sections.ends[0][0] = 0.5;
             sections.ends[1][0] += 1.0;

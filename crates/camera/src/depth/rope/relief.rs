@@ -1,19 +1,22 @@
 //! A test for depth images that do not show the rope.
 //!
-//! A depth camera may miss a cable that is black, shiny or thin, and a depth image of another moment lacks it. The depths along the
-//! centerline are those of the table then. A rope that is shown stands out: its neighborhood lies behind its axis, or, of a cable in a
-//! groove, well before its surface. The table alone lies one radius before the axis that is computed from it.
+//! A depth camera may miss a cable that is black, shiny or thin, and a depth image of another
+//! moment may lack it. The depths along the centerline are then those of the table. A visible rope
+//! stands out: its surroundings are behind its axis or, for a cable in a groove, well in front of
+//! its surface. If only the table is visible, it is one radius in front of the axis that is
+//! computed from it.
 
 use super::{DepthImage, RopeDepth, SeenRope};
 
-/// Distances from the axis, in half widths: beyond the rope itself, and beyond a neighbor that touches it. And pixels more, as those at an
-/// edge see both of its sides.
+/// Distances from the axis, in half widths: beyond the rope itself, and beyond a neighbor that
+/// touches it. `EDGE_PX` is added, because pixels at an edge see both of its sides.
 const BESIDE: [f64; 2] = [2.0, 4.0];
 const EDGE_PX: f64 = 2.0;
-/// The table alone lies between these two, in radii behind the axis: the middle between a rope's surface and half a radius before it,
-/// and the middle to a rope that lies on it.
+/// If only the table is visible, its distance behind the axis is between these, in radii. Ideally
+/// it is −1. The lower limit is half a radius in front of that. The upper limit is midway to 1, the
+/// distance of a table under a rope that is visible.
 const FLAT: [f64; 2] = [-1.5, 0.0];
-/// A median of fewer says little.
+/// Minimum number of values for a meaningful median.
 const LEAST: usize = 8;
 
 impl RopeDepth {
@@ -35,8 +38,8 @@ impl RopeDepth {
         is_flat
     }
 
-    /// The distance from the `k`-th section's axis back to the farther of two pairs of places next to the rope, in radii. The mean of a pair
-    /// cancels the slant of the table.
+    /// Distance from the `k`-th section's axis back to the farther of two pairs of places next to
+    /// the rope, in radii. The mean of a pair cancels the slope of the table.
     fn relief(&self, image: &DepthImage, k: usize) -> Option<f64> {
         let pixel = |k: usize| {
             let axis = &self.axes[self.sections[k]];

@@ -1,39 +1,43 @@
-//! Sections of a rope in the depth image, as many at a time as there are floats in a vector: how each is read.
+//! Sections of a rope in the depth image, one per vector lane, and how to read each.
 
 use super::floats::{Floats, LANES, Lanes};
 use lariat_portable::{Simd, WithSimd};
 use std::ops::{Mul, Range, Sub};
 
-/// Of a rope's half width, how much is read; and an edge's pixels, which see both sides of it, px.
+/// Share of a rope's half width that is read; and width of an edge's pixels, which see both of its
+/// sides, px.
 const INNER: f32 = 0.8;
 const EDGE_PX: f32 = 0.8;
-/// Where no more than this is left to each side of the axis, px, pixels are told one by one whether they lie on the rope: by how far they
-/// reach to its side, as they lie to it, and by how far its axis may be off.
+/// If no more than this is left on each side of the axis, px, each pixel is tested for being on the
+/// rope. The test takes into account its extent toward the rope's side and the error of the axis
+/// (`AXIS_OFF_PX`).
 const NARROW_PX: f32 = 0.5;
 const AXIS_OFF_PX: f32 = 0.1;
-/// Where less than this is left, next to no pixel lies on the rope as a whole: it is not read.
+/// If less than this is left, px, almost no pixel is entirely on the rope, and the section is not
+/// read.
 const LEAST_PX: f32 = 0.1;
-/// A section is no longer than this to each side of its point, in the rope's half widths: as far as it is straight.
+/// Maximum extent of a section on each side of its point, in half widths of the rope: the length
+/// over which the rope is straight.
 const LONGEST: f32 = 1.5;
 
-/// The sections of a rope as they are set out, in order, each around a point of the rope. Of their points there is one more before the first and
-/// after the last: of a closed rope the last and the first, otherwise these themselves. Behind all there is room, so that a vector can be
-/// taken from any of them on.
+/// The sections of a rope in order, each around one of its points. There is one more point before
+/// the first and after the last: for a closed rope the last and the first, otherwise copies of
+/// these. Padding at the end lets a vector start at any section.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Course {
-    /// Where their points are in the depth image, px, and in the depth camera's frame, mm.
+    /// Positions of the points in the depth image, px, and in the depth camera's frame, mm.
     at: [Vec<f32>; 2],
     place: [Vec<f32>; 3],
-    /// The rope's radius there, mm; 0 where it is hidden.
+    /// Radius of the rope at each section, mm; 0 where it is hidden.
     radius: Vec<f32>,
-    /// The share of the way to the point before, and to the one after, that is theirs.
+    /// Shares of the ways to the previous and to the next point that belong to a section.
     share: [Vec<f32>; 2],
     count: usize,
     closed: bool,
 }
 
 impl Course {
-    /// Begins with so many sections, none of which is set out.
+    /// Prepares `count` sections that are not placed yet.
     pub(super) fn begin(&mut self, count: usize, closed: bool) {
         (self.count, self.closed) = (count, closed);
         let numbers = self
@@ -46,12 +50,12 @@ impl Course {
         }
     }
 
-    /// The shares that are the `k`-th section's.
+    /// Sets the shares of the `k`-th section.
     pub(super) fn share(&mut self, k: usize, share: [f32; 2]) {
         (self.share[0][k], self.share[1][k]) = (share[0], share[1]);
     }
 
-    /// Sets the `k`-th section out.
+    /// Places the `k`-th section.
     pub(super) fn set_out(&mut self, k: usize, at: [f64; 2], place: [f64; 3], radius: f64) {
         let last = self.count - 1;
         self.put(k + 1, at, place);
@@ -74,38 +78,40 @@ impl Course {
     }
 }
 
-/// Some sections of a course: how they are to be read.
+/// Computes how to read some sections of a course.
 pub(super) struct Outline<'a> {
     pub(super) course: &'a Course,
-    /// Up to as many as there are lanes.
+    /// At most as many as there are lanes.
     pub(super) which: Range<usize>,
-    /// The depth camera's focal length, px, the standard deviation of a depth z by z², 1/mm, and that of its whole numbers, mm.
+    /// The depth camera's focal length, px; the standard deviation of a depth z, divided by z²,
+    /// 1/mm; and that of rounding to integers, mm.
     pub(super) focal_px: f32,
     pub(super) noise: f32,
     pub(super) rounding_mm: f32,
 }
 
-/// How sections are read.
+/// How to read sections.
 pub(super) struct Sections {
-    /// Where their points are, and how far ahead of the depth camera.
+    /// Positions of their points, px, and distances ahead of the depth camera, mm.
     pub(super) at: [Lanes; 2],
     pub(super) ahead: Lanes,
-    /// The way along the rope, of length 1; and how much farther ahead it is for each pixel along, and its side for each beside.
+    /// Unit direction along the rope; and increase in distance ahead per pixel along the rope, and
+    /// of its side per pixel across.
     pub(super) along: [Lanes; 2],
     pub(super) slope: Lanes,
     pub(super) tilt: Lanes,
-    /// From where to where along it, and how far beside, they are read, px; of those that go nowhere in the depth image, or are too thin
-    /// there, nothing.
+    /// Extent along the rope and to each side that is read, px. `inner` is 0 for sections that are
+    /// too thin or lack a direction in the depth image.
     pub(super) ends: [Lanes; 2],
     pub(super) inner: Lanes,
     pub(super) mm_per_px: Lanes,
-    /// How far beside its axis a ray passes for each pixel beside.
+    /// Distance at which a ray passes the axis, per pixel to the side.
     pub(super) beside_per_px: Lanes,
-    /// The rope's, mm.
+    /// Radius of the rope, mm.
     pub(super) radius: Lanes,
-    /// How far beside the axis a ray gets, for each millimetre ahead.
+    /// Distance from the axis that a ray gains per millimeter ahead.
     pub(super) sine: Lanes,
-    /// The standard deviation of a pixel, mm.
+    /// Standard deviation of a pixel, mm.
     pub(super) sigma: Lanes,
 }
 
@@ -118,7 +124,7 @@ impl WithSimd for Outline<'_> {
         let course = self.course;
         let [x_before, x, x_after] = around(simd, &course.at[0][first..]);
         let [y_before, y, y_after] = around(simd, &course.at[1][first..]);
-        // Those beyond are not read.
+        // Sections outside of `which` are not read.
         let mut radius = [0.0; LANES];
         radius[..self.which.len()].copy_from_slice(&course.radius[self.which]);
         let (way_x, way_y) = (x_after - x_before, y_after - y_before);
@@ -153,7 +159,7 @@ impl WithSimd for Outline<'_> {
         let (on_x, on_y) = (x_after - x, y_after - y);
         let on = (on_x * on_x + on_y * on_y).sqrt() * Floats::of(simd, &course.share[1][first..]);
 
-        // The ray, the rope, and what is square to both; then square to that and the rope.
+        // The ray, the rope, and the normal of both; then the normal of that and the rope.
         let ray = place * per_ahead;
         let rope = way * (one / way.length());
         let normal = ray.cross(rope);
@@ -180,7 +186,7 @@ impl WithSimd for Outline<'_> {
     }
 }
 
-/// Those before, these, and those after.
+/// Returns the previous numbers, these, and the next.
 #[inline(always)]
 fn around<S: Simd>(simd: S, numbers: &[f32]) -> [Floats<S>; 3] {
     [
@@ -190,7 +196,7 @@ fn around<S: Simd>(simd: S, numbers: &[f32]) -> [Floats<S>; 3] {
     ]
 }
 
-/// A vector in space for each lane.
+/// A 3-D vector for each lane.
 #[derive(Clone, Copy)]
 struct Vector<S: Simd> {
     x: Floats<S>,
@@ -199,7 +205,7 @@ struct Vector<S: Simd> {
 }
 
 impl<S: Simd> Vector<S> {
-    /// Those from the `first` one on.
+    /// Loads the vectors from the `first` one on.
     #[inline(always)]
     fn of(simd: S, [x, y, z]: &[Vec<f32>; 3], first: usize) -> Self {
         Self {

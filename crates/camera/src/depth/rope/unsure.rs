@@ -1,18 +1,19 @@
-//! How sure depths are, and those between that were not measured.
+//! Variances of depths, and depths of points that were not measured.
 
 use super::{RopeDepth, length};
 
-/// So many third differences are needed to judge noise by; their median is this where they are normal, of variance 1; and noise is taken for
-/// at most so many times what the sensor's model says.
+/// Minimum number of third differences for an estimate of noise; median of their absolute values if
+/// they are normal with variance 1; and maximum ratio of noise to the sensor's model.
 const LEAST_TO_DOUBT: usize = 10;
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 const MOST_DOUBT: f64 = 8.0;
-/// How far off depth may be, in mm, for each mm from where it was measured last.
+/// Error of a bridged depth, in mm per mm from the last measured point.
 const ASTRAY: f64 = 0.12;
 
 impl RopeDepth {
-    /// Raises the variances to what third differences along the rope show: the noise of a depth image's neighbors is not
-    /// independent, and no model says by how much. A rope's own shape has next to none.
+    /// Raises the variances to what third differences along the rope show. The noise of neighboring
+    /// pixels is correlated, to a degree that no model gives. A rope's own shape has almost no
+    /// third differences.
     pub(super) fn doubt(&mut self) {
         self.row.clear();
         for four in self.sections.windows(4) {
@@ -35,7 +36,8 @@ impl RopeDepth {
         }
     }
 
-    /// Depth where it was not measured: straight between, and on from, where it was.
+    /// Fills in depths that were not measured: linearly between measured points, and constant
+    /// beyond them.
     pub(super) fn bridge(&mut self) {
         let count = self.axes.len();
         let mut i = 0;
@@ -73,7 +75,7 @@ impl RopeDepth {
         }
     }
 
-    /// How far point `k` is aside of the `from`-th, mm.
+    /// Lateral distance between point `k` and point `from`, mm.
     fn aside(&self, from: usize, k: usize) -> f64 {
         let [a, b] = [self.sights[from].ray, self.sights[k].ray];
         length(a[0] - b[0], a[1] - b[1]) * self.axes[from].depth

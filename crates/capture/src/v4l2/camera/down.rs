@@ -1,4 +1,4 @@
-//! While it is down: started again, or waited for.
+//! Handles a camera that is down: starts it again, or waits for it.
 
 use std::os::fd::AsFd;
 
@@ -6,11 +6,11 @@ use super::*;
 use crate::v4l2::error::CameraError;
 use crate::v4l2::stream::NotStarted;
 
-/// Failures to start in a row after which the device is reopened.
+/// Number of consecutive failures to start after which the device is reopened.
 const FAILURES_BEFORE_REOPENING: u32 = 3;
 
 impl<P: Port> Camera<P> {
-    /// It streams no more. Returns nothing: ask again.
+    /// Handles the end of the stream. Returns `None`, so that the caller asks again.
     pub(super) fn fall(&mut self, (call, errno): Failure) -> Option<Next> {
         let now_ns = now_ns();
         let State::Streaming(stream) = std::mem::replace(&mut self.state, State::Gone) else {
@@ -33,10 +33,10 @@ impl<P: Port> Camera<P> {
         None
     }
 
-    /// Starts it, or waits until it can be tried. None: ask again.
+    /// Starts the camera, or waits until it can be tried. `None` means to ask again.
     ///
     /// # Errors
-    /// It cannot be started, and never could.
+    /// The camera cannot be started and has never shown a frame.
     pub(super) fn rise(&mut self, until: &Until) -> Result<Option<Next>, SourceError> {
         let now_ns = now_ns();
         let at_ns = self.recovery.at_ns();
@@ -70,7 +70,7 @@ impl<P: Port> Camera<P> {
         self.sequence.restart();
         self.stamper.start(now_ns);
         self.refused = None;
-        // Without a slot there is nothing to lend.
+        // Without slots there is nothing to lend to the driver.
         if self.slots.is_empty() && self.memory == Memory::Lent {
             self.memory = Memory::Mapped;
         }
@@ -91,7 +91,7 @@ impl<P: Port> Camera<P> {
             driver,
         } = failed;
         if self.memory == Memory::Lent && self.may_map && !self.has_shown {
-            // The driver does not take memory of others, or not of this kind.
+            // The driver does not accept memory of others, or not of this kind.
             self.memory = Memory::Mapped;
         } else if !self.has_shown {
             return Err(self.port.refusal(call, errno).into());
@@ -123,7 +123,8 @@ impl<P: Port> Camera<P> {
             }
             Err(error) => {
                 self.recovery.failed(now_ns);
-                // The first time, as it may be the remedy: another program has it now, say.
+                // Reported once, because it may suggest a remedy: another program may use the
+                // camera.
                 if !matches!(error, CameraError::Absent { .. } | CameraError::Gone { .. })
                     && self.recovery.failures() == FAILURES_BEFORE_REOPENING
                 {
@@ -133,7 +134,7 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// How frames come, as a sentence.
+    /// Describes how frames are transferred, as a sentence.
     fn how(&self, stream: &Stream<P::Driver>) -> String {
         let Shape { stride, .. } = self.shape;
         let rows = match self.shape.encoding {

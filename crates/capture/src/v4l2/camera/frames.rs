@@ -1,16 +1,16 @@
-//! While it streams: the next frame from the driver, or word that there is none.
+//! Handles a camera that streams: takes the next frame from the driver, or yields a blank one.
 
 use super::*;
 use crate::v4l2::driver::Filled;
 use crate::v4l2::stamp::Doubt;
 
-/// So long after the first frame the automatics have found their values.
+/// Time that automatic controls take to settle after the first frame.
 const SETTLED_NS: u64 = 1_000_000_000;
-/// So often an exposure time is read that makes a difference: a camera that exposes by itself moves it slowly.
+/// Interval at which a relevant exposure time is read. Automatic exposure changes it slowly.
 const EXPOSURE_NS: u64 = 1_000_000_000;
 
 impl<P: Port> Camera<P> {
-    /// Waits for the driver's next frame. None: ask again.
+    /// Waits for the driver's next frame. `None` means to ask again.
     pub(super) fn take(&mut self, until: &Until) -> Option<Next> {
         if let Some(failure) = self.refused.take() {
             self.fall(failure);
@@ -27,16 +27,16 @@ impl<P: Port> Camera<P> {
             Woken::Ready(events) => match stream.dequeue() {
                 Ok(filled) => self.filled(&filled, now_ns()),
                 Err(Errno::AGAIN) if !events.intersects(PollFlags::ERR | PollFlags::HUP) => None,
-                // An error without a word is a fatal one.
+                // An error without a code is fatal.
                 Err(Errno::AGAIN) => self.fall(("poll", Errno::IO)),
                 Err(errno) => self.fall(("VIDIOC_DQBUF", errno)),
             },
         }
     }
 
-    /// Makes a frame of what the driver has filled.
+    /// Makes a frame from a filled buffer.
     fn filled(&mut self, filled: &Filled, now_ns: u64) -> Option<Next> {
-        // Frames that cannot be used have numbers too: they are gaps then.
+        // Frames that cannot be used also have numbers, which become gaps.
         let sequence = self.sequence.of(filled.sequence);
         let is_short = filled.bytes < self.shape.least_bytes();
         if filled.is_damaged || is_short {
@@ -96,7 +96,8 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// Copies or decodes a frame from the driver's memory into a lent slot, or where it is kept. Whether it is one.
+    /// Copies or decodes a frame from the driver's memory into a lent slot or the spare buffer.
+    /// Returns whether that worked.
     fn read(&mut self, filled: &Filled, frame: &mut Frame, now_ns: u64) -> bool {
         let State::Streaming(stream) = &self.state else {
             return false;
@@ -134,7 +135,7 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// Has the driver fill a buffer again.
+    /// Queues a buffer again.
     fn requeue(&mut self, filled: &Filled) -> Option<Next> {
         if let State::Streaming(stream) = &mut self.state
             && let Err(failure) = stream.requeue(filled)
@@ -144,7 +145,7 @@ impl<P: Port> Camera<P> {
         None
     }
 
-    /// What is done when a frame has come: it is no hurry.
+    /// Work after a frame that is not urgent.
     fn after_frame(&mut self, filled: &Filled, now_ns: u64) {
         if let Some(pause_ns) = self.silence.end(now_ns) {
             self.told.news(&format!(
@@ -180,7 +181,7 @@ impl<P: Port> Camera<P> {
         }
     }
 
-    /// Says that there is no image, if it is time.
+    /// Yields a blank frame if one is due.
     pub(super) fn blank_if_due(&mut self, now_ns: u64) -> Option<Next> {
         let silent = self.silence.due(now_ns)?;
         if let Some(silent_ns) = silent.report_ns {
@@ -189,13 +190,13 @@ impl<P: Port> Camera<P> {
                 silent_ns / 1_000_000
             ));
         }
-        // Before the first frame nobody has a rope to lose.
+        // Before the first frame, no rope can be lost.
         let number = self.has_shown.then(|| self.sequence.own())?;
         Some(Next::Frame(Frame::blank(number, now_ns)))
     }
 }
 
-/// The beginning of a sentence.
+/// Start of a sentence about lost frames.
 fn lost(new: u64, total: u64) -> String {
     let frames = if new == 1 {
         "a frame was".to_owned()

@@ -1,4 +1,4 @@
-//! A camera through what happens to it.
+//! Tests how a camera recovers from errors.
 
 mod fake;
 
@@ -50,7 +50,7 @@ fn what_does_not_take_memory_is_copied_from() {
 
 #[test]
 fn frames_in_limited_range_are_expanded_wherever_they_are() {
-    // (100 − 16) · 255 / 219 ≈ 98, and 77, which the fake's own memory holds, is 71.
+    // (100 − 16) · 255 / 219 ≈ 98; the fake's own memory contains 77, which becomes 71.
     for (io, shown) in [(Io::Auto, 98), (Io::Mapped, 71)] {
         let mut bench = Bench::new(io, true);
         bench.camera.shape.range = ColorRange::Limited;
@@ -75,7 +75,7 @@ fn a_frame_allocates_nothing_once_warm() {
         let mut bench = Bench::new(io, takes_lent);
         {
             let mut hardware = bench.hardware();
-            // The fake's own books.
+            // The fake's own records.
             hardware.addresses.reserve(1000);
             hardware.queued.reserve(1000);
         }

@@ -1,4 +1,4 @@
-//! Controls set as the user wants, frozen, and put back.
+//! Sets controls as requested, freezes them, and restores them.
 
 use rustix::io::Errno;
 
@@ -8,7 +8,7 @@ use crate::v4l2::device::Device;
 use crate::v4l2::error::CameraError;
 use crate::v4l2::sys;
 
-/// What a control that steers something by itself is set to, so that it does not, and what it steers.
+/// A control that automates others: the value that switches it off, and the controls that it sets.
 struct Automatic {
     id: u32,
     off: i64,
@@ -27,12 +27,12 @@ const ISO_SENSITIVITY: u32 = 0x009a_0917;
 /// `V4L2_EXPOSURE_MANUAL`.
 const EXPOSURE_MANUAL: i64 = 1;
 
-/// All that moves a picture's exposure, white balance, gain and focus by itself.
+/// All controls that automate a picture's exposure, white balance, gain and focus.
 const AUTOMATIC: [Automatic; 9] = [
     Automatic {
         id: sys::CID_EXPOSURE_AUTO,
         off: EXPOSURE_MANUAL,
-        // A camera that exposes by itself also moves the gain, which it may have no switch of its own for.
+        // Automatic exposure also changes the gain, which may lack a switch of its own.
         steers: &[sys::CID_EXPOSURE_ABSOLUTE, sys::CID_EXPOSURE, GAIN],
     },
     Automatic {
@@ -77,7 +77,7 @@ const AUTOMATIC: [Automatic; 9] = [
     },
 ];
 
-/// One control that was set.
+/// A control and the value that it was set to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Set {
     id: u32,
@@ -85,23 +85,23 @@ struct Set {
     value: i64,
 }
 
-/// What was done to a camera's controls, to be done again (after it was unplugged) or undone.
+/// The changes to a camera's controls, which can be repeated (after it was unplugged) or undone.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Adjusted {
-    /// In the order in which they were set.
+    /// Changes in the order in which they were made.
     done: Vec<Set>,
-    /// What each was before, in the same order.
+    /// Earlier values, in the same order.
     before: Vec<Set>,
     restore: bool,
 }
 
 impl Adjusted {
-    /// Sets the controls that the user wants set. Those that steer others come first: a camera that exposes by itself
-    /// takes no exposure time.
+    /// Sets the requested controls. Those that automate others come first: a camera with automatic
+    /// exposure accepts no exposure time.
     ///
     /// # Errors
-    /// There is no such control, it does not have the value, or the camera refuses. What was set until then is put back
-    /// if that is asked for.
+    /// The control does not exist, does not have the value, or the camera refuses it. Earlier
+    /// changes are then undone if that was requested.
     pub(crate) fn new(device: &Device, settings: &ControlSettings) -> Result<Self, CameraError> {
         let mut adjusted = Self {
             restore: settings.restore,
@@ -144,8 +144,8 @@ impl Adjusted {
         Ok(())
     }
 
-    /// Freezes exposure, white balance, gain and focus at their present values; says which, as a sentence. What a camera
-    /// does not have, or does not let be set, is left as it is.
+    /// Freezes exposure, white balance, gain and focus at their current values. Returns a sentence
+    /// that names them. Controls that the camera lacks, or that cannot be set, stay unchanged.
     pub(crate) fn lock(&mut self, device: &Device) -> String {
         let controls = device.controls();
         let by_id = |id: u32| {
@@ -166,7 +166,8 @@ impl Adjusted {
                 .steers
                 .iter()
                 .filter_map(|&id| by_id(id))
-                // The value that it had before the switch: some cameras jump to another when it is thrown.
+                // The value before automation was switched off, because some cameras then jump to
+                // another one.
                 .filter_map(|control| Some((control, control.value?)))
                 .filter(|(control, value)| self.set(device, control, *value).is_ok())
                 .map(|(control, value)| format!("{} at {value}", control.name))
@@ -203,7 +204,7 @@ impl Adjusted {
             value,
         };
         self.done.push(set(value));
-        // A control set twice was before what it was before the first time.
+        // If a control is set twice, its value before the first change counts.
         if let Some(before) = control.value
             && !self.before.iter().any(|set| set.id == control.id)
         {
@@ -212,8 +213,8 @@ impl Adjusted {
         Ok(())
     }
 
-    /// Does it all again, on the same camera that has lost it because it was unplugged. What it refuses now is passed
-    /// over; how many that are is returned.
+    /// Repeats all changes on the same camera, which loses them when it is unplugged. Skips those
+    /// that it now refuses, and returns their number.
     pub(crate) fn again(&self, device: &Device) -> usize {
         let refused = |set: &&Set| {
             device
@@ -223,13 +224,14 @@ impl Adjusted {
         self.done.iter().filter(refused).count()
     }
 
-    /// Puts back what was before, if that was asked for, the last first: what is steered while nothing steers it.
+    /// Restores the earlier values if requested, the last change first, so that controls are
+    /// restored while their automation is off.
     pub(crate) fn restore(&self, device: &Device) {
         if !self.restore {
             return;
         }
         for set in self.before.iter().rev() {
-            // A camera that was unplugged has nothing to be put back.
+            // A camera that was unplugged has nothing to restore.
             let _ = device.set_control_value(set.id, set.is_64_bit, set.value);
         }
     }
@@ -245,7 +247,7 @@ fn reason(errno: Errno) -> String {
             "another program uses it, or it cannot be changed while pictures are taken".to_owned()
         }
         Errno::ACCESS | Errno::PERM => "it can only be read".to_owned(),
-        // What USB cameras answer to an exposure time while they expose by themselves.
+        // USB cameras return these for an exposure time while exposure is automatic.
         Errno::IO | Errno::INVAL | Errno::RANGE => format!(
             "the camera refuses ({}); if another control sets it by itself, switch that off first (exposure_auto=1, \
              white_balance_automatic=off, focus_auto=off)",

@@ -1,18 +1,18 @@
-//! What a user's text means as a control's value, or why it means none.
+//! Parses a user's text as a control's value, or says why it is invalid.
 
 use super::{Control, ControlKind, find, variable_name};
 
-/// Why a control cannot be set so.
+/// Why a control cannot be set to a value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ControlError {
-    /// There is no control of this name.
+    /// The control does not exist.
     #[error("it has no control {name}. {guess}{list}")]
     Unknown {
-        /// As it was asked for.
+        /// The requested name.
         name: String,
-        /// `Did you mean …? `, or nothing.
+        /// `Did you mean …? `, or empty.
         guess: String,
-        /// Which controls there are.
+        /// The controls that exist.
         list: String,
     },
     /// The control does not have this value.
@@ -20,9 +20,9 @@ pub enum ControlError {
     Value {
         /// The control.
         name: String,
-        /// As it was asked for.
+        /// The requested value.
         value: String,
-        /// What it can be.
+        /// The possible values.
         what: String,
     },
     /// The camera refuses.
@@ -30,14 +30,14 @@ pub enum ControlError {
     Refused {
         /// The control.
         name: String,
-        /// As it was asked for.
+        /// The requested value.
         value: String,
-        /// What the kernel says, and what to do.
+        /// The kernel's error, and what to do.
         why: String,
     },
 }
 
-/// The control that `name` means, and the value that `text` means for it.
+/// Returns the control with this name, and the value that `text` stands for.
 pub(super) fn meant<'a>(
     controls: &'a [Control],
     name: &str,
@@ -86,7 +86,7 @@ fn value(control: &Control, text: &str) -> Result<i64, String> {
         },
         ControlKind::Menu | ControlKind::IntegerMenu => item(control, text),
         ControlKind::Bitmask => bits(control, text),
-        // Whatever is written to a button presses it.
+        // Writing any value to a button presses it.
         ControlKind::Button => Ok(1),
         ControlKind::Other => {
             Err("it is neither a number nor a choice, and lariat does not set it".to_owned())
@@ -106,7 +106,7 @@ fn in_range(control: &Control, text: &str) -> Result<i64, String> {
     let is_step = value
         .checked_sub(least)
         .is_some_and(|over| over % step == 0);
-    // The largest may lie beside the steps; it is the camera's own.
+    // The maximum may be off the steps; it is the camera's own.
     if (least..=most).contains(&value) && (is_step || value == most) {
         Ok(value)
     } else {
@@ -155,7 +155,7 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A control from 10 to 100.
+    /// Creates a control from 10 to 100.
     pub(in crate::v4l2::controls) fn control(name: &str, kind: ControlKind) -> Control {
         Control {
             id: 1,

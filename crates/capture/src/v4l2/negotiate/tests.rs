@@ -1,4 +1,4 @@
-//! The rule, on what real cameras list.
+//! Tests the rule on the lists of real cameras.
 
 use super::*;
 use crate::v4l2::offers::{Rates, SizeOffer, SizeRange};
@@ -8,7 +8,7 @@ fn code(name: &str) -> FourCc {
     name.parse().expect("a code in a test")
 }
 
-/// A format with these sizes and, at each, these rates.
+/// A format with these sizes and the rates at each.
 fn format(name: &str, sizes: &[([u32; 2], &[f64])]) -> FormatOffer {
     let size = |(size, rates): &([u32; 2], &[f64])| SizeOffer {
         range: SizeRange::One(*size),
@@ -124,7 +124,7 @@ fn usb_hdmi_grabber() -> Vec<FormatOffer> {
     ]
 }
 
-/// Sizes by steps and one rate, as the kernel's virtual HDMI input has them.
+/// Stepwise sizes and one rate, as the kernel's virtual HDMI input has them.
 fn stepwise_hdmi() -> Vec<FormatOffer> {
     let rate = Interval {
         numerator: 12375,
@@ -151,7 +151,7 @@ const ANYTHING: Request = Request {
     wanted: Wanted::Pictures,
 };
 
-/// Format, size and rate in words.
+/// The chosen format, size and rate as text.
 fn chosen(offers: &[FormatOffer], request: Request) -> String {
     match negotiate(offers, &request) {
         Ok(Choice {
@@ -269,7 +269,7 @@ fn what_there_is_not_is_answered_with_what_there_is() {
     assert!(chosen(&[], ANYTHING).starts_with("it offers no format at all"));
 }
 
-/// As `v4l2-ctl --list-formats-ext` lists the first node of a D435.
+/// The list of a D435's first node from `v4l2-ctl --list-formats-ext`.
 fn realsense_depth() -> Vec<FormatOffer> {
     const TO_90: &[f64] = &[90.0, 60.0, 30.0, 15.0, 6.0];
     let sizes: [([u32; 2], &[f64]); 6] = [

@@ -1,6 +1,7 @@
-//! The numbers of `linux/videodev2.h` and `linux/v4l2-controls.h` that are used here, in its order.
+//! The numbers from `linux/videodev2.h` and `linux/v4l2-controls.h` that are used, in the same
+//! order.
 
-/// A pixel format's code of four letters.
+/// Encodes the four letters of a pixel format.
 pub(crate) const fn fourcc(code: &[u8; 4]) -> u32 {
     u32::from_le_bytes(*code)
 }
@@ -54,7 +55,8 @@ pub(crate) const SIZE_DISCRETE: u32 = 1;
 pub(crate) const SIZE_STEPWISE: u32 = 3;
 pub(crate) const INTERVAL_DISCRETE: u32 = 1;
 
-/// In [`StreamParameters::capability`](super::StreamParameters): the time per frame can be set.
+/// Flag in [`StreamParameters::capability`](super::StreamParameters): the time per frame can be
+/// set.
 pub(crate) const CAP_TIMEPERFRAME: u32 = 0x1000;
 
 pub(crate) const BUF_FLAG_ERROR: u32 = 0x0000_0040;
@@ -63,7 +65,7 @@ pub(crate) const BUF_FLAG_TIMESTAMP_MONOTONIC: u32 = 0x0000_2000;
 #[cfg(test)]
 pub(crate) const BUF_FLAG_TIMESTAMP_COPY: u32 = 0x0000_4000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_MASK: u32 = 0x0007_0000;
-/// As the kernel says it: no bit.
+/// No bit, as in the kernel.
 #[cfg(test)]
 pub(crate) const BUF_FLAG_TSTAMP_SRC_EOF: u32 = 0x0000_0000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_SOE: u32 = 0x0001_0000;
@@ -83,7 +85,7 @@ pub(crate) const CTRL_FLAG_INACTIVE: u32 = 0x0010;
 pub(crate) const CTRL_FLAG_WRITE_ONLY: u32 = 0x0040;
 pub(crate) const CTRL_FLAG_HAS_PAYLOAD: u32 = 0x0100;
 
-/// Beside a control's id: the next one is asked for.
+/// Flag in a control's id that requests the next control.
 pub(crate) const NEXT_CONTROL: u32 = 0x8000_0000;
 
 pub(crate) const CID_AUTO_WHITE_BALANCE: u32 = 0x0098_090c;
@@ -93,19 +95,19 @@ pub(crate) const CID_GAIN: u32 = 0x0098_0913;
 pub(crate) const CID_HUE_AUTO: u32 = 0x0098_0919;
 pub(crate) const CID_AUTOBRIGHTNESS: u32 = 0x0098_0920;
 pub(crate) const CID_EXPOSURE_AUTO: u32 = 0x009a_0901;
-/// The exposure time in units of 100 µs.
+/// Exposure time in units of 100 µs.
 pub(crate) const CID_EXPOSURE_ABSOLUTE: u32 = 0x009a_0902;
-/// Whether the camera may lower its frame rate to expose for longer.
+/// True if the camera may lower its frame rate to expose for longer.
 pub(crate) const CID_EXPOSURE_AUTO_PRIORITY: u32 = 0x009a_0903;
 pub(crate) const CID_FOCUS_AUTO: u32 = 0x009a_090c;
 pub(crate) const CID_AUTO_N_PRESET_WHITE_BALANCE: u32 = 0x009a_0914;
 pub(crate) const CID_ISO_SENSITIVITY_AUTO: u32 = 0x009a_0918;
-/// The so-called 3A lock: exposure, white balance and focus, a bit each.
+/// The 3A lock: one bit each for exposure, white balance and focus.
 pub(crate) const CID_3A_LOCK: u32 = 0x009a_091b;
 
-/// `V4L2_COLORSPACE_JPEG`: that of JFIF.
+/// `V4L2_COLORSPACE_JPEG`: the color space of JFIF.
 pub(crate) const COLORSPACE_JPEG: u32 = 7;
 /// `V4L2_QUANTIZATION_FULL_RANGE`: levels from 0 to 255.
 pub(crate) const QUANTIZATION_FULL: u32 = 1;
-/// `V4L2_QUANTIZATION_LIM_RANGE`: levels from 16 to 235, and to 240.
+/// `V4L2_QUANTIZATION_LIM_RANGE`: levels from 16 to 235, or to 240 for U and V.
 pub(crate) const QUANTIZATION_LIMITED: u32 = 2;

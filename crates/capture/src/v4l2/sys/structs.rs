@@ -1,5 +1,6 @@
-//! The kernel's structures, in its own layout and under its own field names: plain integers throughout, without
-//! unions. Where the kernel has one, there is the larger part's memory, or functions that read each part.
+//! The kernel's structures, with its layout and field names. They consist of plain integers,
+//! without unions. A union is replaced by memory for its largest member, or by functions that read
+//! each member.
 
 /// `v4l2_capability`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -9,9 +10,10 @@ pub(crate) struct Capability {
     pub(crate) card: [u8; 32],
     pub(crate) bus_info: [u8; 32],
     pub(crate) version: u32,
-    /// Of the whole device.
+    /// Capabilities of the whole device.
     pub(crate) capabilities: u32,
-    /// Of this node, if [`CAP_DEVICE_CAPS`](super::CAP_DEVICE_CAPS) is among `capabilities`.
+    /// Capabilities of this node, if `capabilities` includes
+    /// [`CAP_DEVICE_CAPS`](super::CAP_DEVICE_CAPS).
     pub(crate) device_caps: u32,
     pub(crate) reserved: [u32; 3],
 }
@@ -29,8 +31,8 @@ pub(crate) struct FormatDescription {
     pub(crate) reserved: [u32; 3],
 }
 
-/// `v4l2_format`: a buffer type and, of a union of 200 bytes, what belongs to it. The union has pointers for types that
-/// are not used here, and with them its alignment.
+/// `v4l2_format`: a buffer type and a union of 200 bytes that depends on it. The union contains
+/// pointers for types that are not used here, which determine its alignment.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Format {
@@ -79,11 +81,12 @@ pub(crate) struct PixFormatPlanes {
     pub(crate) xfer_func: u8,
 }
 
-/// Where `v4l2_pix_format_mplane` has its planes, of five words each, and where the bytes behind them.
+/// Words of the planes in `v4l2_pix_format_mplane`, five per plane. The remaining bytes follow
+/// them.
 const PLANE_WORDS: std::ops::Range<usize> = 5..45;
 
 impl Format {
-    /// An empty one of this buffer type.
+    /// Creates an empty format of this buffer type.
     pub(crate) fn of(kind: u32) -> Self {
         Self {
             kind,
@@ -92,7 +95,7 @@ impl Format {
         }
     }
 
-    /// For the single-planar types.
+    /// Creates a format of a single-planar type.
     pub(crate) fn single(kind: u32, pix: PixFormat) -> Self {
         let mut format = Self::of(kind);
         format.words[..12].copy_from_slice(&[
@@ -112,7 +115,7 @@ impl Format {
         format
     }
 
-    /// What the single-planar types have.
+    /// The format of a single-planar type.
     pub(crate) fn pix(&self) -> PixFormat {
         let words = &self.words;
         PixFormat {
@@ -131,7 +134,7 @@ impl Format {
         }
     }
 
-    /// For the multi-planar types.
+    /// Creates a format of a multi-planar type.
     pub(crate) fn planes(kind: u32, pix: &PixFormatPlanes) -> Self {
         let mut format = Self::of(kind);
         let head = [
@@ -152,7 +155,7 @@ impl Format {
         format
     }
 
-    /// What the multi-planar types have.
+    /// The format of a multi-planar type.
     pub(crate) fn pix_planes(&self) -> PixFormatPlanes {
         let words = &self.words;
         let mut planes = [PlaneFormat::default(); 8];
@@ -207,9 +210,10 @@ pub(crate) struct Buffer {
     pub(crate) timecode: [u32; 4],
     pub(crate) sequence: u32,
     pub(crate) memory: u32,
-    /// The union `m` of the single-planar types: an offset for mmap (in its lower half), or an address.
+    /// The union `m` of the single-planar types: an offset for mmap (in its lower half), or an
+    /// address.
     pub(crate) m: u64,
-    /// Bytes of the single-planar types.
+    /// Length in bytes, for the single-planar types.
     pub(crate) length: u32,
     pub(crate) reserved2: u32,
     pub(crate) request_fd: i32,
@@ -217,12 +221,12 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// The offset by which it is mapped ([`MEMORY_MMAP`](super::MEMORY_MMAP), single-planar).
+    /// Offset at which to map it ([`MEMORY_MMAP`](super::MEMORY_MMAP), single-planar).
     pub(crate) fn offset(&self) -> u32 {
         lower_half(self.m)
     }
 
-    /// Whether its kind is one whose memory is described by planes.
+    /// Returns whether planes describe the memory of this kind of buffer.
     pub(crate) fn has_planes(&self) -> bool {
         [
             super::BUF_TYPE_CAPTURE_MPLANE,
@@ -231,11 +235,11 @@ impl Buffer {
         .contains(&self.kind)
     }
 
-    /// Lets the kernel find `planes`, if the buffer's kind has any.
+    /// Makes the buffer refer to `planes`, if its kind has any.
     pub(super) fn point_to(&mut self, planes: &mut [Plane]) {
         if self.has_planes() {
             self.m = planes.as_mut_ptr().expose_provenance() as u64;
-            // The kernel takes no more than 8; longer slices are only used in part.
+            // The kernel accepts at most 8; the rest of a longer slice is ignored.
             self.length = planes.len().min(8) as u32;
         }
     }
@@ -254,13 +258,13 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// The offset by which it is mapped ([`MEMORY_MMAP`](super::MEMORY_MMAP)).
+    /// Offset at which to map it ([`MEMORY_MMAP`](super::MEMORY_MMAP)).
     pub(crate) fn offset(&self) -> u32 {
         lower_half(self.m)
     }
 }
 
-/// The `__u32` at the beginning of a union of 8 bytes.
+/// Returns the `__u32` at the start of an 8-byte union.
 fn lower_half(union: u64) -> u32 {
     let [a, b, c, d, ..] = union.to_ne_bytes();
     u32::from_ne_bytes([a, b, c, d])
@@ -281,7 +285,7 @@ pub(crate) struct StreamParameters {
 }
 
 impl StreamParameters {
-    /// An empty one of this buffer type.
+    /// Creates empty parameters of this buffer type.
     pub(crate) fn of(kind: u32) -> Self {
         Self {
             kind,
@@ -302,7 +306,8 @@ pub(crate) struct SizeDescription {
     pub(crate) index: u32,
     pub(crate) pixel_format: u32,
     pub(crate) kind: u32,
-    /// Discrete: width, height. Else least, largest and step of the width, then of the height.
+    /// Discrete: width and height. Otherwise minimum, maximum and step of the width, then of the
+    /// height.
     pub(crate) size: [u32; 6],
     pub(crate) reserved: [u32; 2],
 }
@@ -316,7 +321,8 @@ pub(crate) struct IntervalDescription {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) kind: u32,
-    /// Seconds as numerator and denominator. Discrete: the first. Else the least, the largest, the step.
+    /// Seconds as numerator and denominator. Discrete: the first pair. Otherwise minimum, maximum
+    /// and step.
     pub(crate) interval: [[u32; 2]; 3],
     pub(crate) reserved: [u32; 2],
 }
@@ -369,20 +375,20 @@ pub(crate) struct QueryExtendedControl {
 pub(crate) struct QueryMenu {
     pub(crate) id: u32,
     pub(crate) index: u32,
-    /// The entry's name; of a menu of integers the number, in the first 8 bytes.
+    /// The entry's name. For an integer menu, the first 8 bytes contain its number.
     pub(crate) name: [u8; 32],
     pub(crate) reserved: u32,
 }
 
 impl QueryMenu {
-    /// The number of an entry of a menu of integers.
+    /// The number of an entry in an integer menu.
     pub(crate) fn value(&self) -> i64 {
         let [a, b, c, d, e, f, g, h, ..] = self.name;
         i64::from_ne_bytes([a, b, c, d, e, f, g, h])
     }
 }
 
-/// `v4l2_ext_control`, which the kernel packs: hence no number of 8 bytes in it.
+/// `v4l2_ext_control`, which the kernel packs, so it cannot contain an 8-byte integer.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(C)]
 pub(crate) struct ExtendedControl {
@@ -393,7 +399,7 @@ pub(crate) struct ExtendedControl {
 }
 
 impl ExtendedControl {
-    /// A control and its value, of 8 bytes or of 4 as its type is.
+    /// Creates a control with a value of 8 or 4 bytes, depending on its type.
     pub(crate) fn new(id: u32, is_64_bit: bool, value: i64) -> Self {
         let mut control = Self {
             id,
@@ -408,7 +414,7 @@ impl ExtendedControl {
         control
     }
 
-    /// The value, of 8 bytes or of 4 as the control's type is.
+    /// The value, of 8 or 4 bytes depending on the control's type.
     pub(crate) fn value(&self, is_64_bit: bool) -> i64 {
         if is_64_bit {
             let [[a, b, c, d], [e, f, g, h]] = self.value.map(u32::to_ne_bytes);
@@ -419,11 +425,11 @@ impl ExtendedControl {
     }
 }
 
-/// `v4l2_ext_controls`: where the controls are and how many.
+/// `v4l2_ext_controls`: pointer to the controls, and their number.
 #[derive(Debug)]
 #[repr(C)]
 pub(super) struct ExtendedControls {
-    /// 0: the present values, of controls of any class.
+    /// 0: the current values, of controls of any class.
     which: u32,
     count: u32,
     error_idx: u32,
@@ -434,7 +440,7 @@ pub(super) struct ExtendedControls {
 }
 
 impl ExtendedControls {
-    /// These controls, none of which has a payload elsewhere.
+    /// Refers to these controls, whose values are all inline.
     pub(super) fn of(controls: &mut [ExtendedControl]) -> Self {
         for control in controls.iter_mut() {
             control.size = 0;

@@ -1,4 +1,4 @@
-//! The control points in time: a Kalman filter for each rope.
+//! Filters control points over time, with a Kalman filter for each rope.
 
 use super::ropes::Ropes;
 use crate::settings;
@@ -7,7 +7,8 @@ use lariat_wire::MAX_CONTROL_POINTS;
 
 pub(super) struct Filters<const D: usize = 2> {
     ropes: Ropes<Filter<D>>,
-    /// Whether the points of each fit all count the same, so that its residual variance says all of its noise.
+    /// True if all points have the same weight in each fit, so that the residual variance describes
+    /// all of its noise.
     even: bool,
     covariance: Vec<f64>,
 }
@@ -16,8 +17,8 @@ impl<const D: usize> Filters<D>
 where
     [f64; D]: Point<D>,
 {
-    /// `unit_per_px`: how long a pixel is in the unit of the control points. What the filter is told in pixels is the same
-    /// motion then.
+    /// Creates the filters. `unit_per_px` is the length of a pixel in the unit of the control
+    /// points. It converts the filter's options, which are in pixels.
     pub(super) fn new(
         settings: &settings::Fit,
         fitters: [&Fitter<D>; 2],
@@ -37,12 +38,13 @@ where
         })
     }
 
-    /// The ropes that come are others.
+    /// Forgets all ropes, because the next frame shows others.
     pub(super) fn forget(&mut self) {
         self.ropes.forget();
     }
 
-    /// The rope of this track as its filter has it, once that has taken in the last fit; `None` if it has nothing to say.
+    /// Updates the filter of a track with the last fit, and returns the filtered rope. Returns
+    /// `None` if the filter cannot predict.
     pub(super) fn take_in(
         &mut self,
         exposed_ns: u64,
@@ -62,7 +64,7 @@ where
             Noise::Covariance(&self.covariance)
         };
         let filter = self.ropes.of_track(track, exposed_ns, Filter::forget);
-        // A moment that is not later, as of a source that began again: the rope is where it was measured.
+        // The time does not increase if a source starts again. The rope is where it was measured.
         let step = filter.update(exposed_ns, &space, &fit.control_points, noise);
         if step.is_err() {
             filter.forget();

@@ -1,24 +1,30 @@
-//! A curve's points taken to where they lie: through the lens and onto the plane, at equal steps there.
+//! Maps a curve's points through the lens and onto the plane, at equal steps of arc length there.
 //!
-//! **Equal steps** (`crates/fit/src/resample.rs`). Equal steps in the picture are not equal on a tilted table, and ρ is arc length
-//! on the table: the points are set again at equal steps along cubics through them, so that the precomputed
-//! matrix of the even grid serves as before (measured ρ, the other way, costs 60 times the fit). A straight line has points
-//! equal to rounding, a bend of radius r and steps h to h²/24r² of its length.
+//! **Equal steps** (`crates/fit/src/resample.rs`). Equal steps in the picture are unequal on a
+//! tilted table, and ρ is the arc length on the table. The points are therefore resampled at equal
+//! steps along cubics through them, so that the precomputed matrix for even steps still applies.
+//! The alternative, a fit with measured ρ, is far more expensive. The steps are equal to rounding
+//! on a straight line. On a bend of radius r with steps h, the relative error of the length is
+//! h²/24r².
 //!
-//! **Fit and filter**, the same as in pixels. `acceleration_px_s2` stays in pixels of the image, and is turned into the unit by
-//! the length of a pixel at its middle.
+//! **Fit and filter** are the same as in pixels. `acceleration_px_s2` stays in image pixels and is
+//! converted with the length of a pixel in the middle of the image.
 //!
-//! **Noise.** A pixel's noise is independent, of variance σ² in each coordinate of each point, as in pixels. A map with the
-//! derivative J makes `σ² JJᵀ` of it: an ellipse, another at each point. So a control point has a covariance of its own, three
-//! numbers, where one did before. The derivation stands at the head of `crates/fit/src/noise.rs`; what it says is that a point that
-//! slides along the rope changes nothing but the ends, so that the noise along the rope is far less than across it, and that σ²
-//! is to be told from the residuals across. `crates/fit/tests/all/propagation.rs` holds it against 4,000 noisy ropes on a plane
-//! seen at a slant, to a tenth of each variance. It is the first order: right where noise is small against the steps between points.
-//! With weights, measured ρ and rational curves the even fit's ellipses are scaled by the fit's own variances.
+//! **Noise.** Pixel noise is independent, with variance σ² in each coordinate of each point. A
+//! mapping with the derivative J turns it into the covariance `σ² JJᵀ`, an ellipse that differs
+//! from point to point. Each control point therefore has its own covariance of three numbers
+//! instead of one. `crates/fit/src/noise.rs` contains the derivation. A point that slides along the
+//! rope changes nothing but the ends, so the noise along the rope is far smaller than across it. σ²
+//! is therefore estimated from the residuals across the rope. `crates/fit/tests/all/propagation.rs`
+//! compares the result with 4,000 noisy ropes on a tilted plane, to a tenth of each variance. The
+//! propagation is of first order: it holds while the noise is small relative to the steps between
+//! points. With weights, measured ρ or rational curves, the ellipses of the even fit are scaled by
+//! the fit's own variances.
 //!
-//! **The truth** of rendered ropes is in pixels: curves in another unit are not held against it, centerlines are. JSON keys:
-//! `lariat trace` gives `points`, `length_px`, `width_px` and crossings in pixels of the image, and in `descriptor` the
-//! `unit` (`px`, `mm`, `ideal px`) of everything in it; `lariat fit` takes points in whatever unit they are and answers in it.
+//! **The truth** of rendered ropes is in pixels. Centerlines are compared with it, but curves in
+//! another unit are not. In JSON, `lariat trace` gives `points`, `length_px`, `width_px` and
+//! crossings in image pixels. The `unit` (`px`, `mm`, `ideal px`) in `descriptor` applies to
+//! everything in it. `lariat fit` accepts points in any unit and answers in the same one.
 
 use crate::calibrated::Calibrated;
 use anyhow::Result;
@@ -26,19 +32,19 @@ use lariat_camera::Mapping;
 use lariat_fit::{Fitter, Resampler, Square};
 use lariat_wire::{Curve, Descriptor, MAX_CONTROL_POINTS, MAX_POINTS, Unit};
 
-/// Takes curves of frames of one size to their plane.
+/// Maps curves of frames of one size to the plane.
 pub(super) struct Placer {
     calibrated: Calibrated,
-    /// For the frames' size, once that is known and fits.
+    /// The mapping for the frame size, once that is known and matches the calibration.
     mapping: Option<Mapping>,
     line: Resampler,
     points: Box<[[f64; 2]; MAX_POINTS]>,
-    /// `JJᵀ` of the way to each.
+    /// `JJᵀ` of the mapping at each point.
     squares: Box<[Square<2>; MAX_POINTS]>,
-    /// The width at each, in the unit.
+    /// The rope's width at each point, in the unit.
     widths: Box<[f64; MAX_POINTS]>,
     by_size: Box<[f64; MAX_POINTS]>,
-    /// The last curve's: median width, in the unit.
+    /// Median width of the last curve, in the unit.
     pub(super) width: f64,
     covariances: Box<[Square<2>; MAX_CONTROL_POINTS]>,
 }
@@ -62,15 +68,15 @@ impl Placer {
         self.calibrated.unit()
     }
 
-    /// The way for the frames' size, once that is known and fits.
+    /// Returns the mapping for the frame size, once that is known and matches the calibration.
     pub(super) fn mapping(&self) -> Option<&Mapping> {
         self.mapping.as_ref()
     }
 
-    /// Turns to frames of this size; `true` if they are of another than the last.
+    /// Prepares for frames of this size. Returns true if the size has changed.
     ///
     /// # Errors
-    /// The calibration is for other images.
+    /// Returns an error if the calibration is for another image size.
     pub(super) fn turn_to(&mut self, size: [u32; 2]) -> Result<bool> {
         if self
             .mapping
@@ -84,7 +90,8 @@ impl Placer {
         Ok(true)
     }
 
-    /// How long a pixel is at the middle of the frames, or, where no table is there, at the middle of their lower half.
+    /// Returns the length of a pixel in the middle of the frame. If the table is not visible there,
+    /// uses the middle of the lower half, then the bottom edge.
     pub(super) fn unit_per_px(&self) -> Option<f64> {
         let mapping = self.mapping.as_ref()?;
         let [width, height] = mapping.size().map(f64::from);
@@ -94,7 +101,7 @@ impl Placer {
             .find_map(|at| mapping.unit_per_px(at).ok())
     }
 
-    /// How long a pixel is along the last curve, in the mean.
+    /// Returns the mean length of a pixel along the last curve.
     pub(super) fn unit_per_px_along(&self, curve: &Curve) -> f64 {
         let mean = self.line.length() / f64::from(curve.length_px);
         if mean.is_finite() {
@@ -104,10 +111,10 @@ impl Placer {
         }
     }
 
-    /// The curve's points where they lie, at equal steps.
+    /// Maps the curve's points to the plane and resamples them at equal steps.
     ///
     /// # Errors
-    /// One of them lies nowhere.
+    /// Returns an error if a point does not lie on the plane.
     pub(super) fn place(&mut self, curve: &Curve) -> Result<&[[f64; 2]]> {
         let Some(mapping) = &self.mapping else {
             anyhow::bail!("the calibration does not fit these frames");
@@ -120,7 +127,8 @@ impl Placer {
             let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
             self.points[i] = place.point;
             self.squares[i] = [[dot(a, a), dot(a, b)], [dot(a, b), dot(b, b)]];
-            // A width lies across the rope: the area of a step of the rope over the step's length.
+            // Width across the mapped rope: the area of a step of the rope divided by the length of
+            // the step.
             let along = direction(seen, i, curve.closed != 0);
             let step = [dot(a, along), dot(b, along)];
             let area = (a[0] * b[1] - a[1] * b[0]).abs();
@@ -137,17 +145,17 @@ impl Placer {
             .resample(&self.points[..count], curve.closed != 0)?)
     }
 
-    /// Whether the `k`-th of the placed points lies beside one that is covered.
+    /// Returns true if the `k`-th resampled point is next to a hidden point of the curve.
     pub(super) fn is_hidden(&self, curve: &Curve, k: usize) -> bool {
         self.line.between(k).into_iter().any(|i| curve.is_hidden(i))
     }
 
-    /// The rope's width at the `k`-th of the placed points.
+    /// Returns the rope's width at the `k`-th resampled point.
     pub(super) fn width_at(&self, k: usize) -> f64 {
         self.line.carry(k, &self.widths[..])
     }
 
-    /// Writes what is to be said of the last curve in the unit, once it is fitted.
+    /// Writes length, width and covariances of the last curve in the unit, after the fit.
     pub(super) fn describe(&mut self, fitter: &mut Fitter, descriptor: &mut Descriptor) {
         let (samples, count) = (descriptor.samples as usize, descriptor.count as usize);
         descriptor.length = self.line.length();
@@ -163,7 +171,7 @@ impl Placer {
     }
 }
 
-/// The direction of a line at point `i`, of length 1; along x where it has none.
+/// Returns the unit direction of a line at point `i`, or the x axis if the direction is undefined.
 fn direction(points: &[[f32; 2]], i: usize, closed: bool) -> [f64; 2] {
     let count = points.len();
     let (before, after) = if closed {

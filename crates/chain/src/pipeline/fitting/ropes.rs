@@ -1,8 +1,8 @@
-//! What is kept of each rope from frame to frame: its filter, the size of its curve.
+//! State that is kept for each rope from frame to frame: its filter, and the size of its curve.
 
 use lariat_wire::MAX_CURVES;
 
-/// Something for each of as many ropes as a frame can have.
+/// One value for each of the maximum number of ropes in a frame.
 pub(super) struct Ropes<T> {
     ropes: Vec<Kept<T>>,
 }
@@ -14,10 +14,10 @@ struct Kept<T> {
 }
 
 impl<T> Ropes<T> {
-    /// Each is made for its place, counted from 0.
+    /// Creates all values. `make` receives the index of each.
     ///
     /// # Errors
-    /// One cannot be made.
+    /// Returns the first error of `make`.
     pub(super) fn new<E>(mut make: impl FnMut(usize) -> Result<T, E>) -> Result<Self, E> {
         let kept = |place| {
             Ok(Kept {
@@ -30,7 +30,8 @@ impl<T> Ropes<T> {
         Ok(Self { ropes })
     }
 
-    /// This rope's own; or that of the rope that was asked for least recently, once it has been made to forget that one.
+    /// Returns the value of this rope. For a new rope, the value of the least recently used one is
+    /// reset with `forget` and reassigned.
     pub(super) fn of_track(
         &mut self,
         track: u32,
@@ -51,13 +52,13 @@ impl<T> Ropes<T> {
         &mut ropes[index].of
     }
 
-    /// This rope's own, if it has been asked for and not given to another since.
+    /// Returns the value of this rope, unless it was never assigned or was reassigned.
     pub(super) fn of_known(&self, track: u32) -> Option<&T> {
         let known = self.ropes.iter().find(|rope| rope.track == Some(track));
         known.map(|rope| &rope.of)
     }
 
-    /// Makes all of them forget their ropes, each when it is next asked for.
+    /// Forgets all ropes. Each value is reset when it is next used.
     pub(super) fn forget(&mut self) {
         for rope in &mut self.ropes {
             rope.track = None;

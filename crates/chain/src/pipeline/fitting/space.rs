@@ -1,14 +1,18 @@
-//! Centerlines, and depth images or what a second camera saw → the ropes' curves in space.
+//! Fits curves in 3-D to centerlines, with the help of depth images or the view of a second camera.
 //!
-//! Where a rope is comes from `lariat_camera`, by `RopeDepth` or `RopeViews`: each point of its centerline, with its distance and how sure that is.
-//! The points are then set at equal steps in space and fitted as in the picture's plane, with three columns where there were two.
+//! `lariat_camera` computes the 3-D points of a centerline, their distances and the variances of
+//! these, with `RopeDepth` or `RopeViews`. The points are resampled at equal steps in space and
+//! fitted as in the picture's plane, with three columns instead of two.
 //!
-//! **Covariances.** A point's error is an ellipsoid: across the ray what a pixel is there, along it what the depth is sure to.
-//! Where residuals are larger than that, all ellipsoids grow by as much. With `filter` each keeps its form, and shrinks as the filter's
-//! own variance does. What is bridged counts in the fit like what is measured, and has the variance that the way from there gives it.
+//! **Covariances.** The error of a point is an ellipsoid: across the ray it comes from the pixel
+//! noise, along the ray from the variance of the depth. If residuals are larger, all ellipsoids
+//! grow by the same factor. With `filter`, each ellipsoid keeps its shape and shrinks in proportion
+//! to the filter's own variance. Bridged points count in the fit like measured ones; their variance
+//! is that of the bridge.
 //!
-//! **What is not seen.** The lower strand of a crossing has no depth within the upper one's width (`covered`); nor has either where it
-//! is not known which is the upper. A rope that is lost from sight is where it was.
+//! **Hidden points.** The depth of a crossing's lower strand is unknown within the width of the
+//! upper strand (`covered`). If the order of the strands is unknown, both depths are. A rope that
+//! is lost keeps its last position.
 
 mod covered;
 mod finder;
@@ -29,34 +33,39 @@ use lariat_wire::{
     MAX_POINTS, Place, Status,
 };
 
-/// How many neighboring points err alike, as the picture is smoothed and the depth camera's noise is shared.
+/// Number of neighboring points whose errors are correlated, because the picture is smoothed and
+/// the depth camera's noise is shared.
 const ALIKE: f64 = 2.0;
-/// The standard deviation of a centerline's point in the picture, px, of a rope that is a pixel wide: it is less by the root of the width, as
-/// so many pixels show it, but no less than the second. And that of an end beside the rope, likewise.
+/// Standard deviation of a centerline point in the picture, px. The first value is for a rope one
+/// pixel wide and falls with the root of the width, because more pixels show the rope. The second
+/// value is the floor. `END_BESIDE_PX` is the deviation of an end across the rope, which also falls
+/// with the root of the width.
 const PIXEL_SIGMA: [f64; 2] = [0.3, 0.05];
 const END_BESIDE_PX: f64 = 0.5;
-/// The standard deviation of an end along the rope in the picture, px: of drawn ropes 95 of 100 lie within twice 0.3 to 0.8; and of what its
-/// slope moves it by, as a share.
+/// Standard deviation of an end along the rope in the picture, px: 95 of 100 ends of drawn ropes
+/// lie within twice 0.3 to 0.8. A rope that runs along the ray shifts its end by up to half its
+/// width times the cosine of the angle. `SLOPE_SHARE` is the standard deviation as a share of this
+/// shift.
 const END_SIGMA_PX: f64 = 0.6;
 const SLOPE_SHARE: f64 = 0.4;
-/// Over how many points an end's slope is taken.
+/// Number of points over which the slope of an end is measured.
 const STEEP_OVER: usize = 4;
 
-/// Fits ropes in space.
+/// Fits curves of ropes in 3-D.
 pub struct SpaceFitter {
     settings: settings::Fit,
     finder: Finder,
-    /// From the colour camera's frame to that of what is sent.
+    /// Pose from the color camera's frame to the frame of the output.
     pose: Option<Pose>,
     fitter: RopeFitter<3>,
     filters: Option<Filters<3>>,
     line: Resampler<3>,
     points: Box<[[f64; 3]; MAX_POINTS]>,
-    /// The same at equal steps in space.
+    /// The points at equal steps in space.
     even: Box<[[f64; 3]; MAX_POINTS]>,
     squares: Box<[Square<3>; MAX_POINTS]>,
     even_squares: Box<[Square<3>; MAX_POINTS]>,
-    /// What of the points' errors neighbors have in common, as far as a control point reaches.
+    /// Covariances of the errors that neighboring points share over the reach of a control point.
     doubts: Box<[Square<3>; MAX_POINTS]>,
     even_doubts: Box<[Square<3>; MAX_POINTS]>,
     sigmas: Box<[f64; MAX_POINTS]>,
@@ -64,17 +73,18 @@ pub struct SpaceFitter {
     measured: Box<[bool; MAX_POINTS]>,
     hidden: Box<[bool; MAX_POINTS]>,
     covariances: Box<[Square<3>; MAX_CONTROL_POINTS]>,
-    /// Where each rope was when it was last seen.
+    /// The last curve of each rope when it was visible.
     before: Ropes<Box<Descriptor3>>,
     unreadable: Warned,
     unplaced: Warned,
 }
 
 impl SpaceFitter {
-    /// Precomputes for the settings' number of points; `None` if they name neither a depth camera nor a second one.
+    /// Precomputes the fit for the number of points in the settings. Returns `None` if they name
+    /// neither a depth camera nor a second color camera.
     ///
     /// # Errors
-    /// What they name cannot be read.
+    /// Returns an error if a file that the settings name cannot be read.
     pub fn new(settings: &Settings) -> Result<Option<Self>> {
         let size = settings.capture.likely_size();
         let Some((beside, pose)) = Calibrated::beside(&settings.camera, size)? else {
@@ -104,8 +114,9 @@ impl SpaceFitter {
         }))
     }
 
-    /// Writes the curves of a frame's ropes into a message; its trace is left as it is. A rope that is nowhere is there without a
-    /// curve, with the reason. `companion`: the frame's depth image, or second view; `None`: none came.
+    /// Writes the curves of a frame's ropes into a message. The message's trace is left unchanged.
+    /// A rope of unknown position comes without a curve, but with a reason. `companion` is the
+    /// frame's depth image or second view, `None` if it did not arrive.
     pub fn answer(
         &mut self,
         seen: &Centerlines,
@@ -118,7 +129,7 @@ impl SpaceFitter {
         } as u32;
         let shown = companion.map(|companion| self.finder.look(seen, companion));
         let shown = (shown.transpose()).map_err(|cause| self.unreadable.once(&cause));
-        // Once: what lies in shared memory may be another a moment later.
+        // Read the curves once, because shared memory may change at any moment.
         let curves = seen.curves();
         message.count = curves.len() as u32;
         for (i, (curve, to)) in curves.iter().zip(&mut message.curves).enumerate() {
@@ -141,7 +152,7 @@ impl SpaceFitter {
         }
     }
 
-    /// A lost rope as it was; it has no other place.
+    /// Describes a lost rope by its last known curve.
     fn as_before(&mut self, curve: &Curve, to: &mut Descriptor3) -> Place {
         let before = (self.before).of_known(curve.track);
         match before {
@@ -154,7 +165,7 @@ impl SpaceFitter {
         }
     }
 
-    /// Where a rope is, and its curve there.
+    /// Determines the position of a rope and fits its curve.
     fn place(
         &mut self,
         seen: &Centerlines,
@@ -171,10 +182,10 @@ impl SpaceFitter {
         }
     }
 
-    /// Describes a frame's curve, the `i`-th.
+    /// Describes the `i`-th curve of a frame.
     ///
     /// # Errors
-    /// It is nowhere, or cannot be fitted.
+    /// Returns an error if the rope's position is unknown or the curve cannot be fitted.
     fn describe(
         &mut self,
         seen: &Centerlines,
@@ -242,7 +253,8 @@ impl SpaceFitter {
         Ok(judged)
     }
 
-    /// Where the `i`-th curve's points are; their median standard deviation along the rays, mm.
+    /// Determines the 3-D points of the `i`-th curve. Returns the median of their standard
+    /// deviations along the rays, mm.
     fn locate(
         &mut self,
         seen: &Centerlines,
@@ -321,24 +333,25 @@ impl SpaceFitter {
         }
     }
 
-    /// How sure an end is beside the rope, mm.
+    /// Returns the standard deviation of an end across the rope, mm.
     fn beside_end(&self, end: usize, width: f64) -> f64 {
         let mm_per_px = self.mm_per_px(self.even[end]);
         END_BESIDE_PX * mm_per_px / (width / mm_per_px).max(1.0).sqrt()
     }
 
-    /// How much a pixel is, that far from the first camera.
+    /// Returns the size of a pixel at this distance from the first camera.
     fn mm_per_px(&self, at: [f64; 3]) -> f64 {
         let ray = self.ray(at);
         dot(ray, ray).sqrt() / self.finder.focal_px()
     }
 
-    /// From the first camera to there.
+    /// Returns the ray from the first camera to a point.
     fn ray(&self, at: [f64; 3]) -> [f64; 3] {
         between(at, self.pose.map_or([0.0; 3], |pose| pose.point([0.0; 3])))
     }
 
-    /// How sure an end is along the rope, mm: by the pixels that show it, and by how steep it is, which moves it.
+    /// Returns the standard deviation of an end along the rope, mm. It results from the pixel noise
+    /// and from the slope of the end, which shifts it.
     fn end_sigma(&self, end: usize, samples: usize, width: f64) -> f64 {
         let inner = match end {
             0 => STEEP_OVER.min(samples - 1),
@@ -383,7 +396,8 @@ impl SpaceFitter {
     }
 }
 
-/// Replaces control points by the filtered ones; each ellipsoid becomes as much smaller as the filter's variance is.
+/// Replaces the control points by the filtered ones. Each ellipsoid shrinks in proportion to the
+/// filter's variance.
 fn write_filtered(now: &Prediction<3>, fit: &Fit<3>, to: &mut Descriptor3) {
     let count = now.control_points.len();
     to.filtered = 1;
@@ -398,7 +412,7 @@ fn write_filtered(now: &Prediction<3>, fit: &Fit<3>, to: &mut Descriptor3) {
     }
 }
 
-/// Carries over what is known of the rope itself.
+/// Copies the properties of the rope itself.
 fn write_rope(curve: &Curve, to: &mut Descriptor3) {
     (to.track, to.status) = (curve.track, curve.status);
     (to.closed, to.border) = (curve.closed, curve.border);
@@ -417,7 +431,7 @@ fn transposed(by_pixel: [[f64; 2]; 3]) -> [[f64; 3]; 2] {
     [0, 1].map(|k| [0, 1, 2].map(|axis| by_pixel[axis][k]))
 }
 
-/// Of none 0. Sorts.
+/// Returns the median, or 0 for an empty slice. Reorders the values.
 fn median(values: &mut [f64]) -> f64 {
     match values.len() {
         0 => 0.0,

@@ -1,32 +1,32 @@
-//! The curve of each rope: open or closed, of a size that stays its own.
+//! Fits each rope's curve, open or closed, with a size that stays the same.
 
 use super::ropes::Ropes;
 use crate::settings;
 use lariat_fit::{FitError, Fitter, FitterError, Judged, Line, Point, SteadySize, Tolerance};
 
-/// A rope as fitting needs to know it.
+/// The properties of a rope that fitting needs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rope {
     pub(super) track: u32,
     pub(super) closed: bool,
-    /// In the unit of its points, and how long a pixel is there.
+    /// The rope's width in the unit of its points. `unit_per_px` is the length of a pixel there.
     pub(super) width: f64,
     pub(super) unit_per_px: f64,
-    /// The standard deviation of its points in the worst direction, where that may be more than a pixel's: with it no curve is asked
-    /// to follow noise. 0 in the picture's plane.
+    /// Standard deviation of its points in the worst direction, if that may exceed a pixel's noise.
+    /// It keeps the curve from following noise. It is 0 in the picture's plane.
     pub(super) noise: f64,
-    /// When it was seen so.
+    /// Time at which the rope was seen like this.
     pub(super) seen_ns: u64,
 }
 
-/// Fitters of open and of closed curves, and which size each rope's has.
+/// Fitters of open and closed curves, and the size of each rope's curve.
 pub(super) struct RopeFitter<const D: usize = 2> {
     settings: settings::Fit,
     pub(super) open: Fitter<D>,
     pub(super) closed: Fitter<D>,
-    /// Of each rope's open and closed curves.
+    /// Sizes of each rope's open and closed curves.
     sizes: Ropes<[SteadySize; 2]>,
-    /// The rope that the last open curve was of.
+    /// The rope of the last open curve.
     last_track: Option<u32>,
 }
 
@@ -34,8 +34,10 @@ impl<const D: usize> RopeFitter<D>
 where
     [f64; D]: Point<D>,
 {
+    /// Creates the fitters for this number of points.
+    ///
     /// # Errors
-    /// As [`Fitter::new`].
+    /// Fails like [`Fitter::new`].
     pub(super) fn new(settings: &settings::Fit, points: usize) -> Result<Self, FitterError> {
         Ok(Self {
             open: Fitter::in_dimensions(settings.options(points, false))?,
@@ -48,12 +50,12 @@ where
         })
     }
 
-    /// How many points the fitters are for.
+    /// Returns the number of points that the fitters expect.
     pub(super) fn points(&self) -> usize {
         self.open.options().points
     }
 
-    /// The fitter of such curves.
+    /// Returns the fitter of closed or open curves.
     pub(super) fn fitter(&mut self, closed: bool) -> &mut Fitter<D> {
         if closed {
             &mut self.closed
@@ -62,16 +64,16 @@ where
         }
     }
 
-    /// The ropes that come are others.
+    /// Forgets all ropes, because the next frame shows others.
     pub(super) fn forget(&mut self) {
         self.sizes.forget();
         self.last_track = None;
     }
 
-    /// Fits a rope; the fit is the last of its fitter.
+    /// Fits a rope. The result is the last fit of its fitter.
     ///
     /// # Errors
-    /// As [`Fitter::fit`].
+    /// Fails like [`Fitter::fit`].
     pub(super) fn fit(&mut self, rope: Rope, line: &Line<D>) -> Result<Judged, FitError> {
         if !rope.closed && self.last_track.replace(rope.track) != Some(rope.track) {
             self.open.forget();
@@ -91,7 +93,7 @@ where
             &mut self.open
         };
         match size.fit(fitter, line, tolerance, seen_ns) {
-            // Where what is seen does not determine the curve, what extraction bridged must do.
+            // The visible points do not determine the curve, so use the bridged ones as well.
             Err(_) if line.weights.is_some() => {
                 let bridged = Line {
                     weights: None,

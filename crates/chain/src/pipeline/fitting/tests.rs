@@ -1,4 +1,4 @@
-//! What becomes of one curve.
+//! Tests of single curves.
 
 use super::*;
 use crate::settings::Family;
@@ -17,7 +17,7 @@ fn rope() -> Curve {
     curve
 }
 
-/// The paper's curve of 9 control points.
+/// The paper's curve with 9 control points.
 fn order_8() -> settings::Fit {
     settings::Fit {
         control_points: Some(settings::ControlPoints::Named(9)),
@@ -40,7 +40,7 @@ fn described(settings: &settings::Fit, curve: &Curve) -> Descriptor {
     descriptor
 }
 
-/// The y that is farthest from the rope's.
+/// Returns the largest distance of a control point from the rope in y.
 fn farthest(descriptor: &Descriptor) -> f64 {
     let offsets = descriptor
         .control_points()
@@ -71,7 +71,7 @@ fn what_is_known_of_the_rope_goes_along() {
     assert_eq!(descriptor.velocities[..9], [[0.0; 2]; 9]);
 }
 
-/// A rope 10 px wide that goes up and down so many times, 30 px high.
+/// A rope 10 px wide with this many waves 30 px high.
 fn winding(times: f32) -> Curve {
     let mut curve = rope();
     for (i, point) in curve.points[..120].iter_mut().enumerate() {
@@ -102,7 +102,7 @@ fn without_settings_a_curve_has_the_control_points_that_its_rope_needs() {
     assert_eq!(basis, Some(Basis::BSpline));
     let (_, four_times) = describe(3, 4.0);
     assert!(4 < twice && twice < four_times, "{twice} {four_times}");
-    // Each rope keeps its own, whichever was last.
+    // Each rope keeps its size, whichever was fitted last.
     assert_eq!(describe(1, 0.0).1, 4);
     assert_eq!(describe(3, 3.0).1, four_times);
     assert_eq!(describe(2, 1.0).1, twice);
@@ -136,7 +136,7 @@ fn a_curve_beside_its_points_is_coarse_whatever_its_basis() {
         let descriptor = described(&fit, &winding(2.0));
         assert_eq!(descriptor.fit(), Some(quality), "{fit:?}");
     }
-    // What is bridged is no reason to doubt the rest.
+    // Bridged points do not make the rest of the curve doubtful.
     let mut covered = winding(0.0);
     covered.set_hidden((0..MAX_POINTS).map(|i| i == 60));
     covered.points[60][1] += 20.0;
@@ -160,7 +160,8 @@ fn a_rope_out_of_sight_keeps_its_size() {
             .unwrap();
         descriptor.count
     };
-    // It was wound up, and then covered for two seconds: nobody saw it for a second.
+    // The rope was wound up and then hidden for two seconds. It has to be seen for a second before
+    // its size changes.
     assert_eq!([at(3.0, 10, 0), at(3.0, 11, 1), at(3.0, 12, 2)], [4; 3]);
     assert!(at(3.0, 13, 0) > 4);
 }
@@ -267,7 +268,7 @@ fn with_the_robust_option_hidden_points_weigh_nothing() {
     let descriptor = with(true);
     assert!(farthest(&descriptor) < 1e-6, "{}", farthest(&descriptor));
     assert_eq!(descriptor.hidden, 30);
-    // Where too little is seen to tell the curve, what was bridged must do.
+    // If too few points are visible, the bridged points determine the curve.
     curve.set_hidden((0..MAX_POINTS).map(|i| (5..115).contains(&i)));
     let settings = settings::Fit {
         robust: true,
@@ -284,7 +285,7 @@ fn the_filter_knows_how_fast_a_rope_moves() {
     };
     let mut fitter = fitter(&settings);
     let mut descriptor = Descriptor::EMPTY;
-    // 30 frames/s, 90 px/s along x; another rope stands still.
+    // 30 frames/s, 90 px/s along x; another rope does not move.
     for frame in 0..30 {
         let exposed_ns = 1_000_000_000 + frame * 33_333_333;
         let mut moved = rope();
@@ -315,7 +316,8 @@ fn the_filter_knows_how_fast_a_rope_moves() {
     );
 }
 
-/// A plane seen at a slant, as its file has it: a pixel at the bottom is three to four times as long as one at the top.
+/// A tilted plane, as in its file: a pixel at the bottom is three to four times as long as one at
+/// the top.
 const SLANT: &str = "homography = [[0.8, 0.05, -260.0], [-0.03, 1.1, -180.0], [1e-4, -1.3e-3, 1.0]]\nimage_size = [640, 480]\n";
 
 fn on_the_plane(plane: &str, calibration: Option<&str>, fit: settings::Fit) -> CurveFitter {
@@ -337,7 +339,7 @@ fn on_the_plane(plane: &str, calibration: Option<&str>, fit: settings::Fit) -> C
     CurveFitter::new(&settings).unwrap()
 }
 
-/// Straight across the picture and up it.
+/// A rope that runs diagonally up the picture.
 fn slanting_rope() -> Curve {
     let mut curve = rope();
     for (i, point) in curve.points[..120].iter_mut().enumerate() {
@@ -364,13 +366,14 @@ fn a_straight_line_on_a_tilted_plane_has_even_points() {
         "{length} {}",
         descriptor.length
     );
-    // Points travel as f32, whose step at 500 px is 3·10⁻⁵ px; a control point of order 8 gains 25 times the noise.
+    // Points are sent as f32 with a step of 3·10⁻⁵ px at 500 px. A control point of order 8
+    // amplifies noise by a factor of 25.
     for (j, point) in descriptor.control_points().iter().enumerate() {
         let even = [0, 1].map(|axis| first[axis] + (last[axis] - first[axis]) * j as f64 / 8.0);
         let off = (point[0] - even[0]).hypot(point[1] - even[1]);
         assert!(off < 2e-3, "control point {j} is {off} mm off");
     }
-    // In the picture's own steps the middle of the line would lie elsewhere.
+    // With equal steps in the picture, the middle of the line would be elsewhere.
     let [lower, upper] = [[80.0, 450.0], [556.0, 33.5]];
     let middle = [0, 1].map(|axis| 0.5 * (lower[axis] + upper[axis]));
     let plane = lariat_camera::Plane::from_homography([
@@ -389,14 +392,14 @@ fn sizes_and_noise_come_in_millimetres_too() {
     let mut fitter = on_the_plane(SLANT, None, order_8());
     fitter.turn_to([640, 480]).unwrap();
     let mut curve = slanting_rope();
-    // Noise of a tenth of a pixel, the same each time.
+    // Reproducible noise of a tenth of a pixel.
     for (i, point) in curve.points[..120].iter_mut().enumerate() {
         let noise = |k: usize| 0.1 * (((7919 * i + 104_729 * k) % 997) as f32 / 498.5 - 1.0);
         *point = [point[0] + noise(1), point[1] + noise(2)];
     }
     let mut descriptor = Descriptor::EMPTY;
     fitter.describe(&curve, 1, &mut descriptor).unwrap();
-    // Ten pixels of 0.9 to 3.5 mm.
+    // Ten pixels of 0.9 to 3.5 mm each.
     assert!(
         descriptor.width > 9.0 && descriptor.width < 24.0,
         "{}",
@@ -408,7 +411,7 @@ fn sizes_and_noise_come_in_millimetres_too() {
         descriptor.rms
     );
     let noise = |j: usize| descriptor.covariances[j][0] + descriptor.covariances[j][2];
-    // A pixel of the rope's first end is three to four times as long as one of its last.
+    // A pixel at the rope's first end is three to four times as long as one at the last end.
     assert!(noise(0) > 5.0 * noise(8), "{} {}", noise(0), noise(8));
     assert!((0..9).all(|j| {
         let [xx, xy, yy] = descriptor.covariances[j];
@@ -418,7 +421,7 @@ fn sizes_and_noise_come_in_millimetres_too() {
 
 #[test]
 fn the_filter_too_works_in_millimetres() {
-    // A pixel is half a millimetre, everywhere.
+    // A pixel is half a millimeter everywhere.
     let half = "homography = [[0.5, 0, 0], [0, 0.5, 0], [0, 0, 1]]";
     let fit = settings::Fit {
         filter: true,
@@ -505,12 +508,12 @@ fn on_the_plane_the_points_are_those_that_were_fitted() {
         let [a, b] = [pair[0], pair[1]].map(|p| p.map(f64::from));
         assert!(((b[0] - a[0]).hypot(b[1] - a[1]) - step).abs() < 1e-3);
     }
-    // Far away a pixel is longer: so is the rope's width, which is ten pixels everywhere.
+    // A pixel is longer far away, and so is the rope's width, which is ten pixels everywhere.
     let widths = line.widths();
     assert!(widths.is_sorted_by(|near, far| near > far) || widths.is_sorted());
     let [least, most] = [widths[0].min(widths[119]), widths[0].max(widths[119])].map(f64::from);
     assert!(least < descriptor.width && descriptor.width < most && most > 1.5 * least);
-    // Fifteen points of the picture are as long as a few more or fewer here, and in one piece.
+    // Fifteen points of the picture correspond to a few more or fewer here, in one piece.
     let hidden: Vec<usize> = (0..120).filter(|&k| line.is_hidden(k)).collect();
     assert!(hidden.len() > 5 && hidden[hidden.len() - 1] - hidden[0] == hidden.len() - 1);
 }

@@ -1,4 +1,5 @@
-//! Depth images beside frames: files, one for each picture, a second camera's, by a thread of its own, or the source's own.
+//! Depth images that belong to frames. They come from files (one per picture), from a second camera
+//! with its own thread, or from the source itself.
 
 mod camera;
 
@@ -10,7 +11,7 @@ use crate::calibrated::{Beside, Calibrated};
 use crate::settings::Settings;
 use camera::{Bounds, DepthCamera};
 
-/// Where depth images come from.
+/// Origin of the depth images.
 pub(super) enum Depths {
     Files(Box<Files>),
     Source(Box<Own>),
@@ -18,8 +19,8 @@ pub(super) enum Depths {
 }
 
 impl Depths {
-    /// `camera`: the depth camera that the settings name, opened. `own`: the size of those that the source has itself. `None` if there are no
-    /// depth images.
+    /// Opens the depth images. `camera` is the open depth camera that the settings name. `own` is
+    /// the size of the source's own depth images. Returns `None` without depth images.
     pub(super) fn open(
         settings: &Settings,
         station: &Station,
@@ -45,7 +46,8 @@ impl Depths {
         Ok(files.map(|files| Self::Files(Box::new(files))))
     }
 
-    /// The depth image that is to be sent before the frame of this number, which the source has just made ready, if one is known by then.
+    /// Returns the depth image to send before this frame, which the source has just prepared, if
+    /// the image is known by then.
     pub(super) fn slot(
         &mut self,
         sequence: u64,
@@ -63,10 +65,10 @@ impl Depths {
         }
     }
 
-    /// A frame was sent.
+    /// Notes that a frame was sent.
     ///
     /// # Errors
-    /// The depth camera has ended with a fault.
+    /// Returns an error if the depth camera failed.
     pub(super) fn sent(&mut self, frame: &FrameHeader) -> anyhow::Result<()> {
         match self {
             Self::Files(_) | Self::Source(_) => Ok(()),
@@ -74,10 +76,10 @@ impl Depths {
         }
     }
 
-    /// No frame is to come. What a depth camera counted.
+    /// Ends the depth images, because no more frames follow. Returns the counts of a depth camera.
     ///
     /// # Errors
-    /// It has ended with a fault.
+    /// Returns an error if the depth camera failed.
     pub(super) fn end(self) -> anyhow::Result<Option<lariat_sink::DepthCounts>> {
         match self {
             Self::Files(_) | Self::Source(_) => Ok(None),
@@ -86,11 +88,11 @@ impl Depths {
     }
 }
 
-/// What the depth camera that the settings name is asked for: images of its calibration's size, as many as frames; `None` if they name
-/// none.
+/// Returns the options of the depth camera that the settings name, or `None` without one. It should
+/// deliver images of its calibration's size, at the frame rate.
 ///
 /// # Errors
-/// The calibration cannot be read.
+/// Returns an error if the calibration cannot be read.
 pub(super) fn camera_options(
     settings: &Settings,
     native_fps: Option<f64>,
@@ -102,18 +104,18 @@ pub(super) fn camera_options(
     Ok(settings.capture.depth_camera(calibration.size, native_fps))
 }
 
-/// Those of the source itself.
+/// Depth images of the source itself.
 pub(super) struct Own {
     writer: Writer<[u8]>,
     size: [u32; 2],
 }
 
-/// Of an image of this size.
+/// Returns the number of bytes of an image.
 fn bytes([width, height]: [u32; 2]) -> usize {
     2 * width as usize * height as usize
 }
 
-/// Depth images beside pictures.
+/// Depth images for picture files.
 pub(super) struct Files {
     images: DepthFiles,
     writer: Writer<[u8]>,
@@ -121,7 +123,7 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// `None` if there are none.
+    /// Returns `None` if the settings name no folder.
     fn open(settings: &Settings, station: &Station) -> anyhow::Result<Option<Self>> {
         let Some(folder) = &settings.capture.depth_images else {
             return Ok(None);
@@ -143,7 +145,8 @@ impl Files {
         }))
     }
 
-    /// The depth image of the frame of this number; `None` if it has none, which is said once. Fit counts those frames.
+    /// Returns the depth image of this frame. If it is missing, warns once and returns `None`. Fit
+    /// counts those frames.
     fn slot(&mut self, sequence: u64) -> anyhow::Result<Option<DepthSlot<'_>>> {
         let mut slot = self.writer.frame_slot(self.images.bytes())?;
         if let Err(why) = self.images.write(sequence, &mut slot) {
@@ -157,7 +160,7 @@ impl Files {
     }
 }
 
-/// A depth image, to be sent.
+/// A depth image that is ready to send.
 pub(super) struct DepthSlot<'w> {
     pub(super) size: [u32; 2],
     pub(super) slot: Slot<'w, [u8]>,

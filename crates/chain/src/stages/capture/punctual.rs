@@ -1,11 +1,13 @@
-//! Detects a source whose timer the kernel serves late.
+//! Detects that the kernel serves a source's timer late.
 
-/// Frames over which late ones are counted.
+/// Number of frames over which late ones are counted.
 const WINDOW: u32 = 1_000;
-/// Late frames of a window that are too many: 1 %, so that the p99 of latency is the scheduler's, not the chain's.
+/// Number of late frames in a window above which lariat warns. It is 1 %, because p99 of the
+/// latency then depends on the scheduler and not on the chain.
 const TOO_MANY: u32 = WINDOW / 100;
 
-/// Counts the frames that were ready in time, but were sent more than a period late: the machine was busy with others.
+/// Counts frames that were ready on time but sent more than a period late, because other programs
+/// used the machine.
 #[derive(Debug, Default)]
 pub(super) struct Punctuality {
     frames: u32,
@@ -35,7 +37,8 @@ impl Punctuality {
 mod tests {
     use super::*;
 
-    /// Number of warnings for a source of 1,000 frames/s that wakes this late for some frames in a hundred.
+    /// Returns the number of warnings for a source of 1,000 frames/s. In every hundred frames,
+    /// `late_in_100` of them wake up late by `late_ns`.
     fn warnings(late_in_100: u64, late_ns: u64) -> usize {
         let mut punctuality = Punctuality::default();
         let is_told = |i: &u64| {

@@ -15,7 +15,7 @@ use crate::stop::{Stop, Stopper};
 const SIDE: u32 = 16;
 const BYTES: usize = (SIDE * SIDE) as usize;
 
-/// A frame of one grey, its own number.
+/// A uniformly gray frame that shows its number.
 fn grey(sequence: u64) -> Frame {
     Frame {
         sequence,
@@ -28,7 +28,7 @@ fn grey(sequence: u64) -> Frame {
     }
 }
 
-/// Has a thread fill the slots that it is lent, as many as that.
+/// A source whose thread fills the slots that it is lent, `wanted` at a time.
 struct Filled {
     wanted: usize,
     empty: Option<mpsc::Sender<LentSlot>>,
@@ -101,7 +101,7 @@ impl FrameSource for Filled {
     }
 }
 
-/// Has frames that were taken at moments of their own, so many; then none, without an end.
+/// A source of frames with the given exposure times. Afterwards it is silent but does not end.
 struct Live {
     exposed_ns: Vec<u64>,
     shown: u64,
@@ -133,7 +133,7 @@ impl FrameSource for Live {
     }
 }
 
-/// What a test has of the chain: a sender of a source's frames, and the end of their channel.
+/// The test's part of a chain: a sender of a source's frames, and the reader of their channel.
 struct Bench<'w> {
     sender: Sender<'w>,
     station: Station,
@@ -190,7 +190,7 @@ fn with_sender(
         lender: SlotLender::new(source, &frames).expect("slots"),
         truth: None,
         truth3: None,
-        // One frame in a hundred days: a frame that is paced would never come.
+        // One frame in a hundred days, so a frame that is paced would never come.
         schedule: schedule(Fps::PerSecond(1e-7), false),
         sent: Sent::default(),
         ahead: 0,
@@ -222,7 +222,7 @@ fn slots_that_a_thread_fills_are_sent_as_they_are_and_lent_again() {
         let rig = format!("filled{wanted}");
         with_sender(&rig, Box::new(Filled::new(wanted)), None, |mut bench| {
             bench.sender.schedule = schedule(Fps::Max, false);
-            // More than there are slots in the channel's whole shared memory.
+            // More frames than the channel has slots in shared memory.
             for sequence in 1..=60 {
                 bench.send_all(sequence);
                 let frame = bench.reader.next().expect("readable").expect("a frame");
@@ -294,7 +294,7 @@ fn a_source_without_frames_is_not_waited_for_longer_than_the_chain_lasts() {
     });
 }
 
-/// Takes a fifth of a second for its second frame.
+/// A source whose second frame takes a fifth of a second.
 struct Slow(u64);
 
 impl FrameSource for Slow {
@@ -309,7 +309,7 @@ impl FrameSource for Slow {
     fn advance(&mut self, _until: &Until) -> Result<Next, SourceError> {
         self.0 += 1;
         if self.0 == 2 {
-            // It is the lateness that is tested; nothing is waited for.
+            // The test needs a late frame, so this sleep is not a wait for anything.
             std::thread::sleep(Duration::from_millis(200));
         }
         Ok(Next::Frame(grey(self.0)))

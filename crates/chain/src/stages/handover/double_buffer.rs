@@ -1,11 +1,13 @@
-#![allow(unsafe_code)] // Memory is mapped that other processes write to.
-//! Something that is written twice, in turn, so that of a process that is killed while it writes the one before is left; and read by
-//! others while it is written: one that is overwritten meanwhile is not taken.
+#![allow(unsafe_code)] // This file maps memory that other processes write to.
+//! A double buffer in shared memory. The two copies are written alternately, so that the previous
+//! one survives if a process is killed during a write. Others can read at any time; a copy that is
+//! overwritten meanwhile is discarded.
 //!
 //! ```text
-//! number   0 while it is written, else one more than the other's
+//! number   0 during a write, otherwise one more than the other copy's
 //! length   in bytes
 //! bytes    padded to words
+//! ```
 //! ```
 
 use std::fs::File;
@@ -15,13 +17,13 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 use rustix::mm::{MapFlags, ProtFlags, mmap};
 
 const WORD: usize = size_of::<AtomicU64>();
-/// Number and length.
+/// Words for number and length.
 const HEAD: usize = 2;
 
-/// Maps a file of so many bytes, for as long as this process lives.
+/// Maps `bytes` bytes of a file for the lifetime of this process.
 pub(super) fn map(file: &File, bytes: usize) -> io::Result<&'static [AtomicU64]> {
     let protection = ProtFlags::READ | ProtFlags::WRITE;
-    // SAFETY: a new mapping, where the kernel likes it; nothing else is there.
+    // SAFETY: This is a new mapping at an address that the kernel chooses, so it overlaps nothing.
     let start = unsafe {
         mmap(
             std::ptr::null_mut(),
@@ -32,16 +34,17 @@ pub(super) fn map(file: &File, bytes: usize) -> io::Result<&'static [AtomicU64]>
             0,
         )?
     };
-    // SAFETY: so many bytes are mapped, at a page's start, and never unmapped; any bytes are a number; who else writes there does so by
-    // atomic stores, being lariat; and the file, which has no name, is never made shorter.
+    // SAFETY: This many bytes are mapped at the start of a page and never unmapped. Any bytes are a
+    // valid number. Other writers are lariat's, too, and use atomic stores. The file is anonymous
+    // and never shrinks.
     Ok(unsafe { std::slice::from_raw_parts(start.cast::<AtomicU64>(), bytes / WORD) })
 }
 
-/// Where the two stand, in words.
+/// Position of the two copies, in words.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Region {
     start: usize,
-    /// How many words of bytes there may be in each.
+    /// Capacity of each copy, in words.
     most: usize,
 }
 
@@ -58,13 +61,13 @@ impl Region {
         }
     }
 
-    /// In bytes, at a page's end.
+    /// Returns the end in bytes, rounded up to a page.
     pub(super) const fn end(self) -> usize {
         ((self.start + 2 * (HEAD + self.most)) * WORD).next_multiple_of(4096)
     }
 }
 
-/// The two of one kind.
+/// The two copies.
 #[derive(Debug, Clone, Copy)]
 pub struct DoubleBuffer([&'static [AtomicU64]; 2]);
 
@@ -78,10 +81,10 @@ impl DoubleBuffer {
         self.0.map(|one| one[0].load(Ordering::Acquire))
     }
 
-    /// Over the older one.
+    /// Overwrites the older copy.
     ///
     /// # Errors
-    /// There is no room for so many bytes: what was written stays.
+    /// Returns an error if the bytes do not fit. The existing copies stay unchanged.
     pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
         let (whole, rest) = bytes.as_chunks::<WORD>();
         let mut last = [0; WORD];
@@ -95,7 +98,7 @@ impl DoubleBuffer {
         Ok(())
     }
 
-    /// The same, of as many words as there is room for.
+    /// Overwrites the older copy with words that always fit.
     pub(super) fn write_words<const N: usize>(&self, words: &[u64; N]) {
         self.put(words.iter().copied(), N * WORD);
     }
@@ -107,18 +110,19 @@ impl DoubleBuffer {
         } else {
             (self.0[0], second)
         };
-        // Whoever sees this sees the other whole; and this before anything else of it.
+        // Ordering: the other copy was completed before this store, and this store comes before the
+        // new content.
         one[0].store(0, Ordering::Release);
         fence(Ordering::Release);
         one[1].store(bytes as u64, Ordering::Relaxed);
         for (to, word) in one[HEAD..].iter().zip(words) {
             to.store(word, Ordering::Relaxed);
         }
-        // After all of it.
+        // Stored after the content.
         one[0].store(number + 1, Ordering::Release);
     }
 
-    /// What was written last, then what was before it, as far as they are whole.
+    /// Returns the newest copy, then the older one, as far as they are complete.
     pub fn newest_first(&self) -> impl Iterator<Item = Vec<u8>> {
         self.in_order().into_iter().filter_map(|(one, number)| {
             let length = one[1].load(Ordering::Relaxed) as usize;
@@ -130,7 +134,7 @@ impl DoubleBuffer {
         })
     }
 
-    /// What was written last by [`write_words`](Self::write_words).
+    /// Returns the words last written by [`write_words`](Self::write_words).
     pub(super) fn newest_words<const N: usize>(&self) -> Option<[u64; N]> {
         let mut whole = self.in_order().into_iter().filter_map(|(one, number)| {
             let words = std::array::from_fn(|i| one[HEAD + i].load(Ordering::Relaxed));
@@ -150,9 +154,9 @@ impl DoubleBuffer {
     }
 }
 
-/// Whether it was written whole, and nobody has begun to write over it.
+/// Returns true if the copy was complete and has not been overwritten since.
 fn is_still(one: &[AtomicU64], number: u64) -> bool {
-    // After all that was read of it.
+    // Ordered after all reads of the content.
     fence(Ordering::Acquire);
     number != 0 && one[0].load(Ordering::Relaxed) == number
 }
@@ -197,7 +201,7 @@ mod tests {
         for text in ["one", "two"] {
             buffers.write(text.as_bytes()).expect("room");
         }
-        // As far as it came before it was killed.
+        // Simulate a write that was interrupted by a kill.
         let older = buffers.in_order()[1].0;
         older[0].store(0, Ordering::Relaxed);
         older[HEAD].store(0x6572_6874, Ordering::Relaxed);

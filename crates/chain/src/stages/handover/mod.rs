@@ -1,15 +1,19 @@
-//! What a stage leaves to its successor: memory that the chain holds for it, whatever becomes of the process.
+//! Handover state of a stage: memory that the chain holds for the stage's successor, whatever
+//! happens to the process.
 //!
 //! ```text
-//! progress    how far the stage is                         before each message it sends
-//! left        what its successor goes on with              after the message (extract: its centerlines; sink: its counts)
-//! tally       what sink has timed                          once a second
-//!
-//! each twice, in turn (`buffers`): a kill in the middle of a write leaves the one before whole
+//! part        content                                      written
+//! progress    progress of the stage                        before each message it sends
+//! left        extract's centerlines, or the sink's counts  after the message
+//! tally       times measured by the sink                   once a second
 //! ```
 //!
-//! No count is given twice and none is forgotten: a message that was counted and not sent is lost, which is what the ledger then says.
-//! Memory that is mapped costs a stage some stores for it; a system call each, as it was first, cost a frame 19 µs on its whole way.
+//! Each part is stored twice and written alternately (`turns`), so a kill during a write leaves the
+//! previous copy complete.
+//!
+//! No message is counted twice, and none is forgotten. A message that was counted but not sent is
+//! lost, and the loss accounting says so. Writing to mapped memory costs a stage a few stores;
+//! system calls would delay every frame.
 
 mod double_buffer;
 
@@ -23,28 +27,28 @@ use super::status::Sent;
 pub use double_buffer::DoubleBuffer;
 use double_buffer::{Region, map};
 
-/// The variable that holds the memory's file number.
+/// Environment variable with the number of the memory's descriptor.
 pub const HANDOVER_FD: &str = "LARIAT_HANDOVER_FD";
 
-/// How far a stage is, over all its processes.
+/// Progress of a stage, over all its processes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Number of restarts.
     pub restarts: u64,
-    /// What it sent.
+    /// Messages that it sent.
     pub sent: Sent,
-    /// The count of the stage before in the message that was worked off last.
+    /// The previous stage's counter in the last message that was processed.
     pub taken: u64,
-    /// How often it said that it lives without having sent anything.
+    /// Number of signs of life without a message.
     pub beats: u64,
 }
 
 const PROGRESS: Region = Region::at_the_start(40);
-/// The largest that extract leaves has some 60 kB.
+/// Extract's largest state takes about 60 kB.
 const STATE: Region = Region::after(PROGRESS, 1 << 20);
-/// Every bucket of every histogram in use would take some 2 MB.
+/// If every bucket of every histogram were used, the tally would take about 2 MB.
 const TALLY: Region = Region::after(STATE, 16 << 20);
-/// Of the file, of which nearly all is a hole.
+/// Size of the file, which is sparse.
 const BYTES: usize = TALLY.end();
 
 impl Progress {
@@ -69,7 +73,7 @@ impl Progress {
     }
 }
 
-/// A stage's handover. One that nobody holds is of no use, and is not written.
+/// Handover state of a stage. Without memory from the chain, nothing is written.
 #[derive(Debug, Default)]
 pub struct Handover {
     memory: Option<Memory>,
@@ -90,10 +94,10 @@ impl Memory {
 }
 
 impl Handover {
-    /// A new one, for the first process of a stage.
+    /// Creates the state for the first process of a stage.
     ///
     /// # Errors
-    /// No memory.
+    /// Returns an error if memory is insufficient.
     pub fn make(stage: &str) -> Result<Self> {
         let made = memfd_create(format!("lariat-{stage}"), MemfdFlags::CLOEXEC);
         let file = made.and_then(|file| ftruncate(&file, BYTES as u64).map(|()| File::from(file)));
@@ -104,10 +108,10 @@ impl Handover {
         })
     }
 
-    /// The one that the chain holds for this process.
+    /// Opens the state that the chain holds for this process.
     ///
     /// # Errors
-    /// It is none.
+    /// Returns an error if the descriptor is not a handover state.
     pub fn of_the_chain() -> Result<Self> {
         let Ok(number) = std::env::var(HANDOVER_FD) else {
             return Ok(Self::default());
@@ -127,7 +131,7 @@ impl Handover {
         Ok(handover)
     }
 
-    /// The same, for a stage that is a thread of this process.
+    /// Returns a second handle, for a stage that is a thread of this process.
     pub fn share(&self) -> Self {
         let share = |memory: &Memory| {
             Some(Memory {
@@ -141,36 +145,37 @@ impl Handover {
         }
     }
 
-    /// The file, for the process that inherits it.
+    /// Returns the file for the process that inherits it.
     pub fn file(&self) -> Option<&File> {
         self.memory.as_ref().map(|memory| &memory.file)
     }
 
-    /// How far the stage was when this process began, and is by what this process noted.
+    /// Returns the progress at the start of this process, updated with its own notes.
     pub fn progress(&self) -> Progress {
         self.progress
     }
 
-    /// How far the stage is by what any process noted.
+    /// Returns the progress that any process noted last.
     pub fn read(&self) -> Progress {
         let noted = self.buffers(PROGRESS);
         let noted = noted.and_then(|buffers| buffers.newest_words());
         noted.map_or_else(Progress::default, Progress::of_words)
     }
 
-    /// Before a message is sent: what will have been sent with it, and the count of the stage before in what it was made of.
+    /// Notes progress before a message is sent. `sent` includes that message, and `taken` is the
+    /// previous stage's counter in its input.
     pub fn note(&mut self, sent: Sent, taken: u64) {
         (self.progress.sent, self.progress.taken) = (sent, taken);
         self.write();
     }
 
-    /// There was nothing to send, and the stage lives.
+    /// Notes that the stage is alive without having anything to send.
     pub fn beat(&mut self) {
         self.progress.beats += 1;
         self.write();
     }
 
-    /// The stage is restarted.
+    /// Notes a restart of the stage.
     pub fn count_restart(&mut self) {
         self.progress = self.read();
         self.progress.restarts += 1;
@@ -183,7 +188,7 @@ impl Handover {
         }
     }
 
-    /// Whether it is worth making something to hand on.
+    /// Returns true if the chain holds the state, so that it is worth writing.
     pub fn is_held(&self) -> bool {
         self.memory.is_some()
     }
@@ -193,12 +198,12 @@ impl Handover {
         Some(DoubleBuffer::new(memory.words, region))
     }
 
-    /// Where stands what a successor goes on with, if anybody holds it.
+    /// Returns the memory for the state that a successor needs, if the chain holds it.
     pub fn state(&self) -> Option<DoubleBuffer> {
         self.buffers(STATE)
     }
 
-    /// Where stands what sink has timed.
+    /// Returns the memory for the sink's times.
     pub fn tally(&self) -> Option<DoubleBuffer> {
         self.buffers(TALLY)
     }
@@ -208,7 +213,7 @@ impl Handover {
 mod tests {
     use super::*;
 
-    /// What another process sees.
+    /// Returns the state as another process sees it.
     fn successor(of: &Handover) -> Handover {
         let file = of.file().unwrap().try_clone().unwrap();
         let mut next = Handover {

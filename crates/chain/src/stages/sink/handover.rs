@@ -1,5 +1,5 @@
-//! What a sink leaves to the one that comes after it: what it has counted, with each round of messages, and what it has timed, once
-//! a second. Both as `lariat_sink` makes them, with their check.
+//! The sink's handover state: the counts, saved with each round of messages, and the times, saved
+//! every second. `lariat_sink` encodes both, including checksums.
 
 use std::io;
 
@@ -7,20 +7,20 @@ use lariat_sink::{Options, RestoreError, Tally};
 
 use crate::stages::handover::{DoubleBuffer, Handover};
 
-/// What is written again and again, by way of a buffer.
+/// Part of the state that is written repeatedly, through a buffer.
 pub(super) struct HandoverWriter {
     buffers: DoubleBuffer,
     buffer: Vec<u8>,
 }
 
 impl HandoverWriter {
-    /// `room`: how many bytes there will be, if they are to be written without allocating.
+    /// `room` is the capacity in bytes that is needed to write without allocation.
     pub(super) fn new(buffers: DoubleBuffer, room: usize) -> Self {
         let buffer = Vec::with_capacity(room);
         Self { buffers, buffer }
     }
 
-    /// Writes what `save` makes. Allocates nothing where that is no longer than before.
+    /// Writes the output of `save`. Allocates only if it is longer than before.
     pub(super) fn write(&mut self, save: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         self.buffer.clear();
         save(&mut self.buffer);
@@ -28,15 +28,15 @@ impl HandoverWriter {
     }
 }
 
-/// Whether there was a sink before that counted.
+/// Returns true if a previous sink has counted.
 pub(super) fn is_inherited(handover: &Handover) -> bool {
     handover
         .state()
         .is_some_and(|left| left.newest_first().next().is_some())
 }
 
-/// What a sink is to go on with: what the last one left, or nothing if there was none. If nothing can be read of that, it is said, and
-/// the counting begins with what comes.
+/// Returns the tally that a sink continues: that of the previous sink, or an empty one. If the
+/// previous tally is unreadable, warns and starts to count from now on.
 pub(super) fn tally(handover: &Handover, options: Options) -> Tally {
     if !is_inherited(handover) {
         return Tally::new(options);
@@ -53,14 +53,14 @@ pub(super) fn tally(handover: &Handover, options: Options) -> Tally {
 }
 
 fn inherited(handover: &Handover, options: Options) -> Result<Tally, RestoreError> {
-    // What is timed is of the last second; without it, what is counted holds all the same.
+    // The times are at most a second old. If they are unreadable, the counts still are valid.
     let tally = newest(handover.tally(), |bytes| Tally::restore(options, bytes));
     let mut tally = tally.unwrap_or_else(|_| Tally::new(options));
     newest(handover.state(), |bytes| tally.restore_counts(bytes))?;
     Ok(tally.resumed())
 }
 
-/// The newest that `restore` takes, or why it takes none.
+/// Returns the newest copy that `restore` accepts, or the reason why it accepts none.
 fn newest<T>(
     buffers: Option<DoubleBuffer>,
     mut restore: impl FnMut(&[u8]) -> Result<T, RestoreError>,
@@ -102,7 +102,7 @@ mod tests {
         sink.descriptors(&message, number + 1);
     }
 
-    /// A sink that has counted so many messages and saved all after each.
+    /// Creates a sink that receives `count` messages and saves everything after each.
     fn leave(handover: &Handover, count: u64) {
         let mut counts = HandoverWriter::new(handover.state().expect("held"), 0);
         let mut timed = HandoverWriter::new(handover.tally().expect("held"), 0);
@@ -140,7 +140,7 @@ mod tests {
         assert!(is_inherited(&handover));
         assert_eq!(inherit(&handover), (5, 5, 1));
         leave(&handover, 1);
-        // What comes first has waited for the sink, and is not timed.
+        // The first message waited for the sink to restart, so it is not timed.
         assert_eq!(inherit(&handover), (6, 5, 2));
     }
 
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(inherit(&handover), (6, 6, 1));
         damage(handover.state());
         assert_eq!(inherit(&handover), (6, 6, 1));
-        // The next one goes over the older one.
+        // The next state overwrites the older copy.
         leave(&handover, 1);
         assert_eq!(inherit(&handover), (7, 6, 2));
     }

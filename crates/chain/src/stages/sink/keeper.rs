@@ -1,8 +1,8 @@
-//! Keeps what the sink knows: the files of the run every 10 s, and every second what its successor would go on with.
+//! Saves the sink's state: the files of the run every 10 s, and the handover state every second.
 //!
-//! A thread beside the sink, which has a tally of its own and is told the same (a receipt a message, handed over once a second), so
-//! that the sink neither waits for it nor makes a copy of its histograms: at 1000 frames/s eight messages wait for it, 8 ms. Where
-//! no messages come, both are at rest.
+//! A thread alongside the sink has its own tally, which receives the same data: one receipt per
+//! message, handed over once a second. So the sink neither waits for the thread nor copies its
+//! histograms. Both sleep while no messages arrive.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -14,17 +14,17 @@ use lariat_sink::{Machine, Receipt, Sink, Tally};
 use super::handover::HandoverWriter;
 use crate::run_files::RunFiles;
 
-/// How often the thread is told what came.
+/// Interval at which receipts are handed to the thread.
 const ROUND: Duration = Duration::from_secs(1);
-/// How often files are written.
+/// Interval at which files are written.
 const FILES: Duration = Duration::from_secs(10);
-/// How soon the sink tries again where the thread has its tally in hand.
+/// Time after which the sink tries again if the thread is using its tally.
 const AGAIN: Duration = Duration::from_millis(10);
-/// Receipts that may wait for the thread: those of 16 s at 1000 frames/s, should a disk hold it up. After that it is given the
-/// sink's own tally, as a copy.
+/// Maximum number of receipts that wait for the thread. They cover 16 s at 1000 frames/s, in case a
+/// disk delays it. If there are more, the thread gets a copy of the sink's tally.
 const MOST_RECEIPTS: usize = 1 << 14;
 
-/// The thread's tally, and what has come since.
+/// The thread's tally, and the receipts since.
 struct Kept {
     tally: Tally,
     receipts: Vec<Receipt>,
@@ -39,27 +39,28 @@ struct Shared {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, Kept> {
-        // It is whole after a panic, too: of a tally that is only counted on, nothing is ever half done.
+        // The tally is consistent after a panic, too, because it is only counted up and never
+        // partly updated.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The sink's end.
+/// The sink's side.
 pub(super) struct Keeper {
     shared: Arc<Shared>,
     thread: JoinHandle<RunFiles>,
     receipts: Vec<Receipt>,
-    /// More came than there was room for.
+    /// True if there were more receipts than fit.
     overflowed: bool,
-    /// When the thread is to be told, if there is something to be told.
+    /// When to hand over the receipts, if there are any.
     due: Option<Instant>,
 }
 
 impl Keeper {
-    /// Begins to keep what the sink knows.
+    /// Starts to save the state of a sink.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// Returns an error if the thread cannot be started.
     pub(super) fn start(
         sink: &Sink,
         files: RunFiles,
@@ -95,7 +96,7 @@ impl Keeper {
         })
     }
 
-    /// A message came.
+    /// Takes the receipt of a message.
     pub(super) fn take(&mut self, receipt: Receipt) {
         if self.receipts.len() < MOST_RECEIPTS {
             self.receipts.push(receipt);
@@ -104,12 +105,12 @@ impl Keeper {
         }
     }
 
-    /// When it wants to be called, if anything came.
+    /// Returns when the next call is due, if there are receipts.
     pub(super) fn due(&self) -> Option<Instant> {
         self.due
     }
 
-    /// Hands over what came, if it is time. Never waits for the thread.
+    /// Hands over the receipts if it is time. Never waits for the thread.
     pub(super) fn hand_over_if_due(&mut self, sink: &Sink) {
         if self.receipts.is_empty() {
             return;
@@ -137,10 +138,10 @@ impl Keeper {
         self.due = None;
     }
 
-    /// Ends the thread, and gives back the files, for the last word.
+    /// Ends the thread, and returns the files for the final report.
     ///
     /// # Errors
-    /// The thread panicked.
+    /// Returns an error if the thread panicked.
     pub(super) fn end(self) -> anyhow::Result<RunFiles> {
         self.shared.lock().ended = true;
         self.shared.bell.notify_one();
@@ -149,22 +150,22 @@ impl Keeper {
     }
 }
 
-/// The thread's end.
+/// The thread's side.
 struct Work {
     shared: Arc<Shared>,
     files: RunFiles,
-    /// When they are to be written, if they may be before the end.
+    /// When to write the files, if they may be written before the end.
     files_due: Option<Instant>,
     handover: Option<HandoverWriter>,
     machine: Machine,
-    /// A failure was said.
+    /// True if a failure was reported.
     failed: bool,
 }
 
 impl Work {
     fn run(mut self) -> RunFiles {
         let shared = self.shared.clone();
-        // Something has come that the files do not have yet.
+        // True if the files lack something that has arrived.
         let mut files_lack = false;
         loop {
             let mut kept = shared.lock();
@@ -209,7 +210,7 @@ impl Work {
         }
     }
 
-    /// Writes what a successor would go on with. Into memory: it is done in no time.
+    /// Writes the handover state. It goes to memory, so this is fast.
     fn leave(&mut self, tally: &Tally) {
         if let Some(left) = &mut self.handover
             && let Err(cause) = left.write(|into| tally.save(into))
@@ -221,7 +222,7 @@ impl Work {
         }
     }
 
-    /// Writes the files. That they cannot be does not stop a robot's chain, and may be over by the next time.
+    /// Writes the files. A failure does not stop a robot's chain, and may be over the next time.
     fn renew(&mut self, report: &lariat_sink::Report) {
         match self.files.renew(report) {
             Ok(()) => self.failed = false,

@@ -1,19 +1,20 @@
-//! Whether curves go the right way at a crossing, and say rightly which strand is on top.
+//! Checks whether curves continue correctly at a crossing, and whether the reported upper strand is
+//! correct.
 //!
-//! A strand is followed if some curve comes by it just before the crossing and just after it, and if between these two
-//! places the curve is as long as the strand is. A curve that turns off into the other strand and comes back by way of a
-//! loop is longer; one that ends there, or goes on elsewhere, comes by only once.
+//! A curve follows a strand if it passes just before the crossing and just after it, and if its
+//! length in between is the strand's. A curve that turns off into the other strand and returns
+//! through a loop is longer. A curve that ends there, or continues elsewhere, passes only once.
 
 use super::super::line::{Vec2, dot, minus, mix, norm};
 use super::super::{TrueCrossing, TrueRope, TrueTouch, Truth};
 use super::SeenCrossing;
 
-/// A curve's points with their arc lengths.
+/// Points of a curve with their arc lengths.
 #[derive(Debug)]
 pub(super) struct Polyline<'a> {
     points: &'a [Vec2],
     closed: bool,
-    /// Of each point, and of the whole.
+    /// Arc length at each point, and of the whole.
     along_px: Vec<f64>,
 }
 
@@ -44,7 +45,8 @@ impl<'a> Polyline<'a> {
         self.along_px[self.segments()]
     }
 
-    /// Distance of a point from segment `i`, and where along the segment the nearest point is, 0 to 1.
+    /// Distance of a point from segment `i`, and position of the nearest point along the segment, 0
+    /// to 1.
     fn nearest_on_segment(&self, i: usize, point: Vec2) -> (f64, f64) {
         let [p, q] = self.segment(i);
         let (d, to) = (minus(q, p), minus(point, p));
@@ -81,7 +83,7 @@ impl<'a> Polyline<'a> {
         [d[0] / length, d[1] / length]
     }
 
-    /// Where the line comes by a point within a distance: the nearest place of each time it does.
+    /// Nearest positions of all passages of the line within a distance of a point.
     fn passages_px(&self, point: Vec2, within_px: f64) -> Vec<f64> {
         let mut passages = Vec::new();
         let mut nearest: Option<(f64, f64)> = None;
@@ -101,17 +103,18 @@ impl<'a> Polyline<'a> {
     }
 }
 
-/// Along each strand, half of what a crossing covers: w/2 (1/sin θ + 1/tan θ).
+/// Half of the length that a crossing covers along each strand: w/2 (1/sin θ + 1/tan θ).
 fn covered_px(width_px: f64, angle_deg: f64) -> f64 {
     let angle = angle_deg.max(1.0).to_radians();
     0.5 * width_px * (1.0 + angle.cos()) / angle.sin()
 }
 
-/// Whether some curve goes straight on along each of the crossing's strands.
+/// Returns whether curves continue along both of the crossing's strands.
 pub(super) fn is_connected(truth: &Truth, crossing: &TrueCrossing, curves: &[Polyline]) -> bool {
     [crossing.over, crossing.under].iter().all(|&(rope, rho)| {
         let rope = &truth.ropes[rope];
-        // Half a width beyond what is covered, where the strands are apart and the next crossing has not begun.
+        // Half a width beyond the covered part, where the strands are apart and the next crossing
+        // has not begun.
         let reach_px = covered_px(rope.width_px, crossing.angle_deg) + 0.5 * rope.width_px;
         curves
             .iter()
@@ -119,7 +122,7 @@ pub(super) fn is_connected(truth: &Truth, crossing: &TrueCrossing, curves: &[Pol
     })
 }
 
-/// Whether some curve goes straight on along each of two strands that touch.
+/// Returns whether curves continue along both of two touching strands.
 pub(super) fn is_kept_apart(truth: &Truth, touch: &TrueTouch, curves: &[Polyline]) -> bool {
     touch.strands.iter().all(|&(rope, rho, reach_px)| {
         let follows = |curve| follows(&truth.ropes[rope], rho, reach_px, curve);
@@ -127,7 +130,7 @@ pub(super) fn is_kept_apart(truth: &Truth, touch: &TrueTouch, curves: &[Polyline
     })
 }
 
-/// Whether a curve goes along a rope from so far before a place to as far behind it.
+/// Returns whether a curve follows a rope from `reach_px` before a position to `reach_px` after it.
 fn follows(rope: &TrueRope, rho: f64, reach_px: f64, curve: &Polyline) -> bool {
     if curve.segments() == 0 {
         return false;
@@ -135,11 +138,12 @@ fn follows(rope: &TrueRope, rho: f64, reach_px: f64, curve: &Polyline) -> bool {
     let width_px = rope.width_px;
     let line = Polyline::new(&rope.points, rope.closed);
     let middle_px = rho * line.length_px();
-    // Nearer to this strand than to the other one; 2 px is what a chord between a curve's points may be off a bend.
+    // Closer to this strand than to the other. In a bend, a chord between a curve's points may be
+    // off by 2 px.
     let within_px = (0.6 * width_px).max(2.0);
     let [before, after] =
         [-reach_px, reach_px].map(|px| curve.passages_px(line.at(middle_px + px), within_px));
-    // The strand's own length, and what a detour takes: less than a loop's 3π widths by far.
+    // The strand's own length, and an allowance for detours that is far below a loop's 3π widths.
     let wanted_px = 2.0 * reach_px;
     let spare_px = 0.3 * wanted_px.min(10.0 * width_px) + width_px;
     before.iter().any(|&from_px| {
@@ -156,8 +160,8 @@ fn follows(rope: &TrueRope, rho: f64, reach_px: f64, curve: &Polyline) -> bool {
     })
 }
 
-/// Whether the crossing was reported near its place, and the curve that is said to be on top runs along the upper
-/// strand there rather than along the lower one.
+/// Returns whether the crossing was reported near its position, with an upper curve that follows
+/// the upper strand there and not the lower one.
 pub(super) fn is_order_right(
     truth: &Truth,
     crossing: &TrueCrossing,
@@ -165,7 +169,7 @@ pub(super) fn is_order_right(
     seen: &[SeenCrossing],
 ) -> bool {
     let width_px = truth.ropes[crossing.over.0].width_px;
-    // Where flat strands cross is less sure along them than across.
+    // The position of a flat crossing is less certain along the strands than across.
     let within_px = covered_px(width_px, crossing.angle_deg) + 0.5 * width_px;
     let nearest = seen
         .iter()

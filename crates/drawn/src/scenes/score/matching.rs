@@ -1,18 +1,19 @@
-//! Which curve is which rope, and where each of its points should be.
+//! Matches curves with ropes, and assigns each point of a curve its true position.
 
 use super::super::Truth;
 use super::super::line::{Vec2, minus, mix, norm};
 
-/// How a curve lies on its rope: point i of n belongs at ρ = start + i/(n − 1), or back from there.
+/// Placement of a curve on its rope: point i of n belongs at ρ = start + i/(n − 1), or in the
+/// opposite direction from there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     reversed: bool,
-    /// Of closed ropes alone.
+    /// Start of the curve; only for closed ropes.
     start: f64,
 }
 
 impl Placed {
-    /// Distance of each point of a curve from the true point of the same ρ.
+    /// Distance of each point of a curve from the true point at the same ρ.
     pub(super) fn errors_px(self, truth: &[Vec2], closed: bool, curve: &[Vec2]) -> Vec<f64> {
         let intervals = if closed { curve.len() } else { curve.len() - 1 };
         let error = |(i, &point): (usize, &Vec2)| {
@@ -33,7 +34,7 @@ impl Placed {
         errors.iter().sum::<f64>() / errors.len() as f64
     }
 
-    /// The best way to lay a curve on a rope, and the mean error then.
+    /// Best placement of a curve on a rope, with its mean error.
     fn best(truth: &[Vec2], closed: bool, curve: &[Vec2]) -> (f64, Self) {
         let starts = if closed { 200 } else { 1 };
         let mut best = (
@@ -58,7 +59,7 @@ impl Placed {
         }
         if closed {
             let mut step = 0.5 / f64::from(starts);
-            // To a 200 · 2¹⁰th of the rope.
+            // Down to 1 / (200 · 2¹⁰) of the rope.
             for _ in 0..10 {
                 let (_, now) = consider(Self {
                     reversed: false,
@@ -75,7 +76,7 @@ impl Placed {
     }
 }
 
-/// The true point at a normalized arc length.
+/// True point at a normalized arc length.
 fn at(truth: &[Vec2], closed: bool, rho: f64) -> Vec2 {
     let count = truth.len();
     if closed {
@@ -89,7 +90,7 @@ fn at(truth: &[Vec2], closed: bool, rho: f64) -> Vec2 {
     }
 }
 
-/// Which curve each rope was matched with.
+/// Curves that the ropes were matched with.
 #[derive(Debug, Default)]
 pub(super) struct Pairing {
     pub(super) curve_of: Vec<Option<(usize, Placed)>>,
@@ -97,7 +98,7 @@ pub(super) struct Pairing {
 
 impl Pairing {
     pub(super) fn best(truth: &Truth, curves: &[Vec<Vec2>]) -> Self {
-        /// More curves than this are noise; the rest stays unmatched.
+        /// Maximum number of curves that are considered; more are noise and remain unmatched.
         const MOST: usize = 10;
         let costs: Vec<Vec<Option<(f64, Placed)>>> = truth
             .ropes
@@ -130,12 +131,12 @@ impl Pairing {
     }
 }
 
-/// All assignments: there are few ropes.
+/// Search over all assignments, which is feasible because there are few ropes.
 struct Search<'a> {
     costs: &'a [Vec<Option<(f64, Placed)>>],
     taken: Vec<bool>,
     chosen: Vec<Option<usize>>,
-    /// Matched ropes, sum of costs, and the curve of each rope.
+    /// Number of matched ropes, sum of costs, and curve of each rope.
     best: (usize, f64, Vec<Option<usize>>),
 }
 

@@ -1,4 +1,4 @@
-//! What the two cameras see is what is there.
+//! The two cameras see what is in front of them.
 
 use super::*;
 use lariat_simulation::Options;
@@ -10,7 +10,7 @@ fn seen(seed: u64) -> (SpaceScene, Vec<u8>, Vec<u16>) {
     };
     let simulation = SpaceSimulation::new(&options).unwrap();
     let mut scene = SpaceScene::new(&simulation, 2.5);
-    // What was drawn before is gone.
+    // The previous drawing is gone.
     scene.draw(&SpaceSimulation::new(&Options::default()).unwrap());
     scene.draw(&simulation);
     let mut pixels = vec![0; 3 * 640 * 480];
@@ -37,7 +37,7 @@ fn rope_and_table_are_where_the_truth_says_in_colour_and_in_depth() {
             .skip(5)
             .take(90)
         {
-            // Both at equal steps, one of them in the picture.
+            // Both have equal steps, but one of them has them in the picture.
             let seen = scene.color.eye.see(point.map(f64::from));
             let [x, y] = scene.color.eye.pixel(seen);
             assert!((x - f64::from(at[0])).abs() < 8.0 && (y - f64::from(at[1])).abs() < 8.0);
@@ -52,11 +52,12 @@ fn rope_and_table_are_where_the_truth_says_in_colour_and_in_depth() {
                 off_mm += depth - (seen[2] - RADIUS_MM);
             }
         }
-        // A hundredth is holes; of the mean of 90 with 2 mm of noise each, five deviations; and a tube is nearest in its middle.
+        // A hundredth of the pixels are holes. The bounds are five deviations of the mean of 90
+        // values with 2 mm of noise each. A tube is nearest in its middle.
         assert!(measured > 80, "{measured}");
         let mean_mm = off_mm / f64::from(measured);
         assert!((-1.1..2.5).contains(&mean_mm), "{mean_mm}");
-        // A corner is table.
+        // A corner shows the table.
         let far = f64::from(scene.depth.table[20 * 848 + 700]);
         let around = (0..40)
             .map(|i| f64::from(depths[20 * 848 + 700 + i]))
@@ -66,7 +67,7 @@ fn rope_and_table_are_where_the_truth_says_in_colour_and_in_depth() {
     }
 }
 
-/// The second imager stands to the right: it hides what is to the left of the rope.
+/// The second imager is to the right, so the rope hides from it what is to the left of the rope.
 #[test]
 fn what_the_rope_hides_from_the_second_imager_has_no_depth() {
     let (scene, _, depths) = seen(3);

@@ -1,22 +1,27 @@
-//! Which sections are as wide as the rope is there, and no others': a strand beside it, or a shadow, makes them wider.
+//! Tells which sections are only as wide as the rope is there. A parallel strand or a shadow makes
+//! them wider.
 
 use super::{Measure, Section};
 use crate::centerline::line::Sample;
 
-/// A rope that rises to the camera becomes wider by and by: a section whose width differs from the mean over so many widths before it by
-/// this share at most is the rope's too. Of 14 px, at 50° and a focal length of 600 px, its width changes by 3 % in its own; that of two
-/// strands that run together at 5°, by 9 %.
+/// Length, in widths, of the running mean with which a section's width is compared. A rope that
+/// rises toward the camera widens gradually, so a section near that mean is the rope's too.
 const BEFORE: f32 = 1.5;
+/// Maximum deviation from that mean, as a share. A rope 14 px wide, at 50° and a focal length of
+/// 600 px, changes its width by 3 % within its own width. The width of two strands that converge at
+/// 5° changes by 9 %.
 const GRADUAL: f32 = 0.08;
-/// After a gap a section counts for no more in that mean than this.
+/// Maximum weight of one section in that mean, reached after a gap.
 const COUNTS: f32 = 0.25;
-/// So much wider or narrower than mostly it becomes, as a factor, at most.
+/// Maximum factor between a section's width and the rope's usual width.
 pub(super) const MOST: f32 = 2.0;
-/// A rope that points at the camera is wide at once, behind a bend or from its tip on: so many widths of sections that go on as wide as
-/// those before them are the rope's too. Two strands beside each other run into a crossing.
+/// Minimum length, in widths, of a run of sections that keep their width, for it to be the rope's.
+/// A rope that points at the camera is wide at once, behind a bend or from its tip on. Two strands
+/// side by side run into a crossing instead.
 const STEADY: f32 = 3.0;
 
-/// Notes which of the sections are the rope's own, where `ends` says how wide it is beyond the first and the last of them.
+/// Marks the sections that are the rope's own. The pair gives the rope's width just beyond the
+/// first and the last section.
 pub(super) fn judge(
     samples: &[Sample],
     how: Measure,
@@ -36,8 +41,8 @@ pub(super) fn judge(
     }
 }
 
-/// Notes which of the sections in turn are as wide as the rope mostly is, or as it has become by and by since `from`: a sample, and the
-/// width there.
+/// Marks, in order, the sections that are as wide as the rope usually is, or as it has gradually
+/// become. The pair gives the sample before the first section, and the width there.
 fn judge_gradual<'a>(
     (mut before, mut wide_px): (usize, f32),
     how: Measure,
@@ -54,7 +59,8 @@ fn judge_gradual<'a>(
     }
 }
 
-/// Notes of sections in a row, of which none is as wide as the rope mostly is, those that go on as wide as each other for long enough.
+/// Marks those of adjacent sections that keep their width for long enough. None of the sections has
+/// the rope's usual width.
 fn judge_steady(how: Measure, stretch: &mut [Section]) {
     let mut wide_px = stretch[0].1.map_or(0.0, |found| found.width_px);
     let goes_on = |_: &Section, (_, found): &Section| {
@@ -75,7 +81,7 @@ fn judge_steady(how: Measure, stretch: &mut [Section]) {
     }
 }
 
-/// Whether a section goes on as wide as those before it.
+/// Returns whether a section is about as wide as those before it.
 fn is_gradual(width_px: f32, wide_px: f32) -> bool {
     (width_px - wide_px).abs() < GRADUAL * wide_px
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::bitmap::components::Components;
 use lariat_clustering::{Cells, Pixels, Run};
 
-/// The nerve of centers in a mask that is set where `is_set` says so.
+/// The nerve of centers in a mask that is set where `is_set` returns true.
 fn nerve(
     [width, height]: [u16; 2],
     is_set: impl Fn(f32, f32) -> bool,
@@ -24,7 +24,7 @@ fn nerve(
     nerve.plane
 }
 
-/// How many pieces it has, and whether there is a hole in it.
+/// Number of pieces, and whether there is a hole in any.
 fn pieces_and_hole(plane: &BitPlane) -> (usize, bool) {
     let (mut components, mut names, mut filled) =
         (Components::default(), Vec::new(), plane.clone());
@@ -47,7 +47,7 @@ fn centers_in_single_file_are_a_chain_through_the_middle() {
             "{x}: {set:?}"
         );
     }
-    // Halfway between two centers lies the middle of their border.
+    // The middle of a border is halfway between the two centers.
     assert!(plane.get(20, 10) && plane.get(40, 10));
 }
 
@@ -82,7 +82,8 @@ fn a_ring_stays_a_ring_with_three_centers_or_two() {
 
 #[test]
 fn where_ways_part_the_mask_itself_is_drawn() {
-    // A cross of arms 8 wide, a center in its middle and one in each arm, all of them a little off.
+    // A cross with arms 8 wide, a center in its middle and one in each arm, all of them slightly
+    // off.
     let is_set = |x: f32, y: f32| (26.0..34.0).contains(&x) || (26.0..34.0).contains(&y);
     let centers = [
         [32.0, 28.0],

@@ -1,4 +1,4 @@
-//! A strand's axis around a crossing, sixteen samples side by side.
+//! A strand's axis around a crossing, with one sample in each SIMD lane.
 
 use lariat_portable::Simd;
 
@@ -8,18 +8,18 @@ use crate::image::ray::{LANES, Lanes};
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// Samples of the axis, finely spaced.
+/// Finely spaced samples of the axis.
 #[derive(Debug)]
 pub(super) struct Axis {
     pub(super) blocks: Vec<Block>,
-    /// How many samples there are; the last one fills up the last block.
+    /// Number of samples; the last one fills the rest of the last block.
     pub(super) count: usize,
     /// The sample at the crossing.
     pub(super) center: usize,
     pub(super) half_px: f32,
 }
 
-/// Samples one after the other: x and y of each.
+/// Consecutive samples: x and y of each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     pub(super) at: [Lanes; 2],
@@ -27,7 +27,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The places so far aside of the samples.
+    /// The samples' places, moved aside by this distance.
     #[inline(always)]
     pub(super) fn moved(&self, aside_px: f32) -> [Lanes; 2] {
         let mut at = [[0.0; LANES]; 2];
@@ -41,7 +41,8 @@ impl Block {
     }
 }
 
-/// As many places of a spline: the points around each, and how far from the second to the third it lies.
+/// Places of a spline, one in each lane: the points around each, and its share of the way from the
+/// second to the third.
 struct Places {
     points: [[Lanes; 2]; 4],
     share: Lanes,
@@ -50,7 +51,7 @@ struct Places {
 impl Default for Axis {
     fn default() -> Self {
         Self {
-            // All that it can come to, so that no later crossing, flatter than those before, allocates.
+            // Room for the maximum, so that no later, flatter crossing allocates.
             blocks: Vec::with_capacity(MOST_SAMPLES.div_ceil(LANES)),
             count: 0,
             center: 0,
@@ -60,7 +61,8 @@ impl Default for Axis {
 }
 
 impl Axis {
-    /// Samples `curve` every `step_px` around place `at`, as far back and ahead as `reach_px` says.
+    /// Samples `curve` every `step_px` around place `at`, as far back and ahead as `reach_px`
+    /// gives.
     #[inline(always)]
     pub(super) fn lay(&mut self, curve: &Curve, at: f32, reach_px: [f32; 2], step_px: f32) {
         self.blocks.clear();
@@ -104,7 +106,8 @@ impl Axis {
         }
     }
 
-    /// The squares of the distances from the axis of the samples of `block`, moved aside by each of `aside_px`.
+    /// Squared distances from this axis to the samples of `block`, moved aside by each of
+    /// `aside_px`.
     #[inline(always)]
     pub(super) fn squares<S: Simd, const N: usize>(
         &self,
@@ -188,7 +191,7 @@ impl Places {
         block
     }
 
-    /// Where the spline stands still, its points tell its direction.
+    /// Takes the direction from the points, where the spline has zero derivative.
     #[cold]
     fn straighten(&self, way: &[Lanes; 2], block: &mut Block) {
         for (l, (x, y)) in way[0].iter().zip(&way[1]).enumerate() {

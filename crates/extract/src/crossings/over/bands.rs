@@ -1,36 +1,38 @@
-//! Whether what is seen across a strand is the same all along it but for how light it is: its shade from edge to edge.
+//! Compares a strand's cross-sections along it. Except for brightness, the shade from edge to edge
+//! is the same everywhere.
 //!
-//! Dashes, and the grooves of what is twisted, make a strand's surface anything but steady along it. But each such band runs all
-//! across it, straight or leaning, and so leaves the shares of the lines beside each other as they are. Where the other strand
-//! lies on top, that one's bands and shades run along this one's cross-sections, and these shares are others.
+//! Dashes and the grooves of a twisted rope make the surface vary along the strand. But each such
+//! band runs all across it, straight or slanted, and so does not change the ratios between adjacent
+//! lines. If the other strand is on top, its bands and shades run along this strand's
+//! cross-sections, and these ratios change.
 
 use super::axis::Axis;
 use super::lines::{LINES, Line, block, core, levels};
 use super::{Mean, beyond_px};
 use crate::image::ray::{LANES, Lanes};
 
-/// How far along the strand a band may lie for each pixel across it.
+/// Slants of a band: pixels along the strand for each pixel across it.
 const LEANS: [f32; 7] = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75];
-/// Lines that tell something of a band.
+/// Minimum number of lines for a band to count.
 const FEWEST: f32 = 3.0;
-/// Light below this share of a level is none.
+/// Lower bound of a divisor that is a sum of shares.
 const LEAST: f32 = 1e-3;
 
-/// The lines along a strand, about another one.
+/// The lines along a strand, around another one.
 pub(super) struct Bands<'a> {
     pub(super) lines: &'a [Line],
     pub(super) aside_px: &'a [f32; LINES],
     pub(super) step_px: f32,
-    /// Less than so far from the other strand's axis is its middle.
+    /// Distance from the other strand's axis that limits its middle.
     pub(super) core_px: f32,
     pub(super) yuv: bool,
 }
 
-/// What each line shows, as a share of the mean of all, a channel each.
+/// Each line's share of the mean of all lines, for each channel.
 type Shares = [[f32; 3]; LINES];
 
 impl Bands<'_> {
-    /// How far the first strand's lines are, within the other, from the shares that they have outside of it.
+    /// Deviation of the first strand's lines, within the other, from their shares outside of it.
     #[inline(always)]
     pub(super) fn change(&self, [axis, other]: [&Axis; 2]) -> Mean {
         let beside_px = other.half_px + beyond_px(other.half_px);
@@ -57,7 +59,8 @@ impl Bands<'_> {
         })
     }
 
-    /// The shares where all lines are so far from the other strand; nothing where there are too few such places.
+    /// The shares at places where all lines are this far from the other strand, or `None` if there
+    /// are too few such places.
     #[inline(always)]
     fn shares(&self, count: usize, beside_px: f32) -> Option<Shares> {
         let (mut sums, mut places) = ([[[0.0; LANES]; 3]; LINES], [0.0; LANES]);
@@ -88,8 +91,9 @@ impl Bands<'_> {
         (places.iter().sum::<f32>() >= 2.0).then_some(shares)
     }
 
-    /// How far the lines are from their shares of what the places across show together, of those places that count: as
-    /// `counts` says of a line's distances from the other strand, from a place on.
+    /// Deviation of the lines from their shares of the common brightness at each place. `counts`
+    /// gives the weights of places, from a line's distances from the other strand and the first
+    /// index.
     #[inline(always)]
     fn off(
         &self,
@@ -99,7 +103,7 @@ impl Bands<'_> {
         counts: impl Fn(&[f32], usize) -> Lanes,
     ) -> Mean {
         let later = self.aside_px.map(|aside_px| {
-            // None is negative.
+            // Shifted so that no offset is negative.
             let on_px = lean * aside_px + lean.abs() * self.aside_px[LINES - 1];
             (on_px.max(0.0) / self.step_px + 0.5) as usize
         });

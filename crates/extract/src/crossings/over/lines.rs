@@ -1,4 +1,4 @@
-//! What is seen on a few lines along a strand, and how far that is from a surface that goes on.
+//! The image on a few lines along a strand, and its deviation from a continuous surface.
 
 use std::ops::Range;
 
@@ -11,40 +11,41 @@ use crate::image::ray::{LANES, Lanes};
 use crate::image::{Image, color};
 use crate::statistics::medians;
 
-/// Lines along each strand.
+/// Number of lines along each strand.
 pub(super) const LINES: usize = 5;
-/// How far aside the outermost lines run, in half-widths: farther out, lens and table mix into the
-/// strand's own color.
+/// Offset of the outermost lines, in half-widths. Farther out, lens and table mix into the strand's
+/// own color.
 const SPAN: f32 = 0.7;
-/// The middle of the crossing, in half-widths of the other strand, and at least a sharp lens's blur
-/// within its edges, in pixels.
+/// The middle of the crossing, in half-widths of the other strand. It is at least a sharp lens's
+/// blur inside of that strand's edges, in pixels.
 const CORE: f32 = 0.8;
 const SHARP_PX: f32 = 1.0;
-/// The most samples that one such look takes.
+/// Maximum number of samples read on each side of the crossing.
 const MOST_AROUND: usize = 24;
-/// The most blocks of samples.
+/// Maximum number of blocks of samples.
 const BLOCKS: usize = MOST_SAMPLES.div_ceil(LANES);
-/// Medians of a line: of three channels, before and after the crossing.
+/// Number of medians of a line: three channels, before and after the crossing.
 const MEDIANS: usize = 6;
-/// Registers that hold those of all lines.
+/// Number of registers that hold the medians of all lines.
 const SETS: usize = (LINES * MEDIANS).div_ceil(LANES);
 
 /// Memory of the lines along one strand.
 #[derive(Debug)]
 pub(super) struct Lines {
     lines: Vec<Line>,
-    /// The colors as they are read.
+    /// The colors as read.
     read: [Vec<Lanes>; 3],
 }
 
 /// One line along a strand.
 #[derive(Debug)]
 pub(super) struct Line {
-    /// How far each sample of the axis, moved aside to the line, is from the other strand's axis.
+    /// Distance from the other strand's axis to each sample of the axis, moved aside to the line.
     pub(super) distances: Vec<Lanes>,
-    /// The image there, a channel each.
+    /// The image there, by channel.
     pub(super) colors: [Vec<Lanes>; 3],
-    /// The samples that the other strand touches, none of a line that it does not, and those that tell what to expect there.
+    /// Samples that the other strand touches (may be empty), and the same range extended by the
+    /// samples that predict their colors.
     inside: Range<usize>,
     seen: Range<usize>,
 }
@@ -66,8 +67,8 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// How much the lines along the first axis are disturbed where the other lies over or under it; the bands across it are
-    /// only looked at where they are asked for.
+    /// Measures how much the other strand disturbs the lines along the first axis, over or under
+    /// it. The bands across it are measured only if `with_bands` is set.
     #[inline(always)]
     pub(super) fn surprise<S: Simd>(
         &mut self,
@@ -95,7 +96,7 @@ impl Lines {
         }
         let touched_px = other.half_px + beyond_px(other.half_px);
         let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
-        // Three samples are less than a width.
+        // Only if three samples span less than a width.
         let smooth = 2.0 * step_px <= other.half_px;
         for (line, aside_px) in self.lines.iter_mut().zip(aside_px) {
             let distances = &line.distances.as_flattened()[..axis.count];
@@ -128,7 +129,8 @@ impl Lines {
         all
     }
 
-    /// The median colors of each line before and after the crossing; none of fewer than two samples.
+    /// The median colors of each line before and after the crossing; `None` for fewer than two
+    /// samples.
     #[inline(always)]
     fn outside<S: Simd>(&self, simd: S, around: usize) -> [[Option<[f32; 3]>; 2]; LINES] {
         let mut rows = [[[f32::INFINITY; LANES]; MOST_AROUND]; SETS];
@@ -172,8 +174,8 @@ impl Lines {
 }
 
 impl Line {
-    /// Fills in the colors along the axis, by way of `smoothing` averaged each with its neighbors: what the camera's
-    /// noise adds to a difference falls by half.
+    /// Fills in the colors along the axis. With `smoothing` as a buffer, each is averaged with its
+    /// neighbors, which halves the camera noise in a difference.
     #[inline(always)]
     fn look(
         &mut self,
@@ -220,7 +222,7 @@ impl Line {
         ]
     }
 
-    /// Adds how far the samples inside are from what those before and after them say.
+    /// Adds the deviations of the samples inside from their prediction by those before and after.
     #[inline(always)]
     fn add_prediction(&self, outside: &[Option<[f32; 3]>; 2], yuv: bool, mean: &mut Mean) {
         let (from, to) = match *outside {
@@ -244,7 +246,7 @@ impl Line {
         mean.add(sums.iter().sum(), a.len() as f32);
     }
 
-    /// Adds how far the colors in the middle of the crossing are from their mean.
+    /// Adds the deviations of the colors in the middle of the crossing from their mean.
     #[inline(always)]
     fn add_change(&self, core_px: f32, yuv: bool, mean: &mut Mean) {
         let [a, b, c] = self.within();
@@ -261,7 +263,7 @@ impl Line {
             }
         }
         let count: f32 = counts.iter().sum();
-        // Fewer have little choice but to be near their mean.
+        // Fewer samples are always near their mean.
         if count < 3.0 {
             return;
         }
@@ -282,7 +284,7 @@ impl Line {
     }
 }
 
-/// The numbers from place `k` on, nothing beyond the last.
+/// The numbers from place `k` on, and 0 beyond the last.
 #[inline(always)]
 pub(super) fn block(values: &[f32], k: usize) -> Lanes {
     let mut lanes = [0.0; LANES];
@@ -294,7 +296,7 @@ pub(super) fn block(values: &[f32], k: usize) -> Lanes {
     lanes
 }
 
-/// Which of the distances from place `k` on are less than `core_px`.
+/// A weight of 1 for each distance from place `k` on that is less than `core_px`, otherwise 0.
 #[inline(always)]
 pub(super) fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
     let (mut core, here) = ([0.0; LANES], block(distances, k));
@@ -305,14 +307,14 @@ pub(super) fn core(distances: &[f32], k: usize, core_px: f32) -> Lanes {
     core
 }
 
-/// The mean difference of a channel, U and V counting double as they span half the range.
+/// Mean difference over the channels. U and V count double because they span half the range.
 #[inline(always)]
 pub(super) fn levels([a, b, c]: [f32; 3], yuv: bool) -> f32 {
     let chroma = if yuv { 2.0 } else { 1.0 };
     (a + chroma * (b + c)) / 3.0
 }
 
-/// The samples around `center` that lie within `touched_px` of the other strand.
+/// The samples nearest to `center` that are within `touched_px` of the other strand.
 #[inline(always)]
 fn touched(distances: &[f32], center: usize, touched_px: f32) -> Option<Range<usize>> {
     let is_touched = |i: usize| distances.get(i).is_some_and(|d| *d < touched_px);

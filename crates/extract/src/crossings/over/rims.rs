@@ -1,8 +1,9 @@
-//! Whether a strand's own edges are seen where it crosses another one.
+//! Tells whether a strand's own edges are visible where it crosses another one.
 //!
-//! The upper strand's rims stand out from what lies under them, all the way through the crossing; where the lower strand's would be
-//! there is only the upper one's surface, on which dashes and specks come and go, to the one side as often as to the other. So
-//! steps across an edge are added up with their sign. What a lens or a motion has blurred tells little.
+//! The upper strand's rims stand out from what is under them, all the way through the crossing. At
+//! the lower strand's rims there is only the upper one's surface. Its dashes and specks differ to
+//! one side as often as to the other, so signed steps across an edge are added up. Edges blurred by
+//! lens or motion tell little.
 
 use lariat_portable::Simd;
 
@@ -13,17 +14,19 @@ use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::statistics::grade;
 
-/// How far to either side of an edge is looked, in half-widths, and at least, in pixels: beyond a lens's blur.
+/// Distance to either side of an edge where the image is read, in half-widths, and its minimum in
+/// pixels: beyond a lens's blur.
 const ASIDE: f32 = 0.2;
 const ASIDE_PX: f32 = 1.25;
-/// How far from the other strand's axis, in its half-widths: well within its own edges.
+/// Maximum distance from the other strand's axis, in its half-widths: well within its own edges.
 const CORE: f32 = 0.85;
-/// How much of the step from the strand's middle to beside it lies at a sharp edge: none of its word counts, and all.
+/// Range of an edge's sharpness, as its share of the step from the strand's middle to the outside.
+/// Below the range, the edges do not count; above it, they count fully.
 const SHARP: (f32, f32) = (0.4, 0.7);
-/// Places of an edge that tell something.
+/// Minimum number of places on an edge.
 const FEWEST: f32 = 2.0;
 
-/// The mean steps of each channel from within an edge outward, of both edges of a strand.
+/// Mean steps of each channel from inside an edge outward, for both edges of a strand.
 #[derive(Default)]
 struct Steps {
     sums: [[f32; 3]; 2],
@@ -52,16 +55,16 @@ impl Steps {
     }
 }
 
-/// What is seen of a strand's edges.
+/// Visibility of a strand's edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rims {
-    /// How much they stand out where the other strand lies over or under this one, as a share of how much they do beside it.
+    /// Contrast of the edges within the other strand, relative to their contrast outside of it.
     pub(super) share: f32,
-    /// From 0 to 1, how sharp they are beside it.
+    /// Sharpness of the edges outside of it, from 0 to 1.
     pub(super) sharpness: f32,
 }
 
-/// The edges of the first strand, about the second; nothing where too little of them is seen.
+/// The edges of the first strand around the second, or `None` if too little of them is visible.
 #[inline(always)]
 pub(super) fn seen<S: Simd>(simd: S, image: &Image, [axis, other]: [&Axis; 2]) -> Option<Rims> {
     let off_px = (ASIDE * axis.half_px).max(ASIDE_PX);

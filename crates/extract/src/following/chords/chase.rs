@@ -1,19 +1,22 @@
-//! Parts of a rope that moved farther than a chord is looked for: found from those beside them on, which say where to look.
+//! Finds parts of a rope that moved farther than a chord search reaches, starting from their
+//! neighbors.
 
 use super::chord::Reader;
 use super::rope::Rope;
 use crate::vec2;
 
-/// How often the parts that were found reach out to those beside them, at most, and by how many points.
+/// Maximum number of rounds in which the found parts extend to their neighbors.
 const ROUNDS: usize = 16;
+/// Number of points added in a round, at each end of a found part.
 const STRIDE: usize = 4;
-/// Points over which it is seen how the rope's move changes along it.
+/// Number of points over which the change of the rope's movement along it is measured.
 const BASE: usize = 3;
-/// How far a point may have moved, in widths and pixels more.
+/// Maximum movement of a point: in widths, plus pixels.
 const FARTHEST: (f32, f32) = (4.0, 8.0);
 
 impl Rope {
-    /// Looks for what was not read of the next frame. What was stays where it was read.
+    /// Searches for the stations of the next frame that were not read. Those that were read stay
+    /// there.
     pub(super) fn chase(&mut self, reader: &Reader) {
         for _ in 0..ROUNDS {
             self.place_read();
@@ -29,7 +32,7 @@ impl Rope {
         self.place_read();
     }
 
-    /// Moves what was read to where it was, where it is then read again.
+    /// Moves each station that was read to its place, where it is then read again.
     fn place_read(&mut self) {
         for (station, reading) in self.next.iter_mut().zip(&self.readings) {
             if let Some(reading) = reading {
@@ -39,7 +42,8 @@ impl Rope {
         }
     }
 
-    /// Lets the points behind what was read, seen from an end, move on as that does.
+    /// Moves the points behind those that were read by extrapolating their movement. They are
+    /// counted from `end`.
     fn reach_out(&mut self, end: usize) {
         let most_px = FARTHEST.0 * self.width_px + FARTHEST.1;
         let n = self.next.len();

@@ -1,50 +1,50 @@
 //! A chord: where a row or a column of pixels runs through a rope.
 //!
-//! Across a straight rope the middle of any chord lies on its centerline, whatever the angle, so that pixels need not be
-//! interpolated but along the row or column itself.
+//! On a straight rope, the middle of any chord is on the centerline, at any angle. Pixels therefore
+//! need interpolation along the row or column only.
 
 use super::profile::{Lanes, Stretch, WORD};
 use crate::image::Image;
 use crate::mask::background::Background;
 use crate::vec2::Vec2;
 
-/// The most pixels that are read across a rope.
+/// Maximum number of pixels read across a rope.
 pub(super) const MOST: usize = 2 * WORD;
-/// The part of a chord, about its middle, that the rope's contrast is read from.
+/// Share of a chord, around its middle, over which the contrast is measured.
 pub(super) const CORE: f32 = 0.4;
 
-/// Where a chord is looked for.
+/// Search range of a chord.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Where {
-    /// Where the rope's middle is expected, in pixels.
+    /// Expected position of the rope's middle, in pixels.
     pub(super) at: Vec2,
-    /// 0: along the row, 1: down the column.
+    /// 0 along a row, 1 down a column.
     pub(super) axis: usize,
-    /// Pixels that are read, a multiple of [`super::profile::BLOCK`].
+    /// Number of pixels to read, a multiple of [`super::profile::BLOCK`].
     pub(super) span: usize,
-    /// The difference at the rope's edges.
+    /// Difference at the rope's edges.
     pub(super) level: f32,
 }
 
-/// What was found.
+/// A chord that was found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chord {
-    /// The middle.
+    /// Its middle.
     pub(super) at: Vec2,
-    /// From edge to edge along the row or column.
+    /// Length from edge to edge along the row or column.
     pub(super) length_px: f32,
-    /// The mean difference in the middle of it.
+    /// Mean difference in its middle.
     pub(super) contrast: f32,
 }
 
-/// What chords are read with and from.
+/// Inputs for reading chords.
 pub(super) struct Reader<'a> {
     pub(super) image: &'a Image<'a>,
     pub(super) background: &'a Background,
 }
 
 impl Reader<'_> {
-    /// The chord at a place; nothing where the rope does not begin and end within the span.
+    /// The chord at a place, or `None` if the rope does not start and end within the span.
     #[inline(always)]
     pub(super) fn chord(&self, lanes: impl Lanes, of: &Where) -> Option<Chord> {
         let (from, line) = self.place(of)?;
@@ -73,7 +73,7 @@ impl Reader<'_> {
         let profile = profile.as_flattened();
         let middle = of.at[of.axis] - from as f32;
         let [first, end] = run(set, of.span, (middle + 0.5) as usize)?;
-        // Between the last pixel without and the first within; both exist.
+        // Interpolates between the last pixel outside and the first inside. Both exist.
         let edge = |without: usize, within: usize| {
             let [low, high] = [without, within].map(|i| f32::from(profile[i]));
             let part = (high - of.level) / (high - low).max(1.0);
@@ -93,11 +93,11 @@ impl Reader<'_> {
         })
     }
 
-    /// Where along the axis the pixels about a place begin, and their row or column. Nothing where the image ends before.
+    /// Start of the span along the axis, and its row or column. `None` if it exceeds the image.
     #[inline(always)]
     fn place(&self, of: &Where) -> Option<(usize, usize)> {
         let size = [self.image.width(), self.image.height()];
-        // Rounded where they are not negative.
+        // The casts below round, as these are not negative then.
         let line = of.at[1 - of.axis] + 0.5;
         let from = of.at[of.axis] + 0.5 - (of.span / 2) as f32;
         let last = size[of.axis] as f32 - of.span as f32;
@@ -107,8 +107,8 @@ impl Reader<'_> {
     }
 }
 
-/// The run of set bits that holds bit `at` or lies nearest to it, among the first `count` bits: its first, and the one
-/// after its last. Nothing if it touches the ends.
+/// The run of set bits that includes bit `at` or is nearest to it, among the first `count` bits:
+/// its first bit, and the one after its last. `None` if it touches either end.
 #[inline(always)]
 fn run(set: u128, count: usize, at: usize) -> Option<[usize; 2]> {
     let at = at.min(count - 1);

@@ -1,4 +1,4 @@
-//! What is learnt of a rope in the image that it was extracted from: how its chords read there.
+//! Learns how a rope's chords read in the reference image, which is that of the full extraction.
 
 use super::chord::Reader;
 use super::rope::{LEAST_MEASURED, Rope, Tip};
@@ -7,25 +7,28 @@ use crate::image::color;
 use crate::scene::{Curve, Status};
 use crate::vec2;
 
-/// Ropes of these widths, in pixels: of thinner ones no pixel need have the contrast, and of thicker ones a chord does not
-/// fit into a span.
+/// Range of rope widths, in pixels. A thinner rope may lack pixels with full contrast, and a chord
+/// of a thicker one does not fit into a span.
 const WIDTHS_PX: std::ops::RangeInclusive<f32> = 1.8..=36.0;
-/// Fewer points than this are no shape to follow.
+/// Minimum number of points for a shape that can be followed.
 const LEAST_POINTS: usize = 16;
-/// The farthest that points may lie apart, in widths: what lies between them is not looked at.
+/// Maximum distance between points, in widths, as the space between them is not read.
 const APART_WIDTHS: f32 = 2.0;
-/// A smooth curve through the points is as long as the rope, up to this share: or they lie too far apart for its bends.
+/// Maximum difference between the lengths of the rope and of a smooth curve through its points, as
+/// a share. A larger one means that the points are too far apart for its bends.
 const LENGTH: f32 = 0.002;
-/// Points to either side that a bias and a contrast are averaged with.
+/// Number of points on either side over which a bias and a contrast are averaged.
 const AROUND: usize = 4;
-/// A tip may lie so far, in widths, beside the way that the rope runs on to it, and its difference fall so far beyond it.
+/// Maximum distance of a tip from its extrapolation, sideways, in widths.
 const OFF_TIP: f32 = 0.15;
+/// Maximum distance of the tip from where the difference falls to half, in widths.
 const BEYOND_TIP: f32 = 0.5;
-/// A rope is followed if that leaves each of its points where it was extracted, to so many pixels, or widths.
+/// Maximum error at any point if the rope is followed into its own reference image: in pixels, or
+/// in widths if that is more.
 const OFF: (f32, f32) = (0.4, 0.04);
 
 impl Rope {
-    /// Takes the rope as it was extracted; false when it cannot be followed.
+    /// Takes over an extracted rope. Returns false if it cannot be followed.
     pub(super) fn anchor(&mut self, curve: &Curve) -> bool {
         let n = curve.points.len();
         let spacing_px = curve.length_px / (n.max(2) - 1) as f32;
@@ -53,13 +56,14 @@ impl Rope {
         (self.length_px - curve.length_px).abs() <= LENGTH * curve.length_px
     }
 
-    /// Learns how the chords read in the image that the rope was extracted from; false when they do not tell it.
+    /// Learns how the chords read in the reference image. Returns false if they do not determine
+    /// the rope.
     pub(super) fn learn(&mut self, reader: &Reader) -> bool {
         self.learn_contrast(reader);
         self.learn_biases(reader) && self.learn_tips(reader) && self.agrees(reader)
     }
 
-    /// Whether the rope, followed into the very image that it was extracted from, stays where it is.
+    /// Returns whether the rope stays in place if it is followed into its own reference image.
     fn agrees(&mut self, reader: &Reader) -> bool {
         self.next.clone_from(&self.stations);
         if self.measure(reader).is_none() {
@@ -71,7 +75,7 @@ impl Rope {
             .all(|(next, was)| vec2::distance(next.at, was.at) <= most_px)
     }
 
-    /// Reads the rope's contrast at its points, in the mean of those around.
+    /// Measures the rope's contrast at its points, averaged over their neighbors.
     fn learn_contrast(&mut self, reader: &Reader) {
         let yuv = color::is_yuv(reader.image.format());
         for station in &mut self.stations {
@@ -130,7 +134,7 @@ impl Rope {
         true
     }
 
-    /// Gives each station the mean of what the stations around it say.
+    /// Sets a value of each station to the mean over its neighbors.
     fn average(
         &mut self,
         of: impl Fn(&Station) -> Option<f32>,

@@ -1,33 +1,33 @@
-//! The chords of sixteen stations at once, each looked for no farther than the rope is expected to be.
+//! The chords of sixteen stations at once, each within a short distance of its expected place.
 //!
-//! Only the pixels are brought together one chord after the other. Where they lie, and what follows from them, is
-//! worked out for all of the stations side by side. Whatever does not begin and end so near is left to
-//! [`Reader::chord`], which looks farther; what is found is the same.
+//! Only the pixels are loaded chord by chord. Their positions, and the results, are computed for
+//! all stations in parallel. If a rope does not start and end within that distance,
+//! [`Reader::chord`] searches farther. Both give the same result for the same chord.
 
 use super::chord::{CORE, Reader};
 use super::profile::{BLOCK, Lanes, Stretch, WORD};
 use super::station::Station;
 use crate::following::{axis, whole};
 
-/// Stations that are worked on side by side.
+/// Number of stations in parallel.
 pub(super) const SIDE: usize = 16;
-/// How far from where it is expected the rope's edge is looked for, in pixels.
+/// Distance from its expected place at which the rope's edge is sought, in pixels.
 const FAR_PX: f32 = 5.0;
 
 type Floats = [f32; SIDE];
 type Ints = [i32; SIDE];
 
-/// Where the chords are, seen along the row or column of each.
+/// Places of the chords, relative to the row or column of each.
 struct Places {
     axis: [u8; SIDE],
-    /// Where the rope's middle is expected, along and across.
+    /// Expected position of the rope's middle, along and across.
     along: Floats,
     across: Floats,
-    /// The normal, along and across.
+    /// Normal, along and across.
     normal: [Floats; 2],
     width_px: Floats,
     level: Floats,
-    /// The image's size, along and across.
+    /// Size of the image, along and across.
     size: [Floats; 2],
 }
 
@@ -57,19 +57,19 @@ impl Places {
     }
 }
 
-/// What is read.
+/// The pixels to read.
 struct Spans {
-    /// In blocks.
+    /// Length in blocks.
     blocks: Ints,
-    /// The first pixel along, and the row or column.
+    /// The first pixel along the axis, and the row or column.
     from: Ints,
     line: Ints,
-    /// The pixel of the span where the middle is expected.
+    /// Index in the span at which the middle is expected.
     middle: Ints,
-    /// Of the middle of the span.
+    /// Image position of the span's middle.
     x: Floats,
     y: Floats,
-    /// Whether it lies within the image.
+    /// True if the span is inside the image.
     holds: [bool; SIDE],
     cut: Ints,
 }
@@ -93,7 +93,7 @@ impl Spans {
             let blocks = ((length_px + 2.0 * FAR_PX) / BLOCK as f32).ceil();
             let blocks = blocks.clamp(1.0, most);
             let span = blocks * BLOCK as f32;
-            // Rounded where they are not negative.
+            // The casts below round, as these are not negative then.
             let line = places.across[i] + 0.5;
             let from = places.along[i] + 0.5 - 0.5 * span;
             spans.holds[i] = (line >= 0.0)
@@ -114,26 +114,27 @@ impl Spans {
     }
 }
 
-/// The runs of rope in what was read.
+/// The runs of rope in the pixels read.
 struct Runs {
     first: Ints,
     end: Ints,
-    /// The differences of the pixels before and at the first, at and after the last.
+    /// Differences of four pixels: before the first, the first, the last, and after the last.
     edges: [Ints; 4],
     found: [bool; SIDE],
 }
 
-/// The chords found at some stations.
+/// The chords of some stations.
 pub(super) struct Found {
     pub(super) aside_px: Floats,
     pub(super) width_px: Floats,
     pub(super) contrast: Floats,
-    /// Whether one was found, and whether one may be found farther away.
+    /// True if a chord was found.
     pub(super) found: [bool; SIDE],
+    /// True if one may be found farther away.
     pub(super) farther: [bool; SIDE],
 }
 
-/// The chords at up to [`SIDE`] stations, those that are `wanted`.
+/// Reads the chords of up to [`SIDE`] stations, where `wanted` is set.
 #[inline(always)]
 pub(super) fn chords(
     reader: &Reader,
@@ -184,7 +185,7 @@ pub(super) fn chords(
     measure(lanes, &places, &spans, &runs, &profiles, wanted)
 }
 
-/// What the runs say of the rope.
+/// Computes position, width and contrast of the rope from the runs.
 #[inline(always)]
 fn measure(
     lanes: impl Lanes,
@@ -233,8 +234,8 @@ fn measure(
     found
 }
 
-/// The run of set bits that holds bit `at` or lies nearest to it, among the first `count` bits: its first, the one after
-/// its last, and whether there is one that does not touch the ends.
+/// The run of set bits that includes bit `at` or is nearest to it, among the first `count` bits:
+/// its first bit, the one after its last, and whether it exists and touches neither end.
 #[inline(always)]
 fn run(set: u64, count: u32, at: u32) -> (u32, u32, bool) {
     const LAST: u32 = WORD as u32 - 1;

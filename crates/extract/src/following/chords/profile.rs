@@ -1,8 +1,8 @@
-//! The differences along a chord: sixteen pixels of a row or a column at a time.
+//! Differences from the table along a chord, for sixteen pixels of a row or a column at a time.
 //!
-//! A chord is a few dozen pixels, each a cache line of its own down a column: what costs is to bring them together.
-//! Where the machine has AVX-512 they are gathered into one register ([`x86`]); elsewhere the plain loops do, which
-//! define what is to come of it.
+//! A chord has a few dozen pixels. Down a column, each is in a cache line of its own, so loading
+//! them is the main cost. With AVX-512, they are gathered into one register ([`x86`]). Otherwise
+//! plain loops do it, which define the result.
 
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -10,42 +10,45 @@ mod x86;
 use crate::image::{Image, PixelFormat};
 use crate::mask::difference::Differencer;
 
-/// The most pixels that are read at once: a word of bits.
+/// Maximum number of pixels read at once: a word of bits.
 pub(super) const WORD: usize = 64;
-/// Pixels that are read together.
+/// Number of pixels read together.
 pub(super) const BLOCK: usize = 16;
 
-/// Pixels one after the other along a row or down a column, all of them in the image.
+/// Consecutive pixels along a row or down a column, all inside the image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch<'a> {
     pub(super) image: &'a Image<'a>,
-    /// The first one; its place along the stretch is even, as two pixels share their color in some formats.
+    /// The first pixel. Its coordinate along the stretch is even, as two pixels share their color
+    /// in some formats.
     pub(super) from: [usize; 2],
-    /// 0: along the row, 1: down the column.
+    /// 0 along a row, 1 down a column.
     pub(super) axis: usize,
-    /// How many, a multiple of [`BLOCK`] and at most [`WORD`].
+    /// Number of pixels, a multiple of [`BLOCK`] and at most [`WORD`].
     pub(super) count: usize,
-    /// The table's color in whole levels, the bytes of a word, along each block of a row; down a column there is one.
+    /// Color of the table in whole levels, as the bytes of a word, for each block of a row. A
+    /// column has a single one.
     pub(super) tables: [u32; WORD / BLOCK],
-    /// Differences from here on are rope.
+    /// Minimum difference that is rope.
     pub(super) cut: u8,
 }
 
-/// How a machine reads stretches.
+/// A method of reading stretches.
 pub(super) trait Lanes: Copy {
-    /// Writes the difference of each pixel from the table; returns a bit for each, whether it is rope.
+    /// Writes the difference of each pixel from the table. Returns a bit for each, set if it is
+    /// rope.
     fn read(self, stretch: &Stretch, out: &mut [u8; WORD]) -> u64;
 
-    /// The sum of the differences from one place to before another, which is no less.
+    /// Sum of the differences from one index to before another, which must not be less.
     fn sum(self, differences: &[u8; WORD], from_to: [u32; 2]) -> u32;
 }
 
-/// What is done with stretches, as one piece, so that all of it is compiled for the registers that they are read by.
+/// Work on stretches. It is one function, so that all of it is compiled for the same registers.
 pub(super) trait Work {
     fn run<L: Lanes>(self, lanes: L);
 }
 
-/// Does the work in the widest registers of this machine.
+/// Runs the work with the widest registers of this machine.
 pub(super) fn dispatch<W: Work>(work: W) {
     #[cfg(target_arch = "x86_64")]
     if let Some(wide) = x86::Wide::detect() {
@@ -62,7 +65,7 @@ pub(super) fn dispatch<W: Work>(work: W) {
     lariat_portable::Arch::new().dispatch(Op(work));
 }
 
-/// Without registers of a known width.
+/// The portable version, for registers of unknown width.
 #[derive(Clone, Copy, Debug)]
 struct Plain;
 
@@ -99,7 +102,7 @@ fn levels(word: u32) -> [u8; 3] {
     [a, b, c]
 }
 
-/// The differences along a row.
+/// Differences along a row.
 #[inline(always)]
 fn across(stretch: &Stretch, out: &mut [u8]) {
     let (image, [x, y]) = (stretch.image, stretch.from);
@@ -132,13 +135,13 @@ fn across(stretch: &Stretch, out: &mut [u8]) {
                     *d = pair(light, color, [a, b, c]);
                 }
             }
-            // The others are unpacked before.
+            // Other formats are unpacked before.
             _ => {}
         }
     }
 }
 
-/// The differences of pixels of three bytes.
+/// Differences of pixels of three bytes.
 #[inline(always)]
 fn triples(row: &[u8], [a, b, c]: [u8; 3], out: &mut [u8; BLOCK]) {
     for (d, &[p, q, r]) in out.iter_mut().zip(row.as_chunks().0) {
@@ -146,7 +149,7 @@ fn triples(row: &[u8], [a, b, c]: [u8; 3], out: &mut [u8; BLOCK]) {
     }
 }
 
-/// The differences of two pixels that share their U and V, which count double.
+/// Differences of two pixels that share their U and V, which count double.
 #[inline(always)]
 fn pair(light: [u8; 2], [u, v]: [u8; 2], [a, b, c]: [u8; 3]) -> [u8; 2] {
     let color = u.abs_diff(b).max(v.abs_diff(c)).saturating_mul(2);
@@ -162,7 +165,7 @@ mod tests {
     use crate::image::color;
     use proptest::prelude::*;
 
-    /// What a stretch reads, and the sum of a part of it.
+    /// The differences and bits of a stretch, and the sum over a part of it.
     type Found = (Vec<u8>, u64, u32);
 
     struct SumStretch<'a> {
@@ -198,14 +201,15 @@ mod tests {
             };
             let stride = bytes_a_row + padding;
             let rows = if format == PixelFormat::Nv12 { height + height.div_ceil(2) } else { height };
-            // Not a byte more than the image needs: its end is within the reach of a register.
+            // Exactly the bytes that the image needs, so that its end is within the reach of a
+            // register.
             let bytes = &bytes[..stride * (rows - 1) + bytes_a_row];
             let image = Image::new(bytes, width, height, stride, format).expect("a whole image");
             let side = [width, height][axis];
             let count = (BLOCK * blocks).min(side / BLOCK * BLOCK);
             let mut from = [usize::from(place.0) % width, usize::from(place.1) % height];
             from[axis] = (from[axis] % (side - count + 1)) & !1;
-            // Gray is three times the same.
+            // Gray has one value, three times.
             let gray = format == PixelFormat::Gray8;
             let tables = tables.map(|[a, b, c]| if gray { [a; 3] } else { [a, b, c] });
             let tables = tables.map(|[a, b, c]| u32::from_le_bytes([a, b, c, 0]));

@@ -1,4 +1,4 @@
-//! One rope that is followed by its chords.
+//! A rope that is followed by its chords.
 
 use super::chord::{MOST, Reader};
 use super::profile::{self, BLOCK};
@@ -12,35 +12,37 @@ use crate::following::lay::Lay;
 use crate::scene::Curve;
 use crate::vec2::{self, Vec2};
 
-/// The least share of the points that have a chord of their own.
+/// Minimum share of the points with a chord of their own.
 pub(super) const LEAST_MEASURED: f32 = 0.6;
-/// Points beside one without a chord that may lose theirs, as a crossing moves along the rope, and the share of all
-/// points that may lose it anywhere.
+/// Number of points next to one without a chord that may also lose theirs, as a crossing moves
+/// along the rope.
 const BESIDE: usize = 2;
+/// Maximum share of all points that may lose it elsewhere.
 const LOST: f32 = 0.02;
-/// Widths of rope, or pixels if they are more, that go unread at most between parts that are read.
+/// Maximum length between read parts that may go unread: in widths, or in pixels if that is more.
 const MOST_BRIDGED: (f32, f32) = (6.0, 24.0);
-/// Nearer to a tip than so many widths the rope is not read, and a chord that would come so near, or run out of it, is
-/// read straight across.
+/// Distance from a tip, in widths, within which the rope is not read. A chord that would come that
+/// near, or run out of the tip, is read straight across.
 pub(super) const AT_TIP: f32 = 0.35;
-/// Points beyond those that may lack a reading before a tip.
+/// Number of additional points before a tip that may lack a reading.
 const MOST_UNREAD: usize = 1;
-/// The rope runs on to its tip as it bends over twice this way, in widths, before it.
+/// Length before a tip, in widths, over which the bend is measured, twice, to extrapolate to the
+/// tip.
 const BEFORE_TIP: f32 = 1.0;
-/// The sharpest bend that it runs on with, in radians over that way.
+/// Maximum bend of the extrapolation, in radians over that length.
 const SHARPEST: f32 = 0.8;
-/// The reach of smoothing, in points: each chord is one row of noisy pixels. A bend of a radius of three points, as tight
-/// as ropes are, loses (0.6/3)⁴ of it.
+/// Reach of smoothing, in points. A chord is a single row of noisy pixels. A bend with a radius of
+/// three points, which is as tight as ropes get, loses (0.6/3)⁴ of it.
 const SMOOTH: f32 = 0.6;
-/// Moved farther than this aside in the mean, in pixels, a rope is measured once more where it then is: chords are
-/// exact where they are near.
+/// Maximum mean sideways movement, in pixels. A rope that moved farther is measured once more at
+/// its new place, as chords are accurate when near.
 const FAR_PX: f32 = 1.0;
 
-/// A rope, and how its chords read where it was measured with care.
+/// A rope, and how its chords read in the reference image.
 #[derive(Debug, Default)]
 pub(super) struct Rope {
     pub(super) stations: Vec<Station>,
-    /// The same in the frame at hand, until that is taken, and what was read there.
+    /// Stations in the current frame, until it is accepted, and their readings.
     pub(super) next: Vec<Station>,
     pub(super) readings: Vec<Option<Measurement>>,
     pub(super) tips: [Tip; 2],
@@ -51,17 +53,17 @@ pub(super) struct Rope {
     smoother: Smoother,
 }
 
-/// An end of the rope, beside the way the rope runs on to it.
+/// An end of the rope, relative to its extrapolation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tip {
-    /// How far beyond it the difference falls to half.
+    /// Distance beyond it at which the difference falls to half.
     pub(super) beyond_px: f32,
-    /// How far aside it lies.
+    /// Sideways distance.
     pub(super) aside_px: f32,
 }
 
 impl Rope {
-    /// The number of the `i`-th station from an end.
+    /// Index of the `i`-th station from an end.
     pub(super) fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 {
             i
@@ -74,15 +76,15 @@ impl Rope {
         &self.stations[self.place(end, i)]
     }
 
-    /// Whether so few stations before a tip of the next frame are unread, and so many after those are read, that the rope
-    /// can be run on to it.
+    /// Returns whether the rope can be extrapolated to a tip of the next frame: few enough stations
+    /// before it are unread, and enough after those are read.
     pub(super) fn can_run_on(&self, end: usize, unread: usize) -> bool {
         let most = (AT_TIP * self.width_px / self.spacing_px()) as usize + 1 + MOST_UNREAD;
         let mut needed = unread..=(unread + 2 * self.before_tip()).min(self.next.len() - 1);
         unread <= most && needed.all(|i| self.next[self.place(end, i)].is_measured)
     }
 
-    /// Stations that the rope's bend before a tip is read over, twice.
+    /// Number of stations over which the bend before a tip is measured, twice.
     fn before_tip(&self) -> usize {
         let before = (BEFORE_TIP * self.width_px / self.spacing_px()).round() as usize;
         before.clamp(1, self.stations.len() / 4)
@@ -107,7 +109,8 @@ impl Rope {
         });
     }
 
-    /// Lays the first `unread` stations of the next frame from an end on along the arc that those after them lie on.
+    /// Places the first `unread` stations from an end, in the next frame, on the arc through those
+    /// after them.
     pub(super) fn run_on(&mut self, end: usize, unread: usize) {
         let n = self.next.len();
         let back = self.before_tip();
@@ -121,7 +124,7 @@ impl Rope {
         let aside = vec2::scale(self.end(end, 0).normal, self.tips[end].aside_px);
         for i in 0..unread {
             let far_px = (unread - i) as f32 * self.spacing_px();
-            // The chord to a point on a circle lies half the angle off the tangent.
+            // The chord to a point on a circle is at half the angle from the tangent.
             let (sin, cos) = libm::sincosf(0.5 * turn * (1.0 + far_px / way_px));
             let ahead = vec2::along(vec2::scale(direction, cos), vec2::normal(direction), sin);
             let share = far_px / (unread as f32 * self.spacing_px());
@@ -130,28 +133,30 @@ impl Rope {
         }
     }
 
-    /// Pixels that a chord is looked for in.
+    /// Number of pixels in which a chord is sought.
     fn span(&self) -> usize {
-        // A chord is at most √2 widths long, twice the half of it moved aside.
+        // A chord is at most √2 widths long. The rope may have moved aside on either side.
         let reach_px = (std::f32::consts::FRAC_1_SQRT_2 + 1.5 * ASIDE_WIDTHS) * self.width_px + 3.0;
         (2 * reach_px.ceil() as usize)
             .next_multiple_of(BLOCK)
             .min(MOST)
     }
 
-    /// How far from the [places](Self::places) something is the rope itself, or was or will be.
+    /// Distance from the [places](Self::places) within which something may be the rope itself,
+    /// before or after moving.
     pub(super) fn reach_px(&self) -> f32 {
         (0.5 + 2.0 * ASIDE_WIDTHS) * self.width_px + self.spacing_px() + 4.0
     }
 
-    /// Where it was last seen, at every other point and the last.
+    /// Last known positions, at every other point and the last.
     pub(super) fn places(&self) -> impl Iterator<Item = Vec2> {
         let last = self.stations.last();
         let all = self.stations.iter().step_by(2).chain(last);
         all.map(|station| station.at)
     }
 
-    /// Finds the rope in the next image; false when that takes a closer look. [`take`](Self::take) makes it so.
+    /// Finds the rope in the next image. Returns false if that needs a full extraction. The caller
+    /// commits the result with [`take`](Self::take).
     pub(super) fn follow(&mut self, reader: &Reader) -> bool {
         self.next.clone_from(&self.stations);
         for station in &mut self.next {
@@ -172,7 +177,7 @@ impl Rope {
             };
             aside_px = again_px;
         }
-        // It runs away.
+        // It is moving away too fast.
         if aside_px > FAR_PX {
             return false;
         }
@@ -200,8 +205,8 @@ impl Rope {
         self.next.iter().all(|station| inside(station.at))
     }
 
-    /// Moves the stations to where their chords say that the rope is; returns how far that was in the mean, nothing
-    /// when too many have none.
+    /// Moves the stations to where their chords show the rope. Returns the mean distance, or `None`
+    /// if too many lack a chord.
     pub(super) fn measure(&mut self, reader: &Reader) -> Option<f32> {
         self.read(reader);
         let n = self.next.len();
@@ -237,8 +242,9 @@ impl Rope {
         Some(sum / n as f32)
     }
 
-    /// Moves the stations from `first` to `last` to where they were read, and those in between that were not to where
-    /// the rope bends least; returns how far they moved, in all, nothing where too many were not.
+    /// Moves the stations from `first` to `last` to where they were read, and those in between to
+    /// where the rope bends least. Returns the sum of all distances, or `None` if too many in a row
+    /// were not read.
     fn settle(&mut self, first: usize, last: usize) -> Option<f32> {
         let most_px = (MOST_BRIDGED.0 * self.width_px).max(MOST_BRIDGED.1);
         let most = (most_px / self.spacing_px()) as usize;
@@ -251,7 +257,8 @@ impl Rope {
             width_px: station.width_px,
             side: 0.0,
         }));
-        // A chord beside one that runs into another strand may do so a little, too.
+        // A chord next to one that runs into another strand may also touch it, so it gets no
+        // weight.
         let mut begins = None;
         for i in 0..stations.len() {
             match (begins, stations[i].is_measured) {
@@ -278,7 +285,7 @@ impl Rope {
         Some(sum)
     }
 
-    /// Takes what [`follow`](Self::follow) found, into `curve` as well.
+    /// Commits the result of [`follow`](Self::follow), and writes it to `curve`.
     pub(super) fn take(&mut self, curve: &mut Curve) {
         std::mem::swap(&mut self.stations, &mut self.next);
         let mean = |stations: &[Station]| {
@@ -298,7 +305,7 @@ impl Rope {
 }
 
 impl Rope {
-    /// The station at normalized arc length `rho`.
+    /// Index of the station at normalized arc length `rho`.
     fn number(&self, rho: f32) -> usize {
         let last = self.stations.len() - 1;
         ((rho * last as f32).round() as usize).min(last)

@@ -1,4 +1,4 @@
-//! A point of a rope that is followed, and how the rope is read there.
+//! A point of a rope that is followed, and the reading of the rope there.
 
 use super::chord::{Reader, Where};
 use super::narrow::{self, SIDE};
@@ -8,22 +8,23 @@ use crate::following::axis;
 use crate::image::color;
 use crate::vec2::{self, Vec2};
 
-/// How far a rope may have moved aside from where it is expected, in widths and at most in pixels more.
+/// Maximum sideways distance of a rope from its expected place, in widths, plus a pixel.
 pub(super) const ASIDE_WIDTHS: f32 = 0.6;
-/// How much a chord's width may differ from the rope's there.
+/// Range of a chord's width relative to the rope's width there, minus 1.
 const WIDTH: [f32; 2] = [-0.22, 0.28];
-/// How much its contrast may.
+/// Range of its contrast relative to the station's.
 const CONTRAST: [f32; 2] = [0.7, 1.4];
-/// Ropes thinner than this, in pixels, may differ the more: of them pixels show as much as happens to lie in each.
+/// Width, in pixels, below which these ranges are extended. The pixels of a thinner rope show as
+/// much of it as happens to be in each.
 const THIN_PX: f32 = 3.5;
-/// A tip may move this far along the rope from one frame to the next, in widths.
+/// Maximum movement of a tip along the rope from one frame to the next, in widths.
 pub(super) const TIP_WIDTHS: f32 = 0.75;
 
-/// How far a chord at the flattest angle runs along the rope to either side, in widths.
+/// Distance that a chord at the flattest angle runs along the rope, to either side, in widths.
 const ALONG: f32 = 0.5;
-/// How far, in pixels, the tip's blur reaches.
+/// Reach of the tip's blur, in pixels.
 const CLEAR_PX: f32 = 1.0;
-/// Pixels before an edge's expected place from which on it is looked for.
+/// Distance before an edge's expected place at which the search starts, in pixels.
 const BEFORE_EDGE_PX: f32 = 3.0;
 
 /// A point of the curve.
@@ -31,21 +32,21 @@ const BEFORE_EDGE_PX: f32 = 3.0;
 pub(super) struct Station {
     pub(super) at: Vec2,
     pub(super) normal: Vec2,
-    /// The width there.
+    /// Width of the rope there.
     pub(super) width_px: f32,
-    /// The difference in the middle of the rope.
+    /// Difference in the middle of the rope.
     pub(super) contrast: f32,
-    /// What chords say too much: how far aside of the curve, and of the width.
+    /// Bias of chords: sideways from the curve, and in the width.
     pub(super) bias_px: [f32; 2],
-    /// Whether it was read.
+    /// True if it was read.
     pub(super) is_measured: bool,
-    /// Whether a strand that crosses here lies in its chord.
+    /// True if its chord includes a crossing strand.
     pub(super) is_crossed: bool,
-    /// How far it moved aside in the last frame.
+    /// Sideways movement in the last frame.
     pub(super) aside_px: f32,
 }
 
-/// One chord, read at a station.
+/// A chord that was read at a station.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measurement {
     pub(super) aside_px: f32,
@@ -53,12 +54,13 @@ pub(super) struct Measurement {
     pub(super) contrast: f32,
 }
 
-/// Reads the rope at each station. As one piece of work, so that all of it is compiled for the widest registers.
+/// Reads the rope at each station. It is one work item, so that all of it is compiled for the
+/// widest registers.
 pub(super) struct ReadAll<'a, 'b> {
     pub(super) reader: &'a Reader<'b>,
     pub(super) stations: &'a [Station],
     pub(super) readings: &'a mut [Option<Measurement>],
-    /// From one to the next.
+    /// Distance between stations.
     pub(super) spacing_px: f32,
     pub(super) width_px: f32,
     pub(super) span: usize,
@@ -69,7 +71,7 @@ impl Work for ReadAll<'_, '_> {
     fn run<L: Lanes>(self, lanes: L) {
         let n = self.stations.len();
         let beside_px = (AT_TIP + ALONG) * self.width_px + CLEAR_PX;
-        // From here on any chord keeps away from the tip.
+        // From here on, any chord is clear of the tip.
         let clear = ((beside_px / self.spacing_px).ceil() as usize).min(n / 2);
         for k in 0..n.div_ceil(SIDE) {
             let group = SIDE * k..(SIDE * (k + 1)).min(n);
@@ -112,7 +114,8 @@ impl Work for ReadAll<'_, '_> {
 }
 
 impl ReadAll<'_, '_> {
-    /// Whether the chord at a station, so many from an end, keeps away from the tip.
+    /// Returns whether the chord at a station is clear of the tip. `from_end` is the station's
+    /// number from that end.
     #[inline(always)]
     fn has_chord(&self, from_end: usize, station: &Station) -> bool {
         let axis = axis(station.normal);
@@ -122,7 +125,7 @@ impl ReadAll<'_, '_> {
     }
 }
 
-/// The chord at a station, looked for in as many pixels as a rope may have moved.
+/// Reads the chord at a station over the whole span in which the rope may be.
 #[inline(always)]
 fn farther(
     reader: &Reader,
@@ -147,7 +150,7 @@ fn farther(
     })
 }
 
-/// The rope at a station near a tip, straight across.
+/// Reads the rope at a station near a tip, straight across.
 #[inline(always)]
 fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Measurement> {
     let (level, ways_px) = (
@@ -164,7 +167,7 @@ fn straight(reader: &Reader, station: &Station, span: usize) -> Option<Measureme
     })
 }
 
-/// Whether what was read at a station can be the rope.
+/// Returns whether a reading at a station can be the rope.
 #[inline(always)]
 fn fits(station: &Station, reading: &Measurement) -> bool {
     let thin = (THIN_PX / station.width_px.max(0.1)).max(1.0);
@@ -175,7 +178,7 @@ fn fits(station: &Station, reading: &Measurement) -> bool {
         && reading.aside_px.abs() <= ASIDE_WIDTHS * station.width_px + 1.0
 }
 
-/// How far beyond the last station at an end the rope goes on; nothing where it does not end nearby.
+/// Distance beyond the last station at which the rope ends. `None` if it does not end nearby.
 pub(super) fn beyond(
     reader: &Reader,
     stations: &[Station],
@@ -194,8 +197,9 @@ pub(super) fn beyond(
     Some(far_px - within_px)
 }
 
-/// How far from a place, in a direction, the difference falls below a level; nothing where it lies below it from the
-/// start, up to a limit or to the image's border. It is looked for from shortly before `near_px` on.
+/// Distance from a place, in a direction, at which the difference falls below a level. The search
+/// starts shortly before `near_px`. `None` if it is below that level from the start, not below it
+/// up to `limit_px`, or the image ends first.
 #[inline(always)]
 fn fall(
     reader: &Reader,
@@ -222,7 +226,7 @@ fn fall(
             let part = (before - level) / (before - value).max(1e-3);
             return Some(far_px - 1.0 + part);
         } else if far_px > 0.0 {
-            // It falls sooner.
+            // It falls earlier.
             far_px = 0.0;
         } else {
             return None;
@@ -231,7 +235,7 @@ fn fall(
     None
 }
 
-/// The table's color at a place.
+/// Color of the table at a place.
 #[inline(always)]
 pub(super) fn table(reader: &Reader, at: Vec2) -> [f32; 3] {
     let [x, y] = at.map(|v| v.max(0.0) as usize);

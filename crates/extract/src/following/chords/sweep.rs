@@ -1,32 +1,35 @@
-//! A look at the rest of the image: a few rows of it in each frame, others in the next, so that something new is found.
+//! Scans the rest of the image for new objects, a few rows in each frame and others in the next.
 
 use super::chord::Reader;
 use super::profile::{self, BLOCK, Lanes, Stretch, WORD, Work};
 use crate::vec2::Vec2;
 
-/// Rows from one that is read to the next: what is as high is seen at once, anything else within as many frames.
+/// Distance between the rows of one frame. An object of that height is found at once, any other
+/// within as many frames.
 const APART: usize = 64;
-/// Rows by which they move from frame to frame; it has no divisor in common with their distance.
+/// Step of these rows from frame to frame. It is coprime to their distance.
 const MOVE: usize = 13;
-/// Side of the squares that the ropes' neighborhood is made of, in pixels: what is read together lies in one.
+/// Side of the squares that mark the ropes' neighborhood, in pixels. Pixels that are read together
+/// are in one square.
 const SQUARE: usize = BLOCK;
-/// Pixels side by side that are something.
+/// Minimum number of adjacent pixels that are an object.
 const LEAST: u32 = 4;
-/// Squares whose table is worked out side by side, a divisor of the squares of a word of bits.
+/// Number of squares whose table color is computed in parallel. It divides the number of squares in
+/// a word of bits.
 const SIDE: usize = 16;
 
-/// Memory of the looking.
+/// State and buffers of the scan.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
     phase: usize,
-    /// One bit a square along each of the rows that are read, whether a rope is near.
+    /// One bit per square along each of the scanned rows, set if a rope is near.
     near: Vec<u64>,
-    /// Words of bits a row.
+    /// Words of bits per row.
     words: usize,
 }
 
 impl Sweep {
-    /// Begins a frame of this size, with no rope anywhere.
+    /// Starts a frame of this size, without any rope.
     pub(super) fn begin(&mut self, width: usize, height: usize) {
         self.phase = (self.phase + MOVE) % APART;
         self.words = width.div_ceil(64 * SQUARE);
@@ -35,14 +38,14 @@ impl Sweep {
         self.near.resize(self.words * rows, 0);
     }
 
-    /// Notes that a rope lies within `reach_px` of a place.
+    /// Marks the squares within `reach_px` of a place on a rope.
     pub(super) fn note(&mut self, at: Vec2, reach_px: f32) {
         let square = |v: f32| v.max(0.0) as u32 as usize / SQUARE;
         let (left, right) = (square(at[0] - reach_px), square(at[0] + reach_px));
         let (top, bottom) = (square(at[1] - reach_px), square(at[1] + reach_px));
         let right = right.min(64 * self.words - 1);
         let (from, to) = (u64::MAX << (left % 64), u64::MAX >> (63 - right % 64));
-        // The rows that run through these squares.
+        // Scanned rows that run through these squares.
         let first = (SQUARE * top + APART - 1 - self.phase) / APART;
         let count = (SQUARE * (bottom + 1) + APART - 1 - self.phase) / APART - first;
         let rows = self
@@ -61,7 +64,8 @@ impl Sweep {
         }
     }
 
-    /// Whether something stands out of the table by `level` in the rows of this frame, away from the ropes.
+    /// Returns whether something differs from the table by `level` in this frame's rows, away from
+    /// the ropes.
     pub(super) fn finds(&mut self, reader: &Reader, level: u8) -> bool {
         let mut found = false;
         profile::dispatch(Scan {
@@ -74,7 +78,7 @@ impl Sweep {
     }
 }
 
-/// The look at all of the rows.
+/// The scan of all rows.
 struct Scan<'a, 'b> {
     reader: &'a Reader<'b>,
     sweep: &'a Sweep,
@@ -106,7 +110,8 @@ impl Work for Scan<'_, '_> {
     }
 }
 
-/// Whether something stands out in [`SIDE`] squares from a pixel on, in those whose bit in `near` is not set.
+/// Returns whether something differs in [`SIDE`] squares, from a pixel on. It skips squares whose
+/// bit in `near` is set.
 #[inline(always)]
 fn part(reader: &Reader, lanes: impl Lanes, [x, y]: [usize; 2], near: u64, level: u8) -> bool {
     let middles = std::array::from_fn(|i| (x + SQUARE * i + SQUARE / 2) as f32);
@@ -117,7 +122,7 @@ fn part(reader: &Reader, lanes: impl Lanes, [x, y]: [usize; 2], near: u64, level
     let (tables, _) = tables.as_chunks::<{ WORD / SQUARE }>();
     for (i, &tables) in tables.iter().enumerate() {
         let from = x + WORD * i;
-        // What is left at the end of a row is less than a square.
+        // The pixels left at the end of a row are fewer than a square.
         let count = reader.image.width().saturating_sub(from).min(WORD) / SQUARE * SQUARE;
         let near = near >> (WORD / SQUARE * i) & 0xF;
         if count == 0 || near == 0xF {
@@ -134,7 +139,7 @@ fn part(reader: &Reader, lanes: impl Lanes, [x, y]: [usize; 2], near: u64, level
             },
             &mut out,
         );
-        // Each bit becomes the sixteen of its square.
+        // Expands each bit to the sixteen pixels of its square.
         let squares = near & 1 | (near & 2) << 15 | (near & 4) << 30 | (near & 8) << 45;
         let away = set & !(squares * 0xFFFF);
         found |= (1..LEAST).fold(away, |run, k| run & away >> k);

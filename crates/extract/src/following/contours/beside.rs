@@ -1,4 +1,4 @@
-//! Which of a rope's edges another strand lies so near to that they are not told from that one's.
+//! Finds edges of a rope that are too close to another strand to be distinguished from its edges.
 
 use super::ends::End;
 use super::rope::Rope;
@@ -6,15 +6,16 @@ use super::station::{APART_WIDTHS, Station};
 use crate::following::axis;
 use crate::vec2::{self, Vec2};
 
-/// Pixels of ground that it takes between an edge and another strand to read the edge.
+/// Minimum ground between an edge and another strand for the edge to be read, in pixels.
 const GAP_PX: f32 = 2.0;
-/// Pixels beyond a tip in which another strand keeps it from being read, and how many more it must be away to have left it.
+/// Distances beyond a tip at which another strand hides it, in pixels.
 const BEYOND_PX: [f32; 3] = [0.0, 3.0, 6.0];
+/// Minimum additional distance of a strand that has left the tip, in pixels.
 const OFF_PX: f32 = 3.0;
-/// Stations in a row of which only the middle one is looked at where it is far off.
+/// Number of consecutive stations that are skipped if the middle one is far away.
 const SOME: usize = 8;
 
-/// Notes which edges of the ropes show, and at which ends another strand lies.
+/// Determines which edges of the ropes show, and at which ends another strand is.
 pub(super) fn note_neighbors(ropes: &mut [Rope]) {
     for r in 0..ropes.len() {
         let mut shown = std::mem::take(&mut ropes[r].shown);
@@ -23,7 +24,7 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
             let axis = axis(station.normal);
             let out_px = station.edges_px.map(|px| px / station.normal[axis]);
             let farthest_px = out_px[0].abs().max(out_px[1].abs());
-            // Mostly there is none near either edge.
+            // Mostly, no strand is near either edge.
             if !is_near(ropes, (r, i), station.at, farthest_px + GAP_PX) {
                 shown.push([true; 2]);
                 continue;
@@ -53,8 +54,9 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
 }
 
 impl Rope {
-    /// Whether nothing says how far along itself the rope lies: one end does not show, and the other does not either or is out of
-    /// the image, or how long the rope is under something nobody knows.
+    /// Returns whether nothing fixes the rope's position along itself. Either one end does not
+    /// show, and the other one does not show or is outside of the image. Or a part of unknown
+    /// length is hidden, and an end does not show.
     pub(super) fn may_slide(&self) -> bool {
         let [a, b] = &self.ends;
         let is_one = |a: &End, b: &End| a.is_against && (b.is_against || b.is_border);
@@ -62,7 +64,7 @@ impl Rope {
         !self.closed && (is_one(a, b) || is_one(b, a) || is_loose)
     }
 
-    /// Whether another strand lies along the rope or at one of its ends.
+    /// Returns whether another strand is along the rope or at one of its ends.
     pub(super) fn touches(&self) -> bool {
         let mut places = self.stations.iter().zip(&self.shown);
         let is_by = |end: &End| !end.is_border && end.is_against;
@@ -71,8 +73,8 @@ impl Rope {
     }
 }
 
-/// Whether a strand lies within so many pixels of a place beside a rope's station; those parts of the rope itself do not count
-/// that are near along it.
+/// Returns whether a strand is within `gap_px` of a place near station `i` of rope `r`. Parts of
+/// the same rope that are near along it do not count.
 fn is_near(ropes: &[Rope], (r, i): (usize, usize), place: Vec2, gap_px: f32) -> bool {
     ropes.iter().enumerate().any(|(o, other)| {
         let (n, spacing_px) = (other.stations.len(), other.spacing_px());
@@ -87,7 +89,7 @@ fn is_near(ropes: &[Rope], (r, i): (usize, usize), place: Vec2, gap_px: f32) -> 
             let around = if other.closed { n - between.min(n) } else { n };
             o != r || between.min(around) > apart
         };
-        // A look at the middle of some, and only where that is near at each of them.
+        // Checks the middle of several stations first, and each of them only if that is near.
         let some_px = reach_px + (SOME / 2 + 1) as f32 * spacing_px;
         let mut all = other.stations.chunks(SOME).enumerate();
         all.any(|(k, some)| {

@@ -1,4 +1,5 @@
-//! What hid a part of a rope between its tips when it was extracted: how far it reaches now, and how the rope lies there.
+//! Occluders over a rope between its tips, known from the reference image: their present extent,
+//! and the rope's way under them.
 
 use super::ends::End;
 use super::learn::across;
@@ -10,17 +11,19 @@ use crate::occlusion::way;
 use crate::vec2;
 use std::ops::Range;
 
-/// From how many levels on what lies over a rope is told from it by its color.
+/// Minimum color difference between an occluder and the rope, in levels, to tell them apart.
 const TOLD: f32 = 12.0;
-/// Widths by which it may come to cover more of the rope from one frame to the next.
+/// Maximum growth of the covered part, at each end, from one frame to the next, in widths.
 const CREEP_WIDTHS: f32 = 1.5;
-/// Widths before a hidden part in which it is seen where the rope points.
+/// Length before a hidden part over which the rope's direction is measured, in widths.
 const POINTS_WIDTHS: f32 = 1.0;
-/// By which share of the rope a hidden part may be made longer or shorter: then it is rather the rope that slid along itself.
+/// Maximum change in length of hidden parts, as a share of the rope. With a larger one, it is more
+/// likely that the rope slid along itself.
 const GIVEN: f32 = 0.5 * LENGTH;
 
 impl Rope {
-    /// Finds how far what hid the rope hides it in the next frame: edges that are read there are its own.
+    /// Finds how much of the rope its occluders cover in the next frame. Edges read there are
+    /// theirs and are dropped.
     pub(super) fn find_cover(&mut self, image: &Image) {
         if !self.was_hidden {
             return;
@@ -39,7 +42,9 @@ impl Rope {
         }
     }
 
-    /// Outward from the middle of what was hidden: as far as there is more of what lies there than of the rope, or out of the image.
+    /// Extent of an occluder, searched outward from the middle of the part that was hidden. A
+    /// station is covered if its color is nearer to the occluder's than to the rope's, or if it is
+    /// outside of the image.
     fn reach_of_cover(&self, image: &Image, was: Range<usize>) -> Range<usize> {
         let yuv = color::is_yuv(image.format());
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
@@ -70,7 +75,8 @@ impl Rope {
         first.map_or(least, |i| i + 1)..end.unwrap_or(most)
     }
 
-    /// Lets all of a part that is not read be hidden by what hides some of it. Beside it one edge says nothing: it may be the cover's.
+    /// Extends a hidden part over all unread stations next to it. There, a single edge does not
+    /// count, as it may be the occluder's.
     pub(super) fn spread_cover(&mut self) {
         if !self.was_hidden {
             return;
@@ -90,8 +96,8 @@ impl Rope {
         }
     }
 
-    /// Lets the longest hidden part of a rope with two tips make up for what the rope has become longer or shorter. False when it
-    /// had to for too much.
+    /// Changes the longest hidden part of a rope with two visible tips to keep the rope's length.
+    /// Returns false if the sum of these changes is too large.
     pub(super) fn keep_length(&mut self, ends_px: [f32; 2]) -> bool {
         let shows = |end: &End| !end.is_border && end.beyond_px.is_some();
         let back = ((POINTS_WIDTHS * self.width_px / self.spacing_px()) as usize).max(2);
@@ -108,8 +114,9 @@ impl Rope {
         self.given_px.abs() <= GIVEN * self.whole_px
     }
 
-    /// Makes a hidden part shorter by so many pixels, or longer if they are less than nothing: drawn in towards the cubic that leaves
-    /// what is seen as that points, so many stations before, or bent farther from its chord.
+    /// Makes a hidden part shorter by `spare_px`, or longer if that is negative. It is drawn in
+    /// toward the cubic that continues the visible parts, or bent farther from its chord. The
+    /// visible direction is measured over `back` stations.
     fn bend_hidden(&mut self, run: Range<usize>, back: usize, spare_px: f32) {
         let (i, j) = (run.start - 1, run.end);
         let at = |k: usize| self.next[k].at;
@@ -141,7 +148,7 @@ impl Rope {
         }
     }
 
-    /// The longest part of the next frame that is hidden; empty where none is.
+    /// The longest hidden part of the next frame, or an empty range.
     fn longest_hidden(&self) -> Range<usize> {
         let (mut from, mut longest) = (0, 0..0);
         for run in self.next.split(|station| !station.is_hidden) {

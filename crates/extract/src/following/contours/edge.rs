@@ -1,29 +1,31 @@
-//! One edge of a rope, in a window of sixteen pixels that runs out of it.
+//! One edge of a rope, in a window of sixteen pixels that runs outward from the rope.
 
 use std::ops::Range;
 
-/// Pixels of a window.
+/// Number of pixels of a window.
 pub(super) const WINDOW: usize = 16;
-/// Where in a window an edge is looked for: two pixels on either side of it tell what it lies between.
+/// Positions in a window at which an edge is sought. Two pixels on either side show what it
+/// separates.
 pub(super) const INNER: std::ops::RangeInclusive<u32> = 3..=13;
-/// The least contrast of an edge, in levels: the noise of a camera and of coding stays below.
+/// Minimum contrast of an edge, in levels. The noise of a camera and of coding stays below.
 const LEAST_CONTRAST: i32 = 10;
 
-/// Pixels at the end of a window that are ground, and by how much they differ more than the rope to be told from it.
+/// Number of pixels at the end of a window that are ground.
 const OUTER: usize = 4;
+/// Minimum difference between them and the rope, in levels, for the cut to be computed.
 const LEAST_RISE: f32 = 14.0;
 
-/// What was found of it.
+/// An edge that was found.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
-    /// Where it lies, in pixels of the window.
+    /// Its position, in pixels of the window.
     pub(super) at: f32,
-    /// The difference from the rope's color half-way between rope and ground.
+    /// Difference from the rope's color half-way between rope and ground.
     pub(super) level: f32,
 }
 
-/// The edge that lies nearest to where it is expected. `differences` from the rope's color run from the rope outward;
-/// the bits of `ground` are those pixels that are far from it.
+/// Finds the edge nearest to its expected position. `differences` from the rope's color run from
+/// the rope outward. The bits of `ground` mark pixels far from that color.
 #[inline(always)]
 pub(super) fn find(ground: u16, differences: &[u8; WINDOW], expected: f32) -> Option<Edge> {
     const WITHIN: u16 = (1 << (*INNER.end() + 1)) - (1 << *INNER.start());
@@ -31,15 +33,15 @@ pub(super) fn find(ground: u16, differences: &[u8; WINDOW], expected: f32) -> Op
     let rises = ground & (ground >> 1) & !(ground << 1) & !(ground << 2) & WITHIN;
     let k = nearest(rises, expected + 0.5)?;
     let levels: [i32; 6] = std::array::from_fn(|i| differences[(k + i - 3) & 15].into());
-    // Of a thin rope the farther one may lie beyond its other edge.
+    // On a thin rope, the farther one may be beyond its other edge.
     let inside = levels[0].min(levels[1]);
-    // Twice, as whole numbers.
+    // Doubled, to stay integers.
     let outside = levels[4] + levels[5];
     let contrast = outside - 2 * inside;
     if contrast < 2 * LEAST_CONTRAST {
         return None;
     }
-    // The ground's share in the four pixels about the edge.
+    // Share of ground in the four pixels around the edge.
     let share = |level: i32| (2 * (level - inside)).max(0).min(contrast);
     let sum = share(levels[1]) + share(levels[2]) + share(levels[3]) + share(levels[4]);
     Some(Edge {
@@ -48,8 +50,8 @@ pub(super) fn find(ground: u16, differences: &[u8; WINDOW], expected: f32) -> Op
     })
 }
 
-/// From which difference on pixels are ground: half-way between what the rope shows, from its middle to where the edge is
-/// expected, and what the window ends in; where that is hardly more, as was known.
+/// Minimum difference of ground: half-way between the rope, from its middle to the expected edge,
+/// and the end of the window. If these two hardly differ, it is the `known` one.
 #[inline(always)]
 pub(super) fn cut(differences: &[u8; WINDOW], [middle, expected]: [f32; 2], known: f32) -> f32 {
     let to = ((expected - 1.5).max(0.0) as usize + 1).min(WINDOW - OUTER);
@@ -63,7 +65,7 @@ pub(super) fn cut(differences: &[u8; WINDOW], [middle, expected]: [f32; 2], know
     }
 }
 
-/// The mean of some of the differences: eight of them are added at once, as the bytes of a word.
+/// Mean of a range of the differences. It adds eight of them at once, as the bytes of a word.
 #[inline(always)]
 fn mean(differences: &[u8; WINDOW], range: Range<usize>) -> f32 {
     const EVEN: u64 = 0x00FF_00FF_00FF_00FF;
@@ -74,7 +76,7 @@ fn mean(differences: &[u8; WINDOW], range: Range<usize>) -> f32 {
     sum as f32 / count as f32
 }
 
-/// A bit for each pixel, whether it is as far from the rope's color as that.
+/// A bit for each pixel, set if its difference is at least `cut`.
 #[inline(always)]
 pub(super) fn ground(differences: &[u8; WINDOW], cut: f32) -> u16 {
     const ONES: u64 = 0x0101_0101_0101_0101;
@@ -82,7 +84,7 @@ pub(super) fn ground(differences: &[u8; WINDOW], cut: f32) -> u16 {
     let cut = u64::from(cut.clamp(1.0, 255.0).ceil() as u8) * ONES;
     let all = u128::from_le_bytes(*differences);
     let [low, high] = [all as u64, (all >> 64) as u64].map(|word| {
-        // The top bit of each byte: what is left of it when the lower bits of the cut are taken away.
+        // Top bit of each byte: what is left of it after subtracting the lower bits of the cut.
         let left = (word | TOPS) - (cut & !TOPS);
         let reaches = (word & !cut | !(word ^ cut) & left) & TOPS;
         ((reaches >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u16
@@ -90,7 +92,7 @@ pub(super) fn ground(differences: &[u8; WINDOW], cut: f32) -> u16 {
     low | high << 8
 }
 
-/// The number of the set bit that lies nearest to a place.
+/// Index of the set bit nearest to a position.
 #[inline(always)]
 fn nearest(bits: u16, place: f32) -> Option<usize> {
     if bits == 0 {

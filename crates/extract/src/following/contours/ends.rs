@@ -1,4 +1,4 @@
-//! Where a rope ends: at a tip, or where it leaves the image.
+//! Ends of a rope: at a tip, or where it leaves the image.
 
 use super::edge::{self, WINDOW};
 use super::rope::Rope;
@@ -6,47 +6,53 @@ use crate::image::ray::LANES;
 use crate::image::{Image, color};
 use crate::vec2::{self, Vec2};
 
-/// A tip may move so far along the rope from one frame to the next, in widths, and as far it may be from where it is sought.
+/// Maximum movement of a tip along the rope from one frame to the next, in widths.
 const TIP_WIDTHS: f32 = 0.75;
-/// The rope runs on to where it leaves the image for so many widths at most.
+/// Maximum extrapolation to where the rope leaves the image, in widths.
 const ON_WIDTHS: f32 = 1.5;
-/// The rope runs on to its tip as it bends over twice this way, in widths, before it; for no longer than this way, and no
-/// sharper than so many radians over it.
+/// Length before a tip, in widths, over which the bend is measured, twice, to extrapolate to the
+/// tip.
 const BEFORE_TIP: f32 = 1.0;
+/// Maximum length of the extrapolation, in widths.
 const RUNS_ON: f32 = 1.5;
+/// Maximum bend of the extrapolation, in radians over `BEFORE_TIP`.
 const SHARPEST: f32 = 0.8;
-/// Widths before where it leaves the image that may go unread.
+/// Maximum unread length before the rope leaves the image, in widths.
 const UNREAD_WIDTHS: f32 = 2.0;
 
-/// Where across a rope its tip is read, in widths from the middle.
+/// Positions across a rope at which its tip is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.2, 0.0, 0.2];
 
 /// An end of a rope.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct End {
-    /// Whether the rope leaves the image there.
+    /// True if the rope leaves the image there.
     pub(super) is_border: bool,
-    /// Whether another strand lies at a tip or something covers it, so that it does not show; whether neither is any longer; and
-    /// whether it was so when the rope was extracted.
+    /// True if another strand is at the tip or something covers it, so that it does not show.
     pub(super) is_against: bool,
+    /// True if neither is the case any longer, with some distance.
     pub(super) has_left: bool,
+    /// True if `is_against` was set in the reference image.
     pub(super) was_against: bool,
-    /// How far beyond a tip's true place its edge reads; nothing where it does not.
+    /// Distance beyond a tip's true place at which its edge reads. `None` if it does not.
     pub(super) beyond_px: Option<f32>,
-    /// How far beside the way that the rope runs on to it a tip lies.
+    /// Sideways distance of a tip from its extrapolation.
     pub(super) aside_px: f32,
 }
 
 impl End {
-    /// Whether it does not show, and nothing is there that would hide it.
+    /// Returns whether the tip is missing although nothing would hide it.
     pub(super) fn is_unseen(&self) -> bool {
         !self.is_border && !self.is_against && self.beyond_px.is_none()
     }
 }
 
 impl Rope {
-    /// How far the rope runs on beyond its first and its last station in the next frame, or ends before; nothing where they
-    /// have jumped.
+    /// Distances that the rope extends beyond its first and its last station in the next frame,
+    /// negative if it ends before. `None` if an end jumped or was uncovered.
+    ///
+    /// A visible tip or the image's border determines an end. If neither end is at the border,
+    /// hidden ends follow from the rope's length. If one is, hidden ends stay.
     pub(super) fn find_ends(&mut self, image: &Image) -> Option<[f32; 2]> {
         if self.closed {
             return Some([0.0; 2]);
@@ -57,7 +63,7 @@ impl Rope {
             if known.is_border {
                 *found = Some(self.to_border(image, end)?);
             } else if known.was_against {
-                // It has come off: where it ends is seen again.
+                // The obstacle has gone, so the tip is visible again.
                 if known.has_left {
                     return None;
                 }
@@ -65,7 +71,7 @@ impl Rope {
                 && !known.is_against
                 && self.out_within(image, end).is_some()
             {
-                // A tip that no longer reads has jumped farther than it is looked for.
+                // A tip that is no longer read has jumped beyond the search range.
                 let far_px = self.tip(image, end)? - beyond_px;
                 if far_px.abs() > TIP_WIDTHS * self.width_px {
                     return None;
@@ -77,7 +83,8 @@ impl Rope {
         if leaves || found.iter().all(Option::is_some) {
             return Some(found.map(|far_px| far_px.unwrap_or(0.0)));
         }
-        // What is not seen of it is as long as it was, by the same measure: by another one it would grow from frame to frame.
+        // The rope keeps its length if an end is hidden. Both lengths use the same measure, since
+        // another one would make it grow from frame to frame.
         let places = self.next.iter().map(|station| station.at);
         let missing_px = self.length_px - self.lay.measure(places);
         let most_px = TIP_WIDTHS * self.width_px;
@@ -89,8 +96,8 @@ impl Rope {
         })
     }
 
-    /// Moves the stations of the next frame before a tip that are not read by that share of their way to the arc that those
-    /// after them lie on.
+    /// Moves unread stations before a tip, in the next frame, toward the arc through those after
+    /// them. `pace` is the share of the distance.
     pub(super) fn run_on(&mut self, pace: f32) {
         for end in 0..2 {
             if self.closed || self.ends[end].is_border {
@@ -121,7 +128,7 @@ impl Rope {
         let aside_px = self.ends[end].aside_px;
         for i in 0..unread {
             let far_px = (unread - i) as f32 * self.spacing_px();
-            // The chord to a point on a circle lies half the angle off the tangent.
+            // The chord to a point on a circle is at half the angle from the tangent.
             let (sin, cos) = libm::sincosf(0.5 * turn * (1.0 + far_px / way_px));
             let across = vec2::normal(direction);
             let ahead = vec2::along(vec2::scale(direction, cos), across, sin);
@@ -134,12 +141,12 @@ impl Rope {
         }
     }
 
-    /// The `i`-th station of the next frame from an end.
+    /// Index of the `i`-th station of the next frame from an end.
     fn place(&self, end: usize, i: usize) -> usize {
         if end == 0 { i } else { self.next.len() - 1 - i }
     }
 
-    /// The number of the station at an end, and the way that the rope runs out there.
+    /// Index of the station at an end, and the direction out of the rope there.
     pub(super) fn tip_and_way(&self, end: usize) -> (usize, Vec2) {
         let n = self.stations.len();
         let (tip, back) = if end == 0 {
@@ -158,7 +165,7 @@ impl Rope {
         vec2::unit_or(vec2::sub(tip, before), [1.0, 0.0])
     }
 
-    /// The way out of the rope at an end, if the window in which its tip is read lies within the image.
+    /// Direction out of the rope at an end, if the window for its tip is inside the image.
     fn out_within(&self, image: &Image, end: usize) -> Option<Vec2> {
         let at = self.next[self.place(end, 0)].at;
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
@@ -170,7 +177,7 @@ impl Rope {
         is_within.then_some(out)
     }
 
-    /// How far beyond the last station at an end the rope's tip reads.
+    /// Distance beyond the last station at an end at which the rope's tip reads.
     pub(super) fn tip(&self, image: &Image, end: usize) -> Option<f32> {
         let out = self.out_within(image, end)?;
         let (station, half) = (&self.next[self.place(end, 0)], (WINDOW / 2) as f32);
@@ -203,7 +210,7 @@ impl Rope {
         found.map(|edge| edge.at - half)
     }
 
-    /// How far it is from the last station at an end to the image's border, less than nothing from beyond it.
+    /// Distance from the last station at an end to the image's border, negative from outside.
     fn to_border(&self, image: &Image, end: usize) -> Option<f32> {
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
         let inside = |at: Vec2| (0..2).all(|c| at[c] >= 0.0 && at[c] <= limits[c]);
@@ -215,7 +222,7 @@ impl Rope {
         if unread as f32 * self.spacing_px() > UNREAD_WIDTHS * self.width_px {
             return None;
         }
-        // To where a way leaves the image.
+        // Distance at which a direction leaves the image.
         let way_px = |from: Vec2, out: Vec2| {
             let sides = (0..2).map(|c| match out[c] {
                 v if v > 1e-3 => (limits[c] - from[c]) / v,

@@ -1,4 +1,5 @@
-//! What is learnt of a rope in the image that it was extracted from: its colors, and where its edges read there.
+//! Learns a rope's colors, and how its edges read, in the reference image, which is that of the
+//! full extraction.
 
 use super::ends::End;
 use super::looks::Looks;
@@ -8,41 +9,43 @@ use crate::image::{Image, color};
 use crate::scene::{Curve, Status};
 use crate::vec2::{self, Vec2};
 
-/// Ropes of these widths, in pixels: thinner ones have no color of their own in the middle, and thicker ones are no ropes
-/// that a window of sixteen pixels tells from what they lie on.
+/// Range of rope widths, in pixels. A thinner rope lacks a pure color in its middle, and a thicker
+/// one cannot be distinguished from its ground in a window of sixteen pixels.
 const WIDTHS_PX: std::ops::RangeInclusive<f32> = 3.0..=80.0;
-/// The least confidence of a rope that is followed, and of one of which a part is covered: an order that is doubted is looked at
-/// again in each image.
+/// Minimum confidence of a rope that is followed, and of one that is partly covered. A rope in
+/// doubtful order gets a full extraction in each image.
 const LEAST_CONFIDENCE: [f32; 2] = [0.5, 0.3];
-/// Fewer points than this are no shape to follow.
+/// Minimum number of points for a shape that can be followed.
 const LEAST_POINTS: usize = 16;
-/// The farthest that points may lie apart, in widths: what lies between them is not looked at.
+/// Maximum distance between points, in widths, as the space between them is not read.
 const APART_WIDTHS: f32 = 2.0;
-/// A smooth curve through the points is as long as the rope, up to this share: or they lie too far apart for its bends.
+/// Maximum difference between the lengths of the rope and of a smooth curve through its points, as
+/// a share. A larger one means that the points are too far apart for its bends.
 const LENGTH: f32 = 0.005;
-/// Points to either side that a color and an edge's place are averaged with.
+/// Number of points on either side over which a color and an edge's place are averaged.
 const AROUND: usize = 4;
-/// Where across a rope its color is read, in widths from the middle.
+/// Positions across a rope at which its color is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.3, 0.0, 0.3];
-/// Where beyond an edge the ground is, in pixels.
+/// Distances beyond an edge at which the ground is read, in pixels.
 const BEYOND_PX: [f32; 2] = [2.0, 4.0];
-/// The share of the rope's own colors that lies within what is taken for its own, and how many levels more are.
+/// Quantile of the color differences on the rope that still counts as the rope's own color.
 const OWN: f32 = 0.9;
+/// Additional difference that does so, in levels.
 const MARGIN: f32 = 6.0;
-/// From how many times that on a color is none of the rope's.
+/// Minimum difference, as a factor of both, of a color that is not the rope's.
 const CLEAR: f32 = 1.5;
-/// How stiffly an edge's place is held not to depend on where it faces, for each of them.
+/// Ridge weight, per edge, that draws the fit of `learn_lamp` toward no dependence.
 const LAMP_STIFF: f32 = 0.03;
-/// How far a tip may read beyond its true place, in widths.
+/// Maximum distance beyond a tip's true place at which it may read, in widths.
 const BEYOND_TIP: f32 = 0.6;
-/// And aside of the way that the rope runs on to it.
+/// Maximum distance of a tip from its extrapolation, sideways, in widths.
 const ASIDE_TIP: f32 = 0.15;
-/// A rope is followed if that leaves its points where they were extracted: to so many pixels and widths in the mean, and
-/// to four times that each.
+/// Maximum mean error if the rope is followed into its own reference image, in pixels plus widths.
+/// Any single point may have four times that.
 const OFF: (f32, f32) = (0.2, 0.02);
 
 impl Rope {
-    /// Takes the rope as it was extracted; false when it cannot be followed.
+    /// Takes over an extracted rope. Returns false if it cannot be followed.
     pub(super) fn anchor(&mut self, curve: &Curve, is_known: bool) -> bool {
         let n = curve.points.len();
         let pieces = n.max(2) - usize::from(!curve.closed);
@@ -83,7 +86,8 @@ impl Rope {
         (self.length_px - curve.length_px).abs() <= LENGTH * curve.length_px
     }
 
-    /// Learns the rope's looks in the image that it was extracted from; false when they do not tell it from its ground.
+    /// Learns the rope's appearance in the reference image. Returns false if that does not
+    /// distinguish the rope from its ground.
     pub(super) fn learn(&mut self, image: &Image) -> bool {
         self.is_learning = true;
         self.learn_colors(image);
@@ -93,7 +97,7 @@ impl Rope {
         learnt
     }
 
-    /// Reads the rope's color at its points, in the mean of those around, and how it varies.
+    /// Reads the rope's color at its points, averaged over their neighbors, and its variation.
     fn learn_colors(&mut self, image: &Image) {
         let n = self.stations.len();
         let here = |station: &Station| across(station).map(|at| color::between(image, at));
@@ -111,7 +115,7 @@ impl Rope {
                     count += 1.0;
                 }
             }
-            // Where all around are covered what is known of the one before is as good as anything.
+            // If all neighbors are covered, the color of the previous point is the best estimate.
             let before = self.colors.last().copied().unwrap_or_default();
             let color = if count > 0.0 {
                 sum.map(|c| c / count)
@@ -120,7 +124,7 @@ impl Rope {
             };
             self.colors.push(color);
         }
-        // From the color that is usual around to the place's own.
+        // Differences between the color at each place and the mean around it.
         let mut kept = 0;
         for i in (0..n).filter(|&i| is_seen(&self.stations[i])) {
             for k in 0..ACROSS.len() {
@@ -145,7 +149,7 @@ impl Rope {
         self.looks.strange = CLEAR * (own + MARGIN);
     }
 
-    /// Reads how far from the rope's color the ground is, on either side.
+    /// Reads the ground's difference from the rope's color, on either side.
     fn learn_ground(&mut self, image: &Image) {
         for (station, &shown) in self.stations.iter_mut().zip(&self.shown) {
             station.is_clear = false;
@@ -160,7 +164,8 @@ impl Rope {
                 station.is_clear |= shown[side] && level >= self.looks.strange;
                 station.cuts[side] = 0.5 * level;
             }
-            // Beyond an edge that does not show is another rope.
+            // Beyond an edge that does not show is another rope, so the other edge's level applies
+            // to both.
             if let [true, false] | [false, true] = shown {
                 station.cuts = [station.cuts[usize::from(shown[1])]; 2];
             }
@@ -179,7 +184,7 @@ impl Rope {
             for k in self.numbers_around(i) {
                 let off_px = self.readings[k].off_px;
                 for side in 0..2 {
-                    // An edge farther off is something else's.
+                    // An edge farther off belongs to something else.
                     if let Some(px) = off_px[side].filter(|&px| self.is_own(px)) {
                         (sums[side], counts[side]) = (sums[side] + px, counts[side] + 1.0);
                     }
@@ -200,12 +205,13 @@ impl Rope {
         read as f32 >= LEAST_SEEN * n as f32
     }
 
-    /// Whether an edge that reads so far from where it is expected is the rope's.
+    /// Returns whether an edge at this distance from its expected place is the rope's.
     fn is_own(&self, off_px: f32) -> bool {
         off_px.abs() < 1.0 + 0.2 * self.width_px
     }
 
-    /// Learns how where an edge reads depends on where it faces: by least squares, toward no dependence.
+    /// Learns how the place at which an edge reads depends on the direction that it faces, by ridge
+    /// regression.
     fn learn_lamp(&mut self) {
         let both = self.stations.iter().zip(&self.readings);
         let own = both.flat_map(|(station, reading)| {
@@ -260,7 +266,7 @@ impl Rope {
         true
     }
 
-    /// Whether the rope, followed into the very image that it was extracted from, stays where it is.
+    /// Returns whether the rope stays in place if it is followed into its own reference image.
     fn agrees(&mut self, image: &Image) -> bool {
         self.next.clone_from(&self.stations);
         if self.measure(image).is_none() {
@@ -273,14 +279,15 @@ impl Rope {
         mean_px <= most_px && offs().all(|px| px <= 4.0 * most_px)
     }
 
-    /// Notes which of its points lie on another strand where it was extracted, as they were just found to.
+    /// Marks the points that are on another strand in the reference image, as `come_together`
+    /// found.
     pub(super) fn keep_together(&mut self) {
         for (station, found) in self.stations.iter_mut().zip(&self.next) {
             (station.is_together, station.is_on) = (found.is_together, found.is_on);
         }
     }
 
-    /// The numbers of the points around one, and itself.
+    /// Indices of the points around one, including itself.
     fn numbers_around(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (n, closed) = (self.stations.len(), self.closed);
         (i + n - AROUND..=i + n + AROUND)
@@ -289,12 +296,12 @@ impl Rope {
     }
 }
 
-/// Whether the rope's own color shows at a point.
+/// Returns whether the rope's own color shows at a point.
 fn is_seen(station: &Station) -> bool {
     !station.is_crossed && !station.is_hidden
 }
 
-/// The places across a rope where its color is read.
+/// Places across a rope at which its color is read.
 pub(super) fn across(station: &Station) -> [Vec2; 3] {
     ACROSS.map(|widths| vec2::along(station.at, station.normal, widths * station.width_px))
 }

@@ -1,33 +1,37 @@
-//! How far a pixel is from what a rope looks like.
+//! Distance of a pixel's color from a rope's.
 //!
-//! A rope is round, shaded and twisted, and shows one color in many degrees of light: along that direction of the color space a
-//! difference counts less, by as much as the rope's own colors spread. In it and two directions across, a pixel's distance is the
-//! largest of three differences: as in any such measure, one that is half ground is half as far as the ground is.
+//! A rope is round, shaded and twisted, and shows one color in many degrees of light. Along that
+//! direction of the color space, a difference counts less, depending on the spread of the rope's
+//! own colors. A pixel's distance is the largest of three differences: in that direction and in two
+//! others across it. The measure is linear, so a pixel that is half ground is half as far away as
+//! the ground.
 
 use super::edge::WINDOW;
 use crate::image::{Image, PixelFormat, color};
 
-/// The spread, in levels, up to which a difference counts in full, and the least share of it that counts.
+/// Spread, in levels, up to which a difference counts in full.
 const SPREAD: f32 = 8.0;
+/// Minimum weight of a difference.
 const LEAST: f32 = 0.5;
-/// Rounds of power iteration: neighboring spreads of no more than nine tenths are told apart to a tenth.
+/// Rounds of power iteration. Neighboring spreads with a ratio of at most nine tenths are separated
+/// to a tenth.
 const ROUNDS: usize = 16;
-/// Differences are summed in so many parts of a level, as whole numbers.
+/// Fixed-point units per level, for integer sums.
 const PARTS: f32 = 64.0;
 
-/// Directions of the color space, each as long as a difference along it counts.
+/// Directions of the color space. The length of each is the weight of a difference along it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Looks {
     weights: [[i32; 3]; 3],
-    /// From which distance on a pixel is not the rope's.
+    /// Minimum distance of a pixel that is not the rope's.
     pub(super) strange: f32,
 }
 
-/// The rope's color at a place, along these directions.
+/// Color of the rope at a place, along these directions.
 pub(super) type Middle = [i32; 3];
 
 impl Looks {
-    /// Of a rope whose colors differ by `offs` from their mean nearby.
+    /// For a rope whose colors differ by `offs` from their mean nearby.
     pub(super) fn of(offs: &[[f32; 3]], format: PixelFormat) -> Self {
         let chroma = color::chroma_weight(format);
         let scale = [1.0, chroma, chroma];
@@ -40,7 +44,7 @@ impl Looks {
         }
         let count = offs.len().max(1) as f32;
         let times = |v: [f32; 3]| -> [f32; 3] { spread.map(|row| dot(row, v) / count) };
-        // Gray is where light leads, if nothing else is known.
+        // Without other information, light varies along gray.
         let mut first = unit([1.0, 1.0 / chroma, 1.0 / chroma]).unwrap_or([1.0, 0.0, 0.0]);
         for _ in 0..ROUNDS {
             first = unit(times(first)).unwrap_or(first);
@@ -69,7 +73,7 @@ impl Looks {
         (self.weights).map(|w| dot(w.map(|w| w as f32), color).round() as i32)
     }
 
-    /// How far a color is from the rope's at a place, in levels.
+    /// Distance of a color from the rope's at a place, in levels.
     pub(super) fn distance(&self, color: [f32; 3], middle: &Middle) -> f32 {
         let offs =
             self.weights.iter().zip(middle).map(|(w, &middle)| {
@@ -78,7 +82,7 @@ impl Looks {
         offs.fold(0.0, f32::max)
     }
 
-    /// The same of each pixel of a window.
+    /// Distance of each pixel of a window.
     #[inline(always)]
     pub(super) fn distances(&self, pixels: &[u32; WINDOW], middle: &Middle) -> [u8; WINDOW] {
         let mut all = [0i32; WINDOW];
@@ -101,7 +105,8 @@ impl Looks {
     }
 }
 
-/// The pixels of a window from a place on, along a row (axis 0) or down a column, all of them in the image.
+/// Pixels of a window from a position on, along a row (axis 0) or down a column. All of them must
+/// be inside the image.
 #[inline(always)]
 pub(super) fn pixels(image: &Image, from: [usize; 2], axis: usize) -> [u32; WINDOW] {
     let format = image.format();
@@ -129,7 +134,7 @@ pub(super) fn pixels(image: &Image, from: [usize; 2], axis: usize) -> [u32; WIND
     words
 }
 
-/// The same of three bytes a pixel; nothing where the fourth would reach beyond the image.
+/// Same for three bytes per pixel. `None` if the fourth byte read would be outside of the image.
 #[inline(always)]
 fn triples(image: &Image, [x, y]: [usize; 2], axis: usize) -> Option<[u32; WINDOW]> {
     let step = if axis == 0 { 3 } else { image.stride() };

@@ -1,32 +1,35 @@
-//! How a rope's points move: what the edges of each say, where it is like what is said around, and between.
+//! Movement of a rope's points. Readings that agree with their neighbors count, and the points
+//! between are interpolated.
 
 use super::read::Measurement;
 use super::station::Station;
 use crate::vec2::{self, Vec2};
 
-/// How much a width may differ from the rope's there.
+/// Range of a width, relative to the rope's width there.
 const WIDTH: std::ops::RangeInclusive<f32> = 0.8..=1.25;
-/// The weight of a point of which one edge tells, beside one of two.
+/// Weight of a point with one edge, relative to one with two.
 const ONE_EDGE: f32 = 0.4;
-/// The same in the first look around, where the edge may be something else's.
+/// Same in the first round, as the edge may belong to something else.
 const ONE_EDGE_AT_FIRST: f32 = 0.2;
-/// How far, in pixels and in widths, a reading may differ from those around.
+/// Maximum difference of a reading from those around, in pixels plus widths.
 const UNLIKE: (f32, f32) = (1.0, 0.06);
-/// Widths to either side that are around, and points at least and at most.
+/// Distance on either side that is "around", in widths.
 const AROUND_WIDTHS: f32 = 2.5;
+/// Minimum and maximum number of points on either side for that.
 const AROUND: (usize, usize) = (3, 10);
-/// A part at an end turns with the rope before it, of so many widths, if it is no longer than that.
+/// Length of the rope, in widths, with which an unread part at an end turns. A longer part does not
+/// turn.
 const TURNS_WIDTHS: f32 = 1.5;
 
-/// How far a point moves aside, and how surely.
+/// Sideways movement of a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Move {
     pub(super) px: f32,
-    /// 0: nothing says.
+    /// 0 without a reading.
     pub(super) weight: f32,
 }
 
-/// Memory.
+/// Buffers.
 #[derive(Debug, Default)]
 pub(super) struct Motion {
     pub(super) moves: Vec<Move>,
@@ -41,7 +44,8 @@ impl Motion {
         self.shifts.reserve(points);
     }
 
-    /// What the readings at `stations` say, without those that are unlike the others.
+    /// Computes the movement of each point from its readings, dropping those that differ from the
+    /// others.
     pub(super) fn agree(
         &mut self,
         stations: &[Station],
@@ -64,7 +68,7 @@ impl Motion {
         }
     }
 
-    /// The mean of what is said around each point.
+    /// Computes the mean movement around each point.
     fn look_around(&mut self, closed: bool, reach: usize) {
         let (moves, n) = (&self.moves, self.moves.len());
         let at = |i: isize| -> Move {
@@ -93,7 +97,7 @@ impl Motion {
         }
     }
 
-    /// Works out the shift of each point: as it says itself, or as those around it do.
+    /// Computes the shift of each point: its own movement, or interpolated from those around it.
     pub(super) fn shift(&mut self, stations: &[Station], closed: bool, width_px: f32) {
         let n = stations.len();
         let moves = &self.moves;
@@ -105,7 +109,7 @@ impl Motion {
         let Some(begin) = (0..n).find(|&i| said(i)) else {
             return;
         };
-        // From one that says to the next, around a ring.
+        // From one point with a reading to the next, around a ring.
         let end = if closed { begin + n } else { n };
         let mut from = begin;
         for i in begin + 1..=end {
@@ -125,7 +129,7 @@ impl Motion {
         }
     }
 
-    /// Moves the points before the `unread`th from an end with those after it.
+    /// Shifts the points before the `unread`-th from an end, with those after it.
     fn carry_end(
         &mut self,
         stations: &[Station],
@@ -155,7 +159,7 @@ impl Motion {
     }
 }
 
-/// What a point says by itself.
+/// Movement of a point by its own readings.
 #[inline(always)]
 fn first(station: &Station, reading: &Measurement) -> Move {
     match reading.off_px {
@@ -171,7 +175,8 @@ fn first(station: &Station, reading: &Measurement) -> Move {
     }
 }
 
-/// What it says beside the mean of what is said around it.
+/// Movement of a point, given the mean movement around it. Both edges count if they agree with that
+/// mean, otherwise the one that does.
 #[inline(always)]
 fn likely(station: &Station, reading: &Measurement, mean: f32, most_px: f32) -> Move {
     let whole = first(station, reading);

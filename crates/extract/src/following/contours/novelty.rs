@@ -1,57 +1,62 @@
-//! Whether something new is in the rest of the image: colors in a few of its rows that were not there.
+//! Detects new objects in the rest of the image, by colors that were not there before.
 //!
-//! Of every sixteenth row the range of colors in each block of sixteen pixels is kept; an eighth of these rows is looked at
-//! in each frame. What leaves the range is new. Where much leaves it, the camera moves: then only that is new which is in no
-//! block around either. An alarm after which nothing new was found is followed by a time of quiet, each time longer.
+//! Every sixteenth row is divided into blocks of sixteen pixels, and the range of colors in each
+//! block is kept. Each frame checks an eighth of these rows. A color outside of its block's range
+//! is new. If many blocks change, the camera is moving. Then a color is new only if it is also
+//! outside of the ranges of the blocks around. After an alarm that finds nothing new, alarms are
+//! suppressed for a time that grows with each repetition.
 
 use super::rope::Rope;
 use crate::image::{Image, color};
 
-/// Rows from one that is kept to the next, and pixels of a block.
+/// Distance between the rows that are kept, and length of a block, in pixels.
 const APART: usize = 16;
-/// Frames in which all of them are looked at.
+/// Number of frames that check all rows once.
 const PHASES: usize = 8;
-/// Pixels from one that is looked at in a row to the next.
+/// Distance between the sampled pixels of a row.
 const STEP: usize = 4;
-/// Pixels that are looked at in a block.
+/// Number of sampled pixels in a block.
 const SAMPLES: usize = APART / STEP;
-/// Levels by which a color lies outside of a range.
+/// Minimum distance of a new color from a range, in levels.
 const LEVELS: f32 = 32.0;
-/// Blocks in which something is new that are more than noise: in one frame, and in all that look at all rows.
+/// Minimum number of new blocks that is more than noise, in one frame.
 const LEAST_BLOCKS: usize = 2;
+/// Same over the frames that check all rows once.
 const LEAST_IN_ALL: usize = 3;
-/// The share of blocks whose colors change when the camera or the light does.
+/// Share of changed blocks above which the camera or the light has changed.
 const MOVING: f32 = 0.15;
-/// Frames of quiet after an alarm, at first and at most.
+/// Number of frames for which alarms are suppressed, at first and at most.
 const QUIET: (u32, u32) = (4, 32);
 
-/// The least and the largest of each channel in a block.
+/// Minimum and maximum of each channel in a block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Range {
     low: [u8; 4],
     high: [u8; 4],
 }
 
-/// What is remembered of the image.
+/// State of the detection.
 #[derive(Debug, Default)]
 pub(super) struct Novelty {
     blocks: Vec<Range>,
     now: Vec<Range>,
-    /// Blocks in a row.
+    /// Number of blocks in a row.
     columns: usize,
     rows: usize,
-    /// Whether a rope is near each block, and was when it was kept.
+    /// For each block, whether a rope is near.
     near: Vec<bool>,
+    /// Same when the block was kept.
     was_near: Vec<bool>,
     places: Vec<usize>,
     samples: Vec<u32>,
     phase: usize,
-    /// Blocks in which something was new when a phase was last looked at.
+    /// Number of new blocks in the last frame of each phase.
     new: [usize; PHASES],
-    /// Frames until an alarm is given again, and how many it will be after that.
+    /// Number of frames until alarms are no longer suppressed.
     quiet: u32,
+    /// Number of frames for which they were last suppressed.
     wait: u32,
-    /// Ropes when the last alarm was given.
+    /// Number of ropes at the last alarm.
     ropes: Option<usize>,
 }
 
@@ -66,7 +71,7 @@ impl Novelty {
         self.samples.reserve(columns * SAMPLES);
     }
 
-    /// Keeps the image of the moment.
+    /// Keeps the current image.
     pub(super) fn keep(&mut self, image: &Image, ropes: &[Rope]) {
         let (columns, rows) = (image.width() / APART, image.height().div_ceil(APART));
         (self.columns, self.rows) = (columns, rows);
@@ -83,7 +88,7 @@ impl Novelty {
         self.mark(ropes);
         self.was_near.clone_from(&self.near);
         self.new = [0; PHASES];
-        // An alarm that led to another number of ropes was none in vain.
+        // An alarm was justified if it led to another number of ropes.
         if let Some(before) = self.ropes.take() {
             let in_vain = before == ropes.len();
             self.wait = if in_vain {
@@ -95,7 +100,7 @@ impl Novelty {
         }
     }
 
-    /// Whether something is new in the image.
+    /// Returns whether something is new in the image.
     pub(super) fn is_in(&mut self, image: &Image, ropes: &[Rope]) -> bool {
         self.phase = (self.phase + 1) % PHASES;
         self.quiet = self.quiet.saturating_sub(1);
@@ -121,7 +126,7 @@ impl Novelty {
         }
         let is_moving = changed as f32 > MOVING * asked as f32;
         let found = if is_moving { new } else { changed };
-        // All of it is new: another light, or another place.
+        // Everything is new, so the light or the place has changed.
         let is_other = new as f32 > MOVING * asked as f32;
         self.new[self.phase] = if is_other || self.quiet > 0 { 0 } else { found };
         let in_all = self.new.iter().sum::<usize>();
@@ -133,7 +138,7 @@ impl Novelty {
         alarm
     }
 
-    /// Keeps what was seen in a row; what is new in it only once an alarm may be given for it.
+    /// Keeps the colors of a row. While alarms are suppressed, new colors are not kept.
     fn refresh(&mut self, row: usize, tolerance: [u8; 4]) {
         for column in 0..self.columns {
             let k = self.columns * row + column;
@@ -145,7 +150,7 @@ impl Novelty {
         }
     }
 
-    /// The colors in the blocks of a row.
+    /// Reads the color ranges of the blocks in a row.
     fn look(&mut self, image: &Image, row: usize) {
         color::at_places(
             image,
@@ -166,7 +171,7 @@ impl Novelty {
         }
     }
 
-    /// The range of colors in a block and those about it.
+    /// Color range of a block and those around it.
     fn around(&self, row: usize, column: usize) -> Range {
         let mut all = self.blocks[self.columns * row + column];
         for row in row.saturating_sub(1)..(row + 2).min(self.rows) {
@@ -178,13 +183,13 @@ impl Novelty {
         all
     }
 
-    /// Marks the blocks that a rope is near.
+    /// Marks the blocks near a rope.
     fn mark(&mut self, ropes: &[Rope]) {
         self.near.clear();
         self.near.resize(self.columns * self.rows, false);
         let side = APART as f32;
         for rope in ropes {
-            // The way from one place that is marked to the next is within the reach.
+            // The distance between marked places is within the reach.
             let apart = ((APART as f32 / rope.spacing_px()) as usize).max(1);
             let reach_px = rope.reach_px() + 0.5 * apart as f32 * rope.spacing_px();
             let places = rope
@@ -198,7 +203,7 @@ impl Novelty {
                     let to = ((station.at[c] + reach_px) / side).max(0.0) as usize + 1;
                     from.min(count)..to.min(count)
                 };
-                // A row is its first one of pixels.
+                // A block row is read at its first pixel row.
                 let rows = span(1, self.rows);
                 for row in rows.start..(rows.end + 1).min(self.rows) {
                     self.near[self.columns * row..][span(0, self.columns)].fill(true);
@@ -225,7 +230,7 @@ impl Range {
         }
     }
 
-    /// Whether some of it lies outside of another by more than a tolerance.
+    /// Returns whether some of it is outside of `other` by more than a tolerance.
     fn leaves(&self, other: &Self, tolerance: [u8; 4]) -> bool {
         let mut leaves = false;
         for (c, tolerance) in tolerance.into_iter().enumerate() {

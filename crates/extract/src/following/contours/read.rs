@@ -1,4 +1,4 @@
-//! The edges at all of a rope's points.
+//! Reads the edges at all of a rope's points.
 
 use super::edge::{self, WINDOW};
 use super::looks::{self, Looks};
@@ -7,28 +7,29 @@ use crate::following::axis;
 use crate::image::Image;
 use lariat_portable::{Simd, WithSimd};
 
-/// A point is covered where so much of what its rope should be is not.
+/// Minimum share of other colors, in the pixels where the rope should be, for a point to be
+/// covered.
 const COVERED: f32 = 0.6;
 
-/// What was read at a point.
+/// Readings at a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Measurement {
-    /// How far each edge lies from where it was expected, along the normal.
+    /// Distance of each edge from its expected place, along the normal.
     pub(super) off_px: [Option<f32>; 2],
-    /// The difference half-way between rope and ground, at each.
+    /// Difference half-way between rope and ground, at each edge.
     pub(super) levels: [f32; 2],
-    /// Whether something else lies where the rope should.
+    /// True if something else is where the rope should be.
     pub(super) is_covered: bool,
 }
 
-/// Reads the edges at each point that is wanted. As one piece of work, so that all of it is compiled for the widest
-/// registers.
+/// Reads the edges at each point that is wanted. It is one work item, so that all of it is compiled
+/// for the widest registers.
 pub(super) struct ReadAll<'a, 'b> {
     pub(super) image: &'a Image<'b>,
     pub(super) looks: &'a Looks,
     pub(super) stations: &'a [Station],
     pub(super) wanted: &'a [bool],
-    /// Which of the edges show.
+    /// For each point, which edges show.
     pub(super) shown: &'a [[bool; 2]],
     pub(super) readings: &'a mut [Measurement],
 }
@@ -49,7 +50,7 @@ impl WithSimd for ReadAll<'_, '_> {
     }
 }
 
-/// Both edges at a point.
+/// Reads both edges at a point.
 #[inline(always)]
 fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Measurement {
     let mut reading = Measurement::default();
@@ -58,7 +59,7 @@ fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Me
         let Some(window) = Window::of(image, looks, station, side) else {
             continue;
         };
-        // What lies between the rope's middle and where the edge is expected.
+        // Pixels between the rope's middle and the expected edge.
         let to = (window.expected - 0.5).max(0.0) as u32;
         let from = (window.expected - window.half_px).max(0.0) as u32;
         let within = ((1u32 << to.min(16)) - 1) & !((1u32 << from.min(16)) - 1);
@@ -73,22 +74,22 @@ fn both(image: &Image, looks: &Looks, station: &Station, shown: [bool; 2]) -> Me
     reading
 }
 
-/// What a row or a column of pixels shows about an edge.
+/// A row or a column of pixels across an edge, from the rope outward.
 struct Window {
     ground: u16,
-    /// Pixels that do not look like the rope.
+    /// Bits of the pixels that do not look like the rope.
     strange: u16,
     differences: [u8; WINDOW],
-    /// Where the edge is expected.
+    /// Expected position of the edge.
     expected: f32,
-    /// How far from it the rope's middle lies, along the row or column.
+    /// Distance from it to the rope's middle, along the row or column.
     half_px: f32,
-    /// How far a pixel outward leads along the normal.
+    /// Distance along the normal of one pixel outward.
     outward: f32,
 }
 
 impl Window {
-    /// Nothing where it does not lie in the image.
+    /// `None` if it does not fit into the image.
     #[inline(always)]
     fn of(image: &Image, looks: &Looks, station: &Station, side: usize) -> Option<Self> {
         let axis = axis(station.normal);

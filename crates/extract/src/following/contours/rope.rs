@@ -1,4 +1,4 @@
-//! One rope that is followed by its edges.
+//! A rope that is followed by its edges.
 
 use super::edge::WINDOW;
 use super::ends::End;
@@ -16,71 +16,81 @@ use crate::scene::{Curve, Status};
 use crate::vec2::{self, Vec2};
 use lariat_portable::Arch;
 
-/// The least share, of the points whose edges could be read when the rope was extracted and that nothing covers, that are
-/// read; and of all points.
+/// Minimum share of read points among those whose edges could be read in the reference image and
+/// that nothing covers.
 const LEAST_READ: f32 = 0.6;
+/// Minimum share of read points among all.
 pub(super) const LEAST_SEEN: f32 = 0.35;
-/// Widths of rope that go unread at most, between parts that are read or before an end that another strand lies against or that something
-/// covers, and before an end that shows.
+/// Maximum unread length between read parts, or before an end that is at another strand or covered,
+/// in widths.
 const MOST_BRIDGED: f32 = 10.0;
+/// Maximum unread length before an end that shows, in widths.
 const MOST_AT_END: f32 = 4.0;
-/// And on a plain table, where no other strand lies there.
+/// Maximum unread length on a plain table, where nothing is known to cover the edges, in widths.
 const MOST_BLIND: f32 = 2.5;
-/// Widths along a rope from where another crosses it to where its edges are no longer read for that: strands that cross at
-/// a flat angle show theirs farther on.
+/// Maximum length along a rope from a crossing, in widths, in which its edges are not read because
+/// of it. Strands that cross at a flat angle show their edges farther on.
 const CROSSED: f32 = 3.0;
-/// Frames that a rope is followed with something lying over it that did not when it was extracted, or with a tip that nothing
-/// hides and that does not show.
+/// Maximum number of frames for which a rope is followed with a new object over it, or with a tip
+/// that is missing although nothing hides it.
 const MOST_UNSEEN_FRAMES: u32 = 12;
-/// Nearer to a tip than so many widths the edges are the tip's own, and beyond how far along it the slanting row runs.
+/// Distance from a tip, in widths, within which the edges are the tip's own.
 const AT_TIP: f32 = 0.35;
+/// Distance that a slanting row runs along the rope, in widths, per unit of slant.
 const ALONG: f32 = 0.5;
+/// Reach of the tip's blur, in pixels.
 const CLEAR_PX: f32 = 1.0;
-/// The reach of smoothing, in points, and the weight of points that move as others do.
+/// Reach of smoothing, in points.
 const SMOOTH: f32 = 0.6;
+/// Weight of points that move with others.
 const CARRIED: f32 = 0.1;
-/// How fast what is not read before a tip comes to lie as the rope runs on to it.
+/// Share of their distance from the extrapolation that unread points before a tip move in each
+/// frame.
 const RUN_ON_PACE: f32 = 0.25;
-/// Moved farther than this aside in the mean, in pixels, a rope is read once more where it then is.
+/// Maximum mean sideways movement, in pixels. A rope that moved farther is read once more at its
+/// new place.
 const FAR_PX: f32 = 1.0;
-/// How far the length of a rope between its tips may come to differ.
+/// Maximum change of a rope's length between its tips, as a share.
 pub(super) const LENGTH: f32 = 0.025;
-/// How fast the level of an edge follows what is read.
+/// Rate at which the level of an edge follows its readings.
 const PACE: f32 = 0.3;
 
-/// A rope, and how it looks where it was extracted.
+/// A rope, and its appearance in the reference image.
 #[derive(Debug, Default)]
 pub(super) struct Rope {
     pub(super) stations: Vec<Station>,
-    /// The same in the frame at hand, until that is taken, and what was read there.
+    /// Stations in the current frame, until it is accepted, and their readings.
     pub(super) next: Vec<Station>,
     pub(super) readings: Vec<Measurement>,
     wanted: Vec<bool>,
-    /// Which of the edges at each station show: no other strand lies there.
+    /// For each station, which edges show, because no other strand is there.
     pub(super) shown: Vec<[bool; 2]>,
     pub(super) closed: bool,
     pub(super) ends: [End; 2],
     pub(super) width_px: f32,
     pub(super) length_px: f32,
-    /// As it was extracted.
+    /// Length in the reference image.
     pub(super) whole_px: f32,
     pub(super) looks: Looks,
-    /// Its color at each station, and how far those beside lie from it.
+    /// Color at each station.
     pub(super) colors: Vec<[f32; 3]>,
+    /// Differences of the colors across the rope from that.
     pub(super) offs: Vec<[f32; 3]>,
     pub(super) unseen_frames: u32,
-    /// Whether a part of it was hidden when it was extracted, and how much longer such a part was made since.
+    /// True if a part was hidden in the reference image.
     pub(super) was_hidden: bool,
+    /// Change in length of that part since.
     pub(super) given_px: f32,
-    /// Whether it was seen in part without a part of it that is marked as hidden.
+    /// True if it was partly seen, although no point is marked as hidden.
     pub(super) is_part: bool,
-    /// Whether it lies on a plain table.
+    /// True if it is on a plain table.
     pub(super) is_on_table: bool,
-    /// Whether it is followed for a moment only.
+    /// True if it is followed for a moment only.
     pub(super) is_brief: bool,
-    /// Whether the image at hand is the one that it was extracted from.
+    /// True if the current image is the reference image.
     pub(super) is_learning: bool,
-    /// How much farther in an edge reads per step of the direction that it faces: the light comes from one side.
+    /// Distance that an edge reads farther inward per unit of the direction that it faces. The
+    /// cause is light from one side.
     pub(super) lamp: Vec2,
     pub(super) lay: Lay,
     pub(super) motion: Motion,
@@ -90,7 +100,7 @@ pub(super) struct Rope {
 }
 
 impl Rope {
-    /// Makes the buffers for so many points, all of them.
+    /// Allocates all buffers for this many points.
     pub(super) fn reserve(&mut self, points: usize) {
         self.stations.reserve(points);
         self.next.reserve(points);
@@ -101,7 +111,8 @@ impl Rope {
         self.offs.reserve(3 * points);
         self.differences.reserve(3 * points);
         self.motion.reserve(points);
-        // What smooths and lays knows best what it needs: an open and a closed line.
+        // The smoother and `Lay` allocate their own buffers when they run, here on an open and a
+        // closed line.
         let places = (0..=points).map(|i| [i as f32, 0.0]);
         self.lay.lay(places.clone(), [1.0; 2]);
         for closed in [true, false] {
@@ -117,7 +128,7 @@ impl Rope {
         }
     }
 
-    /// The station at normalized arc length `rho`.
+    /// Index of the station at normalized arc length `rho`.
     fn number(&self, rho: f32) -> usize {
         let n = self.stations.len();
         let pieces = if self.closed { n } else { n - 1 };
@@ -134,12 +145,13 @@ impl Rope {
         (self.length_px / pieces as f32).max(0.1)
     }
 
-    /// How far from its points something is the rope itself, or was or will be.
+    /// Distance from the rope's points within which something may be the rope itself, before or
+    /// after moving.
     pub(super) fn reach_px(&self) -> f32 {
         0.5 * self.width_px + WINDOW as f32 + self.spacing_px()
     }
 
-    /// Asks for the pixels about the rope's edges, where they are expected in the next frame.
+    /// Prefetches the pixels around the rope's edges, where they are expected in the next frame.
     pub(super) fn fetch(&self, image: &Image) {
         let size = [image.width(), image.height()];
         for station in self.stations.iter().filter(|station| !station.is_crossed) {
@@ -180,8 +192,8 @@ impl Rope {
         });
     }
 
-    /// Moves the stations of the next frame to where their edges say that the rope is; returns how far that was in the mean,
-    /// nothing when too little of it was seen.
+    /// Moves the stations of the next frame to where their edges show the rope. Returns the mean
+    /// distance, or `None` if too little was seen.
     pub(super) fn measure(&mut self, image: &Image) -> Option<f32> {
         self.read(image);
         self.find_cover(image);
@@ -230,7 +242,8 @@ impl Rope {
         (enough && (self.is_brief || self.holds_together())).then(|| self.settle())
     }
 
-    /// Leaves what is said to cover the rope before its ends as it was: there only the tip tells whether the rope is covered or ends.
+    /// Keeps the covered marks before the ends as they were. There, only the tip shows whether the
+    /// rope is covered or ends.
     fn keep_ends_covered(&mut self) {
         let is_read = |station: &Station| station.edges > 0;
         let n = self.next.len();
@@ -243,7 +256,7 @@ impl Rope {
         }
     }
 
-    /// Whether no part of the rope that is too long for its neighbors to tell goes unread.
+    /// Returns whether all unread parts are short enough for their neighbors to determine them.
     fn holds_together(&self) -> bool {
         let most = |widths: f32| (widths * self.width_px / self.spacing_px()) as usize + 1;
         let inner = most(MOST_BRIDGED);
@@ -268,7 +281,7 @@ impl Rope {
             && (!self.is_on_table || self.is_seen(most(MOST_BLIND)))
     }
 
-    /// Whether no more stations than so many in a row go unread that nothing is known to cover.
+    /// Returns whether at most `most` stations in a row are unread without a known cover.
     fn is_seen(&self, most: usize) -> bool {
         let places = self.next.iter().zip(&self.shown).zip(&self.wanted);
         let mut run = 0;
@@ -283,7 +296,7 @@ impl Rope {
         })
     }
 
-    /// Moves the stations, smoothed along the rope; returns how far, in the mean.
+    /// Moves the stations, smoothed along the rope. Returns the mean distance.
     fn settle(&mut self) -> f32 {
         let width_px = self.width_px;
         self.motion.shift(&self.next, self.closed, width_px);
@@ -311,7 +324,8 @@ impl Rope {
         sum / self.next.len() as f32
     }
 
-    /// Finds the rope in the next image; false when that takes a closer look. [`take`](Self::take) makes it so.
+    /// Finds the rope in the next image. Returns false if that needs a full extraction. The caller
+    /// commits the result with [`take`](Self::take).
     pub(super) fn follow(&mut self, image: &Image) -> bool {
         self.next.clone_from(&self.stations);
         for station in &mut self.next {
@@ -327,7 +341,7 @@ impl Rope {
             };
             aside_px = again_px;
         }
-        // It runs away.
+        // It is moving away too fast.
         if aside_px > FAR_PX {
             return false;
         }
@@ -337,7 +351,7 @@ impl Rope {
         (self.is_brief || self.unseen_frames <= MOST_UNSEEN_FRAMES) && self.lay(image)
     }
 
-    /// Lays the stations again from end to end.
+    /// Respaces the stations from end to end.
     fn lay(&mut self, image: &Image) -> bool {
         let Some(ends_px) = self.find_ends(image) else {
             return false;
@@ -356,14 +370,14 @@ impl Rope {
         self.length_px = length_px;
         set_normals(&mut self.next, self.closed);
         for (station, was) in self.next.iter_mut().zip(&self.stations) {
-            // Edges face opposite ways: where the one lies farther in, the other lies farther out.
+            // Edges face opposite directions. If one is farther in, the other one is farther out.
             let turned = vec2::sub(station.normal, was.normal);
             let out_px = vec2::dot(self.lamp, turned);
             station.edges_px = station.edges_px.map(|px| px - out_px);
         }
         let leaves = self.ends.iter().any(|end| end.is_border);
         let limits = [image.width(), image.height()].map(|side| (side - 1) as f32);
-        // The end at the border lies on it, as well as may be.
+        // The end at the border is on it, within rounding.
         let inside = |at: Vec2| (0..2).all(|c| at[c] >= -0.5 && at[c] <= limits[c] + 0.5);
         let same = leaves || (length_px / self.whole_px - 1.0).abs() <= LENGTH;
         for station in &mut self.next {
@@ -380,7 +394,7 @@ impl Rope {
         same && (self.next.iter()).all(|station| inside(station.at) || may_leave(station))
     }
 
-    /// Takes what [`follow`](Self::follow) found, into `curve` as well.
+    /// Commits the result of [`follow`](Self::follow), and writes it to `curve`.
     pub(super) fn take(&mut self, curve: &mut Curve) {
         std::mem::swap(&mut self.stations, &mut self.next);
         let mean = |stations: &[Station]| {

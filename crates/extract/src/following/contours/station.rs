@@ -4,14 +4,17 @@ use super::looks::Middle;
 use super::rope::Rope;
 use crate::vec2::{self, Vec2};
 
-/// How near the middles of two strands come, in their mean width, before they begin to cross, and when they do.
+/// Distance between the middles of two strands, in their mean width, below which they overlap.
 const TOGETHER: f32 = 0.8;
+/// Same below which they cross.
 const CROSS: f32 = 0.5;
-/// Points by which the part that is so near may grow along them from one frame to the next.
+/// Maximum growth of the overlapping part from one frame to the next, in points.
 const CREEP: usize = 3;
-/// Widths that ropes may have moved aside since they were extracted and still lie on each other as they did.
+/// Maximum sideways movement of ropes since the reference image, in widths, for their crossings to
+/// be unchanged.
 const STILL: f32 = 1.0;
-/// Widths along a rope between two of its points that may come together.
+/// Minimum length along a rope between two of its points that count as different strands, in
+/// widths.
 pub(super) const APART_WIDTHS: f32 = 2.5;
 
 /// A point of the curve.
@@ -19,32 +22,32 @@ pub(super) const APART_WIDTHS: f32 = 2.5;
 pub(super) struct Station {
     pub(super) at: Vec2,
     pub(super) normal: Vec2,
-    /// Where it was when the rope was extracted.
+    /// Position in the reference image.
     pub(super) from: Vec2,
     pub(super) width_px: f32,
-    /// Where its edges read along the normal, of which the first is negative.
+    /// Positions of its edges along the normal. The first is negative.
     pub(super) edges_px: [f32; 2],
-    /// The rope's color.
+    /// Color of the rope.
     pub(super) color: Middle,
-    /// From which difference from that on it is ground, on either side.
+    /// Minimum difference from that color that is ground, on either side.
     pub(super) cuts: [f32; 2],
-    /// How far it moved aside in the last frame.
+    /// Sideways movement in the last frame.
     pub(super) aside_px: f32,
-    /// By how many of its edges it was read.
+    /// Number of edges that were read.
     pub(super) edges: u8,
-    /// Whether an edge could be read here when the rope was extracted.
+    /// True if an edge could be read here in the reference image.
     pub(super) is_clear: bool,
-    /// Whether a strand that crosses here covers its edges.
+    /// True if a crossing strand covers its edges.
     pub(super) is_crossed: bool,
-    /// Whether something covers it.
+    /// True if something covers it.
     pub(super) is_hidden: bool,
-    /// Whether another strand lies on it that was not said to cross here.
+    /// True if it overlaps another strand without a known crossing here.
     pub(super) is_together: bool,
-    /// And so near that they cross.
+    /// True if that strand is near enough to cross.
     pub(super) is_on: bool,
 }
 
-/// The directions across the curve.
+/// Sets the directions across the curve.
 pub(super) fn set_normals(stations: &mut [Station], closed: bool) {
     let n = stations.len();
     for i in 0..n {
@@ -57,8 +60,9 @@ pub(super) fn set_normals(stations: &mut [Station], closed: bool) {
     }
 }
 
-/// Notes where strands lie on each other in the next frame; says whether they have come to where none did before, or so near
-/// that they cross: their edges are then no longer their own. Ropes that lie as they did when they were extracted have not.
+/// Marks where strands overlap in the next frame. Returns whether they newly overlap or cross
+/// somewhere, as their edges then mix. Crossings from the reference image are not new while all
+/// ropes are about where they were then.
 pub(super) fn come_together(ropes: &mut [Rope]) -> bool {
     let mut is_new = false;
     let is_still = ropes.iter().all(is_still);
@@ -87,14 +91,14 @@ pub(super) fn come_together(ropes: &mut [Rope]) -> bool {
     is_new
 }
 
-/// Whether no point of a rope has moved far aside since it was extracted.
+/// Returns whether no point of a rope has moved far aside since the reference image.
 fn is_still(rope: &Rope) -> bool {
     let aside_px = |s: &Station| vec2::dot(vec2::sub(s.at, s.from), s.normal).abs();
     let most_px = STILL * rope.width_px;
     rope.next.iter().all(|station| aside_px(station) <= most_px)
 }
 
-/// How far a station of the next frame is from the nearest strand, in their mean width.
+/// Distance of a station of the next frame from the nearest strand, in their mean width.
 fn widths_to_another(ropes: &[Rope], (r, i): (usize, usize)) -> f32 {
     let (rope, here) = (&ropes[r], &ropes[r].next[i]);
     let apart = (APART_WIDTHS * rope.width_px / rope.spacing_px()) as usize + 1;
@@ -120,7 +124,8 @@ fn widths_to_another(ropes: &[Rope], (r, i): (usize, usize)) -> f32 {
 mod tests {
     use super::*;
 
-    /// Two ropes along x of which neither edge can be read, that lay on each other when they were extracted, and lie aside of there.
+    /// Two ropes along x without readable edges, which overlapped in the reference image. Both have
+    /// since moved aside.
     fn on_each_other(aside_px: f32) -> [Rope; 2] {
         let rope = |y: f32| {
             let station = |i: u8| Station {

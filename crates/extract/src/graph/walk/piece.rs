@@ -1,4 +1,9 @@
-//! A piece of the skeleton that may be one rope, or a few: its edges, and what it costs to go from one to another.
+//! A connected piece of the skeleton that may be one rope, or a few: its edges, and the costs of
+//! going from one to another.
+//!
+//! A walk takes an edge as a leg, which is a single strand, or passes over it, as one of several
+//! strands. An edge is wide if it looks like more than one strand. Passing over a wide edge and
+//! taking a narrow one as a leg are free.
 
 use crate::bitmap::bits::BitPlane;
 use crate::graph::Graph;
@@ -8,36 +13,48 @@ use crate::graph::zones::Zones;
 use crate::skeleton::{NONE, Skeleton};
 use crate::vec2;
 
-/// Pieces of more edges or tips, and more pieces, are no few ropes.
+/// Maximum number of edges of a piece. A larger one is not just a few ropes.
 pub(super) const MOST_EDGES: usize = 96;
+/// Maximum number of tips of a piece.
 const MOST_TIPS: usize = 6;
+/// Maximum number of pieces.
 pub(super) const MOST_PIECES: usize = 8;
-/// Ways on from one end to another that are looked at.
+/// Maximum number of ways from one end to another, in all.
 const MOST_ONWARD: usize = 8192;
-/// Edges that are passed in a row, at most, their length in widths, and what they may cost.
+/// Maximum number of edges passed in a row.
 const MOST_PASSES: usize = 6;
+/// Maximum length of edges passed in a row, in widths.
 const LONGEST_PASS: f32 = 14.0;
+/// Upper bound on the cost of edges passed in a row.
 const DEAREST_PASS: f32 = 1.0;
-/// A way over passed edges is at most this many times as long as straight, and a width more: an arc of two fifths of a turn.
+/// Maximum length of a way over passed edges, relative to its chord, plus a width. It allows an arc
+/// of two fifths of a turn.
 const DETOUR: f32 = 1.3;
-/// From this many half-widths on an edge is more than one strand; what whole pixels leave in doubt.
+/// Minimum mean half-width of a wide edge, that is, of more than one strand: a factor of the usual
+/// half-width, plus pixels for whole-pixel doubt.
 const WIDE: (f32, f32) = (1.25, 0.2);
-/// Edges of more than one strand that a rope has at least that is wound up: three loops have eight, five crossings five.
+/// Minimum number of wide edges of a rope that is wound up: three loops have eight, five crossings
+/// have five.
 const WOUND: usize = 7;
-/// What it costs a width to pass over an edge that is one strand, to take one for a strand that is more, of one rope and of several,
-/// to leave one out, and of several to run only once over one that is more.
+/// Cost per width of passing over a narrow edge.
 const NARROW_PASS: f32 = 0.15;
+/// Cost per width, plus half a width, of taking a wide edge as a leg, in a piece of one rope and of
+/// several.
 const WIDE_LEG: [f32; 2] = [0.25, 0.05];
+/// Cost per width of leaving out an edge.
 const LEFT_OUT: f32 = 0.3;
+/// Cost per width of running only once over a wide edge, in a piece of several ropes.
 const HALF_LEFT_OUT: f32 = 0.15;
-/// What a width costs that a strand's middle runs outside of the mask.
+/// Cost per width of a joint outside of the mask.
 const OUTSIDE: f32 = 0.5;
-/// The share of all bending that counts; the rest is what it bends beyond an arc.
+/// Share of a joint's bending that counts in full. The rest counts only what it bends beyond the
+/// arc that its strands' curvatures give.
 const ALL_BENDING: f32 = 0.25;
-/// Half-widths over which a strand's curvature is taken, and the fewest that tell.
+/// Length over which a strand's curvature is measured, and the minimum for which it is, in
+/// half-widths.
 const CURVED: (f32, f32) = (9.0, 4.0);
 
-/// What a piece is judged by.
+/// Data for judging a piece.
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
     pub(super) graph: &'a Graph,
@@ -46,16 +63,16 @@ pub(super) struct Ground<'a> {
     pub(super) mask: &'a BitPlane,
 }
 
-/// An end of an edge as a strand that comes out of a crossing.
+/// An end of an edge, as a strand that comes out of a crossing.
 #[derive(Clone, Copy, Debug)]
 struct Mouth {
     arm: Arm,
-    /// How the strand bends toward the crossing, in radians a pixel.
+    /// Curvature of the strand toward the crossing, in radians per pixel.
     curvature: f32,
 }
 
-/// A way on from an end of an edge: the end at which the next one begins, what that costs with all of the edge, and which edges
-/// are passed in between.
+/// A way from an end of an edge to the next leg: the end at which that leg starts, the cost
+/// including the leg's own, and the edges passed on the way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Onward {
     pub(super) slot: u32,
@@ -63,30 +80,31 @@ pub(super) struct Onward {
     pub(super) passed: u128,
 }
 
-/// Edges that hang together. Ends of edges are named by 2·edge + end.
+/// A connected set of edges. Ends of edges are named by 2·edge + end.
 #[derive(Debug, Default)]
 pub(super) struct Component {
-    /// The ends of edges at each node, one node after the other; `from` where they begin.
+    /// Ends of edges at each node, node by node. `from` holds each node's start.
     slots: Vec<u32>,
     from: Vec<u32>,
-    /// For each edge the first of its piece.
+    /// For each edge, the first edge of its piece.
     first: Vec<u32>,
     waiting: Vec<u32>,
-    /// The first edges of pieces that may be one rope.
+    /// First edges of the pieces that may be a few ropes.
     pub(super) candidates: Vec<u32>,
-    /// The edges of the piece that is looked at, and for each edge its place among them.
+    /// Edges of the current piece. For each edge of the graph, `place` is its index here, or
+    /// `NONE`.
     pub(super) edges: Vec<u32>,
     place: Vec<u32>,
-    /// The ends of its edges that are tips.
+    /// Ends of the piece's edges that are tips.
     pub(super) tips: Vec<u32>,
     mouths: Vec<Mouth>,
     is_wide: Vec<bool>,
-    /// What each edge costs that is run over never, once, or more often.
+    /// Cost of each edge if it is run over never, once, or more often.
     left_out: Vec<[f32; 3]>,
-    /// The ways on from each end, one end after the other; `onward_from` where they begin.
+    /// Ways from each end, end by end. `onward_from` holds each end's start.
     onward: Vec<Onward>,
     onward_from: Vec<u32>,
-    /// For each end the way to it from the end that is looked at.
+    /// For each end, index in `onward` of the way to it from the current end.
     reached: Vec<u32>,
 }
 
@@ -109,7 +127,8 @@ impl Component {
         }
     }
 
-    /// Lists the pieces with tips and enough edges that one could be led wrong.
+    /// Lists the connected pieces of 2 to `MOST_TIPS` tips and 4 to `MOST_EDGES` edges. With fewer
+    /// edges, the pairing cannot go wrong.
     pub(super) fn find(&mut self, graph: &Graph) {
         self.list_slots(graph);
         self.candidates.clear();
@@ -151,7 +170,7 @@ impl Component {
         for node in joined().flat_map(|(_, edge)| edge.nodes) {
             self.from[node as usize] += 1;
         }
-        // Where each node's end; they are filled in from behind.
+        // These are the ends of each node's range. The ranges are filled from the back.
         for n in 1..self.from.len() {
             self.from[n] += self.from[n - 1];
         }
@@ -170,7 +189,7 @@ impl Component {
         self.from[node as usize] as usize..self.from[node as usize + 1] as usize
     }
 
-    /// Learns of the edges of a piece.
+    /// Reads the edges of a piece, and the costs of all ways between them.
     pub(super) fn gather(&mut self, first: u32, of: Ground) {
         let (graph, zones) = (of.graph, of.zones);
         self.edges.clear();
@@ -205,7 +224,7 @@ impl Component {
         self.find_onward(of);
     }
 
-    /// Finds the cheapest way on from each end to each that can be reached.
+    /// Finds the cheapest way from each end to each other end that it reaches.
     fn find_onward(&mut self, of: Ground) {
         let mut onward = std::mem::take(&mut self.onward);
         let mut reached = std::mem::take(&mut self.reached);
@@ -247,40 +266,41 @@ impl Component {
         (self.onward, self.reached) = (onward, reached);
     }
 
-    /// The ways on from the end `slot`.
+    /// Ways from the end `slot`.
     pub(super) fn onward(&self, slot: u32) -> &[Onward] {
         let k = self.local(slot);
         &self.onward[self.onward_from[k] as usize..self.onward_from[k + 1] as usize]
     }
 
-    /// The place of an end among those of the piece.
+    /// Index of an end among those of the piece.
     fn local(&self, slot: u32) -> usize {
         2 * self.place[slot as usize / 2] as usize + slot as usize % 2
     }
 
-    /// Whether an edge is of the piece, as a bit at its place.
+    /// Bit of an edge of the piece in a bit set, or `None` for other edges.
     pub(super) fn bit(&self, edge: u32) -> Option<u128> {
         let place = self.place[edge as usize];
         (place != NONE).then(|| 1 << place)
     }
 
-    /// Whether it has more tips than one rope.
+    /// Returns whether the piece has more tips than one rope.
     fn is_several(&self) -> bool {
         self.tips.len() > 2
     }
 
-    /// Whether strands lie on each other in so many places as those of a rope that is wound up.
+    /// Returns whether strands overlap in as many places as in a rope that is wound up.
     pub(super) fn is_wound(&self) -> bool {
         self.is_wide.iter().filter(|&&is_wide| is_wide).count() >= WOUND
     }
 
-    /// Whether a strand of one tip is as wide as others are where they lie beside each other: width tells nothing of how many an edge is.
+    /// Returns whether a strand at a tip is as wide as overlaps are. Width then does not tell how
+    /// many strands an edge is.
     pub(super) fn has_wide_tip(&self) -> bool {
         let place = |slot: &u32| self.place[*slot as usize / 2] as usize;
         self.tips.iter().any(|slot| self.is_wide[place(slot)])
     }
 
-    /// Pixels at an end of an edge that belong to the crossing there.
+    /// Number of pixels at an end of an edge that belong to the crossing there.
     pub(super) fn trim(&self, slot: u32) -> u32 {
         self.mouth(slot).arm.trim
     }
@@ -289,7 +309,8 @@ impl Component {
         &self.mouths[self.local(slot)]
     }
 
-    /// What it costs to go on from one end of an edge to another.
+    /// Cost of continuing from one end of an edge to another: bending, difference in width, and the
+    /// part outside of the mask.
     fn joint(&self, from: u32, to: u32, mask: &BitPlane) -> f32 {
         let (a, b) = (self.mouth(from), self.mouth(to));
         let chord = vec2::sub(b.arm.at, a.arm.at);
@@ -297,7 +318,8 @@ impl Component {
         let chord = vec2::unit_or(chord, a.arm.into);
         let alpha = vec2::angle(chord, a.arm.into);
         let beta = vec2::angle(chord, vec2::scale(b.arm.into, -1.0));
-        // Half of what an arc turns that bends as both do: the strand runs out of b the other way round.
+        // Half the turn of an arc with the mean of both curvatures. The one of b is negated,
+        // because the strand runs out of b.
         let turn = 0.25 * px * (a.curvature - b.curvature);
         let (wa, wb) = (a.arm.half_px, b.arm.half_px);
         let width = (wa - wb) / (wa + wb);
@@ -307,11 +329,12 @@ impl Component {
             + OUTSIDE * px * outside(&a.arm, &b.arm, px, mask) / (wa + wb)
     }
 
+    /// Length of an edge, in widths.
     pub(super) fn widths(&self, e: u32, of: Ground) -> f32 {
         of.graph.edges[e as usize].length_px / (2.0 * of.zones.half_px)
     }
 
-    /// What it costs to pass over an edge, and to take it for one strand.
+    /// Cost of passing over an edge, and of taking it as a leg.
     pub(super) fn costs(&self, e: u32, of: Ground) -> [f32; 2] {
         let widths = self.widths(e, of);
         match self.is_wide[self.place[e as usize] as usize] {
@@ -323,13 +346,14 @@ impl Component {
         }
     }
 
-    /// What the edges cost that are left out, wholly or by one of the strands that they are.
+    /// Cost of the edges that are left out, wholly or by one of their strands.
     pub(super) fn left_out(&self, seen: &Visited) -> f32 {
         let edges = self.left_out.iter().enumerate();
         edges.map(|(k, costs)| costs[seen.times(k)]).sum()
     }
 
-    /// Calls `reach` with each end at which a strand can go on that comes out at `last`, and what is passed on the way.
+    /// Calls `reach` with each end at which a strand that leaves at `last` can continue, and with
+    /// the edges passed on the way.
     fn pass(&self, last: u32, so_far: Pass, of: Ground, reach: &mut impl FnMut(u32, Pass)) {
         for k in self.at(node(last, of.graph)) {
             let slot = self.slots[k];
@@ -353,7 +377,7 @@ impl Component {
     }
 }
 
-/// The edges over which walks run: as strands, over which they pass, and over which they pass again.
+/// Bit sets of the edges of a walk: those taken as legs, those passed, and those passed again.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Visited {
     pub(super) used: u128,
@@ -367,14 +391,14 @@ impl Visited {
         self.passed |= edges;
     }
 
-    /// How often edge `k` of the piece is run over; from two times on, two.
+    /// Number of times that edge `k` of the piece is run over, at most 2.
     fn times(&self, k: usize) -> usize {
         let seen = [self.used, self.passed, self.again].map(|edges| (edges >> k) as usize & 1);
         seen.iter().sum::<usize>().min(2)
     }
 }
 
-/// Edges that are passed.
+/// Edges passed on a way, and their cost.
 #[derive(Clone, Copy, Default)]
 struct Pass {
     cost: f32,
@@ -383,17 +407,18 @@ struct Pass {
     passed: u128,
 }
 
-/// Whether an end of an edge is a tip.
+/// Returns whether an end of an edge is a tip.
 pub(super) fn is_tip(slot: u32, graph: &Graph) -> bool {
     graph.nodes[node(slot, graph) as usize].degree == 1
 }
 
-/// The node at an end of an edge.
+/// Node at an end of an edge.
 fn node(slot: u32, graph: &Graph) -> u32 {
     graph.edges[slot as usize / 2].nodes[slot as usize % 2]
 }
 
-/// The share of the way from one arm to another, by the cubic that leaves both as they point, that lies outside of the mask.
+/// Share of the way from one arm to another that is outside of the mask. The way is the cubic that
+/// leaves both as they point.
 fn outside(a: &Arm, b: &Arm, px: f32, mask: &BitPlane) -> f32 {
     const ASKED: usize = 8;
     let out = (1..ASKED).filter(|&k| {
@@ -407,7 +432,7 @@ fn outside(a: &Arm, b: &Arm, px: f32, mask: &BitPlane) -> f32 {
     out.count() as f32 / (ASKED - 1) as f32
 }
 
-/// What is known of one end of an edge.
+/// Measures one end of an edge.
 fn mouth(e: usize, end: u8, of: Ground) -> Mouth {
     let arm = of.zones.arm(e, end, 0, of.graph, of.skeleton);
     let pixels = of.graph.pixels(e);
@@ -428,7 +453,8 @@ fn mouth(e: usize, end: u8, of: Ground) -> Mouth {
     ];
     let px = 0.5 * (vec2::norm(halves[0]) + vec2::norm(halves[1]));
     let curvature = vec2::angle(halves[0], halves[1]) / px.max(1.0);
-    // A line along an arc points as the arc's middle does.
+    // The fitted line points like the arc in the middle of the fit, so it is turned to the arc's
+    // end.
     let reach_px = arm.reach_px().min(pixels.len() - from) as f32;
     let (sin, cos) = libm::sincosf(0.5 * curvature * reach_px);
     let [x, y] = arm.into;

@@ -1,9 +1,10 @@
-//! Where some rows are not just the table: a plain loop, of which the compiler makes vectors for any registers.
+//! Searches rows for anything other than the table. A plain loop, which the compiler vectorizes for
+//! any registers.
 
 use super::{BLOCK, Rows};
 use lariat_portable::{Arch, Simd, WithSimd};
 
-/// See [`Rows`].
+/// Runs a [`Rows`].
 pub(super) fn look(look: Rows) {
     Arch::new().dispatch(look);
 }
@@ -21,12 +22,12 @@ impl WithSimd for Rows<'_> {
     }
 }
 
-/// Looks at strips of which a row has so many bytes.
+/// Searches strips of `N` bytes per row.
 #[inline(always)]
 fn run<const N: usize>(look: Rows) {
     let mut least = [0; N];
     least.as_chunks_mut().0.fill(look.least);
-    // The last one again where there are fewer.
+    // Repeat the last row where there are fewer.
     let last = (look.rows.len() - look.row) / look.stride;
     let mut rows = [&look.rows[..look.row]; BLOCK];
     for (k, row) in rows.iter_mut().enumerate() {
@@ -37,7 +38,8 @@ fn run<const N: usize>(look: Rows) {
         let off = if from + N <= look.row {
             far_off(&rows, &look.table[from..from + N], from, &least)
         } else {
-            // No `map` over all rows, here or there: it would not be compiled for the machine's registers, at twice the time of all.
+            // A `map` over all rows, here or in `far_off`, would not be compiled for the machine's
+            // registers.
             let mut padded = [[0; N]; BLOCK + 1];
             let all = rows.iter().chain([&look.table]);
             for (padded, bytes) in padded.iter_mut().zip(all) {
@@ -61,9 +63,9 @@ fn run<const N: usize>(look: Rows) {
     }
 }
 
-/// Which bytes of a strip are far off the table in any row: all ones where they are.
+/// Returns, for each byte of a strip, all ones if it is far from the table in any row.
 ///
-/// The table is the same for all rows: the largest and the smallest of each column of bytes tell.
+/// The table is the same for all rows, so the maximum and minimum of each column of bytes suffice.
 #[inline(always)]
 fn far_off<const N: usize>(
     rows: &[&[u8]; BLOCK],
@@ -91,7 +93,7 @@ fn far_off<const N: usize>(
     off
 }
 
-/// Whether any of so many bytes, a multiple of eight, is not 0.
+/// Returns whether any byte is not 0. The number of bytes is a multiple of eight.
 #[inline(always)]
 fn is_any(off: &[u8]) -> bool {
     let mut any = 0;

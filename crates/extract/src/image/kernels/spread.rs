@@ -1,10 +1,10 @@
-//! A level for each block of pixels, put in the order of the image's bytes.
+//! Repeats one level per block of pixels in the byte order of the image.
 
 use super::BLOCK;
 use crate::image::PixelFormat;
 
-/// Of each channel a level for each block; the bytes of the blocks in the order of the first plane of `format`, and of
-/// the second, go to `luma` and `chroma`.
+/// Repeats each channel's level for each block. Writes bytes in the order of the first plane of
+/// `format` to `luma`, and of the second to `chroma`.
 pub(super) fn spread(
     format: PixelFormat,
     [a, b, c]: [&[u8]; 3],
@@ -26,7 +26,7 @@ pub(super) fn spread(
             fill(colors.clone(), luma, |[y, _, _]| [y; BLOCK]);
             fill(colors, chroma, |[_, u, v]| repeated::<BLOCK>([u, v, u, v]));
         }
-        // The others are unpacked before.
+        // Other formats were unpacked earlier.
         _ => {}
     }
 }
@@ -43,7 +43,7 @@ fn fill<const N: usize>(
     }
 }
 
-/// Eight times the same three bytes, as the three words they are.
+/// Repeats three bytes eight times, built as three words.
 #[inline(always)]
 fn triples([a, b, c]: [u8; 3]) -> [u8; 3 * BLOCK] {
     let v = u64::from_le_bytes([a, b, c, 0, 0, 0, 0, 0]);
@@ -59,7 +59,7 @@ fn triples([a, b, c]: [u8; 3]) -> [u8; 3 * BLOCK] {
     bytes
 }
 
-/// The same four bytes over and over, as the words they are.
+/// Repeats four bytes, built as words.
 #[inline(always)]
 fn repeated<const N: usize>(four: [u8; 4]) -> [u8; N] {
     let word = u64::from(u32::from_le_bytes(four)) * 0x1_0000_0001;

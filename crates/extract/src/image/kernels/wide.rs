@@ -1,6 +1,7 @@
-//! The kernels in registers of 64 bytes: AVX-512 with VBMI and VBMI2.
+//! Kernels in registers of 64 bytes: AVX-512 with VBMI and VBMI2.
 //!
-//! `unsafe` is needed to load and store through pointers, which are taken from slices of the length that is moved.
+//! `unsafe` is needed to load and store through pointers. They come from slices of the length that
+//! is moved.
 #![allow(unsafe_code)]
 
 use super::x86::orders;
@@ -8,8 +9,8 @@ use super::{Band, Patch, Rows};
 use crate::image::PixelFormat;
 use std::arch::x86_64::*;
 
-/// The pixels in the order of three registers, channel by channel, and the lanes that a register after the first gives
-/// to a channel.
+/// Constants that sort interleaved pixels into channels: the order of lanes for each channel, and
+/// masks of the lanes i = 0, 1 and 2 (mod 3).
 struct Sorting {
     orders: [__m512i; 3],
     lanes: [u64; 3],
@@ -28,14 +29,14 @@ impl Sorting {
         }
     }
 
-    /// The largest difference of the three channels of 64 pixels.
+    /// Largest difference among the three channels, for 64 pixels.
     #[inline]
     #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
     fn most(&self, pixels: [__m512i; 3], table: [__m512i; 3]) -> __m512i {
         let [p, q, r] = pixels;
         let [t, u, v] = table;
         let (a, b, c) = (apart(p, t), apart(q, u), apart(r, v));
-        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
+        // Channel 0 is in lane i of a where i = 0 (mod 3), of b where i = 2, of c where i = 1.
         let [zero, one, two] = self.lanes;
         let first = choose(one, choose(two, a, b), c);
         let second = choose(two, choose(zero, a, b), c);
@@ -47,7 +48,7 @@ impl Sorting {
     }
 }
 
-/// The bytes of `there` in the set `lanes`, and of `elsewhere` in the others.
+/// Selects bytes of `there` in the set `lanes`, and of `elsewhere` in the others.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn choose(lanes: u64, elsewhere: __m512i, there: __m512i) -> __m512i {
@@ -67,7 +68,7 @@ fn load(bytes: &[u8; 64]) -> __m512i {
     unsafe { _mm512_loadu_si512(bytes.as_ptr().cast()) }
 }
 
-/// The first `count` bytes, no more than 64, and zeros.
+/// Loads the first `count` bytes, at most 64, followed by zeros.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn load_some(bytes: &[u8], count: usize) -> __m512i {
@@ -76,13 +77,13 @@ fn load_some(bytes: &[u8], count: usize) -> __m512i {
     unsafe { _mm512_maskz_loadu_epi8(first_lanes(count), bytes.as_ptr().cast()) }
 }
 
-/// The first `count` lanes, no more than 64.
+/// Mask of the first `count` lanes, at most 64.
 #[inline]
 fn first_lanes(count: usize) -> u64 {
     u64::MAX.checked_shr(64 - count as u32).unwrap_or(0)
 }
 
-/// The 192 bytes of 64 pixels.
+/// Loads the 192 bytes of 64 pixels.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn load_pixels(bytes: &[u8; 192]) -> [__m512i; 3] {
@@ -97,7 +98,7 @@ fn load_pixels(bytes: &[u8; 192]) -> [__m512i; 3] {
     }
 }
 
-/// The bytes of the fewer than 64 pixels of `bytes`, and zeros.
+/// Loads fewer than 64 pixels from `bytes`, followed by zeros.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn load_some_pixels(bytes: &[u8], pixels: usize) -> [__m512i; 3] {
@@ -117,7 +118,7 @@ fn store(bytes: &mut [u8; 64], of: __m512i) {
     unsafe { _mm512_storeu_si512(bytes.as_mut_ptr().cast(), of) };
 }
 
-/// As many bytes as there are, fewer than 64.
+/// Stores as many bytes as `bytes` has, fewer than 64.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn store_some(bytes: &mut [u8], of: __m512i) {
@@ -172,8 +173,10 @@ pub(super) fn three_channel_band(band: Band) {
     }
 }
 
-/// The larger of the differences of Y, U and V of 64 pixels, of which 32 stand in each of two registers: Y₀ U Y₁ V if the
-/// `LIGHT` byte of each two is 0, U Y₀ V Y₁ if it is 1, which `every` gathers.
+/// Largest difference among Y, U and V, for 64 pixels, 32 of them in each of two registers.
+///
+/// The pixels are Y₀ U Y₁ V if `LIGHT` is 0, and U Y₀ V Y₁ if it is 1. `every` gathers the bytes of
+/// Y.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn most_of_pairs<const LIGHT: usize>(
@@ -185,7 +188,7 @@ fn most_of_pairs<const LIGHT: usize>(
     _mm512_permutex2var_epi8(low, every, high)
 }
 
-/// The same in the bytes of Y of one of them.
+/// Largest difference among Y, U and V, for one register, in its bytes of Y.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn most_beside<const LIGHT: usize>(p: __m512i, t: __m512i) -> __m512i {
@@ -261,8 +264,8 @@ pub(super) fn look(look: Rows) {
     }
 }
 
-/// The same of pixels of `N` bytes. The table is the same for all rows: the largest and the smallest of each column of
-/// bytes tell whether any is far off it.
+/// Searches pixels of `N` bytes. The table is the same for all rows, so the maximum and minimum of
+/// each column of bytes suffice.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn look_at<const N: usize>(look: Rows) {
@@ -294,7 +297,7 @@ fn look_at<const N: usize>(look: Rows) {
     }
 }
 
-/// Up to `N` times 64 bytes, and zeros.
+/// Loads up to 64 · `N` bytes, followed by zeros.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn load_each<const N: usize>(bytes: &[u8]) -> [__m512i; N] {
@@ -311,13 +314,14 @@ fn load_each<const N: usize>(bytes: &[u8]) -> [__m512i; N] {
     each
 }
 
-/// Where the bytes of 8 blocks come from: byte k of what a block's bytes are, over and over in the order `channels`,
-/// `N` times 64 in all, lies in the register that holds 8 levels of each channel, one channel after the other.
+/// Permutations that produce the bytes of 8 blocks, 64 · `N` in all. Each block repeats its levels
+/// in the order `channels`. The input register holds 8 levels of each channel, one channel after
+/// the other.
 const fn sources<const N: usize>(channels: &[u8]) -> [[u8; 64]; N] {
     let mut order = [[0; 64]; N];
     let mut k = 0;
     while k < 64 * N {
-        // N times 8 bytes to a block.
+        // A block has 8 · N bytes.
         order[k / 64][k % 64] = 8 * channels[k % channels.len()] + (k / (8 * N)) as u8;
         k += 1;
     }
@@ -336,7 +340,7 @@ pub(super) fn spread(format: PixelFormat, levels: [&[u8]; 3], luma: &mut [u8], c
             spread_one(&const { sources::<1>(&[0]) }, levels, luma);
             spread_one(&const { sources::<1>(&[1, 2]) }, levels, chroma);
         }
-        // The others are unpacked before.
+        // Other formats were unpacked earlier.
         _ => {}
     }
 }
@@ -360,7 +364,7 @@ fn spread_one<const N: usize>(orders: &[[u8; 64]; N], [a, b, c]: [&[u8]; 3], out
     }
 }
 
-/// Where the bytes of 16 pixels come from: of each four the third, the second, the first.
+/// Permutation that packs 16 pixels: of each four bytes, the third, the second and the first.
 const PACKED: [u8; 64] = {
     let mut order = [0; 64];
     let mut k = 0;
@@ -384,7 +388,7 @@ pub(super) fn pack(pixels: &[[u8; 4]], out: &mut [u8]) {
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi2,popcnt")]
 pub(super) fn collect(row: &[u8], bits: &[u64], out: &mut [u8]) -> usize {
     let mut count = 0;
-    // Most words hold nothing: which do is asked of many at once.
+    // Most words are 0. Find the others in groups of 64.
     for (bits, row) in bits.chunks(64).zip(row.chunks(64 * 64)) {
         let mut rest = 0;
         for (i, &word) in bits.iter().enumerate() {

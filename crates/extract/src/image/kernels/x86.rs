@@ -1,22 +1,25 @@
-//! The kernels in the registers of x86-64: 64 bytes (AVX-512 with VBMI, in `wide`) or 32 (AVX2) at a time.
+//! Kernels for the registers of x86-64: 64 bytes at a time (AVX-512 with VBMI, in `wide`) or 32
+//! (AVX2).
 //!
-//! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
-//! has them, and to load and store through pointers, which are taken from slices of the length that is moved.
+//! `unsafe` is needed to call functions compiled for registers that not every machine has, after
+//! checking that this one has them. It is also needed to load and store through pointers. They come
+//! from slices of the length that is moved.
 //!
-//! Three interleaved channels A, B, C in three registers of 16 or 64 lanes: as both leave 1 when divided by 3, lane i
-//! holds channel i, i + 1 and i + 2 (mod 3) of them, so that blending them by lanes gathers all of a channel's bytes in
-//! one register, and one permutation puts them in order.
+//! Three interleaved channels A, B, C fill three registers of 16 or 64 lanes. Both numbers leave 1
+//! when divided by 3. Lane i of the three registers therefore holds channels i, i + 1 and i + 2
+//! (mod 3). Blending them by lanes gathers all bytes of a channel in one register, and one
+//! permutation puts them in order.
 #![allow(unsafe_code)]
 
 use super::{Band, Kernels, Patch, wide};
 use std::arch::x86_64::*;
 
-/// The fastest of this machine.
+/// The fastest kernels that this machine can run.
 pub(super) fn detect() -> Option<Kernels> {
     all().next()
 }
 
-/// All that this machine can run, the fastest first.
+/// All kernels that this machine can run, the fastest first.
 pub(super) fn all() -> impl Iterator<Item = Kernels> {
     let wide = is_x86_feature_detected!("avx512bw")
         && is_x86_feature_detected!("avx512vbmi")
@@ -67,7 +70,8 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
     wide.into_iter().chain(medium)
 }
 
-/// Of three registers of interleaved channels one of each channel: 16 pixels in each half.
+/// Separates three registers of interleaved channels into one register per channel. Each half has
+/// 16 pixels.
 #[inline]
 #[target_feature(enable = "avx2")]
 pub(crate) fn channels_256([a, b, c]: [__m256i; 3]) -> [__m256i; 3] {
@@ -92,7 +96,7 @@ pub(crate) fn channels_256([a, b, c]: [__m256i; 3]) -> [__m256i; 3] {
     ]
 }
 
-/// The same 16 bytes in both halves of a register.
+/// Repeats 16 bytes in both halves of a register.
 #[inline]
 #[target_feature(enable = "avx2")]
 pub(crate) fn twice(bytes: &[u8; 16]) -> __m256i {
@@ -100,7 +104,8 @@ pub(crate) fn twice(bytes: &[u8; 16]) -> __m256i {
     _mm256_broadcastsi128_si256(unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) })
 }
 
-/// 32 pixels of three interleaved channels: each half of a register is of a block of 16 pixels of its own.
+/// Loads 32 pixels of three interleaved channels. The two halves of the registers hold 16 pixels
+/// each.
 #[inline]
 #[target_feature(enable = "avx2")]
 pub(crate) fn pixels_256(bytes: &[u8; 96]) -> [__m256i; 3] {
@@ -115,7 +120,8 @@ pub(crate) fn pixels_256(bytes: &[u8; 96]) -> [__m256i; 3] {
     }
 }
 
-// Closures that are handed on, as to `map`, are not compiled into what calls them: here they would cost more than what they do.
+// No closures are passed on here, for example to `map`: they would not be inlined, and the calls
+// would cost more than the work.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
@@ -132,7 +138,7 @@ fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
         // SAFETY: `out` is 32 bytes long.
         unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), most) };
         x += 32;
-        // The last block is moved back so that it ends with the row.
+        // The last block is moved back to end with the row.
         if x < pixels && x + 32 > pixels {
             x = pixels - 32;
         }
@@ -140,7 +146,7 @@ fn three_channels_256(row: &[u8], table: &[u8], out: &mut [u8]) {
     super::three_channels(&row[3 * x..], &table[3 * x..], &mut out[x..]);
 }
 
-/// How far bytes lie apart.
+/// Absolute differences of bytes.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn apart(a: __m256i, b: __m256i) -> __m256i {
@@ -156,14 +162,15 @@ fn three_channel_band_256(band: Band) {
     });
 }
 
-/// Four pixels at a time; what is written behind them the next four overwrite.
+/// Packs four pixels at a time. Each store writes four bytes too many, which the next one
+/// overwrites.
 #[target_feature(enable = "avx2")]
 fn pack_128(pixels: &[[u8; 4]], out: &mut [u8]) {
     let order = _mm_setr_epi8(2, 1, 0, 6, 5, 4, 10, 9, 8, 14, 13, 12, -1, -1, -1, -1);
     let pixels = &pixels[..pixels.len().min(out.len() / 3)];
     let mut done = 0;
     for four in pixels.as_chunks::<4>().0 {
-        // What is behind the pixels' own place is not touched.
+        // Nothing is written past the pixels' own place.
         if 3 * done + 16 > 3 * pixels.len() {
             break;
         }
@@ -186,7 +193,7 @@ fn patch_at_least_256(patch: Patch, cut: u8, words: &mut [u64]) {
     }
 }
 
-/// Of each channel the lane where pixel p is found: (3p + channel) mod the number of lanes.
+/// For each channel, the lane of pixel p: (3p + channel) mod the number of lanes.
 pub(crate) const fn orders<const N: usize>() -> [[u8; N]; 3] {
     let mut orders = [[0; N]; 3];
     let mut channel = 0;

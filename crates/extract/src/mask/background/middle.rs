@@ -1,12 +1,12 @@
-//! The middle one of many small numbers.
+//! Median of many small numbers.
 
 use lariat_portable::{Simd, WithSimd};
 
-/// The middle one of `values`, none of which is above `most` (of an even number the upper one). Those above it are not
-/// counted.
+/// Median of the `values` that are at most `most`: for an even number, the upper of the two in the
+/// middle.
 ///
-/// Halving the range where it can lie, and counting what is not above the half, takes a pass over the values for each of
-/// its bits, and each pass takes as many values at a time as the registers hold.
+/// This is a bisection of the range of values: each pass counts the values up to the middle of the
+/// range. There is one pass per bit, and it takes as many values at a time as the registers hold.
 pub(super) struct Middle<'a> {
     pub(super) values: &'a [u16],
     pub(super) most: u16,
@@ -31,7 +31,7 @@ impl WithSimd for Middle<'_> {
     }
 }
 
-/// How many of fewer than 2¹⁶ values are not above `most`.
+/// Number of values that are at most `most`, of fewer than 2¹⁶ values.
 #[inline(always)]
 fn up_to(values: &[u16], most: u16) -> u16 {
     values.iter().map(|&value| u16::from(value <= most)).sum()

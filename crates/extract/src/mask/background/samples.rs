@@ -1,30 +1,30 @@
-//! The samples of the grid, and how far they are off the table's surface.
+//! Samples of the grid, and their distances from the table's surface.
 
 use super::{GRID, LANES, Lanes, TERMS, along_row, rounded};
 use lariat_portable::{Simd, WithSimd};
 
-/// Residuals are counted in sixteenths of a level, finer than anything made of their median, up to one beyond which no
-/// rope would stand out.
+/// Residuals are counted in sixteenths of a level, finer than anything that depends on their
+/// median. The maximum is so large that no rope beyond it would stand out.
 pub(super) const STEPS: f32 = 16.0;
 pub(super) const MOST_STEPS: u16 = 64 * STEPS as u16 - 1;
 
-/// The samples of some rows of the grid, in `N` channels, and the surface that they are held against.
+/// Samples of some rows of the grid, in `N` channels, and the surface that they are compared with.
 #[derive(Clone, Copy)]
 pub(super) struct Samples<'a, const N: usize> {
-    /// Rows of the grid from one that counts to the next.
+    /// Step between the rows of the grid that count.
     pub(super) stride: usize,
-    /// Samples in a row; it is filled up to whole lanes.
+    /// Samples in a row. The row is padded to whole lanes.
     pub(super) columns: usize,
     pub(super) u: &'a [Lanes],
     pub(super) v: &'a [f32],
-    /// The channels of a sample as the bytes of a number, the first the lowest.
+    /// Channels of each sample as the bytes of a number, the first channel in the lowest byte.
     pub(super) pixels: &'a [[u32; LANES]],
     pub(super) coefficients: &'a [[f32; TERMS]; 3],
-    /// What a difference of the second and third channel counts.
+    /// Weight of a difference of the second and third channel.
     pub(super) chroma: f32,
 }
 
-/// A row of the grid, in the widest registers, and the surface along it.
+/// A row of the grid in the widest registers, and the surface along it.
 pub(super) struct Row<'a, S: Simd, const N: usize> {
     simd: S,
     pub(super) u: &'a [S::f32s],
@@ -34,13 +34,13 @@ pub(super) struct Row<'a, S: Simd, const N: usize> {
 }
 
 impl<'a, const N: usize> Samples<'a, N> {
-    /// The rows that count, and where they lie.
+    /// Indices of the rows that count, and their positions.
     #[inline(always)]
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &'a f32)> + use<'a, N> {
         self.v.iter().enumerate().step_by(self.stride)
     }
 
-    /// Row `j`, which lies at `v`.
+    /// Row `j`, whose position is `v`.
     #[inline(always)]
     pub(super) fn row<S: Simd>(&self, simd: S, j: usize, v: f32) -> Row<'a, S, N> {
         let groups = self.u.len().min(GRID / LANES);
@@ -62,11 +62,11 @@ impl<'a, const N: usize> Samples<'a, N> {
 }
 
 impl<S: Simd, const N: usize> Row<'_, S, N> {
-    /// The levels of the `i`-th samples, and their distance from the surface: the largest of all channels, by
-    /// `color::distance`.
+    /// Levels of the `i`-th samples, and their distance from the surface: the largest of all
+    /// channels, as in `color::distance`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> ([S::f32s; N], S::f32s) {
-        // A float of this value has the whole numbers below 2²³ in its last bits.
+        // A float of this value holds the whole numbers below 2²³ in its last bits.
         const ONES: f32 = 8_388_608.0;
         let simd = self.simd;
         let (u, pixels) = (self.u[i], self.pixels[i]);
@@ -89,7 +89,7 @@ impl<S: Simd, const N: usize> Row<'_, S, N> {
     }
 }
 
-/// How far the samples are off the surface, in steps; returns how many there are.
+/// Computes the distances of the samples from the surface, in steps. Returns their number.
 pub(super) struct Measure<'a, const N: usize> {
     pub(super) samples: Samples<'a, N>,
     pub(super) steps: &'a mut [u16],
@@ -120,7 +120,7 @@ impl<const N: usize> WithSimd for Measure<'_, N> {
     }
 }
 
-/// The levels of a channel of the samples; returns how many there are.
+/// Collects the levels of one channel of the samples. Returns their number.
 pub(super) struct Levels<'a, const N: usize> {
     pub(super) samples: Samples<'a, N>,
     pub(super) channel: usize,

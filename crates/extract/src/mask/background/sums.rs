@@ -1,13 +1,14 @@
-//! The sums of the least squares, over a grid of samples row by row, and the equations that they make.
+//! Sums of the least squares over a grid of samples, row by row, and the equations that follow from
+//! them.
 //!
-//! Along a row of the grid the vertical position is one number: a row is summed into moments of the horizontal one,
-//! in lanes, and those are spread over the powers of the other.
+//! Along a row of the grid, the vertical position is one number. A row is summed, in lanes, into
+//! moments of the horizontal position. These are then multiplied by the powers of the vertical one.
 
 use super::samples::{Row, Samples};
 use super::{GRID, TERMS};
 use lariat_portable::{Simd, WithSimd};
 
-/// The terms of the surface are 1, u, v, u², uv, v²: of each the powers of u and v.
+/// Powers of u and v in each term of the surface: 1, u, v, u², uv, v².
 const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
 /// Sums over the samples within `limit` of the surface, in `N` channels.
@@ -26,7 +27,7 @@ impl<const N: usize> WithSimd for Sum<'_, N> {
             powers: [[zero; 5]; 5],
             levels: [[zero; TERMS]; N],
         };
-        // What fills up the rows counts for nothing.
+        // The padding of the rows does not count.
         let mut limits = [-1.0; GRID];
         limits[..self.samples.columns.min(GRID)].fill(self.limit);
         let limits = S::as_simd_f32s(&limits).0;
@@ -38,15 +39,15 @@ impl<const N: usize> WithSimd for Sum<'_, N> {
     }
 }
 
-/// Sums along a row of the grid over what is taken for table, in lanes: of uᵏ, k = 0…4, and of each channel's level
-/// times uᵏ, k = 0…2.
+/// Sums along a row of the grid over the samples that count as table, in lanes: of uᵏ, k = 0…4, and
+/// of each channel's level times uᵏ, k = 0…2.
 struct RowSums<S: Simd, const N: usize> {
     powers: [S::f32s; 5],
     levels: [[S::f32s; 3]; N],
 }
 
 impl<S: Simd, const N: usize> RowSums<S, N> {
-    /// Those of the samples that lie within `limits` of the surface.
+    /// Sums over the samples within `limits` of the surface.
     #[inline(always)]
     fn of(simd: S, row: &Row<S, N>, limits: &[S::f32s]) -> Self {
         let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
@@ -72,7 +73,8 @@ impl<S: Simd, const N: usize> RowSums<S, N> {
     }
 }
 
-/// Sums over the whole grid, in lanes: of uᵃvᵇ at `[a][b]`, and of each channel's level times each term.
+/// Sums over the whole grid, in lanes: of uᵃvᵇ at `[a][b]`, and of each channel's level times each
+/// term.
 struct Sums<S: Simd, const N: usize> {
     powers: [[S::f32s; 5]; 5],
     levels: [[S::f32s; TERMS]; N],
@@ -136,7 +138,7 @@ impl<const N: usize> Moments<N> {
     }
 }
 
-/// The lower Cholesky factor, or nothing when the matrix is not clearly positive definite.
+/// The lower Cholesky factor; `None` if the matrix is not clearly positive definite.
 pub(super) fn cholesky(mut a: [[f64; TERMS]; TERMS]) -> Option<[[f64; TERMS]; TERMS]> {
     let floor = 1e-6 * a[0][0];
     for i in 0..TERMS {

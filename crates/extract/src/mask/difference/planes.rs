@@ -1,28 +1,29 @@
-//! The difference of a row in the formats whose bytes need no sorting: one channel, and those with U and V beside Y.
+//! Difference of a row in the formats whose bytes need no sorting: one channel, or U and V next to
+//! Y.
 //!
-//! Plain loops over blocks of 64 pixels, compiled for the widest registers that the machine turns out to have. What is
-//! left at the end of a row, and a row of less than a block, goes pixel by pixel.
+//! These are plain loops over blocks of 64 pixels, compiled for the widest registers that the
+//! machine has. The end of a row, and a row of less than a block, are processed pixel by pixel.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
 const BLOCK: usize = 64;
 
-/// `out` is how far each byte of `row` is off the one of `table`.
+/// Writes the difference between each byte of `row` and that of `table` to `out`.
 pub(super) fn gray(row: &[u8], table: &[u8], out: &mut [u8]) {
     Arch::new().dispatch(Gray { row, table, out });
 }
 
-/// The larger of the differences of Y, U and V, where Y₀ U Y₁ V stand for two pixels.
+/// Writes the largest difference among Y, U and V to `out`, for two pixels in Y₀ U Y₁ V.
 pub(super) fn yuyv(row: &[u8], table: &[u8], out: &mut [u8]) {
     Arch::new().dispatch(Pairs::<0> { row, table, out });
 }
 
-/// The same of U Y₀ V Y₁.
+/// As [`yuyv`], for two pixels in U Y₀ V Y₁.
 pub(super) fn uyvy(row: &[u8], table: &[u8], out: &mut [u8]) {
     Arch::new().dispatch(Pairs::<1> { row, table, out });
 }
 
-/// The same, where Y stands in one row and U V pairs in another.
+/// As [`yuyv`], for Y in one row and U V pairs in another.
 pub(super) fn nv12(row: [&[u8]; 2], table: [&[u8]; 2], out: &mut [u8]) {
     Arch::new().dispatch(Nv12 { row, table, out });
 }
@@ -44,7 +45,7 @@ impl WithSimd for Gray<'_> {
     }
 }
 
-/// Two pixels in four bytes, `LIGHT` being the place of the first Y: 0 or 1.
+/// Two pixels in four bytes. `LIGHT` is the place of the first Y: 0 or 1.
 struct Pairs<'a, const LIGHT: usize> {
     row: &'a [u8],
     table: &'a [u8],
@@ -154,12 +155,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A row, its table, and how many pixels of it are wanted.
+    /// A row, its table, and the number of its pixels to compare.
     fn rows(bytes_a_pair: usize) -> impl Strategy<Value = (Vec<u8>, Vec<u8>, usize)> {
         (1..300usize).prop_flat_map(move |pixels| {
             let bytes = pixels.div_ceil(2) * bytes_a_pair;
             let row = || prop::collection::vec(any::<u8>(), bytes);
-            // The table is laid in whole blocks, and goes on.
+            // The table is laid in whole blocks and extends past the row.
             let table = prop::collection::vec(any::<u8>(), bytes.next_multiple_of(256));
             (row(), table, Just(pixels))
         })

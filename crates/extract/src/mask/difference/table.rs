@@ -1,4 +1,4 @@
-//! The table's color along a band of rows, and how far an image's pixels are off it.
+//! The table's color along a band of rows, and the difference of an image's pixels from it.
 
 use super::super::background::Background;
 use super::{BLOCK, planes};
@@ -8,14 +8,14 @@ use crate::image::{Image, PixelFormat};
 /// The color, interleaved as the bytes of an image's first plane and its second.
 #[derive(Debug, Default)]
 pub(super) struct Table {
-    /// One level for each block.
+    /// One level per block.
     channels: [Vec<u8>; 3],
     pub(super) luma: Vec<u8>,
     pub(super) chroma: Vec<u8>,
 }
 
 impl Table {
-    /// Lays it along the band from row `top` on.
+    /// Lays the table along the band that begins at row `top`.
     pub(super) fn lay(
         &mut self,
         kernels: &Kernels,
@@ -31,11 +31,12 @@ impl Table {
         (kernels.spread)(image.format(), channels, &mut self.luma, &mut self.chroma);
     }
 
-    /// Makes room for `width` pixels.
+    /// Reserves room for `width` pixels.
     fn reserve(&mut self, width: usize) {
-        // As many as fill the widest registers with floats.
+        // Enough to fill the widest registers with floats.
         let blocks = width.div_ceil(BLOCK).next_multiple_of(16);
-        // For the format that needs the most, so that a camera's first frame after a gray one grows nothing.
+        // For the format that needs the most, so that a camera's first frame after a gray one
+        // allocates nothing.
         let (luma, chroma) = (3 * BLOCK * blocks, BLOCK * blocks);
         self.luma.resize(self.luma.len().max(luma), 0);
         self.chroma.resize(self.chroma.len().max(chroma), 0);
@@ -44,7 +45,7 @@ impl Table {
         }
     }
 
-    /// The difference of the pixels of row `y` from `x` on, where a block begins.
+    /// Writes the difference of the pixels of row `y` from `x` on, where a block begins.
     pub(super) fn apart(
         &self,
         kernels: &Kernels,
@@ -64,7 +65,7 @@ impl Table {
                 let (uv, chroma) = (&image.chroma_row(y)[from..], &self.chroma[from..]);
                 planes::nv12([row, uv], [luma, chroma], out);
             }
-            // The others are unpacked before.
+            // Other formats were unpacked earlier.
             _ => {}
         }
     }

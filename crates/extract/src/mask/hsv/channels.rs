@@ -1,4 +1,4 @@
-//! A row of an image as its three channels, a byte a pixel each, whatever the format.
+//! A row of an image as three channels of one byte per pixel, in any format.
 
 use super::kernels::Kernels;
 use crate::image::{Image, PixelFormat};
@@ -39,7 +39,7 @@ impl Channels {
                 let [_, u, v] = &self.planes;
                 return [row, &u[..width], &v[..width]];
             }
-            // The others are unpacked before.
+            // Other formats were unpacked earlier.
             _ => {}
         }
         self.planes.each_ref().map(|plane| &plane[..width])

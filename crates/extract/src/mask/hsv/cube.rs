@@ -1,48 +1,51 @@
-//! The answer for every color there is: one bit for each of 256³ colors of the camera's own color space, so that a pixel
-//! costs one look, whatever the ranges are and however a camera encodes its colors.
+//! Answers for all colors: one bit for each of the 256³ colors of the camera's own color space. A
+//! pixel then costs one lookup, whatever the ranges are and however a camera encodes its colors.
 //!
-//! Before it stand three small tables that a register holds: the colors are told apart into eight bands, and of each
-//! channel's level, in steps of eight, it is known in which bands it occurs. A pixel whose three levels have no band in
-//! common has none of the colors: most of a table's pixels, 64 at a time. Of red, green and blue, which all vary with the light,
-//! the ranges' [outlines](Outline) tell more.
+//! Three small tables are consulted first, each held by one register. The colors are divided into
+//! eight bands. For each channel's level, in steps of eight, a table lists the bands in which it
+//! occurs. If no band is common to all three levels of a pixel, it cannot have any of the colors.
+//! This is so for most of a table's pixels, and 64 are tested at a time. For red, green and blue,
+//! which all vary with the light, the ranges' [outlines](Outline) tell more.
 
 use super::outline::Outline;
 use crate::options::HsvRange;
 
-/// The steps of a channel that the bands are known by.
+/// Number of steps into which the tables of bands divide a channel.
 pub(super) const STEPS: usize = 32;
 /// Levels in a step.
 const STEP: usize = 256 / STEPS;
 pub(super) const BANDS: usize = 8;
-/// Words of 64 colors that differ in the third channel only.
+/// Number of words for the colors that differ only in the third channel, 64 to a word.
 const ROW: usize = 256 / 64;
-/// Levels of the third channel that are asked for at once, and of the others along a box of colors that are first asked for
-/// together: most boxes lie in a range or outside of it as a whole.
+/// Levels of the third channel that are tested at once, and levels of the other channels along a
+/// box of colors. The colors of a box are first tested together: most boxes are inside or outside a
+/// range as a whole.
 const LANES: usize = 16;
 const SIDE: usize = 4;
 
 type Lanes = [f32; LANES];
 
-/// Which colors lie in some ranges.
+/// The set of colors in some ranges.
 #[derive(Debug, Default)]
 pub(super) struct Cube {
-    /// Bit `256 · (256 · c₀ + c₁) + c₂`.
+    /// Color (c₀, c₁, c₂) is bit `256 · (256 · c₀ + c₁) + c₂`.
     words: Vec<u64>,
-    /// The bands, one bit each, of each channel's steps.
+    /// Bands of each channel's steps, one bit per band.
     pub(super) bands: [[u8; STEPS]; 3],
-    /// Those of the ranges; none where the colors are YUV, or there are more ranges than are asked one by one.
+    /// Outlines of the ranges. Empty if the colors are YUV, or if there are more ranges than are
+    /// tested one by one.
     pub(super) outlines: Vec<Outline>,
     ranges: Vec<HsvRange>,
     yuv: bool,
 }
 
 impl Cube {
-    /// Whether it holds these ranges, in this color space.
+    /// Returns whether it holds the answers for these ranges in this color space.
     pub(super) fn is_of(&self, ranges: &[HsvRange], yuv: bool) -> bool {
         !self.words.is_empty() && self.yuv == yuv && self.ranges == ranges
     }
 
-    /// Finds the answers.
+    /// Computes the answers.
     pub(super) fn fill(&mut self, ranges: &[HsvRange], yuv: bool) {
         self.yuv = yuv;
         self.ranges.clear();
@@ -66,20 +69,21 @@ impl Cube {
         }
     }
 
-    /// The bits, unless there are none yet.
+    /// The bits; `None` before they are computed.
     #[cfg(target_arch = "x86_64")]
     pub(super) fn words(&self) -> Option<&[u64; 256 * 256 * ROW]> {
         self.words.as_slice().try_into().ok()
     }
 
-    /// Whether a color lies in the ranges.
+    /// Returns whether a color is in the ranges.
     #[inline(always)]
     pub(super) fn holds(&self, [a, b, c]: [u8; 3]) -> bool {
         let word = (usize::from(a) << 8 | usize::from(b)) * ROW + usize::from(c >> 6);
         self.words[word] >> (c & 63) & 1 == 1
     }
 
-    /// The bands that the three levels of a color have in common: none, and it is not in the ranges.
+    /// Bands that the three levels of a color have in common. A color without any is not in the
+    /// ranges.
     #[cfg(test)]
     fn common_bands(&self, color: [u8; 3]) -> u8 {
         let band = |c: usize| self.bands[c][usize::from(color[c]) / STEP];
@@ -87,8 +91,9 @@ impl Cube {
     }
 }
 
-/// How the colors of one of several ranges are told apart into bands: each range has its own as long as they last, and
-/// parts them by value, so that of each channel a band spans little.
+/// Division of the colors of one range into bands. Each range has its own bands, as long as there
+/// are enough, and divides its colors among them by value. A band then spans little of each
+/// channel.
 struct Banding {
     first: usize,
     count: usize,
@@ -108,7 +113,7 @@ impl Banding {
         }
     }
 
-    /// The bands, as bits, of colors of these values (0 to 255).
+    /// Bands, as bits, of colors with values between these two (0 to 255).
     #[inline(always)]
     fn of(&self, from: f32, to: f32) -> u8 {
         let part = |value: f32| ((value - self.low) * self.per_level) as usize;
@@ -117,7 +122,8 @@ impl Banding {
     }
 }
 
-/// What is done for one range. No closure: one as long as this would not be compiled for the wider registers.
+/// Fills in one range. This is not a closure, because one as long as this would not be compiled for
+/// the wider registers.
 struct Fill<'a> {
     words: &'a mut [u64],
     bands: &'a mut [[u8; STEPS]; 3],
@@ -161,7 +167,7 @@ impl Fill<'_> {
         }
     }
 
-    /// Takes all colors of a box, and returns in which levels of its third channel there are some.
+    /// Adds all colors of a box, and returns the levels of its third channel that have any.
     #[inline(always)]
     fn take_all(&mut self, [a, b, c]: [usize; 3]) -> u32 {
         let all = (1 << LANES) - 1;
@@ -171,7 +177,7 @@ impl Fill<'_> {
         all as u32
     }
 
-    /// The same of those colors of a box that are in the range.
+    /// As [`take_all`](Self::take_all), for the colors of a box that are in the range.
     #[inline(always)]
     fn ask_each<const YUV: bool>(&mut self, [a, b, c]: [usize; 3]) -> u32 {
         let mut any = 0;
@@ -183,7 +189,7 @@ impl Fill<'_> {
         any
     }
 
-    /// Notes the bands that a box's colors may be in, of which some were `found`.
+    /// Records the bands that a box's colors may be in, if some colors were `found`.
     #[inline(always)]
     fn add_bands(&mut self, [a, b, c]: [usize; 3], bands: u8, found: u32) {
         if found == 0 {
@@ -199,13 +205,14 @@ impl Fill<'_> {
     }
 }
 
-/// The hues of a range, as a wedge about the axis of grays: the half-spaces behind its first hue and before its last, of
-/// which a color lies in both or, where the wedge is wider than half of all hues, in one at least.
+/// Hues of a range, as a wedge around the axis of grays. It is made of two half-spaces, behind its
+/// first hue and before its last. A color of the range is in both, or in at least one if the wedge
+/// is wider than half of all hues.
 struct Wedge {
     first: [f32; 3],
     last: [f32; 3],
     is_wide: bool,
-    /// All hues, that of the grays included.
+    /// True for all hues, including that of the grays.
     is_all: bool,
 }
 
@@ -217,7 +224,7 @@ impl Wedge {
         } else {
             to + 360.0 - from
         };
-        // A plane that holds the grays and a hue's colors, facing the next hues.
+        // A plane that contains the grays and a hue's colors, facing the next hues.
         let plane = |hue: f32| {
             let level = |at: f32| {
                 let off = (hue / 60.0 - at).rem_euclid(6.0);
@@ -235,8 +242,9 @@ impl Wedge {
     }
 }
 
-/// Boxes of colors side by side, each `LANES` levels of the third channel and `SIDE` of the others: of red, green and
-/// blue, and of the largest and the smallest of the three, the least that occurs and the greatest.
+/// Adjacent boxes of colors, each with `LANES` levels of the third channel and `SIDE` of the
+/// others. The fields hold the minimum and maximum of red, green and blue, and of the largest and
+/// the smallest of the three.
 struct Boxes {
     rgb: [[Lanes; 2]; 3],
     most: [Lanes; 2],
@@ -257,7 +265,8 @@ impl Boxes {
                 let c = [LANES * k, LANES * k + LANES - 1];
                 let [a, b, c] = [[a[0], a[1]], [b[0], b[1]], c];
                 let float = |level: usize| level as f32;
-                // Every channel rises or falls with each of the native ones, rounded as it is.
+                // Every channel rises or falls with each of the native ones, including the
+                // rounding.
                 let [red, green, blue] = if YUV {
                     let red = to_rgb([float(a[end]), 0.0, float(c[end])]);
                     let green = to_rgb([float(a[end]), float(b[1 - end]), float(c[1 - end])]);
@@ -276,21 +285,21 @@ impl Boxes {
         boxes
     }
 
-    /// Which boxes may have a color of the range, and which surely have no other.
+    /// Returns which boxes may have a color of the range, and which have only such colors.
     #[inline(always)]
     fn judge(&self, range: &HsvRange, wedge: &Wedge) -> (u32, u32) {
-        /// More than what rounding makes of a saturation, and of levels beside a plane.
+        /// Margins larger than the rounding errors of a saturation, and of levels next to a plane.
         const SATURATION_OFF: f32 = 1e-4;
         const LEVELS_OFF: f32 = 0.05;
         let ([dull, bright], [dark, light]) = (range.saturation, range.value);
         let (mut may, mut sure) = ([0u32; LANES], [0u32; LANES]);
         for k in 0..LANES {
             let [most, least] = [&self.most, &self.least].map(|ends| [ends[0][k], ends[1][k]]);
-            // Values are rounded alike, in their order.
+            // All values are rounded alike, so their order is kept.
             let values = [most[0] / 255.0, most[1] / 255.0];
             let may_value = (values[1] >= dark) & (values[0] <= light);
             let sure_value = (values[0] >= dark) & (values[1] <= light);
-            // Of black, which has none, nothing is said.
+            // Saturation is undefined for black, so nothing is assumed about it.
             let is_black = most[0] <= 0.0;
             let dullest = pick(is_black, 0.0, 1.0 - least[1] / larger(most[0], 1.0));
             let brightest = pick(is_black, 1.0, 1.0 - least[0] / larger(most[1], 1.0));
@@ -298,7 +307,7 @@ impl Boxes {
                 (brightest >= dull - SATURATION_OFF) & (dullest <= bright + SATURATION_OFF);
             let sure_saturation = ((dull <= 0.0) | (dullest >= dull + SATURATION_OFF))
                 & ((bright >= 1.0) | (brightest <= bright - SATURATION_OFF));
-            // How far before and behind the planes of the wedge the box reaches.
+            // Distance that the box extends to one side of a plane of the wedge.
             let reach = |plane: &[f32; 3], end: usize| {
                 let mut sum = 0.0;
                 for (factor, channel) in plane.iter().zip(&self.rgb) {
@@ -331,7 +340,7 @@ impl Boxes {
     }
 }
 
-/// Colors that differ in the third channel only.
+/// Colors that differ only in the third channel.
 struct Row {
     red: Lanes,
     green: Lanes,
@@ -355,8 +364,9 @@ impl Row {
         row
     }
 
-    /// Which of the colors lie in the range, a bit each. The sums of [`super::contains`], in its order, without its
-    /// branches: to the last bit the same.
+    /// Returns which of the colors are in the range, one bit each. These are the sums of
+    /// [`super::contains`] in the same order but without its branches, so the results are equal to
+    /// the last bit.
     #[inline(always)]
     fn judge(&self, range: &HsvRange) -> u32 {
         let ([from, to], saturations, values) = (range.hue_deg, range.saturation, range.value);
@@ -384,7 +394,7 @@ impl Row {
     }
 }
 
-/// `color::yuv_to_rgb` of levels that are held as floats, as a kernel has them.
+/// `color::yuv_to_rgb` for levels held as floats, as in a kernel.
 #[inline(always)]
 fn to_rgb([y, u, v]: [f32; 3]) -> [f32; 3] {
     let (u, v) = (u - 128.0, v - 128.0);
@@ -401,7 +411,7 @@ fn pick(which: bool, a: f32, b: f32) -> f32 {
     if which { a } else { b }
 }
 
-/// `f32::max` of numbers of which none is NaN: one instruction.
+/// `f32::max` of numbers that are not NaN, in one instruction.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -419,7 +429,7 @@ pub(super) mod tests {
     use crate::image::color;
     use proptest::prelude::*;
 
-    /// Ranges whose bounds often are the very numbers that colors have.
+    /// Ranges whose bounds are often exactly the numbers of some color.
     pub(in super::super) fn range() -> impl Strategy<Value = HsvRange> {
         let bounds = |limit: f32| {
             let free = 0.0..=limit;
@@ -487,7 +497,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Ranges as they are picked, one that wraps and one of grays; bounds on numbers that many colors have.
+    /// Ranges as users pick them, with one that wraps and one of grays. Their bounds are numbers
+    /// that many colors have.
     pub(in super::super) fn examples() -> [Vec<HsvRange>; 3] {
         let range = |hue_deg, saturation, value| HsvRange {
             hue_deg,
@@ -519,7 +530,7 @@ pub(super) mod tests {
 
     #[test]
     fn the_cube_holds_what_the_ranges_contain() {
-        // A prime, so that all levels of all channels come up.
+        // A prime, so that all levels of all channels occur.
         for ranges in &examples()[..2] {
             check(ranges, false, 101);
             check(ranges, true, 101);

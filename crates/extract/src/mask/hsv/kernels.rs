@@ -1,30 +1,31 @@
-//! The loops over all pixels: a row into its channels, and the look into the cube.
+//! Loops over all pixels: splitting a row into its channels, and lookups in the cube.
 
 use super::cube::Cube;
 
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-/// A cube, a row's channels, and what is selected of them as bytes and as bits.
+/// Takes a cube, a row's channels, and the outputs for the selected pixels as bytes and as bits.
 type Select = fn(&Cube, [&[u8]; 3], &mut [u8], &mut [u64]);
 
 /// The kernels for this machine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernels {
-    /// Three interleaved channels, each into a slice of its own.
+    /// Splits three interleaved channels into a slice each.
     pub(super) split_three: fn(&[u8], [&mut [u8]; 3]),
-    /// Y, U, Y, V of two pixels each into Y, U and V, a byte a pixel.
+    /// Splits two pixels at a time from Y, U, Y, V into Y, U and V, one byte per pixel.
     pub(super) split_yuyv: fn(&[u8], [&mut [u8]; 3]),
-    /// The same of U, Y, V, Y.
+    /// As `split_yuyv`, from U, Y, V, Y.
     pub(super) split_uyvy: fn(&[u8], [&mut [u8]; 3]),
-    /// U and V of two pixels each, a byte a pixel.
+    /// Splits the U and V of two pixels at a time, one byte per pixel.
     pub(super) split_uv: fn(&[u8], [&mut [u8]; 2]),
-    /// One bit a pixel, given its channels, whether the cube holds its color; and a byte, 255 or 0.
+    /// Tests a row's colors, given its channels. Sets one bit per pixel if the cube holds the
+    /// color, and one byte to 255 or 0.
     pub(super) select: Select,
 }
 
 impl Kernels {
-    /// The fastest that this machine can run.
+    /// The fastest kernels that this machine can run.
     fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         if let Some(kernels) = x86::detect() {
@@ -48,7 +49,7 @@ const PLAIN: Kernels = Kernels {
     select,
 };
 
-/// All that this machine can run.
+/// All kernels that this machine can run.
 #[cfg(test)]
 pub(super) fn all() -> Vec<Kernels> {
     let mut all = vec![PLAIN];
@@ -63,7 +64,7 @@ fn split_three(row: &[u8], [a, b, c]: [&mut [u8]; 3]) {
     }
 }
 
-/// Two pixels a time whose first Y begins at bit `LIGHT` of their four bytes: 0 or 8.
+/// Splits two pixels at a time. Their first Y begins at bit `LIGHT` of the four bytes: 0 or 8.
 #[inline(always)]
 fn split_pairs<const LIGHT: u32>(row: &[u8], planes: [&mut [u8]; 3]) {
     let color = 8 - LIGHT;
@@ -87,7 +88,7 @@ fn split_uv(row: &[u8], planes: [&mut [u8]; 2]) {
     }
 }
 
-/// The definition: a look for each pixel.
+/// Definition of `select`: one lookup per pixel.
 fn select(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u64]) {
     for (i, (inside, word)) in inside.chunks_mut(64).zip(words).enumerate() {
         *word = 0;
@@ -100,7 +101,7 @@ fn select(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u64])
     }
 }
 
-/// Those of up to 64 pixels that the cube holds, where only some `may` be.
+/// Returns which of up to 64 pixels the cube holds. Only those in `may` are looked up.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn among(may: u64, cube: &Cube, planes: [&[u8; 64]; 3]) -> u64 {
@@ -131,7 +132,7 @@ mod tests {
 
     fn planes() -> impl Strategy<Value = [Vec<u8>; 3]> {
         let any_colors = prop::collection::vec(any::<[u8; 3]>(), 0..300);
-        // Of one color, that lies in the ranges or not.
+        // All pixels have one color, which is in the ranges or not.
         let color = prop_oneof![Just([20, 40, 120]), Just([150, 40, 30]), any::<[u8; 3]>()];
         let one_color = (0..300usize, color).prop_map(|(pixels, color)| vec![color; pixels]);
         prop_oneof![any_colors, one_color]

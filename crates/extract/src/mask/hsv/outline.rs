@@ -1,25 +1,27 @@
-//! What a range of colors is in the large: by the largest and the smallest of red, green and blue, and by their order.
+//! Coarse test for a range of colors: by the largest and the smallest of red, green and blue, and
+//! by their order.
 //!
-//! It tells a table of another hue or of none from ropes without a look at any pixel's answer, 64 pixels at a time.
+//! It tells a table of another hue, or without hue, from ropes, 64 pixels at a time and without any
+//! lookup.
 
 use super::cube::STEPS;
 use crate::options::HsvRange;
 
 /// Levels in a step of the largest channel.
 const STEP: usize = 256 / STEPS;
-/// Degrees of hue between one order of the channels and the next.
+/// Span of hue in which the channels have one order, in degrees.
 const SEXTANT_DEG: f32 = 60.0;
-/// More than what rounding makes of a hue in degrees, and of a channel in levels.
+/// Margin larger than the rounding errors of a hue in degrees and of a channel in levels.
 const OFF: f32 = 0.01;
 
-/// A range that holds all of another's colors and is asked for faster.
+/// A superset of a range that is faster to test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outline {
-    /// The least and the greatest of the largest channel.
+    /// Minimum and maximum of the largest channel.
     pub(super) largest: [u8; 2],
-    /// The same of the smallest one, for each step of the largest.
+    /// Minimum and maximum of the smallest channel, for each step of the largest.
     pub(super) smallest: [[u8; STEPS]; 2],
-    /// The orders in which the channels may stand, a bit each: the sextants of hue from red on.
+    /// Possible orders of the channels, one bit each: the sextants of hue from red on.
     pub(super) orders: u8,
 }
 
@@ -31,7 +33,7 @@ impl Outline {
         let most = (0..=u8::MAX).rev().find(is_of).unwrap_or(0);
         let [dull, bright] = range.saturation;
         let level = |step: usize, of: usize| (STEP * step + of) as f32;
-        // Floats become bytes within their range.
+        // The conversion of a float to a byte saturates.
         let smallest = [
             std::array::from_fn(|step| (level(step, 0) * (1.0 - bright) - OFF).ceil() as u8),
             std::array::from_fn(|step| (level(step, STEP - 1) * (1.0 - dull) + OFF).floor() as u8),
@@ -55,8 +57,9 @@ impl Outline {
         }
     }
 
-    /// Which pixels may be in the range, a bit each, given where red is no less than green, green than blue, blue than red, and
-    /// where it is no more.
+    /// Returns which pixels may be in the range, one bit each. The first masks tell where red is at
+    /// least green, green at least blue, and blue at least red. The others tell where it is at most
+    /// that.
     #[inline(always)]
     #[cfg_attr(
         not(target_arch = "x86_64"),

@@ -1,4 +1,4 @@
-//! Ranges of colors to a mask.
+//! Makes a mask from ranges of colors.
 
 use super::channels::Channels;
 use super::contains;
@@ -9,8 +9,9 @@ use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 use crate::options::HsvRange;
 
-/// Images of fewer pixels are looked at color by color: a small one is done before the answer for every color is known,
-/// and the many small pictures that are seen once, when colors are picked, are not worth 2 MiB.
+/// Images of fewer pixels are tested color by color. A small image is finished before the answers
+/// for all colors would be known. The many small pictures that are seen once, when colors are
+/// picked, are not worth 2 MiB.
 const FEWEST_PIXELS: usize = 1 << 15;
 
 /// Memory of the mask by ranges.
@@ -22,14 +23,15 @@ pub(crate) struct Selector {
 }
 
 impl Selector {
-    /// Finds the answers for images of this size beforehand.
+    /// Computes the answers for images of this size in advance.
     pub(crate) fn prepare(&mut self, ranges: &[HsvRange], pixels: usize, yuv: bool) {
         if pixels >= FEWEST_PIXELS && !self.cube.is_of(ranges, yuv) {
             self.cube.fill(ranges, yuv);
         }
     }
 
-    /// Fills `mask`, and `inside` with 255 and 0 alike, by whether a pixel lies in any range.
+    /// Sets the pixels of `mask` that are in any range. In `inside`, these are 255 and the others
+    /// 0.
     pub(crate) fn run(
         &mut self,
         image: &Image,
@@ -51,11 +53,11 @@ impl Selector {
     }
 }
 
-/// The definition.
+/// Definition of [`Selector::run`].
 fn one_by_one(image: &Image, ranges: &[HsvRange], inside: &mut GrayPlane, mask: &mut BitPlane) {
     for y in 0..image.height() {
         let (bytes, words) = (inside.row_mut(y), mask.row_mut(y));
-        // Neighbors on a table are mostly equal: the last answer is often the next.
+        // Neighbors on a table are mostly equal, so the last answer is often the next.
         let (mut last, mut answer) = ([0; 3], contains(ranges, [0; 3]));
         for (x, byte) in bytes.iter_mut().enumerate() {
             let rgb = color::rgb(image, x, y);
@@ -76,7 +78,7 @@ mod tests {
 
     #[test]
     fn an_image_is_selected_pixel_by_pixel_in_every_format_and_after_a_change_of_ranges() {
-        // Odd sides, and all kinds of colors: each byte goes its own way.
+        // Odd sides and all kinds of colors: every byte varies on its own.
         let (width, height) = (225usize, 147usize);
         let stride = 3 * width + 225;
         let bytes: Vec<u8> = (0..stride * (height + height.div_ceil(2)))

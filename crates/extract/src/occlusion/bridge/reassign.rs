@@ -1,8 +1,8 @@
-//! Hidden ways that were taken for each other.
+//! Corrects hidden ways that were mistaken for each other.
 //!
-//! Where two strands run into a thing at one place, they may be read the wrong way around, and what is known of them is then wrong for
-//! as long as the thing lies there. Once their ends are apart it shows: the ways bend back sharply, and others between the same ends
-//! run on.
+//! If two strands run into an occluder at one place, their ways may be exchanged. The prior then
+//! stays wrong for as long as the occluder is there. Once their ends separate, the error shows: the
+//! ways bend back sharply, and other ways between the same ends are straight.
 
 use super::{Bridger, COVERED, Candidate};
 use crate::graph::pairing::bending;
@@ -10,12 +10,12 @@ use crate::occlusion::ends::{End, FLAW, Scenery, shown};
 use crate::occlusion::way;
 use crate::vec2;
 
-/// The share of the bending of two ways under a thing that two others there have, for them to be taken.
+/// Maximum bending of two ways that replace two others under an occluder, as a share of theirs.
 const STRAIGHTER: f32 = 0.25;
 
 impl Bridger {
-    /// Takes other ways under a thing for those that were chosen, where the former bend back sharply or lead over the bare table and the
-    /// others run on: they were taken for each other where both ran in or out at one place.
+    /// Replaces chosen ways by others under an occluder: pairs that bend back sharply by straight
+    /// ones, and ways over the bare table by covered ones. This overrules the prior.
     pub(super) fn reassign(&mut self, scenery: &Scenery) {
         for k in 0..self.candidates.len() {
             for l in 0..k {
@@ -29,7 +29,8 @@ impl Bridger {
         }
     }
 
-    /// Takes these two ways for two that were chosen, if they are so much straighter.
+    /// Replaces two chosen ways by these if they bend by less than `STRAIGHTER` as much, and `take`
+    /// accepts them. Bending is per pixel of gap.
     fn straighten(&mut self, chosen: [usize; 2], ways: [[usize; 2]; 2], scenery: &Scenery) -> bool {
         let bending = |ways: [[usize; 2]; 2]| -> f32 {
             let bent = ways.map(|[i, j]| bent(&self.ends[i], &self.ends[j]));
@@ -39,7 +40,8 @@ impl Bridger {
         bending(ways) < STRAIGHTER * bending(former) && self.take(chosen, ways, scenery)
     }
 
-    /// Whether a way leads over the bare table.
+    /// Returns whether a way is longer than a flaw of the mask and leads over the bare table: the
+    /// straight line shows too much table, and the way itself is not covered.
     fn is_bare(&self, of: &Candidate, scenery: &Scenery) -> bool {
         let [a, b] = of.ends.map(|end| &self.ends[end]);
         let way = of.way.map(|way| (way, scenery.past));
@@ -49,7 +51,8 @@ impl Bridger {
             && way::covered(a, b, way, scenery) < COVERED
     }
 
-    /// Takes a way under a thing for way `k`: between the other ends of both of its lines, or of one.
+    /// Replaces way `k` by a covered one: between the other ends of both of its lines, or between
+    /// one of them and one of its own ends.
     fn cover(&mut self, k: usize, scenery: &Scenery) {
         let [a, b] = self.candidates[k].ends;
         let [c, d] = [a, b].map(|e| self.far(e).filter(|&far| !self.ends[far].used));
@@ -69,7 +72,8 @@ impl Bridger {
         ends.find(|&e| e != end)
     }
 
-    /// Takes these ways for those that were chosen, if they lie under something in the picture and close no ring. Whether it does.
+    /// Replaces the chosen ways by these if they are under an occluder, inside the image, and close
+    /// no ring. Returns whether it did.
     fn take<const N: usize>(
         &mut self,
         chosen: [usize; N],
@@ -97,7 +101,7 @@ impl Bridger {
         !is_ring
     }
 
-    /// Whether who goes on from one of the chosen ways, along lines and others of these, comes back to it.
+    /// Returns whether the chosen way `start` is part of a ring of lines and chosen ways.
     fn is_ring(&self, start: usize) -> bool {
         let mut at = self.candidates[start].ends[1];
         while let Some(far) = self.far(at) {
@@ -113,7 +117,7 @@ impl Bridger {
     }
 }
 
-/// The energy of bending between two ends.
+/// Bending energy between two ends, divided by their distance.
 fn bent(a: &End, b: &End) -> f32 {
     let chord_px = vec2::distance(a.at, b.at).max(a.width_px);
     bending(a.at, a.out, b.at, vec2::scale(b.out, -1.0)) / chord_px

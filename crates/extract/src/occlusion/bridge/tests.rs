@@ -1,4 +1,4 @@
-//! Pieces of ropes over the bare table, under a hand, and under a thing.
+//! Fragments of ropes over the bare table, under a hand, and under an occluder.
 
 use super::*;
 use crate::bitmap::bits::BitPlane;
@@ -22,7 +22,7 @@ fn straight(from: Vec2, to: Vec2) -> Line {
     }
 }
 
-/// What the ends are judged by, in a mask of the extractor's own.
+/// Data for judging ends, for a mask of the extractor's own.
 fn scenery<'a>(past: &'a Past, difference: &'a GrayPlane, occluder: &'a BitPlane) -> Scenery<'a> {
     Scenery {
         past,
@@ -35,7 +35,8 @@ fn scenery<'a>(past: &'a Past, difference: &'a GrayPlane, occluder: &'a BitPlane
     }
 }
 
-/// A strand over two pieces of another one, and a rope that ends beside them: the pieces are one line.
+/// A strand over two fragments of another one, and a rope that ends next to them: the fragments are
+/// one line.
 #[test]
 fn pieces_of_a_strand_under_another_are_one_line() {
     let mut lines = vec![
@@ -56,7 +57,7 @@ fn pieces_of_a_strand_under_another_are_one_line() {
     let count = bridger.join_under(&mut lines, &mut colors, &scenery, (&mask, 8.0));
     assert_eq!(count, 2);
     assert!(lines[0].length_px() > 195.0, "{}", lines[0].length_px());
-    // Of another color they are no piece of it.
+    // With another color, they are not fragments of it.
     let mut lines = vec![
         straight([100.0, 100.0], [196.0, 100.0]),
         straight([204.0, 102.0], [300.0, 110.0]),
@@ -163,10 +164,10 @@ fn a_rope_is_two_where_the_bare_table_is_seen_over_more_than_what_is_missing() {
         ];
         join(&mut lines, &past, is_hidden).0
     };
-    // Far longer than it was for long.
+    // Far longer than usual.
     assert_eq!(count(140.0, 60.0, false), 2);
     assert_eq!(count(140.0, 60.0, true), 1);
-    // As long as it was without what is not seen.
+    // As long as usual without the unseen part.
     assert_eq!(count(270.0, 30.0, false), 2);
     assert_eq!(count(270.0, 30.0, true), 1);
     assert_eq!(count(270.0, 12.0, false), 1);
@@ -193,7 +194,7 @@ fn strangers_are_joined_over_an_occluder_and_not_over_the_table() {
     assert_eq!(join(&mut aside, &Past::default(), true).0, 2);
 }
 
-/// A thing of 60 by 80 pixels, its upper left corner at (120, 60).
+/// An occluder of 60 by 80 pixels, with its upper left corner at (120, 60).
 fn thing() -> BitPlane {
     let mut plane = BitPlane::default();
     plane.resize(400, 200);
@@ -219,14 +220,14 @@ fn a_rope_that_turns_back_under_a_thing_comes_out_of_it() {
         "{way_px}"
     );
     assert_eq!(join(&mut ends(), &Past::default(), true).0, 2, "no thing");
-    // A third one leaves it open which two belong together.
+    // A third one leaves open which two belong together.
     let [a, b] = ends();
     let mut lines = [a, b, straight([300.0, 70.0], [183.0, 70.0])];
     let count = join_under(&mut lines, &Past::default(), true, &thing()).0;
     assert!(count >= 2, "{count}");
 }
 
-/// A rope goes in at the left and comes out below, where two tips point at the thing, too.
+/// A rope enters at the left and leaves below, where two more tips point at the occluder.
 #[test]
 fn of_several_ends_at_a_thing_two_are_one_ropes_that_bend_far_less_than_any_others() {
     let mut lines = [
@@ -243,7 +244,7 @@ fn of_several_ends_at_a_thing_two_are_one_ropes_that_bend_far_less_than_any_othe
 
 #[test]
 fn a_known_way_beside_the_thing_that_hides_it_gives_way_to_one_under_it() {
-    // A loop that reached far to the right, and has drawn back under the thing.
+    // A loop that reached far to the right, and has moved back under the occluder.
     let mut past = Past::default();
     let turn = |t: f32| {
         let (sin, cos) = (std::f32::consts::PI * (t - 0.5)).sin_cos();
@@ -267,7 +268,7 @@ fn a_known_way_beside_the_thing_that_hides_it_gives_way_to_one_under_it() {
     assert!(farthest < 182.0, "{farthest}");
 }
 
-/// A line along straight stretches, its samples a pixel apart.
+/// A line along straight stretches, with its samples a pixel apart.
 fn along(corners: &[Vec2]) -> Line {
     let mut lines = corners.windows(2).map(|pair| straight(pair[0], pair[1]));
     let first = lines.next().expect("two corners");
@@ -277,7 +278,7 @@ fn along(corners: &[Vec2]) -> Line {
     })
 }
 
-/// How often one of the joined lines passes the thing's middle from left to right, or back.
+/// Number of times that the joined lines pass the occluder's middle, from left to right or back.
 fn passes(lines: &[Line]) -> usize {
     let samples = |line: &Line| line.samples.iter().map(|s| s.at).collect::<Vec<_>>();
     let lines = lines.iter().map(samples);
@@ -290,8 +291,8 @@ fn passes(lines: &[Line]) -> usize {
 
 #[test]
 fn two_hairpins_under_a_thing_give_way_to_two_ways_that_run_on() {
-    // In at the left, out at the right, around below the thing, and the same again; of which the past has that it turns back at
-    // both sides.
+    // In at the left, out at the right, around below the occluder, and the same again. The prior
+    // has it turn back on both sides.
     let around = [
         [117.0, 120.0],
         [60.0, 120.0],
@@ -351,7 +352,7 @@ fn two_ropes_that_were_two_stay_two() {
     assert_eq!(join(&mut lines, &past, true).0, 2);
 }
 
-/// Two lines that leave the picture, whose last row is y = 199, at two places, coming from there.
+/// Two lines that leave the image, whose last row is y = 199, at two places, coming from there.
 fn leaving(from: [Vec2; 2], at: [f32; 2]) -> [Line; 2] {
     let line = |k: usize| Line {
         border: [false, true],
@@ -372,14 +373,14 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
     assert_eq!((count, gaps.len()), (1, 1));
     assert_eq!(flat[0].border, [false; 2]);
     assert!(outside(&flat) > 30);
-    // So steep that each may go anywhere; away from each other; or far apart.
+    // Too steep to tell, away from each other, or far apart.
     let steep = || leaving([[110.0, 100.0], [190.0, 100.0]], [120.0, 180.0]);
     let apart = || leaving([[180.0, 154.0], [120.0, 154.0]], [120.0, 180.0]);
     let far = || leaving([[20.0, 154.0], [300.0, 154.0]], [80.0, 240.0]);
     for mut lines in [steep(), apart(), far()] {
         assert_eq!(join(&mut lines, &Past::default(), false).0, 2);
     }
-    // What was one rope is one, and as long as it has been for long.
+    // The known rope is one, of its usual length.
     let corners = [
         [110.0, 99.0],
         [120.0, 190.0],

@@ -1,4 +1,5 @@
-//! Strands that were parted by their seams: those that pass under others are in pieces, which are joined again.
+//! Strands of a mask that was cut at its seams: joins the fragments of those that pass under
+//! others.
 
 use super::{Bridger, Candidate};
 use crate::bitmap::bits::BitPlane;
@@ -9,24 +10,33 @@ use crate::occlusion::ends::{End, Scenery};
 use crate::occlusion::way::{cubic, share};
 use crate::vec2;
 
-/// How far ahead of an end, in widths, the mask is looked at: where it has nothing, the rope ends there.
+/// Look-ahead distance past an end, in widths. If the mask is empty there, the rope ends.
 const AHEAD: f32 = 0.56;
-/// A line bends where it runs under another strand: so much of its end is cut off, in widths, and at most this share of the line.
+/// Length cut off an end that runs under another strand, where the line bends: in widths, and the
+/// maximum share of the line.
 const TRIMMED: (f32, f32) = (0.4, 0.33);
-/// The widest gap, in widths, under strands that run along; and the most bending in it (a turn by 145°).
+/// Maximum gap under other strands, in widths.
 const WIDEST: f32 = 7.9;
+/// Maximum bending in it (a turn by 145°).
 const MOST_BENT: f32 = 1.6;
-/// The share of the way between that must lie within the mask.
+/// Minimum share of the way in the gap that must be in the mask.
 const WITHIN: f32 = 0.7;
-/// The gap that costs as much as a turn by 57°, in widths.
+/// Gap that costs as much as a turn by 57°, in widths.
 const FAR: f32 = 3.4;
+/// Bending energy of a turn by 57°, the unit of the cost.
 const TURNED: f32 = 0.25;
-/// So many widths more a rope has that ends under a strand: what was cut off, and to the middle of the strand.
+/// Length added to a rope that ends under a strand, in widths: what was cut off, and the way to the
+/// middle of the strand.
 const HIDDEN: f32 = 0.8;
 
 impl Bridger {
-    /// Joins those of `lines`, of these mean colors, that pass under others in `mask`, the whole of it, whose ropes are so wide. The
-    /// straightest and nearest first. What is joined to nothing ends under the strand. Returns how many lines are left, sorted by length.
+    /// Joins those of `lines`, which have these mean colors, that pass under others. `mask` is the
+    /// whole mask, and `width_px` is the ropes' width. Returns the number of lines left, sorted by
+    /// length.
+    ///
+    /// A pair of ends costs its bending in units of `TURNED`, plus its gap in units of `FAR`. The
+    /// cheapest pairs are joined first. An end that is joined to nothing is extended, as it ends
+    /// under the strand.
     pub(crate) fn join_under(
         &mut self,
         lines: &mut [Line],
@@ -65,7 +75,7 @@ impl Bridger {
         for i in 0..self.candidates.len() {
             let candidate = self.candidates[i];
             let [a, b] = candidate.ends.map(|end| self.ends[end].line);
-            // Others may have made them one line's.
+            // Earlier joins may have made them one line.
             if a != b {
                 self.bridge(&candidate, lines, scenery);
             }
@@ -80,7 +90,7 @@ impl Bridger {
     }
 }
 
-/// Lays a line on from one of its ends, as it points, by so much.
+/// Extends a line straight ahead at one of its ends.
 fn extend(line: &mut Line, end: &End, by_px: f32) {
     let count = line.samples.len();
     let step_px = (line.length_px() / (count - 1) as f32).max(0.3);
@@ -96,7 +106,7 @@ fn extend(line: &mut Line, end: &End, by_px: f32) {
     }
 }
 
-/// Cuts a line back at an end before which the mask goes on.
+/// Cuts a line back at an end, if the mask continues there.
 fn trim(line: &mut Line, last: bool, width_px: f32, mask: &BitPlane) {
     let count = line.samples.len();
     if count < 2 || !mask.has(line.ahead(last, AHEAD * width_px)) {

@@ -1,20 +1,21 @@
-//! What bounds a rope where its middle can't be told: where strands lie on or beside each other, each lies within what shows rope.
+//! Bounds of a rope whose middle cannot be measured because strands are on or next to each other.
+//! Each strand is still inside the area that shows rope.
 
 use super::{Scene, is_bare};
 use crate::centerline::line::Line;
 use crate::centerline::section::Measure;
 use crate::vec2;
 
-/// The weight of a place that is only known to lie within bounds.
+/// Weight of a place that is only known to be within bounds.
 const BOUNDED: f32 = 0.3;
-/// Half-widths to either side that the bounds are looked for.
+/// Distance to either side in which bounds are sought, in half-widths.
 const REACH: f32 = 2.5;
-/// The least half-widths of rope that a place outside of it is moved into.
+/// Minimum width of the rope area into which a place outside of it is moved, in half-widths.
 const ROOM: f32 = 1.5;
-/// Half-widths from an end within which the rope itself ends.
+/// Distance from an end, in half-widths, within which the rope itself ends.
 const TIP: f32 = 1.5;
 
-/// Moves each sample that was not measured, but for those at the tips, until half a rope has room to either side of it.
+/// Moves each unmeasured sample, except at the tips, until half a rope fits on either side of it.
 pub(super) fn hold(line: &mut Line, scene: &Scene, how: Measure) {
     let n = line.samples.len();
     let tip = (TIP * how.half_px / how.step_px) as usize + 1;
@@ -34,8 +35,9 @@ pub(super) fn hold(line: &mut Line, scene: &Scene, how: Measure) {
     }
 }
 
-/// How far a place must move along its normal, on which `is_rope` says what shows rope, to have half a rope to either side. `None` where
-/// it need not, or nothing near gives it that room.
+/// Movement along its normal that a place needs for half a rope to fit on either side. `is_rope`
+/// returns whether a place on the normal shows rope. `None` if no movement is needed, or nothing
+/// near has enough room.
 fn off_px(is_rope: impl Fn(f32) -> bool, half_px: f32) -> Option<f32> {
     let [far, beyond] = [REACH, REACH + 2.0].map(|halves| (halves * half_px) as i32);
     let leaves = |from: i32, sign: i32| {
@@ -84,7 +86,7 @@ mod tests {
         for at in [2.0, 5.0, 9.0, 40.0] {
             assert_eq!(seen_from(at), None, "from {at}");
         }
-        // A sliver is no place for a rope.
+        // A sliver has no room for a rope.
         assert_eq!(off_px(|px| (3.0..8.0).contains(&px), 5.0), None);
     }
 }

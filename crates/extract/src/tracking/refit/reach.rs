@@ -1,17 +1,17 @@
-//! Which places a line accounts for.
+//! Places that a line explains.
 
 use crate::centerline::line::{Line, Sample};
 use crate::vec2::{self, Vec2};
 
-/// Widths within which it does.
+/// Maximum distance of such a place, in widths.
 const WIDTHS: f32 = 1.0;
 
-/// What lies near a line.
+/// Bounds on a line's samples, for finding places near it quickly.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// The farthest that a sample lies from the one before.
+    /// Maximum distance between consecutive samples.
     apart_px: f32,
-    /// The farthest that a place may lie from one to be near.
+    /// Maximum distance of a place that is near a sample.
     within_px: f32,
 }
 
@@ -26,8 +26,8 @@ impl Reach {
         }
     }
 
-    /// Whether a place is near the line. From a sample that lies far off, those after it are passed over that cannot be
-    /// nearer than is near.
+    /// Returns whether a place is near the line. After a distant sample, it skips those that cannot
+    /// be near.
     pub(super) fn holds(self, line: &Line, at: Vec2) -> bool {
         let mut i = 0;
         while let Some(sample) = line.samples.get(i) {
@@ -35,7 +35,7 @@ impl Reach {
             if off_px < WIDTHS * sample.width_px.max(1.0) {
                 return true;
             }
-            // Less what rounding may add.
+            // Slightly fewer, because of rounding.
             let passed = 0.99 * (off_px - self.within_px) / self.apart_px;
             i += (passed as usize).max(1);
         }

@@ -1,4 +1,4 @@
-//! What a filter does with ropes.
+//! Behavior of a filter on ropes.
 
 use crate::dense::Dense;
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise, Point};
@@ -6,7 +6,7 @@ use lariat_portable::SplitMix64;
 
 const FRAME_NS: u64 = 10_000_000;
 
-/// A rope that certainly does not move, with any noise.
+/// Options for a rope that certainly does not move, with any noise.
 fn at_rest() -> FilterOptions {
     FilterOptions::default()
         .acceleration_px_s2(0.0)
@@ -103,12 +103,13 @@ where
     let velocities: Vec<[f64; D]> = (0..count)
         .map(|i| std::array::from_fn(|axis| 100.0 - 3.0 * (i * axis) as f64))
         .collect();
-    // At order 31 control points are inexact by B's condition number; the curve is not.
+    // At order 31, rounding of control points is amplified by B's condition number, but the curve
+    // is exact.
     let curve = |points: &[[f64; D]]| -> Vec<[f64; D]> {
         let found = b.times(&Dense::from_fn(count, D, |i, j| points[i][j]));
         found.numbers.as_chunks().0.to_vec()
     };
-    // Ahead by half a second, between frames, at a frame, and back.
+    // Half a second ahead, between frames, at a frame, and back.
     for t_ns in [
         690_000_000,
         193_456_789,
@@ -150,7 +151,8 @@ fn the_further_ahead_or_back_the_less_is_known() {
     let last = 39 * FRAME_NS as i64;
     for direction in [1, -1] {
         let mut least = [0.0; 2];
-        // Going back first makes positions surer: errors of position and velocity cancel.
+        // Going back first reduces the uncertainty of positions, because errors of position and
+        // velocity cancel.
         for step in if direction > 0 { 0..20 } else { 6..20 } {
             let found = filter
                 .predict((last + direction * step * 10_000_000) as u64)
@@ -165,7 +167,8 @@ fn the_further_ahead_or_back_the_less_is_known() {
 
 #[test]
 fn what_a_shape_does_not_see_is_left_as_it_was() {
-    // The shape is uncertain by 30,000 px in one direction only, and in it it is far off.
+    // The shape has an uncertainty of 30,000 px in one direction only, and is far off in that
+    // direction.
     let count = 9;
     let b = Dense::bezier(8, 120);
     let gram = b.transposed().times(&b);
@@ -175,7 +178,7 @@ fn what_a_shape_does_not_see_is_left_as_it_was() {
         1e9,
         &Dense::from_fn(count, count, |i, j| direction[i] * direction[j]),
     );
-    // What is orthogonal to everything seen, in the sense of the seen covariance.
+    // The direction orthogonal to everything observed, by the observed covariance.
     let dual = Dense::from_fn(1, count, |_, j| direction[j]).times(&gram);
     let along =
         |points: &[[f64; 2]], axis: usize| dual.times(&Dense::column_of(points, axis))[(0, 0)];
@@ -204,7 +207,7 @@ fn what_a_shape_does_not_see_is_left_as_it_was() {
         .map(|(a, b)| [a[0] - b[0], a[1] - b[1]])
         .collect();
     let scale: f64 = along(&direction.iter().map(|&d| [d, d]).collect::<Vec<_>>(), 0);
-    // Along the hidden direction nothing; of the rest, half of the way to the shape.
+    // No motion along the hidden direction. In the others, half of the way to the shape.
     for axis in [0, 1] {
         assert!((along(&moved, axis) / scale).abs() < 1e-4, "{axis}");
     }
@@ -342,7 +345,7 @@ fn every_step_is_a_sentence() {
 
 #[test]
 fn covariances_stay_positive_definite_over_many_steps() {
-    // Parts come and go, frames come late, and precise shapes follow vague ones.
+    // Parts appear and disappear, frames are late, and precise shapes follow vague ones.
     for (order, steps) in [(8, 20_000), (17, 2_000), (24, 500)] {
         let count = order + 1;
         let b = Dense::bezier(order, 120);
@@ -354,7 +357,7 @@ fn covariances_stay_positive_definite_over_many_steps() {
                     let hidden = part > 0 && (part * 20..part * 20 + 15).contains(&i);
                     if hidden { 0.1 * b[(i, j)] } else { b[(i, j)] }
                 });
-                // Through a factor: the inverse itself would be lost at order 24.
+                // By a factor, because the inverse itself would be inaccurate at order 24.
                 let l = weighed.transposed().times(&weighed).cholesky();
                 let inverse = l.expect("positive definite").lower_inverse();
                 inverse.transposed().times(&inverse)
@@ -381,7 +384,7 @@ fn covariances_stay_positive_definite_over_many_steps() {
         for covariance in [&found.covariance_px2, &found.velocity_covariance_px2_s2] {
             let matrix = Dense::from_fn(count, count, |i, j| covariance[i * count + j]);
             assert_eq!(matrix, matrix.transposed());
-            // Of control points of order 24, rounding itself leaves no positive definite matrix.
+            // At order 24, rounding of control points alone makes the matrix indefinite.
             assert!(order > 17 || matrix.cholesky().is_some(), "order {order}");
         }
     }

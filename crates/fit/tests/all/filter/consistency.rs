@@ -1,5 +1,5 @@
-//! The filter's covariances are true: over 1,000 ropes that move as it is told they do, its errors are as
-//! large as it says, within the bounds that chance allows (Bar-Shalom, Li, Kirubarajan, 5.4.2).
+//! Checks the filter's covariances. Over 1,000 ropes that move according to its model, its errors
+//! match its covariances within statistical bounds (Bar-Shalom, Li, Kirubarajan, 5.4.2).
 
 use crate::dense::{Dense, errors, normalized_squared, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise, Point};
@@ -21,8 +21,8 @@ fn options() -> FilterOptions {
         .longest_gap_s(1.0)
 }
 
-/// A rope that moves as the documentation says: accelerations of equal strength all over the space of curves,
-/// drawn here from `N/m (BᵀB)⁻¹`, so that a point on the rope has variance 1 in the mean.
+/// A rope that moves as documented: accelerations have equal strength in the whole space of curves.
+/// They are drawn from `N/m (BᵀB)⁻¹`, so that a point on the rope has variance 1 on average.
 struct Rope<const D: usize> {
     /// A factor of that covariance.
     shapes: Dense,
@@ -46,7 +46,8 @@ impl<const D: usize> Rope<D> {
     }
 
     fn move_on(&mut self, h: f64, random: &mut SplitMix64) {
-        // Integrals of one white noise, once and twice over the time h, and their covariance q h²/2.
+        // Integrals of one white noise, once and twice over the time h, and their covariance q
+        // h²/2.
         let q = options().spectral_density();
         let (once, twice) = (normals(random, M * D), normals(random, M * D));
         let velocity = Dense::from_fn(M, D, |i, j| (q * h).sqrt() * once[i * D + j]);
@@ -68,7 +69,8 @@ impl<const D: usize> Rope<D> {
     }
 }
 
-/// A fit of the rope's noisy points, of which those in `hidden` weigh nothing: control points, `(BᵀWB)⁻¹`.
+/// A fit of the rope's noisy points with weight 0 for those in `hidden`: control points,
+/// `(BᵀWB)⁻¹`.
 fn fit<const D: usize>(
     b: &Dense,
     rope: &Rope<D>,
@@ -90,7 +92,7 @@ fn fit<const D: usize>(
     (rope.points(&found), covariance)
 }
 
-/// The mean of a normalized squared error over the runs, and how far it may be from its degrees of freedom:
+/// Mean of a normalized squared error over the runs. It may differ from its degrees of freedom by
 /// 3.3 standard deviations, once in a thousand.
 #[derive(Default)]
 struct Mean {
@@ -129,7 +131,7 @@ struct Means {
     nis: Mean,
 }
 
-/// Follows a rope over some 20 irregular frames; is a part of it hidden in each, then another one.
+/// Follows a rope over some 20 irregular frames. With `hide`, changing parts of it are hidden.
 fn run<const D: usize>(seed: u64, b: &Dense, hide: bool, means: &mut Means)
 where
     [f64; D]: Point<D>,
@@ -142,7 +144,7 @@ where
     let mut before = (t_ns, rope.points(&rope.positions));
     for frame in 0..20 {
         if frame > 0 {
-            // Half-way at first, so that the truth between two frames is known.
+            // First moves half of the time, so that the truth between two frames is known.
             let half_ns = 2_000_000 + (10e6 * random.unit()) as u64;
             rope.move_on(half_ns as f64 * 1e-9, random);
             before = (t_ns + half_ns, rope.points(&rope.positions));
@@ -211,7 +213,7 @@ where
         .ahead_velocity
         .assert_consistent(freedom, "velocities, ahead");
     means.nis.assert_consistent(freedom, "innovations");
-    // Going back is on the safe side, by less than twice in standard deviations and a bit.
+    // Going back is conservative, by less than a factor of about two in standard deviation.
     let back = means.back.sum / means.back.count as f64 / freedom as f64;
     assert!((0.2..1.05).contains(&back), "control points, back: {back}");
 }
@@ -231,7 +233,8 @@ fn a_filter_that_is_told_half_the_noise_is_found_out() {
     let b = Dense::bezier(ORDER, POINTS);
     let space = CurveSpace::new(b.matrix()).unwrap();
     for (noise_scale, expected) in [(0.5, 1.0), (1.0, 1.0), (2.0, 1.0)] {
-        // A rope at rest, known to be: all of the innovation is noise. The points err by noise_scale.
+        // A rope known to be at rest, so that all of the innovation is noise. The actual errors are
+        // `noise_scale` times the stated ones.
         let options = options()
             .acceleration_px_s2(0.0)
             .speed_px_s(0.0)
@@ -253,7 +256,8 @@ fn a_filter_that_is_told_half_the_noise_is_found_out() {
                 }
             }
         }
-        // Scaled, what the fit said too little or too much does no harm; as it was, it shows in the mean.
+        // With the scale, an over- or underestimated covariance does no harm. Without it, the mean
+        // shows it.
         assert_eq!(nis[0].count, 399);
         let ratio = |mean: &Mean| mean.sum / mean.count as f64 / (2 * M) as f64;
         assert!(

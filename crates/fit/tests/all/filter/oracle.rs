@@ -1,12 +1,12 @@
-//! The filter is the textbook's, whatever its coordinates: held to one that is written in control points,
-//! with inverses, full matrices and Joseph's form.
+//! Compares the filter with the textbook's, which is written in control points, with inverses, full
+//! matrices and Joseph's form.
 
 use crate::dense::{Dense, normals};
 use lariat_fit::{CurveSpace, Filter, FilterOptions, FilterStep, Noise};
 use lariat_portable::SplitMix64;
 use proptest::prelude::*;
 
-/// The textbook's filter in control points, one column of the state an axis.
+/// The textbook's filter in control points, one column of the state per axis.
 struct Textbook {
     state: Dense,
     covariance: Dense,
@@ -66,7 +66,7 @@ impl Textbook {
     }
 }
 
-/// A covariance of `m` control points with no structure at all, of about this variance.
+/// A random covariance of `m` control points without structure, of about this variance.
 fn any_covariance(m: usize, variance: f64, random: &mut SplitMix64) -> Dense {
     let drawn = normals(random, m * 2 * m);
     let factor = Dense::from_fn(m, 2 * m, |i, j| drawn[i * 2 * m + j]);
@@ -98,7 +98,7 @@ proptest! {
             let step = filter
                 .update(t_ns, &space, &measured, Noise::Covariance(&noise.numbers))
                 .unwrap();
-            // No shape is known better than to 1e-4 px in curve coordinates.
+            // The minimum noise is 1e-4 px in curve coordinates.
             let gram = b.transposed().times(&b).scaled(m as f64 / b.rows as f64);
             noise = noise.plus(1e-8, &gram.inverse());
             match &mut textbook {
@@ -129,7 +129,7 @@ proptest! {
         prop_assert!(of_v.difference(&textbook.covariance.block((m, m), m, m)) < 1e-8);
     }
 
-    /// The same curves with other control points (here: any that are combinations of Bezier's) are filtered
+    /// The same curves with other control points (here: any combinations of Bezier's) are filtered
     /// to the same curves.
     #[test]
     fn the_curve_does_not_depend_on_the_basis(m in 1usize..=9, seed in 0u64..1000) {

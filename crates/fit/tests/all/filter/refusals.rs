@@ -1,4 +1,4 @@
-//! What a filter refuses, and in which words; it is then as it was.
+//! Refusals of a filter and their messages. The filter is unchanged afterwards.
 
 use crate::dense::Dense;
 use faer::{Mat, MatRef};

@@ -1,4 +1,4 @@
-//! How sure a fit is.
+//! Uncertainty of a fit.
 
 use super::sampling::*;
 use crate::dense::Dense;
@@ -19,7 +19,7 @@ proptest! {
         let mut fitter = RationalFitter::new(count - 1, 40, pinned);
         let weights = fitter.fit(&points).weights.to_vec();
         let found = fitter.covariance_factor().to_owned();
-        // P, whose row k is control point k by the points, from the textbook's formula.
+        // P, whose row k gives control point k from the points, by the textbook's formula.
         let basis = rational_basis(&weights, 40);
         let ends = usize::from(pinned);
         let r = Dense::from_fn(40, count - 2 * ends, |i, k| basis[i][k + ends]);
@@ -63,7 +63,7 @@ fn the_joint_covariance_is_that_of_many_noisy_fits() {
     for pinned in [false, true] {
         let mut fitter = RationalFitter::new(count - 1, 120, pinned);
         fitter.fit(&truth);
-        // The prior's ridge is that of the noise: the factor is taken of a noisy fit.
+        // The prior's ridge depends on the noise, so the factor is taken from a noisy fit.
         fitter.fit(&with_noise(&truth, deviation, 1));
         let expected = fitter.joint_covariance_factor().to_owned();
         let size = 3 * count;
@@ -91,8 +91,8 @@ fn the_joint_covariance_is_that_of_many_noisy_fits() {
             for l in 0..size {
                 let found = (products[k * size + l] - mean[k] * mean[l]) / deviation.powi(2);
                 let scale = (expected[(k, k)] * expected[(l, l)]).sqrt();
-                // A covariance of 8000 draws is known to √(2/8000) = 1.6 %; four times that for the
-                // largest of 144, and the rest for what is not linear.
+                // A covariance of 8000 draws is accurate to √(2/8000) = 1.6 %. The bound is four
+                // times that for the largest of 144, and the rest for nonlinearity.
                 assert!(
                     (found - expected[(k, l)]).abs() < 0.08 * scale,
                     "{pinned} {k} {l}: {found} {}",

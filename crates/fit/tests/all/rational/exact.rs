@@ -6,7 +6,8 @@ use proptest::prelude::*;
 
 #[test]
 fn arcs_of_circles_are_found_with_the_weights_of_the_textbook() {
-    // The middle weight of an arc is the cosine of half its angle (L. Piegl, W. Tiller, The NURBS Book, 7.3).
+    // The middle weight of an arc is the cosine of half its angle (L. Piegl, W. Tiller, The NURBS
+    // Book, 7.3).
     for degrees in [20.0f64, 60.0, 90.0, 120.0, 150.0] {
         for pinned in [false, true] {
             let half = degrees.to_radians() / 2.0;
@@ -44,7 +45,7 @@ proptest! {
     ) {
         let points = sampled(&control_points, &weights, 120);
         let sensitivity = least_sensitivity(&control_points, &weights, 120);
-        // Below this no point of the curve says anything of some combination of weights.
+        // Below this, the points do not determine some combination of weights.
         prop_assume!(sensitivity > 1e-3);
         let mut fitter = RationalFitter::new(weights.len() - 1, 120, pinned);
         let fit = fitter.fit(&points);

@@ -1,4 +1,4 @@
-//! Points with noise, and points of any kind.
+//! Points with noise, and arbitrary points.
 
 use super::sampling::*;
 use lariat_fit::RationalFitter;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// With noise, least squares itself changes under maps that are no similarities.
+    /// With noise, least squares itself changes under maps that are not similarities.
     #[test]
     fn a_moved_turned_and_scaled_rope_has_the_same_weights(
         (control_points, weights) in any_rational(2..=6),
@@ -26,7 +26,7 @@ proptest! {
         let fit = fitter.fit(&moved);
         prop_assert_eq!(fit.converged, converged);
         let expected: Vec<_> = first.iter().map(apply).collect();
-        // Both stop within a tenth of a standard deviation of the best place.
+        // Both stop within a tenth of a standard deviation of the optimum.
         prop_assert!(apart(&sampled(fit.control_points, fit.weights, 80), &expected) < 0.06 * scale);
     }
 
@@ -96,7 +96,7 @@ proptest! {
         let warm_fit = fitter.fit(&now);
         prop_assert_eq!(warm_fit.converged, converged);
         let warm = sampled(warm_fit.control_points, warm_fit.weights, 120);
-        // Each within a tenth of a standard deviation of the best place.
+        // Each is within a tenth of a standard deviation of the optimum.
         prop_assert!(apart(&warm, &cold) < 0.02, "{}", apart(&warm, &cold));
     }
 
@@ -110,7 +110,7 @@ proptest! {
         let mut fitter = RationalFitter::new(order, 20, pinned);
         fitter.fit(&points);
         let fit = fitter.fit(&rope);
-        // Whatever came before, a frame is not harmed by it.
+        // Earlier input does not affect a frame.
         prop_assert!(fit.control_points.iter().flatten().all(|c| c.is_finite()));
         is_sound(&fit, &rope, pinned)?;
     }
@@ -130,7 +130,7 @@ fn as_many_points_as_control_points_say_nothing_of_weights() {
 
 #[test]
 fn a_fit_that_did_not_converge_is_the_polynomials() {
-    // Points that no curve of order 2 comes near: NaN never converges, and says so.
+    // NaN never converges, and the result says so.
     let mut points: Vec<[f64; 2]> = rope([0.8, -0.5, 0.3], 50);
     points[25][1] = f64::NAN;
     let mut fitter = RationalFitter::new(4, 50, false);

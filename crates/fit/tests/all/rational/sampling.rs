@@ -1,4 +1,4 @@
-//! Rational curves and ropes to fit, and what every fit of them keeps.
+//! Rational curves and ropes to fit, and properties of every fit.
 
 use crate::dense::Dense;
 use lariat_fit::{Fitter, MAX_WEIGHT, Options, RationalFit, bernstein};
@@ -51,7 +51,7 @@ pub(crate) fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
         .sqrt()
 }
 
-/// The largest distance of two rows of points.
+/// The largest distance between corresponding points.
 pub(crate) fn apart<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
     a.iter()
         .zip(b)
@@ -64,9 +64,9 @@ pub(crate) fn log_weights(weights: &[f64]) -> Vec<f64> {
     weights.iter().map(|w| w.ln() - mean).collect()
 }
 
-/// The smallest singular value of the change of the sampled curve with control points and log-weights, apart
-/// from the one that is 0 because all weights alike change nothing: residuals of size `r` leave the
-/// log-weights known to `r` by it.
+/// The smallest singular value of the sampled curve's derivative by control points and log-weights,
+/// except the one that is 0 because a common factor of all weights has no effect. Residuals of size
+/// `r` leave the log-weights uncertain by `r` divided by it.
 pub(crate) fn least_sensitivity(
     control_points: &[[f64; 2]],
     weights: &[f64],
@@ -107,7 +107,7 @@ pub(crate) fn any_points(count: std::ops::Range<usize>) -> impl Strategy<Value =
     prop::collection::vec(prop::array::uniform2(-1e3f64..1e3), count)
 }
 
-/// Independent normal noise.
+/// Adds independent normal noise.
 pub(crate) fn with_noise<const D: usize>(
     points: &[[f64; D]],
     deviation: f64,
@@ -120,14 +120,14 @@ pub(crate) fn with_noise<const D: usize>(
         .collect()
 }
 
-/// The sum of the squared residuals of the polynomial of that order.
+/// Sum of the squared residuals of the polynomial of that order.
 pub(crate) fn polynomial_squared(order: usize, points: &[[f64; 2]]) -> f64 {
     let mut fitter = Fitter::new(Options::bezier(order).points(points.len())).unwrap();
     let rms_px = fitter.fit(points).unwrap().rms_px;
     points.len() as f64 * rms_px * rms_px
 }
 
-/// What every fit keeps, whatever the points.
+/// Checks properties of every fit, whatever the points.
 pub(crate) fn is_sound(
     fit: &RationalFit<'_, 2>,
     points: &[[f64; 2]],
@@ -153,7 +153,7 @@ pub(crate) fn is_sound(
     Ok(())
 }
 
-/// Points 4 px apart along a curve of these bends.
+/// Points 4 px apart along a curve with these bends.
 pub(crate) fn rope(bends: [f64; 3], points: usize) -> Vec<[f64; 2]> {
     let mut at = [100.0, 200.0];
     (0..points)

@@ -1,4 +1,5 @@
-//! Once warm, recording a frame and all that belongs to it allocates nothing in the thread that reads channels.
+//! Once warm, recording a frame and its results does not allocate in the thread that reads
+//! channels.
 use lariat_test_support::allocations;
 
 use super::tests::{centerlines, drain_waiting, head, header, options};

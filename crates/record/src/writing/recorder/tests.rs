@@ -22,7 +22,7 @@ pub(super) fn options(queue_bytes: usize, waits: bool) -> Options {
     }
 }
 
-/// A recorder whose messages nobody writes, before someone takes them.
+/// A recorder whose messages wait until the returned sender is used.
 fn stalled(queue_bytes: usize) -> (Recorder, std::sync::mpsc::Sender<()>) {
     let (intake, outlet) = queue(queue_bytes, queue_bytes / 8);
     let (release, wait) = std::sync::mpsc::channel();
@@ -46,7 +46,7 @@ fn drain(outlet: &Outlet) {
     }
 }
 
-/// Gives back what waits.
+/// Returns the buffers of all waiting messages.
 pub(super) fn drain_waiting(outlet: &Outlet) {
     while outlet.has_more() {
         if let Ok(Item::Message(parcel)) = outlet.next(None) {
@@ -133,7 +133,7 @@ fn everything_comes_back_from_the_file_as_it_was() {
 
 #[test]
 fn what_finds_no_room_is_dropped_and_counted_and_shapes_find_room_when_images_do_not() {
-    // Four images fit, beside what is kept for small messages.
+    // Four images fit next to the part reserved for small messages.
     let (mut recorder, release) = stalled(1_000_000);
     let pixels = vec![0; 512 * 400];
     for count in 1..=10 {
@@ -158,7 +158,7 @@ fn what_came_too_late_for_the_recorder_is_counted_from_the_counters() {
     for count in [3, 4, 8, 1, 3] {
         recorder.frame(&header(count), &pixels).unwrap();
     }
-    // Two before 1 are not known; a restarted capture is not a loss.
+    // The two before the first are unknown, and a restarted capture is not a loss.
     assert_eq!(recorder.drops().frames, 3 + 1);
     recorder.begins_with_the_rig();
     recorder.centerlines(&centerlines(3)).unwrap();

@@ -17,7 +17,7 @@ fn parcel(number: u64, bytes: usize) -> Parcel {
     }
 }
 
-/// A ring of so many seconds and bytes, in its thread; and what it reports.
+/// Starts a ring with this time span and memory in a thread. Also returns its reports.
 fn ring(seconds: u64, bytes: usize) -> (Intake, JoinHandle<Ending>, Arc<Mutex<Vec<Flushed>>>) {
     let (intake, outlet) = queue(bytes + (1 << 20), 0);
     let reports = Arc::<Mutex<Vec<Flushed>>>::default();
@@ -107,7 +107,7 @@ fn what_is_still_to_be_written_is_not_forgotten_before() {
     intake
         .send_waiting(Item::Order(Box::new(Order::Flush(path.clone()))))
         .unwrap();
-    // One that comes an hour later takes the place of all.
+    // A message from an hour later replaces all others.
     intake
         .send_waiting(Item::Message(parcel(3600, 1000)))
         .unwrap();

@@ -10,11 +10,11 @@ fn head() -> Head {
     }
 }
 
-/// Some messages, of which each says which it is.
+/// A message that contains its number.
 fn cdr(number: usize, bytes: usize) -> Vec<u8> {
     let mut cdr = vec![0; bytes.max(8)];
     cdr[..8].copy_from_slice(&(number as u64).to_le_bytes());
-    // Neither all alike nor without pattern: compression finds something.
+    // A compressible pattern.
     for (i, byte) in cdr[8..].iter_mut().enumerate() {
         *byte = (i * (number + 7) / 3) as u8;
     }
@@ -55,7 +55,7 @@ proptest! {
             writer.write(topic, number as u32, 1000 + number as u64, &cdr).unwrap();
             expected.push((topic.on("left"), number as u32, 1000 + number as u64, cdr));
         }
-        // What the end was said to need at most, with nothing more to come.
+        // The upper bound that was computed for the end, with no more messages to come.
         let bound = writer.committed.load(Ordering::Relaxed)
             + compression.bound(writer.staged_bytes)
             + CHUNK_HEAD_BYTES
@@ -108,7 +108,7 @@ fn whole_chunks_are_in_the_file_before_it_is_closed() {
             .write(Topic::Image, number, number.into(), &message)
             .unwrap();
     }
-    // As a kill would leave it: two chunks of four messages are there, and nothing of a third.
+    // A kill would leave the file like this: two chunks of four messages, and nothing of a third.
     let bytes = std::fs::read(&path).unwrap();
     let mut whole = 0;
     for record in mcap::read::ChunkFlattener::new_with_options(
@@ -154,7 +154,7 @@ fn a_recording_is_replaced_only_if_that_was_said_and_nothing_else_ever() {
     let path = folder.path().join("a.mcap");
     let create = |existing| Writer::create(&path, existing, &head(), Compression::None);
     let first = create(Existing::Keep).unwrap();
-    // While it is written, it is another program's.
+    // While it is written, it is in use.
     assert!(matches!(
         create(Existing::Replace),
         Err(WriteError::InUse(_))
@@ -185,7 +185,7 @@ fn an_old_recording_is_there_until_the_new_one_has_something_in_it() {
     first.finish().unwrap();
     let old = std::fs::read(&path).unwrap();
 
-    // What was lost is said also where nothing came.
+    // Losses are written even if nothing else came.
     let mut empty = create(Existing::Replace);
     empty.write(Topic::Losses, 0, 1, &cdr(0, 50)).unwrap();
     assert!(empty.finish().unwrap().kept_old);
@@ -196,7 +196,7 @@ fn an_old_recording_is_there_until_the_new_one_has_something_in_it() {
     full.write(Topic::Frames, 0, 2, &cdr(1, 50)).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), old);
     full.about(&BTreeMap::new()).unwrap();
-    // From here on a kill leaves the new one.
+    // From here on, a kill leaves the new recording.
     assert_ne!(std::fs::read(&path).unwrap(), old);
     assert!(!full.finish().unwrap().kept_old);
     assert_eq!(read(&path).len(), 1);

@@ -1,4 +1,4 @@
-//! What fit and the sink receive: what extract saw, and what is true.
+//! Messages that fit and the sink receive: extract's result, and the truth.
 
 use std::cell::RefCell;
 
@@ -17,7 +17,7 @@ use super::edit::edit_all;
 use super::input::Input;
 use super::rig::Place;
 
-/// A writer of a rig, a reader, and fits of two kinds.
+/// A writer of a rig, a reader, and two kinds of fitters.
 struct Bench {
     writer: Writer<Centerlines>,
     reader: Receiver<Centerlines>,
@@ -52,10 +52,10 @@ thread_local! {
     static BENCH: RefCell<Bench> = RefCell::new(Bench::new());
 }
 
-/// A message of centerlines, received by fit, and by the sink as what was seen and as what is true.
+/// Sends a message of centerlines to fit, and to the sink as a result and as the truth.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn centerlines(bytes: &[u8]) {
     let mut input = Input(bytes);
     let mut message = sound();
@@ -87,7 +87,7 @@ pub fn centerlines(bytes: &[u8]) {
         sink.centerlines(&message);
         for fitter in fitters {
             fitter.forget();
-            // The second time there is something to follow.
+            // The second pass follows the first one.
             for _ in 0..2 {
                 fitter.answer(&message, answer);
                 assert!(answer.curves().len() <= message.curves().len());

@@ -1,4 +1,4 @@
-//! What the simulated robot receives.
+//! Commands that the simulated robot receives.
 
 use std::cell::RefCell;
 
@@ -10,7 +10,7 @@ use super::edit::edit_all;
 use super::input::Input;
 use super::rig::Place;
 
-/// Steps after a command: enough for it to be felt.
+/// Number of steps after a command, enough for it to have an effect.
 const STEPS: usize = 20;
 
 /// A writer of a rig, a reader, and ropes at rest.
@@ -44,10 +44,10 @@ thread_local! {
     static BENCH: RefCell<Bench> = RefCell::new(Bench::new());
 }
 
-/// A command, obeyed by the simulated robot as far as it can be.
+/// Sends a command, which the simulated robot follows as far as possible.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn command(bytes: &[u8]) {
     let mut message = Command {
         count: 1,

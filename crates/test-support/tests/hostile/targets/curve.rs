@@ -1,4 +1,4 @@
-//! All that a control law may ask of a rope.
+//! All queries that a controller may make of a rope.
 
 use std::hint::black_box;
 
@@ -6,7 +6,7 @@ use lariat_wire::{
     Centerline, MAX_CONTROL_POINTS, MAX_POINTS, NoShape, Rope, Shape, Track, now_ns,
 };
 
-/// Where on a curve is asked, and beside it.
+/// Positions on a curve and outside it for the queries.
 pub(crate) const RHOS: [f64; 9] = [
     0.0,
     0.3,
@@ -18,7 +18,7 @@ pub(crate) const RHOS: [f64; 9] = [
     f64::INFINITY,
     f64::NEG_INFINITY,
 ];
-/// Points that are looked for.
+/// Points for nearest-point queries.
 pub(crate) const POINTS: [[f64; 2]; 4] = [
     [0.0, 0.0],
     [120.0, 130.0],
@@ -26,7 +26,7 @@ pub(crate) const POINTS: [[f64; 2]; 4] = [
     [f64::NAN, f64::INFINITY],
 ];
 
-/// Asks a rope all.
+/// Makes all queries of a rope.
 pub(crate) fn ask(rope: &Rope) {
     let count = rope.control_points().len();
     assert!(count <= MAX_CONTROL_POINTS, "{count}");
@@ -38,7 +38,7 @@ pub(crate) fn ask(rope: &Rope) {
     if let Some(line) = rope.centerline() {
         ask_line(line);
     }
-    // A rope that makes no sense is Absent, and is not asked.
+    // A malformed rope is Absent and is not queried.
     match rope.shape() {
         Ok(shape) => ask_shape(&shape),
         Err(cause) => assert_ne!(cause, NoShape::Unreadable),
@@ -61,7 +61,7 @@ pub(crate) fn ask(rope: &Rope) {
     }
 }
 
-/// Asks a curve all.
+/// Makes all queries of a curve.
 pub(crate) fn ask_shape(shape: &Shape) {
     let count = shape.control_points().len();
     assert!((1..=MAX_CONTROL_POINTS).contains(&count), "{count}");
@@ -83,7 +83,7 @@ pub(crate) fn ask_shape(shape: &Shape) {
     covariance.write_to(&mut matrix);
 }
 
-/// Asks a centerline all.
+/// Makes all queries of a centerline.
 pub(crate) fn ask_line(line: Centerline) {
     let count = line.points().len();
     assert!((1..=MAX_POINTS).contains(&count), "{count}");

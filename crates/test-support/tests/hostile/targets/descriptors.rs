@@ -1,4 +1,4 @@
-//! What a control loop and the sink receive.
+//! Messages that a control loop and the sink receive.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -16,7 +16,7 @@ use super::in_c;
 use super::input::Input;
 use super::rig::Place;
 
-/// A writer of a rig, and those who read it.
+/// A writer of a rig, and its readers.
 struct Bench {
     writer: Writer<Descriptors>,
     reader: Reader,
@@ -46,10 +46,10 @@ thread_local! {
     static BENCH: std::cell::RefCell<Bench> = std::cell::RefCell::new(Bench::new());
 }
 
-/// A message of descriptors, received by loops in Rust and in C and by the sink.
+/// Sends a message of descriptors to control loops in Rust and in C, and to the sink.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn descriptors(bytes: &[u8]) {
     let mut input = Input(bytes);
     let mut message = sound(&mut input);
@@ -71,7 +71,7 @@ pub fn descriptors(bytes: &[u8]) {
     });
 }
 
-/// A message of three ropes, of a basis that the input chooses.
+/// A message of three ropes, with a basis that the input selects.
 pub(crate) fn sound(input: &mut Input) -> Box<Descriptors> {
     let basis = Basis::ALL[usize::from(input.byte()) % Basis::ALL.len()];
     let mut message = Box::new(Descriptors::EMPTY);
@@ -165,7 +165,7 @@ fn ask_seen(seen: Seen) {
     }
 }
 
-/// A sink that has this message, and sound ones before and after.
+/// Gives a sink this message, with valid ones before and after.
 pub(crate) fn ask_sink(message: &Descriptors) {
     let mut sink = Sink::new(Options {
         period_ns: Some(1_000_000),
@@ -188,7 +188,7 @@ pub(crate) fn ask_sink(message: &Descriptors) {
     let lost = frames.lost;
     let accounted = frames.received + lost.total() - lost.source;
     assert_eq!(frames.published, accounted, "{frames:?}");
-    // What comes after it is received, whatever it said.
+    // The messages after it are received, whatever it contained.
     assert!(frames.received >= 2, "{frames:?}");
     let machine = Machine {
         cpu: None,

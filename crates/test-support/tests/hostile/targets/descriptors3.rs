@@ -1,4 +1,4 @@
-//! What a control loop receives of ropes in space.
+//! Messages about ropes in 3-D that a control loop receives.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use super::edit::edit_all;
 use super::input::Input;
 use super::rig::Place;
 
-/// Writers of a rig, and one who reads it in space.
+/// Writers of a rig, and a reader of 3-D messages.
 struct Bench {
     writer: Writer<Descriptors>,
     in_space: Writer<Descriptors3>,
@@ -45,10 +45,11 @@ thread_local! {
     static BENCH: std::cell::RefCell<Bench> = std::cell::RefCell::new(Bench::new());
 }
 
-/// A message of descriptors in space, received by a loop beside a sound one of the same frame.
+/// Sends a message of 3-D descriptors to a control loop, together with a valid 2-D one of the same
+/// frame.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn descriptors3(bytes: &[u8]) {
     let mut input = Input(bytes);
     let beside = descriptors::sound(&mut input);
@@ -69,7 +70,7 @@ pub fn descriptors3(bytes: &[u8]) {
     });
 }
 
-/// The same ropes in space.
+/// The same ropes in 3-D.
 fn sound(beside: &Descriptors) -> Box<Descriptors3> {
     let mut message = Box::new(Descriptors3::EMPTY);
     (message.trace, message.count) = (beside.trace, beside.count);

@@ -1,4 +1,5 @@
-//! Changes of a message, by the names of its fields: a sound one becomes one that no writer of lariat's would send.
+//! Changes fields of a message by name. A valid message becomes one that no writer of lariat would
+//! send.
 
 use super::input::Input;
 use lariat_wire::fields::{Message, Place};
@@ -51,7 +52,7 @@ fn change(place: Place, input: &mut Input) {
     }
 }
 
-/// One number of a list, or, now and then, all of them.
+/// Changes one number of a list, or occasionally all of them.
 fn list<T: Copy>(numbers: &mut [T], number: T, input: &mut Input) {
     match input.byte() {
         0..32 => numbers.fill(number),

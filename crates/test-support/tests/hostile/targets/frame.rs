@@ -1,4 +1,4 @@
-//! What extract receives: a header and bytes that need not go together.
+//! Frames that extract receives: a header and bytes that may not match.
 
 use std::cell::RefCell;
 use std::hint::black_box;
@@ -15,10 +15,10 @@ use super::edit::edit;
 use super::input::Input;
 use super::rig::Place;
 
-/// More bytes show little that these do not, and cost the fuzzer its runs.
+/// Maximum number of bytes. Larger frames reveal little more, and slow the fuzzer down.
 const MOST_BYTES: usize = 96 * 72 * 3;
 
-/// A writer of a rig's frames, a reader, and what looks for ropes in them.
+/// A writer of a rig's frames, a reader, and the extractor.
 struct Bench {
     writer: Writer<[u8]>,
     reader: FrameReader,
@@ -48,10 +48,10 @@ thread_local! {
     static BENCH: RefCell<Bench> = RefCell::new(Bench::new());
 }
 
-/// A frame, received by extract.
+/// Sends a frame to extract.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn frame(bytes: &[u8]) {
     let mut input = Input(bytes);
     let mut header = FrameHeader {
@@ -66,7 +66,7 @@ pub fn frame(bytes: &[u8]) {
     for _ in 0..input.byte() % 8 {
         edit(&mut header, &mut input);
     }
-    // As many bytes as the header says, or fewer, and a rope across them.
+    // As many bytes as the header states, or fewer, with a rope across them.
     let said = header.image_bytes().unwrap_or(64).min(MOST_BYTES);
     let length = said.saturating_sub(usize::from(input.byte() / 4));
     BENCH.with_borrow_mut(|bench| {

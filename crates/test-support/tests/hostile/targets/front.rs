@@ -1,4 +1,4 @@
-//! What a client may send to the page's server: anything.
+//! Arbitrary bytes that a client may send to the page's server.
 
 use std::io::{Read, Write};
 use std::net::Shutdown;
@@ -6,14 +6,16 @@ use std::os::unix::net::UnixStream;
 
 use super::input::Input;
 
-/// Stands in an address that opens everything.
+/// Token in an address that gives full access.
 const TOKEN: &str = "0123456789abcdef";
 
-/// A connection to the page's server: bytes as they are; or, after an opening that is let in, messages of the page or of Foxglove,
-/// each in a frame of any kind and length. It is answered by HTTP or ended, and nothing is waited for once the client has ended.
+/// Opens a connection to the page's server and sends raw bytes, or messages of the page or of
+/// Foxglove after an accepted handshake. Each message is in a frame of any kind and length. The
+/// server answers by HTTP or closes the connection, and waits for nothing once the client has
+/// closed it.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn front(bytes: &[u8]) {
     let mut input = Input(bytes);
     let sent = match input.byte() {
@@ -42,7 +44,7 @@ pub fn front(bytes: &[u8]) {
     );
 }
 
-/// A WebSocket's opening, and frames that the rest of the input makes.
+/// A WebSocket handshake, and frames made from the rest of the input.
 fn opened(protocol: &str, input: &mut Input) -> Vec<u8> {
     let mut sent = format!(
         "GET /{TOKEN}/live HTTP/1.1\r\nHost: robot\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
@@ -52,7 +54,8 @@ fn opened(protocol: &str, input: &mut Input) -> Vec<u8> {
     while !input.is_empty() {
         let [kind, length] = input.bytes();
         let payload = input.take(length.into());
-        // Half are whole texts; the others are what their first byte says: whole files, pings, what there is not.
+        // Half of the frames are complete texts. The first byte selects the kind of the others:
+        // whole files, pings, or invalid kinds.
         sent.push(if kind < 128 { 0x81 } else { kind });
         match payload.len() {
             short @ ..126 => sent.push(0x80 | short as u8),
@@ -61,7 +64,7 @@ fn opened(protocol: &str, input: &mut Input) -> Vec<u8> {
                 sent.extend((long as u16).to_be_bytes());
             }
         }
-        // A client's bytes are masked: here by zeros, which change nothing.
+        // A client must mask its bytes; zeros as a mask change nothing.
         sent.extend([0; 4]);
         sent.extend(payload);
     }

@@ -1,6 +1,6 @@
-#![allow(unsafe_code)] // The functions that C calls, called as C does.
-//! All that a control loop in C or C++ may ask, through the functions that `lariat.h` declares: into places as large as it says, and not a
-//! number beyond.
+#![allow(unsafe_code)] // The functions of the C interface are called as C calls them.
+//! All queries that a control loop in C or C++ may make, through the functions that `lariat.h`
+//! declares. The buffers are as large as the header says, and nothing is written beyond them.
 
 use std::ffi::{CString, c_int};
 use std::ptr;
@@ -19,34 +19,35 @@ use lariat::{
 use super::curve::{POINTS, RHOS};
 use super::rig::Place;
 
-/// What nobody writes.
+/// A value that nobody writes.
 const UNTOUCHED: f64 = -7.25e77;
-/// Numbers behind each place, to see whether they stay as they are.
+/// Numbers after each buffer that must remain unchanged.
 const GUARD: usize = 8;
-/// How old an image may be.
+/// Maximum ages of an image.
 const MAX_AGES_NS: [u64; 3] = [0, 1_000_000_000, u64::MAX];
 
-/// A reader as C has it.
+/// A reader of the C interface.
 pub(crate) struct Reader(*mut lariat_reader);
 
 impl Reader {
     pub(crate) fn open(place: &Place) -> Self {
-        /// One thread at a time, as the domain is named in the environment.
+        /// One thread at a time, because the environment names the domain.
         static OPENING: Mutex<()> = Mutex::new(());
         let name = CString::new(place.rig.to_string()).expect("a plain name");
         let _alone = OPENING.lock();
-        // SAFETY: nothing but the standard library, which locks it, looks at this process's environment.
+        // SAFETY: only the standard library, which locks it, reads this process's environment.
         unsafe { std::env::set_var("LARIAT_DOMAIN", &place.name) };
         let mut reader = ptr::null_mut();
-        // SAFETY: a string that ends, and a place for a pointer.
+        // SAFETY: a terminated string, and a place for a pointer.
         let opened = unsafe { lariat_open(name.as_ptr(), &raw mut reader) };
         assert_eq!(opened, 0);
         Self(reader)
     }
 
-    /// Looks for the newest message, and asks all of it.
+    /// Reads the newest message, and makes all queries of it.
     pub(crate) fn ask(&self) {
-        // SAFETY: the reader is open, and is used by this thread alone; what it gives stays until the next look, which comes after.
+        // SAFETY: the reader is open and is used by this thread alone. Its results are valid until
+        // the next read, which comes later.
         unsafe {
             assert_eq!(lariat_latest(self.0), 1);
             lariat_accept_coarse(self.0, 1);
@@ -66,7 +67,7 @@ impl Reader {
                     self.predict(&rope);
                 }
             }
-            // What is lost or makes no sense may be asked, too.
+            // Lost and malformed ropes may be queried, too.
             for descriptor in &message.ropes[..meant] {
                 ask_curve(descriptor);
                 ask_line(lariat_centerline_of(self.0, descriptor));
@@ -83,7 +84,7 @@ impl Reader {
             let mut ahead = std::mem::zeroed::<lariat_descriptor>();
             for t_ns in [0, rope.exposed_ns, rope.exposed_ns.saturating_add(1 << 28)] {
                 answered(lariat_predict(self.0, rope.track, t_ns, &raw mut ahead));
-                // As it was predicted, or without control points.
+                // As predicted, or without control points.
                 into(2, |xy| lariat_point_at(&raw const ahead, 0.5, xy));
             }
         }
@@ -92,12 +93,12 @@ impl Reader {
 
 impl Drop for Reader {
     fn drop(&mut self) {
-        // SAFETY: what `open` made, once.
+        // SAFETY: `open` made the pointer, and it is closed once.
         unsafe { lariat_close(self.0) };
     }
 }
 
-/// It is said what is known, and one pointer at most leads to it.
+/// Checks that the state has a name, and that at most one pointer is set.
 fn check(rope: &lariat_rope) {
     let pointers = [rope.fresh, rope.partial, rope.unsure, rope.last_known];
     let given = pointers.iter().filter(|pointer| !pointer.is_null());
@@ -105,15 +106,15 @@ fn check(rope: &lariat_rope) {
     assert!(!lariat_seen_text(rope.seen as c_int).is_null());
 }
 
-/// It answers, or refuses with a sentence; a panic that was caught is a fault.
+/// Checks that a function succeeds or fails with a message. A caught panic is a fault.
 fn answered(code: c_int) {
     assert_ne!(code, LARIAT_ERROR_FAULT, "{:?}", {
-        // SAFETY: a string that ends, until the next error in this thread.
+        // SAFETY: a terminated string that is valid until the next error in this thread.
         unsafe { std::ffi::CStr::from_ptr(lariat_error()) }
     });
 }
 
-/// Has an answer written into a place of so many numbers.
+/// Has an answer written into a buffer of `count` numbers.
 fn into(count: usize, write: impl FnOnce(*mut f64) -> c_int) {
     let mut place = vec![UNTOUCHED; count + GUARD];
     answered(write(place.as_mut_ptr()));
@@ -121,7 +122,8 @@ fn into(count: usize, write: impl FnOnce(*mut f64) -> c_int) {
 }
 
 fn ask_curve(rope: *const lariat_descriptor) {
-    // SAFETY: a descriptor that a reader holds or that lies here, and places as large as the header says.
+    // SAFETY: a descriptor in a reader or in this function, and buffers as large as the header
+    // says.
     unsafe {
         for rho in RHOS {
             into(2, |xy| lariat_point_at(rope, rho, xy));
@@ -130,7 +132,8 @@ fn ask_curve(rope: *const lariat_descriptor) {
             into(2, |xy| lariat_normal_at(rope, rho, xy));
             into(1, |bend| lariat_curvature_at(rope, rho, bend));
             into(3, |covariance| lariat_covariance_at(rope, rho, covariance));
-            // Of a rope that has a curve the count is within its bounds; else nothing is written.
+            // If the rope has a curve, the count is within its bounds; otherwise nothing is
+            // written.
             let count = ((*rope).count as usize).min(LARIAT_MAX_CONTROL_POINTS);
             into(count, |values| lariat_jacobian_at(rope, rho, values));
         }
@@ -147,7 +150,7 @@ fn ask_curve(rope: *const lariat_descriptor) {
 
 /// `line` may be NULL.
 fn ask_line(line: *const lariat_centerline) {
-    // SAFETY: a centerline that a reader holds, or NULL, and places as large as the header says.
+    // SAFETY: a centerline in a reader, or NULL, and buffers as large as the header says.
     unsafe {
         for rho in RHOS {
             into(2, |xy| lariat_centerline_point_at(line, rho, xy));

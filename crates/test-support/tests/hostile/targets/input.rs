@@ -1,6 +1,6 @@
-//! A fuzzer's bytes, from the first to the last; behind that, zeros.
+//! A fuzzer's bytes in order, followed by zeros.
 
-/// What is left of them.
+/// Bytes that have not been used yet.
 pub(crate) struct Input<'a>(pub(crate) &'a [u8]);
 
 impl<'a> Input<'a> {
@@ -21,21 +21,22 @@ impl<'a> Input<'a> {
         byte
     }
 
-    /// An index below `count`; small ones, which are most often meant, come more often than others.
+    /// Returns an index below `count`. Small indices, which are usually the valid ones, are more
+    /// frequent.
     pub(crate) fn index(&mut self, count: usize) -> usize {
         let [choice, byte] = self.bytes();
         let most = if choice < 160 { count.min(3) } else { count };
         usize::from(byte) % most.max(1)
     }
 
-    /// So many bytes, or fewer at the end.
+    /// Takes `count` bytes, or fewer at the end.
     pub(crate) fn take(&mut self, count: usize) -> &'a [u8] {
         let (taken, rest) = self.0.split_at(count.min(self.0.len()));
         self.0 = rest;
         taken
     }
 
-    /// All that is left.
+    /// Takes all remaining bytes.
     pub(crate) fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.0)
     }

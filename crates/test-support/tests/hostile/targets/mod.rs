@@ -1,10 +1,12 @@
-//! What must hold of a message, whatever its bytes.
+//! Invariants that must hold for a message, whatever its bytes.
 //!
-//! Each target takes what a fuzzer made up. Of that it makes a message, a sound one with some of its fields changed, and sends it through
-//! shared memory, as a writer that has lost its wits would. The readers, in Rust and in C, and the stages that receive it are asked
-//! all that can be asked: they answer or refuse, within bounds, and go on. And of those who connect to the page's server.
+//! Each target takes the bytes of a fuzzer. It changes some fields of a valid message accordingly
+//! and sends it through shared memory, as a faulty writer would. Then all queries are made of the
+//! readers, in Rust and in C, and of the receiving stages. They must answer or refuse, within
+//! bounds, and continue. Another target does the same with clients of the page's server.
 //!
-//! `fuzz/` includes this folder and has a fuzz target for each. The test next to it drives the same over seeds (`seeds/`) and changes of them.
+//! `fuzz/` includes this folder and has a fuzz target for each target. The test next to it runs the
+//! same targets on seeds (`seeds/`) and mutations of them.
 
 mod centerlines;
 mod command;
@@ -27,10 +29,10 @@ pub use frame::frame;
 pub use front::front;
 pub use words::words;
 
-/// What takes a fuzzer's bytes, and panics where something does not hold.
+/// Function that takes a fuzzer's bytes, and panics if an invariant does not hold.
 pub type Target = fn(&[u8]);
 
-/// All of them, by the names of their fuzz targets and of the folders of their seeds.
+/// All targets, by the names of their fuzz targets and of their seed folders.
 pub const TARGETS: [(&str, Target); 7] = [
     ("descriptors", descriptors),
     ("descriptors3", descriptors3),

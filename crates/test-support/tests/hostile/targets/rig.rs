@@ -1,10 +1,10 @@
-//! A place to send in: a domain, and in it a rig, for each that asks.
+//! A place for messages: a domain and a rig for each caller.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use lariat_wire::{Domain, Rig};
 
-/// A domain of its own. Dropped after all that is in it, nothing is left.
+/// A domain of its own. If it is dropped after everything in it, nothing is left over.
 pub(crate) struct Place {
     pub(crate) name: String,
     pub(crate) rig: Rig,

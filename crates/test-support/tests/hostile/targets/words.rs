@@ -1,11 +1,12 @@
-//! What a stage and its chain say to each other: lines of text.
+//! Messages between a stage and its chain: lines of text.
 
 use lariat_chain::stages::status::{LastWord, Word};
 
-/// Lines that may be words between a stage and its chain. What is one is said again as it was meant.
+/// Parses lines that may be messages between a stage and its chain. A valid one survives a round
+/// trip through text.
 ///
 /// # Panics
-/// Something does not hold.
+/// Panics if an invariant does not hold.
 pub fn words(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     for line in text.lines() {

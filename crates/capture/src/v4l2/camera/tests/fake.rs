@@ -1,5 +1,5 @@
-#![allow(unsafe_code)] // The fake driver writes where a real one would, into memory that it is lent.
-//! A camera on a test's bench: a driver that fails when it is told to, and what it is lent.
+#![allow(unsafe_code)] // The fake driver writes into lent memory, as a real one would.
+//! A camera on a test bench: a driver that fails on demand, and the memory lent to it.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -23,16 +23,16 @@ const PERIOD_NS: u64 = 2_000_000;
 /// The camera's hardware, as the kernel sees it.
 #[derive(Debug, Default)]
 pub(super) struct Hardware {
-    /// Calls that fail: each the next one of its name.
+    /// Calls that fail, in order. Each entry fails the next call with its name.
     pub(super) failing: VecDeque<(&'static str, Errno)>,
-    /// What every call fails with, until the device is closed; and whether the device can be opened.
+    /// Error of every call until the device is closed. `is_absent`: the device cannot be opened.
     pub(super) broken: Option<Errno>,
     pub(super) is_absent: bool,
     pub(super) takes_lent: bool,
     pub(super) buffers: usize,
-    /// Numbers and addresses of what waits to be filled.
+    /// Numbers and addresses of the buffers to be filled.
     pub(super) queued: VecDeque<(usize, usize)>,
-    /// Every address that was ever queued, by number.
+    /// Number and address of every buffer that was ever queued.
     pub(super) addresses: Vec<(usize, usize)>,
     pub(super) streaming: bool,
     pub(super) sequence: u32,
@@ -40,7 +40,7 @@ pub(super) struct Hardware {
     pub(super) left: u32,
 }
 
-/// The test's hand on it.
+/// Handle with which a test controls the hardware.
 pub(super) struct Hand {
     hardware: Arc<Mutex<Hardware>>,
     bell: UnixStream,
@@ -62,7 +62,8 @@ impl Fake {
     fn call(&self, name: &'static str) -> Kernel<MutexGuard<'_, Hardware>> {
         let mut hardware = lock(&self.hardware);
         if let Some(errno) = hardware.broken {
-            // As after a fatal error, streaming can be stopped; of a device that is gone, nothing can be done.
+            // As after a fatal error, streaming can still be stopped. On a missing device every
+            // call fails.
             if errno == Errno::NODEV || matches!(name, "DQBUF" | "QBUF") {
                 return Err(errno);
             }
@@ -117,7 +118,8 @@ impl Driver for Fake {
         hardware.sequence += 1;
         let (index, address) = hardware.queued.pop_front().ok_or(Errno::AGAIN)?;
         if memory == Memory::Lent {
-            // SAFETY: lent, and so valid and untouched by others, until it is dequeued: here, now.
+            // SAFETY: lent, and so valid and untouched by others, until it is dequeued, which is
+            // now.
             unsafe {
                 std::ptr::with_exposed_provenance_mut::<u8>(address).write_bytes(value, BYTES)
             };
@@ -210,9 +212,9 @@ impl Port for FakePort {
     }
 }
 
-/// A camera, the hardware behind it, and slots that it can be lent.
+/// A camera, its hardware, and slots to lend to it.
 pub(super) struct Bench {
-    // Dropped before the memory that it is lent.
+    // Dropped before the memory lent to it.
     pub(super) camera: Camera<FakePort>,
     pub(super) hardware: Arc<Mutex<Hardware>>,
     frames: UnixStream,
@@ -265,7 +267,8 @@ impl Bench {
 
     fn lend(&mut self, index: usize) {
         let memory = NonNull::from(&mut self.slots[index][..]);
-        // SAFETY: the memory is boxed, lives longer than the camera, and is not looked at before it was given back.
+        // SAFETY: the memory is boxed, outlives the camera, and is not read before it is given
+        // back.
         self.camera.lend(unsafe { LentSlot::new(index, memory) });
     }
 
@@ -273,7 +276,7 @@ impl Bench {
         lock(&self.hardware)
     }
 
-    /// The driver has a frame of this value.
+    /// Fills the driver's next frame with this value.
     pub(super) fn expose(&mut self, value: u8, flags: u8) {
         self.frames.write_all(&[value, flags]).expect("room");
     }
@@ -282,7 +285,7 @@ impl Bench {
         self.camera.next().expect("no fault").expect("no end")
     }
 
-    /// The next frame that is not blank. Its slot is lent again.
+    /// Returns the next frame that is not blank, and lends its slot again.
     pub(super) fn next_image(&mut self) -> Frame {
         loop {
             let frame = self.next();
@@ -295,7 +298,7 @@ impl Bench {
         }
     }
 
-    /// The next frame's number and value; blank ones are passed over. Its slot is lent again.
+    /// Returns number and value of the next frame that is not blank, and lends its slot again.
     pub(super) fn shown(&mut self) -> (u64, u8) {
         loop {
             let frame = self.next();

@@ -1,15 +1,17 @@
-//! Which points of a rope a strand lies over, so that a depth image shows that strand there.
+//! Determines the points of a rope that another strand covers, where a depth image shows that
+//! strand instead.
 
 use lariat_wire::{Centerlines, Crossing, Curve, MAX_POINTS};
 
-/// How far beside the upper strand its own depth is still read, px of the colour image: a depth image's edges are mixed.
+/// Margin next to the upper strand within which its depth may be read, px of the color image. The
+/// edges of a depth image are mixed.
 const MARGIN_PX: f32 = 3.0;
-/// An order that is less sure than this is none: neither strand is read there.
+/// Minimum confidence in the order of a crossing. Below it, neither strand has depth there.
 const SURE: f32 = 0.75;
-/// How far along the strands from their crossing is looked, in the upper one's widths.
+/// Distance from the crossing within which strands are compared, in widths of the upper one.
 const ALONG: f32 = 8.0;
 
-/// Room for the answer.
+/// Buffer for the result.
 pub(super) struct Covered(Box<[bool; MAX_POINTS]>);
 
 impl Default for Covered {
@@ -19,7 +21,8 @@ impl Default for Covered {
 }
 
 impl Covered {
-    /// Of each point of a frame's `i`-th curve whether it is covered, by a strand or by whatever extraction says.
+    /// Returns for each point of the frame's `i`-th curve whether a strand covers it or extraction
+    /// marked it as hidden.
     pub(super) fn of(&mut self, seen: &Centerlines, i: usize, curve: &Curve) -> &[bool] {
         let count = curve.points().len();
         let covered = &mut self.0[..count];
@@ -43,7 +46,8 @@ impl Covered {
     }
 }
 
-/// Covers the points of the second strand within the first one's width. Each is a curve's number, and where on it.
+/// Covers the points of the second strand within the width of the first. Each strand is given by
+/// the index of its curve and the ρ of the crossing.
 fn cover(
     seen: &Centerlines,
     crossing: &Crossing,
@@ -76,7 +80,7 @@ fn cover(
     }
     let last = last.min(strand.len().saturating_sub(1));
     for (k, (&point, covered)) in lower.points().iter().zip(covered).enumerate() {
-        // Of one rope, what is nearer to the other strand along it is that strand.
+        // If a rope crosses itself, a point belongs to the strand that is nearer along the rope.
         let is_own = above.0 != below.0 || k.abs_diff(at) < k.abs_diff(top);
         if !is_near(point) || !is_own {
             continue;
@@ -88,7 +92,7 @@ fn cover(
     }
 }
 
-/// The point of a curve that is nearest to this ρ.
+/// Returns the index of the curve's point that is nearest to this ρ.
 fn place(curve: &Curve, rho: f32) -> Option<usize> {
     let last = curve.points().len().checked_sub(1)?;
     Some(((rho.clamp(0.0, 1.0) * last as f32).round() as usize).min(last))
@@ -99,7 +103,7 @@ fn squared_distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     x * x + y * y
 }
 
-/// How far a point is from the way between two, squared.
+/// Returns the squared distance of a point from the segment between two others.
 fn squared_from_step(point: [f32; 2], [a, b]: [[f32; 2]; 2]) -> f32 {
     let way = [b[0] - a[0], b[1] - a[1]];
     let from = [point[0] - a[0], point[1] - a[1]];

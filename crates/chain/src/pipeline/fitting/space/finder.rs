@@ -1,4 +1,4 @@
-//! Where the points of centerlines are in space: by a depth image, or by a second view.
+//! Determines the 3-D points of centerlines from a depth image or a second view.
 
 use super::covered::Covered;
 use crate::calibrated::Beside;
@@ -10,16 +10,16 @@ use lariat_camera::{
 };
 use lariat_wire::{Centerlines, Curve, PixelFormat, Place, Status};
 
-/// What there is beside a frame's centerlines.
+/// Additional input for a frame's centerlines.
 #[derive(Clone, Copy)]
 pub enum Companion<'a> {
     /// A depth image.
     Depth(FrameView<'a>),
-    /// What a second colour camera saw at that moment.
+    /// The centerlines of a second color camera at the same moment.
     Second(&'a Centerlines),
 }
 
-/// Finds points, frame by frame.
+/// Determines 3-D points, frame by frame.
 pub(super) struct Finder {
     kind: Kind,
     covered: Covered,
@@ -36,7 +36,7 @@ enum Kind {
     },
 }
 
-/// What a frame's companion shows, made ready.
+/// A frame's companion, prepared for use.
 pub(super) enum Shown<'a> {
     Depth(DepthImage<'a>),
     Second,
@@ -60,7 +60,7 @@ impl Finder {
         }
     }
 
-    /// The first camera's focal length, px.
+    /// Returns the focal length of the first camera, px.
     pub(super) fn focal_px(&self) -> f64 {
         match &self.kind {
             Kind::Depth { calibration, .. } => calibration.camera.color_focal_px(),
@@ -68,10 +68,10 @@ impl Finder {
         }
     }
 
-    /// Takes in what there is beside a frame.
+    /// Prepares the companion of a frame.
     ///
     /// # Errors
-    /// It is not what the calibration is for.
+    /// Returns an error if the companion does not match the calibration.
     pub(super) fn look<'a>(
         &mut self,
         seen: &Centerlines,
@@ -88,7 +88,7 @@ impl Finder {
                 check_size(beside, second, "frames of the second camera")?;
                 ropes.clear();
                 for (i, curve) in seen.curves().iter().enumerate() {
-                    // What is not seen is no rope of the second view.
+                    // A lost rope is not visible, so it cannot match one in the second view.
                     let curve = match curve.status() {
                         Some(Status::Lost) => &Curve::EMPTY,
                         _ => curve,
@@ -107,10 +107,10 @@ impl Finder {
         }
     }
 
-    /// Where the points of a frame's `i`-th curve are.
+    /// Determines the 3-D points of the frame's `i`-th curve.
     ///
     /// # Errors
-    /// They are nowhere, or too few of them are known.
+    /// Returns an error if the position is unknown or too few points are known.
     pub(super) fn locate(
         &mut self,
         seen: &Centerlines,
@@ -128,7 +128,7 @@ impl Finder {
     }
 }
 
-/// What a message says of a rope that is nowhere for that reason.
+/// Converts the error of an unknown position to the value in the message.
 pub(super) fn place_of(cause: &anyhow::Error) -> Place {
     if let Some(cause) = cause.downcast_ref() {
         return match cause {
@@ -160,7 +160,7 @@ fn rope<'a>(
     }
 }
 
-/// Which ends are seen: in the picture, and not under something.
+/// Returns which ends are visible: in the picture, and not under an occluder.
 fn ends(curve: &Curve) -> [bool; 2] {
     let last = curve.points().len().saturating_sub(1);
     let at = [0, last];
@@ -178,7 +178,7 @@ fn check_size(size: Option<[u32; 2]>, seen: &Centerlines, what: &str) -> Result<
     }
 }
 
-/// The depth image as it is read.
+/// Reads a depth image.
 fn depth_image<'a>(calibration: &DepthCalibration, view: FrameView<'a>) -> Result<DepthImage<'a>> {
     let header = view.header();
     let [width, height] = calibration.size;

@@ -1,11 +1,13 @@
-//! A depth camera beside the one whose frames are sent: each frame's depth image is the one nearest to it in time.
+//! A depth camera in addition to the camera that supplies the frames. The depth image of each frame
+//! is the one nearest in time.
 //!
-//! It has a thread of its own, so that neither camera waits for the other: capture hands it the headers of the frames that were sent, by
-//! a queue that is never waited at, and an eventfd that wakes it. The driver writes into slots of shared memory, as that of
-//! the other camera does, and the slot itself is sent with its frame's header ([`Pairing`]); only where a second frame may want the image,
-//! too, that frame has the slot and the first a copy.
+//! It has its own thread, so that neither camera waits for the other. Capture passes the headers of
+//! the frames that were sent through a nonblocking queue, and wakes the thread with an eventfd. The
+//! driver writes into slots of shared memory, like the other camera's driver, and the slot itself
+//! is sent with its frame's header ([`Pairing`]). Only if a second frame may need the same image,
+//! the first frame gets a copy and the second one the slot.
 //!
-//! A frame without a depth image gets one of 0 × 0 pixels, so that fit need not wait to know it.
+//! A frame without a depth image gets one of 0 × 0 pixels, so that fit does not wait for it.
 
 use std::os::fd::{AsFd, OwnedFd};
 use std::sync::Arc;
@@ -24,14 +26,16 @@ use crate::stages::Station;
 use crate::stages::arrangement::{self, precise_timer};
 use crate::stages::slot_lender::SlotLender;
 
-/// Frames that may be on their way to the thread. It takes them at once: more means that it does not run.
+/// Capacity of the queue of frames. The thread reads them immediately, so a full queue means that
+/// it does not run.
 const MOST_ON_THE_WAY: usize = 16;
 
-/// What a depth camera's period is taken to be if its driver does not tell it.
+/// Assumed period of a depth camera whose driver does not report one.
 const USUAL_PERIOD_NS: u64 = 33_333_333;
 
-/// How far in time a frame may be from its image (`None`: three fifths of the depth camera's period, which is half of it and some jitter),
-/// and how long after its capture the image is waited for.
+/// Time limits for pairing. `within_ns` is the maximum time between a frame and its image; `None`
+/// means three fifths of the depth camera's period, which is half of it plus jitter. `patience_ns`
+/// is the time from a frame's capture for which its image is awaited.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Bounds {
     pub(in super::super) within_ns: Option<u64>,
@@ -42,25 +46,27 @@ impl Bounds {
     pub(super) fn of(settings: &Settings) -> Self {
         Self {
             within_ns: settings.capture.depth_within.map(nanoseconds),
-            // Half of what fit waits: the other half is for the way there.
+            // Half of the time that fit waits. The other half is for the transport.
             patience_ns: nanoseconds(settings.camera.depth_deadline / 2),
         }
     }
 }
 
-/// A depth camera, and the thread that it has.
+/// A depth camera and its thread.
 pub(in super::super) struct DepthCamera {
-    /// `None` once no frame is to come.
+    /// `None` once no more frames follow.
     frames: Option<SyncSender<FrameHeader>>,
     bell: Arc<OwnedFd>,
     thread: Option<JoinHandle<anyhow::Result<DepthCounts>>>,
 }
 
 impl DepthCamera {
-    /// Starts the thread, which has the channel when this returns. `domain`: where the rig lives, which the thread joins by itself.
+    /// Starts the thread, which has opened the channel when this returns. `domain` opens the rig's
+    /// domain, which the thread joins separately.
     ///
     /// # Errors
-    /// There is no room for the images in shared memory, or no thread to be had.
+    /// Returns an error if shared memory is too small for the images, or if the thread cannot be
+    /// started.
     pub(in super::super) fn start(
         source: Box<dyn FrameSource>,
         bounds: Bounds,
@@ -82,10 +88,10 @@ impl DepthCamera {
         let run = move || {
             let domain = domain()?;
             let (bytes, wanted) = (source.largest_frame_bytes(), source.slots_wanted());
-            // Those that wait for their frames, the one that has just come, and a copy.
+            // Slots for the images that wait for their frames, the newest image, and a copy.
             let writer = Writer::depths(&domain, &rig, &delivery, bytes, wanted + MOST_IMAGES + 2)?;
             let lender = SlotLender::new(source, &writer)?;
-            // What capture may not have of its place it says itself.
+            // Capture itself reports which resources it lacks.
             let _ = arrangement::apply(&arrangement, Stage::Capture);
             precise_timer();
             let _ = ready.send(());
@@ -106,34 +112,34 @@ impl DepthCamera {
         }
     }
 
-    /// A frame was sent.
+    /// Notes that a frame was sent.
     ///
     /// # Errors
-    /// The thread has ended.
+    /// Returns an error if the thread has ended.
     pub(super) fn frame(&mut self, frame: &FrameHeader) -> anyhow::Result<()> {
-        // There is none beside a frame without an image.
+        // A frame without an image does not get a depth image.
         let Some(frames) = self.frames.as_ref().filter(|_| frame.width > 0) else {
             return Ok(());
         };
         match frames.try_send(*frame) {
             Ok(()) => self.ring(),
-            // Fit sees that its image does not come, and counts it.
+            // Fit notices the missing image and counts it.
             Err(TrySendError::Full(_)) => {}
             Err(TrySendError::Disconnected(_)) => return Err(self.fault()),
         }
         Ok(())
     }
 
-    /// No frame is to come: those that wait are answered, and the camera is stopped.
+    /// Answers the waiting frames and stops the camera, because no more frames follow.
     ///
     /// # Errors
-    /// The thread had ended with a fault.
+    /// Returns an error if the thread has failed.
     pub(super) fn end(mut self) -> anyhow::Result<DepthCounts> {
         self.join()
     }
 
     fn ring(&self) {
-        // Full it rings anyway.
+        // If the counter is full, the eventfd is readable anyway.
         let _ = rustix::io::write(&*self.bell, &1_u64.to_ne_bytes());
     }
 
@@ -147,7 +153,7 @@ impl DepthCamera {
         }
     }
 
-    /// Why the thread has ended, which it does not by itself.
+    /// Returns why the thread has ended. It does not end by itself.
     fn fault(&mut self) -> anyhow::Error {
         let ended = self.join();
         ended
@@ -159,7 +165,7 @@ impl DepthCamera {
 impl Drop for DepthCamera {
     fn drop(&mut self) {
         if self.thread.is_some() {
-            // Whoever drops it without its end has an error of its own.
+            // Dropping without `end` follows another error, which is reported.
             let _ = self.join();
         }
     }
@@ -171,7 +177,7 @@ struct Image<'w> {
     slot: Slot<'w, [u8]>,
 }
 
-/// What comes to the thread.
+/// Inputs of the thread.
 struct Post {
     bounds: Bounds,
     frames: Receiver<FrameHeader>,
@@ -179,7 +185,7 @@ struct Post {
 }
 
 impl Post {
-    /// Pairs until no frame is to come and none waits.
+    /// Pairs frames and images until the last frame has been answered.
     fn work<'w>(
         self,
         mut lender: SlotLender<'w>,
@@ -224,13 +230,13 @@ impl Post {
         }
     }
 
-    /// Has the frames that came wait for their images. Whether none is to come any more.
+    /// Queues new frames until their images arrive. Returns true if no more frames follow.
     fn take_frames(
         &self,
         pairing: &mut Pairing<FrameHeader, Image>,
         writer: &Writer<[u8]>,
     ) -> anyhow::Result<bool> {
-        // Emptied before the queue is: who rings afterwards is heard.
+        // Clear the eventfd before the queue is emptied, so that a later signal is not missed.
         let _ = rustix::io::read(&*self.bell, &mut [0; 8]);
         loop {
             match self.frames.try_recv() {
@@ -276,7 +282,7 @@ fn send<'w>(
     Ok(())
 }
 
-/// Fit need not wait for what will not come.
+/// Sends an empty depth image, so that fit does not wait.
 fn send_none(header: &FrameHeader, writer: &Writer<[u8]>) -> anyhow::Result<()> {
     let mut slot = writer.frame_slot(0)?;
     *slot.header_mut() = header.of_depth([0; 2]);

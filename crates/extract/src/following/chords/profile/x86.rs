@@ -1,18 +1,21 @@
-//! Stretches by AVX-512: sixteen pixels to a register, four bytes each, whose largest difference is one of them.
+//! Stretches with AVX-512: sixteen pixels per register, at four bytes each. A pixel's difference is
+//! that of its most different byte.
 //!
-//! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
-//! has them, and to load through pointers, which are taken from slices of the length that is reached.
+//! `unsafe` is needed for two things. One is to call code for registers that not every machine has,
+//! after checking for them. The other is to load through pointers, which come from slices of the
+//! length that is loaded.
 #![allow(unsafe_code)]
 
 use super::{BLOCK, Lanes, Plain, Stretch, WORD, Work};
 use crate::image::PixelFormat;
 use std::arch::x86_64::*;
 
-/// The three bytes of a pixel's colors, and those of them that count double where they are Y, U and V.
+/// The three color bytes of a pixel.
 const COLORS: u32 = 0x00FF_FFFF;
+/// Those that count double in YUV formats.
 const CHROMA: u32 = 0x00FF_FF00;
 
-/// A machine that has AVX-512.
+/// Proof that the machine has AVX-512.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wide(());
 
@@ -34,7 +37,7 @@ impl Wide {
         fn inner<W: Work>(wide: Wide, work: W) {
             work.run(wide);
         }
-        // SAFETY: only a machine that has all of these makes a `Wide`.
+        // SAFETY: `Wide` is only created on a machine that has all of these.
         unsafe { inner(self, work) }
     }
 }
@@ -42,7 +45,7 @@ impl Wide {
 impl Lanes for Wide {
     #[inline(always)]
     fn read(self, stretch: &Stretch, out: &mut [u8; WORD]) -> u64 {
-        // SAFETY: only a machine that has AVX-512 makes a `Wide`.
+        // SAFETY: `Wide` is only created on a machine that has AVX-512.
         let set = unsafe {
             if stretch.axis == 0 {
                 across(stretch, out)
@@ -50,14 +53,15 @@ impl Lanes for Wide {
                 down(stretch, out)
             }
         };
-        // At the end of the bytes a register's worth may reach beyond them.
+        // Near the end of the image's bytes, a register may reach beyond them.
         set.unwrap_or_else(|| Plain.read(stretch, out))
     }
 
     #[inline(always)]
     fn sum(self, differences: &[u8; WORD], [from, to]: [u32; 2]) -> u32 {
         let within = !(u64::MAX << (to - from).min(63)) << (from & 63);
-        // SAFETY: only a machine that has AVX-512 makes a `Wide`; the array is 64 bytes long.
+        // SAFETY: `Wide` is only created on a machine that has AVX-512, and the array is 64 bytes
+        // long.
         let sum = unsafe {
             let bytes = _mm512_maskz_loadu_epi8(within, differences.as_ptr().cast());
             _mm512_reduce_add_epi64(_mm512_sad_epu8(bytes, _mm512_setzero_si512()))
@@ -66,25 +70,26 @@ impl Lanes for Wide {
     }
 }
 
-/// Pixels, and what of them is compared with what.
+/// Pixels, and how they are compared with the table.
 #[derive(Clone, Copy)]
 struct Pixels {
     /// Four bytes a pixel.
     bytes: __m512i,
     table: __m512i,
-    /// The bytes that count, and those that count double.
+    /// Mask of the bytes that count.
     keep: __m512i,
+    /// Mask of the bytes that count double.
     double: __m512i,
 }
 
 impl Pixels {
-    /// The differences, a byte each.
+    /// The differences, one byte each.
     ///
     /// # Safety
     /// The machine has AVX-512 F, BW and VL.
     #[inline(always)]
     unsafe fn differences(self) -> __m128i {
-        // SAFETY: as the caller promises.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             let (p, t) = (self.bytes, self.table);
             let off = _mm512_sub_epi8(_mm512_max_epu8(p, t), _mm512_min_epu8(p, t));
@@ -97,14 +102,14 @@ impl Pixels {
     }
 }
 
-/// Writes the differences of block `k`; returns which of them are rope.
+/// Writes the differences of block `k`. Returns a bit for each, set if it is rope.
 ///
 /// # Safety
 /// The machine has AVX-512 F, BW and VL.
 #[inline(always)]
 unsafe fn put(pixels: Pixels, k: usize, cut: __m128i, out: &mut [u8; WORD]) -> u64 {
     let out = &mut out[BLOCK * k..][..BLOCK];
-    // SAFETY: as the caller promises; `out` is 16 bytes long.
+    // SAFETY: guaranteed by the caller. `out` is 16 bytes long.
     unsafe {
         let differences = pixels.differences();
         _mm_storeu_si128(out.as_mut_ptr().cast(), differences);
@@ -112,7 +117,7 @@ unsafe fn put(pixels: Pixels, k: usize, cut: __m128i, out: &mut [u8; WORD]) -> u
     }
 }
 
-/// Reads along a row; nothing where that would reach beyond the image's bytes.
+/// Reads along a row. `None` if that would reach beyond the image's bytes.
 ///
 /// # Safety
 /// The machine has AVX-512 F, BW and VL.
@@ -129,7 +134,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
     let blocks = count / BLOCK;
     let start = y * image.stride();
     let mut set = 0;
-    // SAFETY: as the caller promises; each load is from a slice of its length, or longer.
+    // SAFETY: guaranteed by the caller. Each load is from a slice of at least its length.
     unsafe {
         let all = |word: u32| _mm512_set1_epi32(word.cast_signed());
         let table = |k: usize| all(laid(image.format(), tables[k]));
@@ -150,7 +155,7 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                 }
             }
             PixelFormat::Rgb8 | PixelFormat::Bgr8 => {
-                // Twelve bytes are four pixels, the last of 64 bytes are not needed.
+                // Twelve bytes are four pixels. The last of the 64 bytes are not needed.
                 let reach = 3 * BLOCK * (blocks - 1) + 64;
                 let bytes = image.bytes().get(start + 3 * x..)?.get(..reach)?;
                 let keep = all(COLORS);
@@ -219,14 +224,14 @@ unsafe fn across(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
                     );
                 }
             }
-            // The others are unpacked before.
+            // Other formats are unpacked before.
             _ => return None,
         }
     }
     Some(set)
 }
 
-/// Reads down a column; nothing where that would reach beyond the image's bytes.
+/// Reads down a column. `None` if that would reach beyond the image's bytes.
 ///
 /// # Safety
 /// The machine has AVX-512 F, BW and VL.
@@ -243,7 +248,8 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
     let stride = image.stride();
     let mut set = 0;
     let format = image.format();
-    // Where in its row the pixel's four bytes begin, what of them counts, and what double.
+    // Offset of the pixel's four bytes in its row, and the masks of the bytes that count and that
+    // count double.
     let (place, keep, double) = match format {
         PixelFormat::Gray8 => (x, 0xFF, 0),
         PixelFormat::Rgb8 | PixelFormat::Bgr8 => (3 * x, COLORS, 0),
@@ -252,11 +258,11 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
             (4 * (x / 2), keep[x % 2], double)
         }
         PixelFormat::Nv12 => (x, COLORS, CHROMA),
-        // The others are unpacked before.
+        // Other formats are unpacked before.
         _ => return None,
     };
     let column = Column::new(image.bytes(), y * stride + place, stride, count)?;
-    // SAFETY: as the caller promises; the columns hold as many pixels as are gathered.
+    // SAFETY: guaranteed by the caller. The columns have as many pixels as are gathered.
     unsafe {
         let all = |word: u32| _mm512_set1_epi32(word.cast_signed());
         let table = all(laid(format, tables[0]));
@@ -281,7 +287,7 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
             }
             return Some(set);
         }
-        // y is even: two rows share theirs.
+        // As y is even, two rows share theirs.
         let chroma = image.chroma_line(y) * stride + (x & !1);
         let chroma = Column::new(image.bytes(), chroma, stride, count / 2)?;
         let pairs = _mm512_srli_epi32::<1>(rows);
@@ -306,7 +312,7 @@ unsafe fn down(stretch: &Stretch, out: &mut [u8; WORD]) -> Option<u64> {
     Some(set)
 }
 
-/// Four bytes in each of a number of rows, from a place on.
+/// Four bytes in each of several rows, from a position on.
 #[derive(Clone, Copy)]
 struct Column<'a> {
     bytes: &'a [u8],
@@ -314,29 +320,29 @@ struct Column<'a> {
 }
 
 impl<'a> Column<'a> {
-    /// Nothing where the last of them would reach beyond the bytes.
+    /// `None` if the last of them would reach beyond the bytes.
     #[inline(always)]
     fn new(bytes: &'a [u8], from: usize, stride: usize, rows: usize) -> Option<Self> {
         let reach = (rows - 1) * stride + 4;
         let bytes = bytes.get(from..)?.get(..reach)?;
-        // Or a lane could not hold the way.
+        // Otherwise a lane could not hold the offset.
         (reach < i32::MAX as usize).then_some(Self { bytes, stride })
     }
 
-    /// The bytes as far from row `row` as each lane says.
+    /// The four bytes at each lane's offset from row `row`.
     ///
     /// # Safety
     /// The machine has AVX-512F; no lane reaches beyond the column's last row.
     #[inline(always)]
     unsafe fn gather(self, row: usize, lanes: __m512i) -> __m512i {
         let from = self.bytes[row * self.stride..].as_ptr();
-        // SAFETY: as the caller promises, and each row holds four bytes.
+        // SAFETY: guaranteed by the caller, and each row has four bytes.
         unsafe { _mm512_i32gather_epi32::<1>(lanes, from.cast()) }
     }
 }
 
-/// What of the four bytes of two pixels counts for the first and for the second, as the other one's Y stands beside its
-/// own, and which of them count double.
+/// Masks of the four bytes of two pixels that count for the first and for the second pixel, without
+/// the other one's Y. Mask of those that count double.
 #[inline(always)]
 fn shared(format: PixelFormat) -> ([u32; 2], u32) {
     match format {

@@ -1,14 +1,17 @@
-//! The same in the registers of x86-64: 64 bytes (AVX-512 with VBMI) or 32 (AVX2) at a time.
+//! Kernels for the registers of x86-64: 64 bytes (AVX-512 with VBMI) or 32 (AVX2) at a time.
 //!
-//! `unsafe` is needed to call what is compiled for registers that not every machine has, after asking whether this one
-//! has them, and to load and store through pointers, which are taken from arrays of the length that is moved.
+//! `unsafe` is needed to call functions compiled for registers that not every machine has, after
+//! checking that this one has them. It is also needed to load and store through pointers. They come
+//! from arrays of the length that is moved.
 //!
-//! Three interleaved channels A, B, C in three registers of 16 or 64 lanes: as both leave 1 when divided by 3, lane i
-//! holds channel i, i + 1 and i + 2 (mod 3) of them, so that blending them by lanes gathers all of a channel's bytes in
-//! one register, and one permutation puts them in order.
+//! Three interleaved channels A, B, C fill three registers of 16 or 64 lanes. Both numbers leave 1
+//! when divided by 3. Lane i of the three registers therefore holds channels i, i + 1 and i + 2
+//! (mod 3). Blending them by lanes gathers all bytes of a channel in one register, and one
+//! permutation puts them in order.
 //!
-//! The bands of 64 levels are one permutation of a register that holds them twice (its index is six bits, of which the
-//! first is not the level's own), those of 32 two shuffles of 16 and a blend.
+//! The bands of 64 levels take one permutation of a register that holds them twice: its index is
+//! six bits, and the first is not the level's own. Those of 32 levels take two shuffles of 16 and a
+//! blend.
 #![allow(unsafe_code)]
 
 use super::{Kernels, PLAIN, among};
@@ -17,15 +20,16 @@ use crate::mask::hsv::cube::{BANDS, Cube, STEPS};
 use crate::mask::hsv::outline::Outline;
 use std::arch::x86_64::*;
 
-/// Pixels of 64 that are looked up one by one, faster than a gather of sixteen is set up.
+/// Maximum number of pixels, of 64, that are looked up one by one. This is faster than setting up a
+/// gather of sixteen.
 const FEW: u32 = 8;
 
-/// The fastest of this machine.
+/// The fastest kernels that this machine can run.
 pub(super) fn detect() -> Option<Kernels> {
     all().next()
 }
 
-/// All that this machine can run, the fastest first.
+/// All kernels that this machine can run, the fastest first.
 pub(super) fn all() -> impl Iterator<Item = Kernels> {
     let wide = is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("avx512vbmi");
     let medium = is_x86_feature_detected!("avx2");
@@ -49,7 +53,7 @@ pub(super) fn all() -> impl Iterator<Item = Kernels> {
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn split_three_512(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
     const ORDERS: [[u8; 64]; 3] = orders();
-    // Lanes that a register after the first gives to a channel.
+    // Masks of the lanes i = 0, 1 and 2 (mod 3).
     const LANES: u64 = 0x9249_2492_4924_9249;
     const ZERO_ONE_TWO: [u64; 3] = [LANES, LANES << 1, LANES << 2];
     let [zero, one, two] = ZERO_ONE_TWO;
@@ -63,7 +67,7 @@ fn split_three_512(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
         // SAFETY: a block is 192 bytes long.
         let [a, b, c] =
             [0, 64, 128].map(|at| unsafe { _mm512_loadu_si512(block.as_ptr().add(at).cast()) });
-        // Lane i holds channel 0 in a where i = 0 (mod 3), in b where i = 2, in c where i = 1.
+        // Channel 0 is in lane i of a where i = 0 (mod 3), of b where i = 2, of c where i = 1.
         let blend = |from_b, from_c| {
             let ab = _mm512_mask_blend_epi8(from_b, a, b);
             _mm512_mask_blend_epi8(from_c, ab, c)
@@ -125,7 +129,7 @@ fn select_512(cube: &Cube, planes: [&[u8]; 3], inside: &mut [u8], words: &mut [u
     );
 }
 
-/// Which of 64 pixels may be in ranges of these outlines.
+/// Returns which of 64 pixels may be in ranges with these outlines.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn outlined_512(outlines: &[Outline], channels: [&[u8; 64]; 3]) -> u64 {
@@ -156,7 +160,7 @@ fn outlined_512(outlines: &[Outline], channels: [&[u8; 64]; 3]) -> u64 {
     })
 }
 
-/// What [`among`] finds, sixteen pixels at a time.
+/// As [`among`], sixteen pixels at a time.
 #[target_feature(enable = "avx512f,avx512bw,avx512vbmi")]
 fn gather(may: u64, answers: &[u64; 1 << 18], planes: [&[u8; 64]; 3]) -> u64 {
     let mut word = 0;
@@ -172,7 +176,7 @@ fn gather(may: u64, answers: &[u64; 1 << 18], planes: [&[u8; 64]; 3]) -> u64 {
         let row = _mm512_or_si512(_mm512_slli_epi32(a, 8), b);
         let place = _mm512_or_si512(_mm512_slli_epi32(row, 3), _mm512_srli_epi32(c, 5));
         let none = _mm512_setzero_si512();
-        // SAFETY: a place is below 2¹⁹, and as many halves of words there are.
+        // SAFETY: a place is below 2¹⁹, the number of half words.
         let bits =
             unsafe { _mm512_mask_i32gather_epi32::<4>(none, some, place, answers.as_ptr().cast()) };
         let level = _mm512_and_si512(c, _mm512_set1_epi32(31));
@@ -203,7 +207,8 @@ fn split_three_256(row: &[u8], [first, second, third]: [&mut [u8]; 3]) {
 /// A table of 32 bytes, each of its halves in both halves of a register.
 type Table = [__m256i; 2];
 
-// Closures that are handed on, as to `map`, are not compiled into what calls them: here they would cost more than what they do.
+// No closures are passed on here, for example to `map`: they would not be inlined, and the calls
+// would cost more than the work.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn table(bytes: &[u8; STEPS]) -> Table {
@@ -213,12 +218,12 @@ fn table(bytes: &[u8; STEPS]) -> Table {
     [twice(low), twice(high)]
 }
 
-/// What a table has for the steps of some levels.
+/// Looks up the steps of some levels in a table.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn at_steps(levels: __m256i, [low, high]: Table) -> __m256i {
     let steps = _mm256_and_si256(_mm256_srli_epi16(levels, 3), _mm256_set1_epi8(15));
-    // A level's highest bit says in which half of the table its step is.
+    // A level's highest bit selects the half of the table that has its step.
     let (low, high) = (
         _mm256_shuffle_epi8(low, steps),
         _mm256_shuffle_epi8(high, steps),
@@ -226,7 +231,7 @@ fn at_steps(levels: __m256i, [low, high]: Table) -> __m256i {
     _mm256_blendv_epi8(low, high, levels)
 }
 
-/// Where a level is no less than another, a bit each.
+/// Returns where one level is at least another, one bit each.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn no_less(a: __m256i, b: __m256i) -> u64 {
@@ -255,7 +260,7 @@ fn ends(outline: &Outline) -> Ends {
     }
 }
 
-/// As [`outlined_512`], of 32 pixels.
+/// As [`outlined_512`], for 32 pixels.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn outlined_256(outlines: &[Outline], of: &[Ends; BANDS], [r, g, b]: [__m256i; 3]) -> u64 {
@@ -277,12 +282,12 @@ fn outlined_256(outlines: &[Outline], of: &[Ends; BANDS], [r, g, b]: [__m256i; 3
     may
 }
 
-/// A byte of each bit: 255 or 0.
+/// One byte per bit: 255 or 0.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn bytes_of(bits: u32) -> __m256i {
     let all = _mm256_set1_epi32(bits.cast_signed());
-    // Each byte of four, eight times.
+    // Each of four bytes, eight times.
     let [first, second] = [0x0101_0101_0101_0101, 0x0303_0303_0303_0303];
     let order = _mm256_setr_epi64x(0, first, 2 * first, second);
     let own = _mm256_set1_epi64x(0x8040_2010_0804_0201u64.cast_signed());

@@ -20,26 +20,26 @@ const SIZE: [u32; 2] = [8, 4];
 const STRIDE: u32 = 20;
 const BYTES: usize = 80;
 
-/// What a depth camera does.
+/// An action of the depth camera.
 enum Deed {
-    /// An image of this value, taken at that moment.
+    /// Delivers an image of this value, exposed at this time.
     Image(u16, u64),
-    /// One is lost.
+    /// Loses an image.
     Lost,
-    /// It has none to give.
+    /// Delivers a blank frame.
     Silence,
     Fault,
 }
 
-/// A depth camera that does what it is told to, and fills the slots that it is lent.
+/// A scripted depth camera that fills the slots that it is lent.
 struct Scripted {
     deeds: mpsc::Receiver<Deed>,
     bell: UnixStream,
     slots: Vec<LentSlot>,
     sequence: u64,
-    /// How many deeds have had their effect.
+    /// Number of actions that have taken effect.
     settled: Arc<AtomicU64>,
-    /// What its thread had allocated when it was asked for an image.
+    /// Number of allocations of its thread, at each request for an image.
     allocated: Arc<Mutex<Vec<u64>>>,
 }
 
@@ -67,7 +67,7 @@ impl FrameSource for Scripted {
             Woken::Ready(_) => {}
             _ => return Ok(Next::Nothing),
         }
-        // The test has gone.
+        // The test has ended.
         if self.bell.read(&mut [0]).unwrap() == 0 {
             return Ok(Next::Nothing);
         }
@@ -98,7 +98,7 @@ impl FrameSource for Scripted {
     }
 }
 
-/// A depth camera, what sends it frames, and who reads the images.
+/// A depth camera, the sender of its frames, and a reader of the images.
 struct Bench {
     camera: Option<DepthCamera>,
     reader: lariat_wire::Receiver<[u8]>,
@@ -147,7 +147,8 @@ impl Bench {
         }
     }
 
-    /// Returns when it has had its effect; a fault has none that is seen here.
+    /// Performs an action and returns when it has taken effect. The effect of a fault is not
+    /// visible here.
     fn does(&mut self, deed: Deed) {
         let is_fault = matches!(deed, Deed::Fault);
         self.deeds.send(deed).expect("its thread lives");
@@ -160,7 +161,7 @@ impl Bench {
         }
     }
 
-    /// Capture has sent a frame that was taken at that moment.
+    /// Notes that capture has sent a frame exposed at this time.
     fn frame(&mut self, exposed_ns: u64) -> anyhow::Result<()> {
         self.captured += 1;
         let header = FrameHeader {
@@ -179,7 +180,8 @@ impl Bench {
         self.camera.as_mut().expect("not ended").frame(&header)
     }
 
-    /// The next depth image: of which frame, and its value; `None` if it says that there is none.
+    /// Reads the next depth image. Returns the number of its frame and its value, or `None` for an
+    /// empty one.
     fn read(&mut self) -> (u64, Option<u16>) {
         let deadline = Instant::now() + Duration::from_secs(20);
         let message = loop {
@@ -221,7 +223,7 @@ fn value(message: &Message<[u8]>) -> Option<u16> {
     Some(value)
 }
 
-/// Longer than a test takes, and not for ever where one fails.
+/// Longer than a test takes, but finite in case a test fails.
 const NEVER: u64 = 30_000 * MS;
 
 #[test]
@@ -261,7 +263,7 @@ fn an_image_is_that_of_as_many_frames_as_it_is_nearest_to() {
             bench.frame(begin_ns + at_ms * MS).unwrap();
         }
         let first = 2 * k + 1;
-        // The second frame's is known with the next image.
+        // The image of the second frame is known when the next image arrives.
         if k > 0 {
             assert_eq!(bench.read(), (first - 1, Some(k as u16 - 1)));
         }
@@ -332,21 +334,21 @@ fn an_image_allocates_nothing_but_the_transport_s_box_for_its_slot() {
         bench.does(Deed::Image(k as u16, (1_000 + 33 * k) * MS));
         bench.frame((1_001 + 33 * k) * MS).unwrap();
         if k > 0 {
-            // With the next image it is known that none is nearer.
+            // The next image shows that no other is nearer.
             assert_eq!(bench.read(), (k, Some(k as u16 - 1)));
         }
     }
     let allocated = bench.allocated.lock().unwrap();
     let [begin, end] = [allocated.len() / 3, allocated.len() * 2 / 3];
     let count = allocated[end] - allocated[begin];
-    // It is asked twice an image: when the image has come, and when the frame has.
+    // It is asked twice per image: when the image has arrived, and when the frame has.
     let images = (end - begin) as u64 / 2;
     assert!(
         count > 0 && count <= images + 1,
         "{count} for {images} images"
     );
     drop(allocated);
-    // The last frame need not wait for it at the end.
+    // This image releases the last frame.
     bench.does(Deed::Image(0, 20_000 * MS));
     assert_eq!(bench.end().images, 301);
 }
