@@ -197,7 +197,7 @@ mod tests {
         };
         let said = said(drops, losses);
         assert!(
-            said.contains("no room or time for them: 1 frames, 3 true centerlines"),
+            said.contains("for lack of room or time: 1 frames, 3 true centerlines"),
             "{said}"
         );
         assert!(
