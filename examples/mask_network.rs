@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Replace `rope_probability` with your network. It gets the newest frame, and skips the frames
-//! that come while it works. Extract counts a frame without a mask in time as skipped. Flags:
-//! `--rig NAME`, and `--lossless` if the chain is lossless.
+//! that come while it works. If a mask does not arrive in time, extract counts its frame as
+//! skipped. Flags: `--rig NAME`, and `--lossless` if the chain is lossless.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -22,7 +22,7 @@ fi
 sbom() {
     cargo cyclonedx --format json --all-features --manifest-path "$1/Cargo.toml" --override-filename sbom
     sed "s#file://$PWD#file://#g" "$1/sbom.json" >"$2"
-    # It writes one file for each crate of the workspace.
+    # cargo-cyclonedx writes one file for each crate of the workspace.
     find . -name sbom.json -not -path './target/*' -delete
 }
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Checks the licenses of the crates that lariat consists of.
 
-    packaging/licences.py                     complains of those that are not on the list below (part of .ci/run)
-    packaging/licences.py --notices PACKAGE   prints the texts that go with its binary, whose licences ask for that
+    packaging/licences.py                     reports licenses that deny.toml does not allow (part of .ci/run)
+    packaging/licences.py --notices PACKAGE   prints the license texts that must accompany its binary
 
-Further words are passed to cargo, such as --manifest-path.
+Further arguments, such as --manifest-path, are passed to cargo.
 """
 
 import json
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-# The list is in deny.toml. tomllib is not in every Python that builds packages.
+# The allowed licenses are in deny.toml. tomllib is not in every Python that builds packages.
 ALLOWED = set(re.findall(r'^ {4}"(.+)",$', (ROOT / "deny.toml").read_text().split("[licenses]")[1].split("[bans]")[0], re.MULTILINE))
 
 TEXTS = re.compile(r"^(licen[cs]e|copying|notice|unlicense)", re.IGNORECASE)
@@ -29,7 +29,7 @@ def crates(words):
 
 
 def is_allowed(expression):
-    """True if the list's licenses satisfy an SPDX expression. AND binds more tightly than OR."""
+    """True if the allowed licenses satisfy an SPDX expression. AND binds more tightly than OR."""
     words = re.findall(r"\(|\)|[^\s()/]+|/", expression)
     position = 0
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# The Python package in an environment of its own: its types checked, its tests and examples run beside the real chain.
-# The Rust half is the one that the workspace's build makes, unoptimized, in cargo's own target folder. `--pip`, first,
-# installs the package as a user does instead, which builds that half once more: what pyproject.toml says is tested then.
+# Tests the Python package in its own environment: checks its types, and runs its tests and examples
+# with the real chain. The Rust half comes from the workspace's unoptimized build, in cargo's target
+# folder. With `--pip` as the first argument, the package is installed as a user installs it. This
+# builds the Rust half again, and tests pyproject.toml too.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,7 +11,7 @@ python=$target/python/bin/python
 [ -x "$python" ] || python3 -m venv "$target/python"
 install=("$python" -m pip install --quiet --disable-pip-version-check numpy pytest mypy matplotlib pillow)
 
-# In one call, as the workspace's tests build them: nothing is compiled twice.
+# One call with the same packages as in the workspace's tests, so that nothing is compiled twice.
 cargo build --locked --workspace --bins --examples --lib
 if [ "${1:-}" = --pip ]; then
     shift
@@ -26,7 +27,7 @@ fi
 bin=$(realpath --no-symlinks "$target/python/bin")
 cd python
 "$bin/mypy" lariat tests bench ../examples/python
-# What is said of the Rust half's types is what they are.
+# The stub's types must be those of the Rust half.
 (cd / && "$bin/stubtest" lariat._native)
 # Not `python -m pytest`, which would find the package's source here before what is installed.
 "$bin/pytest" --quiet -p no:cacheprovider "$@"

@@ -1,8 +1,8 @@
 //! `lariat devices`: the cameras of this machine and their capabilities.
 //!
 //! Without a camera, the command prints a sentence to standard error and exits with status 1, as
-//! `v4l2-ctl --list-devices` does, so that scripts can tell. With `--json` the list is empty, and
-//! the status is the same.
+//! `v4l2-ctl --list-devices` does, so that scripts can detect this. With `--json` the list is
+//! empty, and the status is the same.
 
 mod text;
 

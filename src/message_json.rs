@@ -1,5 +1,5 @@
 //! A message as a JSON object: fields by name, enumerations as words, arrays only as far as they
-//! are used. Numbers read back to the last bit.
+//! are used. Numbers read back exactly.
 
 use lariat_wire::fields::{Field, Meaning, Message, Value, is_hidden};
 use serde::Serialize;

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 /// Recompute a recording, to check it or to try other settings
 ///
 /// With --check: recompute everything from the recorded frames with the recorded settings. Each
-/// centerline and each descriptor must be the recorded one, to the bit on a machine of the same
+/// centerline and each descriptor must be the recorded one, bit for bit on a machine of the same
 /// kind. With --compare: compute the same frames with other settings, next to what was recorded.
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {

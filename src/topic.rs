@@ -2,11 +2,11 @@
 //!
 //! An inspecting command is one more reader. A reader that is woken costs the writer a notification
 //! of 5 to 20 µs for each message. Therefore only two commands are woken: `echo`, which prints each
-//! message when it arrives, and `delay --in-hand`, which measures the time until then. All others
-//! use the stamps and counters in the messages, which are the same whenever they are read, and poll
-//! before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the exception: it waits until
-//! each reader has opened its end, and then for the slowest one. There, all readers are woken, and
-//! the commands say so.
+//! message when it arrives, and `delay --in-hand`, which measures the time until a message arrives.
+//! All others use the stamps and counters in the messages, which are the same whenever they are
+//! read, and poll before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the
+//! exception: it waits until each reader has opened its end, and then for the slowest one. There,
+//! all readers are woken, and the commands say so.
 //!
 //! # How it works
 //!
@@ -15,9 +15,9 @@
 //! message with sink alone, with `hz` and with `top`, but two with `echo`.) Rates, intervals,
 //! losses and the times of the steps come from stamps and counters alone, with the ledger and the
 //! steps of `crates/sink`. `hz` and `bw` poll before a buffer is full, at a rate that follows the
-//! channel's (`topic/poll_interval`). `top` takes the waiting messages ten times a second. At a high rate it
-//! gets only part of them, which costs nothing but samples for percentiles. Messages that were sent
-//! but not read by the command are counted separately (`here`).
+//! channel's rate (`topic/poll_interval`). `top` takes the waiting messages ten times a second. At
+//! a high rate it gets only part of them, which costs nothing but samples for percentiles. Messages
+//! that were sent but not read by the command are counted separately (`here`).
 //!
 //! An open reader keeps its channel as it is. A reader that only inspects therefore leaves when the
 //! writer leaves, and returns with the next one. Otherwise a chain that is restarted with
@@ -322,7 +322,7 @@ fn nothing_runs(hint: &str) -> anyhow::Error {
     )
 }
 
-/// Adds to an error of the wire where to find the readers that take up the channel.
+/// Adds a hint to an error of the wire: where to find the readers that occupy the channel.
 fn with_a_hint<T>(result: Result<T, lariat_wire::WireError>) -> Result<T> {
     match result {
         Err(full @ lariat_wire::WireError::TooManyReaders { .. }) => {

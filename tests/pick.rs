@@ -46,7 +46,7 @@ fn what_is_printed_is_a_settings_file_that_finds_the_ropes() {
     let output = lariat(&folder, &["pick", "bars.png"]);
     assert!(output.status.success(), "{output:?}");
     let said = String::from_utf8(output.stderr).unwrap();
-    // Both masks show the same.
+    // Both masks show the same pixels.
     let (compared, drawn) = said.split_once('\n').unwrap();
     let confidences = compared
         .strip_prefix("lariat: confidence of the ropes: ")
@@ -112,7 +112,7 @@ fn several_points_choose_several_colors() {
         let output = lariat(&folder, &[&args, at].concat());
         assert!(output.status.success(), "{output:?}");
         assert_eq!(rows(&mask(&folder, "bars-mask.png")), bars);
-        // As the chain accepts it.
+        // `trace` accepts the positions in the same form.
         let traced = lariat(&folder, &[&["trace", "bars.png", "--json"], at].concat());
         assert!(traced.status.success(), "{traced:?}");
         let report: Value = serde_json::from_slice(&traced.stdout).unwrap();

@@ -120,7 +120,7 @@ fn a_rope_is_predicted_from_its_image_to_now() {
         {
             let (then, now) = (rope.shape().unwrap(), ahead.shape());
             let moved = [0, 1].map(|axis| now.point_at(0.5)[axis] - then.point_at(0.5)[axis]);
-            // The drawn rope moves at some hundred pixels a second, and the image is some
+            // The drawn rope moves at a few hundred pixels a second, and the image is a few
             // milliseconds old.
             assert!(moved[0].hypot(moved[1]) < 100.0, "{moved:?}");
             assert!(now.covariance_at(0.5)[0] > then.covariance_at(0.5)[0]);
@@ -133,7 +133,7 @@ fn a_rope_is_predicted_from_its_image_to_now() {
     assert!(chain.end().status.success());
 }
 
-/// A control loop in a separate process: this test itself, run by the one below. It prints a line
+/// A control loop in a separate process: this test itself, run by the test below. It prints a line
 /// for each frame.
 #[test]
 fn a_loop_of_its_own() {
@@ -197,7 +197,7 @@ fn of_sixteen_loops_one_is_stopped_and_one_killed_and_nobody_else_notices() {
     killed.kill();
     for each in &mut loops {
         // More messages than the buffer of any reader holds: if the chain waited for the stopped
-        // one, these would not come.
+        // reader, these messages would not come.
         each.wait_for_frames(30);
     }
     stopped.signal(Signal::CONT);

@@ -1,6 +1,6 @@
-//! `lariat service`: the files that it writes and those that it leaves alone, and that systemd
-//! accepts the unit, if there is a systemd. `crates/chain/src/notify.rs` has the tests of the
-//! manager's protocol.
+//! `lariat service`: the files that it writes and those that it leaves alone. If systemd is
+//! installed, it also checks the unit. `crates/chain/src/notify.rs` has the tests of the manager's
+//! protocol.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -180,7 +180,7 @@ fn systemd_finds_nothing_to_complain_of() {
         let mut command = Command::new("systemd-analyze");
         let output = command.args(["verify", "--man=no"]).arg(&unit).output();
         let output = output.expect("it runs");
-        // It also reports about the machine's other units.
+        // systemd-analyze also reports on the machine's other units.
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         let of_ours: Vec<_> = said
             .lines()
@@ -198,7 +198,8 @@ fn the_unit_of_the_machine_is_fenced_in() {
     let folder = TempDir::new().expect("a folder");
     let [unit, _] = units(folder.path());
     let mut command = Command::new("systemd-analyze");
-    // Out of 100, on its own scale: it calls 25 "OK", and a unit without restrictions has 96.
+    // The threshold is out of 100, on systemd's own scale. systemd calls 25 "OK", and a unit
+    // without restrictions has 96.
     command.args(["security", "--offline=true", "--threshold=25", "--no-pager"]);
     let output = command.arg(&unit).output().expect("it runs");
     assert!(

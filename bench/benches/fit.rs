@@ -2,10 +2,10 @@
 //!
 //! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
 //!
-//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does as many
-//! in registers, with the same vector width, and reads no memory. "pinv, control points alone" is
-//! that product, including reading and checking the points. A fit also computes every point's
-//! residual, a second product of the same size.
+//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does the same
+//! number in registers, with the same vector width, and reads no memory. "pinv, control points
+//! alone" is that product, including reading and checking the points. A fit also computes every
+//! point's residual, a second product of the same size.
 #![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -1,9 +1,9 @@
 //! The floor of every chain: 64 bytes forwarded by bare iceoryx2, with one publisher, one
 //! subscriber and one event per link.
 //!
-//! It does without slots loaned in advance, history, counting, and a second descriptor to wait for.
-//! Only the transport's own loan, send, notify, wake and receive remain. It serves measurements
-//! only and carries no lariat messages.
+//! It has no slots loaned in advance, no history, no counting, and no second descriptor to wait
+//! for. Only the transport's own loan, send, notify, wake and receive remain. It serves
+//! measurements only and carries no lariat messages.
 
 use std::fmt;
 use std::time::Duration;
@@ -62,7 +62,7 @@ impl RelaySender {
     pub fn send(&self, message: RelayMessage) -> Result<()> {
         let sample = self.publisher.loan_uninit().map_err(failed)?;
         sample.write_payload(message).send().map_err(failed)?;
-        // A receiver that has gone shows by missing messages.
+        // A receiver that is gone is noticed by the missing messages.
         let _ = self.notifier.notify();
         Ok(())
     }

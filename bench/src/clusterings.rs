@@ -1,6 +1,6 @@
 //! `lariat-bench clusterings`: 120 centers in the mask of a rope by the paper's four clusterings.
-//! Compares lariat's with those of scikit-learn, MiniSom and scikit-fuzzy, in turns on one thread
-//! from the same start, in one table.
+//! Compares lariat's implementations with those of scikit-learn, MiniSom and scikit-fuzzy in one
+//! table. They run in turns on one thread, from the same start.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -48,8 +48,8 @@ struct Method {
 /// Runs requested from the rival.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rival {
-    /// Both starts in every pass. Its algorithm is the same from the last frame's centers as from
-    /// any others.
+    /// Both starts in every pass. The rival's algorithm is the same from the last frame's centers
+    /// as from any others.
     Both,
     /// Only the first start, in every pass.
     Cold,

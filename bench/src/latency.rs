@@ -32,7 +32,7 @@
 //! **The tail** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a
 //! virtual machine):
 //!
-//! - Up to about 0.8 ms it is extraction. One frame in some tens gets a full extraction, which
+//! - Up to about 0.8 ms it is extraction. One frame in a few dozen gets a full extraction, which
 //!   takes 0.5 to 0.75 ms with the caches cold from tracking. The median frame takes 0.1 ms in all.
 //! - Several such frames in a row, next to the rendering, delay each other, up to 30 ms.
 //!   `slowest.txt` of `lariat run --out` shows them.
@@ -45,7 +45,7 @@
 //!
 //! `lariat-bench soak` runs a day of rope frames by a simulated clock through extraction, fit and
 //! filter (2.6 million frames in two minutes). Its last hour costs as much as the first, in time,
-//! memory and descriptors. The sink has a test with as many messages.
+//! memory and descriptors. The sink has a test with the same number of messages.
 
 mod chain;
 mod choice;

@@ -366,8 +366,7 @@ fn watch(
     Ok((judge.verdict(), counts))
 }
 
-/// Tracks the ropes. The mask is used only for a full extraction, like that of a network that takes
-/// its time.
+/// Tracks the ropes. The mask is used only for a full extraction, like the mask of a slow network.
 fn look<'a>(
     extractor: &'a mut Extractor,
     image: &Image,

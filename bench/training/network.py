@@ -2,7 +2,7 @@
 
 A U-Net (Ronneberger, Fischer and Brox, 2015) of 270,000 weights, designed for integer arithmetic.
 All activations are 0 to 127 and represent 0 to 4. Weights are -127 to 127 with a scale for each
-output channel. With `Whole` weights both are rounded like in the kernels of `crates/network`.
+output channel. With `Whole` weights both are rounded as in the kernels of `crates/network`.
 Gradients pass through the rounding (Bengio, Léonard and Courville, 2013), so the trained network is
 the one that runs.
 

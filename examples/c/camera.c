@@ -15,7 +15,7 @@
 enum { WIDTH = 640, HEIGHT = 480 };
 
 // Replace this with your camera: fill the rows and return the time of the exposure. Here: a dark
-// rope on a light table that moves up and down.
+// rope that moves up and down on a light table.
 static uint64_t grab(uint8_t *pixels, long frame) {
     memset(pixels, 220, 3 * WIDTH * HEIGHT);
     long top = 200 + labs(frame % 80 - 40);

@@ -4,7 +4,7 @@ process.
     pip install ./python
     python python/bench/writers.py [--width 640] [--height 480] [--frames 2000]
 
-No chain runs, only a reader that receives each frame, so that a slot always has been written
+No chain runs, only a reader that receives each frame, so that every slot has been written
 before.
 """
 

@@ -21,7 +21,7 @@ class Frames(_native.Frames):
 
     Args:
         rig: The camera chain: the name that it was started with (``--rig NAME``).
-        lossless: Whether the chain is started with ``--lossless``. The default follows the running
+        lossless: True if the chain is started with ``--lossless``. The default follows the running
             chain.
 
     Raises:

@@ -50,12 +50,13 @@ def trace(
             have gaps, as in a part of a larger image; an array is copied only if the pixels of a
             row are not contiguous.
         mask: The pixels that are rope. ``"auto"`` selects what differs from the table;
-            ``"network"`` uses a small neural network, for ropes on any background. Color ranges
-            such as :func:`pick` proposes are possible, one or several. An image of the same size is
-            a mask itself: ``bool``, or ``uint8``, higher where rope is more likely. Instance
-            numbers, and ropes darker than the rest, are accepted with a warning.
+            ``"network"`` uses a small neural network, for ropes on any background. One or several
+            color ranges, such as :func:`pick` proposes, select the pixels of these colors. An image
+            of the same size is used as the mask itself: ``bool``, or ``uint8``, higher where rope is
+            more likely. Instance numbers, and ropes darker than the rest, are accepted with a
+            warning.
         network: A file of weights trained on your own images, for ``mask="network"``.
-        method: How to find the centerline in the mask.
+        method: Method that finds the centerline in the mask.
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
         ropes: Maximum number of ropes reported: the most confident and longest.
         start: A rope's first point is the end nearest to this position, in px. The default is the
@@ -107,8 +108,9 @@ def fit(
     """Fits a curve to points by least squares (F. Chen, arXiv 2312.16502).
 
     By default it is the curve with the fewest control points that follows the points: a cubic Bezier
-    curve or a cubic B-spline, as ``lariat fit`` and the chain choose it. It follows them if 95 % of
-    them are within an eighth of the rope's width, at most 2 px, and all of them within half a width.
+    curve or a cubic B-spline, as ``lariat fit`` and the chain choose it. A curve follows the points
+    if 95 % of them are within an eighth of the rope's width, at most 2 px, and all of them within
+    half a width.
 
     For many centerlines with the same number of points use a :class:`Fitter`, which computes its
     matrices once.
@@ -117,21 +119,22 @@ def fit(
         points: Rows of x and y along the curve, 2 to 256, evenly spaced by arc length unless
             ``rho`` is ``"measured"``; or a :class:`Curve` of a scene.
         control_points: Number of control points, 2 to 32 (a closed curve has as many coefficients,
-            or one fewer). Without a basis they belong to a Bezier curve, as in the paper. A basis
-            without a number has 9. ``"auto"`` uses the fewest that follow the points.
+            or one fewer). Without a basis they belong to a Bezier curve, as in the paper. The
+            default with a basis is 9. ``"auto"`` uses the fewest that follow the points.
         basis: The family of open curves; ``"auto"`` chooses it, too.
         weights: Weight of each point: 0 for an unobserved one.
-        closed: Whether the first point follows the last: the curve is then a truncated Fourier
+        closed: True if the first point follows the last: the curve is then a truncated Fourier
             series. The default is that of a ``Curve``, or False.
         width: Width of the rope, in the points' unit. The default is that of a ``Curve``; without
             one, 95 % of the points must be within 2 px and all within 8.
         max_control_points: Maximum number for ``control_points="auto"``.
         degree: Degree of a B-spline's pieces.
-        knots: Where a B-spline's pieces meet: at equal steps, or depending on the points.
+        knots: Placement of the knots, where a B-spline's pieces meet: at equal steps, or depending
+            on the points.
         solver: All three give the same control points. They differ in cost and in the number of
             control points for which they are reliable.
         ridge: Penalty on second differences of the control points, for stability with many of them.
-        pin_ends: Whether the curve begins and ends exactly at the first and the last point.
+        pin_ends: Makes the curve begin and end exactly at the first and the last point.
         rho: ``"measured"`` for points that are not evenly spaced.
         robust: Gives less weight to points far from the curve.
 

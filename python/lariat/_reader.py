@@ -22,11 +22,11 @@ class Reader(_native.Reader):
                     case seen:  # Partial, Unsure, Lost, Stale, Absent
                         robot.hold(why=str(seen))
 
-    It may be opened before the chain runs, and survives restarts of the chain. Until an image
-    arrives, its latest result gets older. Iteration waits for the next image, at most ``timeout``.
-    After that it gives the same frame again, which is not new, so a loop is never blocked without
-    notice. Ctrl-C ends a wait, and other threads run during it. ``async for`` waits in the same
-    way.
+    It may be opened before the chain runs, and survives restarts of the chain. Until the next
+    image arrives, the latest result gets older. Iteration waits for the next image, at most
+    ``timeout``. After that it gives the same frame again, which is not new, so a loop is never
+    blocked without notice. Ctrl-C ends a wait, and other threads run during it. ``async for`` waits
+    in the same way.
 
     Up to 23 loops share a rig, in addition to sink; a slow, stopped or killed one disturbs neither
     the chain nor the others. A reader is used by one thread at a time; several threads open one
@@ -35,10 +35,10 @@ class Reader(_native.Reader):
     Args:
         rig: The camera chain: the name that it was started with (``--rig NAME``).
         timeout: Maximum wait for the next image, s.
-        accept_coarse: Makes a rope ``Fresh`` even if its curve does not follow it. For loops that
-            compare descriptors and do not need the curve to be on the rope. By default such a rope
-            is ``Unsure``.
-        min_confidence: The least confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a
+        accept_coarse: Makes a rope ``Fresh`` even if its curve does not follow it. Use it in loops
+            that only compare descriptors and do not need the curve to be on the rope. By default
+            such a rope is ``Unsure``.
+        min_confidence: Minimum confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a
             rope with less is ``Unsure``. Below 0.5 a curve is more likely wrong than right; 0
             accepts any.
         space: Also reads ropes in space (``rope.in_space``), from a chain with a depth camera.
@@ -67,7 +67,7 @@ class Reader(_native.Reader):
 
 
 async def _readable(descriptor: int, timeout: float) -> None:
-    """Sleeps until the descriptor is readable, or the timeout."""
+    """Sleeps until the descriptor is readable or the timeout expires."""
     loop = asyncio.get_running_loop()
     awake = loop.create_future()
 

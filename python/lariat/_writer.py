@@ -88,7 +88,7 @@ class FrameWriter(_native.Writer):
             while True:
                 frames.write(camera.read(), "bgr8")
 
-    Frames are numbered, timed and counted as those of lariat's own cameras. The chain may be
+    Frames are numbered, timed and counted like those of lariat's own cameras. The chain may be
     started before or after the writer, and restarted. A rig has one writer at a time.
     """
 
@@ -143,8 +143,8 @@ class FrameWriter(_native.Writer):
         exposed_ns: int | None = None,
         sequence: int | None = None,
     ) -> FrameSlot:
-        """Borrows the slot of the next frame, to be filled in a ``with`` without any copy. One
-        at a time."""
+        """Borrows the slot of the next frame, to be filled in a ``with`` without any copy. Only
+        one slot can be borrowed at a time."""
         for name, side in [("height", height), ("width", width)]:
             if not 1 <= side <= 8192:
                 raise ValueError(f"Invalid {name} {side}: use 1 to 8192 pixels")
@@ -172,7 +172,7 @@ class MaskWriter(_native.Writer):
         Args:
             mask: An array of the frame's size, (height, width): ``bool``; probabilities as floats
                 from 0 to 1; or ``uint8``, higher where rope is more likely.
-            frame: The frame that it was made of.
+            frame: The frame that the mask was computed from.
 
         Raises:
             TypeError, ValueError: the mask is invalid. It is then not sent, and its frame counts as
@@ -252,8 +252,9 @@ def Writer(
         channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for
             ``mask = "external"``, ``"depth"`` for ``lariat run --depth FILE``.
         rig: The camera chain: the name that it was started with (``--rig NAME``).
-        lossless: Whether it waits for slow readers, so that nothing is left out (``lariat run
-            --lossless``). The default follows the running chain; without one, it does not wait.
+        lossless: True if the writer waits for slow readers, so that nothing is left out
+            (``lariat run --lossless``). The default follows the running chain; without one, the
+            writer does not wait.
 
     Raises:
         ValueError: the name is invalid.

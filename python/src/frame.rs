@@ -53,7 +53,7 @@ impl Frame {
         self.frame().is_new()
     }
 
-    /// Age of the image when the frame was requested, s; `None` before the first.
+    /// Age of the image when the frame was requested, s; `None` before the first image.
     #[getter]
     fn age(&self) -> Option<f64> {
         self.frame().age().map(|age| age.as_secs_f64())

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Maximum duration of a single sleep, as for a reader.
 const LONGEST_SLEEP: Duration = Duration::from_secs(1);
 
-/// Reads the frames of a rig, for a network that makes masks of them.
+/// Reads the frames of a rig, for a network that computes masks from them.
 #[pyclass(frozen, subclass, module = "lariat._native")]
 pub(crate) struct Frames {
     /// `None` once closed.

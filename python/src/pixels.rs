@@ -28,7 +28,7 @@ const FORMATS: [(&str, PixelFormat, Option<usize>); 12] = [
     ("bayer_gbrg8", PixelFormat::BayerGbrg8, None),
 ];
 
-/// The pixels of an array: borrowed if its rows are contiguous, otherwise of a copy.
+/// The pixels of an array: borrowed if its rows are contiguous, otherwise copied.
 pub(crate) struct Pixels<'py> {
     array: PyReadonlyArrayDyn<'py, u8>,
     format: PixelFormat,

@@ -92,7 +92,7 @@ impl Reader {
         }
     }
 
-    /// Age of the image of the newest frame read, s; `None` before the first.
+    /// Age of the image of the newest frame read, s; `None` before the first frame.
     #[getter]
     fn age(&self) -> PyResult<Option<f64>> {
         let mut guard = self.lock()?;

@@ -96,8 +96,8 @@ impl Rope {
         Ok(Track(self.rope()?.track()))
     }
 
-    /// Age of the shape when the frame was requested, s: the time since its image was taken, and
-    /// for a lost rope since the last image that showed it.
+    /// Age of the shape when the frame was requested, s: the time since its image was taken or, for
+    /// a lost rope, since the last image that showed it.
     #[getter]
     pub(crate) fn age(&self) -> PyResult<f64> {
         Ok(self.rope()?.age().as_secs_f64())
@@ -156,7 +156,7 @@ impl Rope {
         Ok(Shape::moved(prediction.to_descriptor()))
     }
 
-    /// Its control points, of shape (control points, 2); also feature points and the center.
+    /// Its control points, of shape (control points, 2), or its feature points or center.
     #[getter]
     fn control_points<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray<f64, Ix2>> {
         views::rows(this, |rope| rope.descriptor().control_points())

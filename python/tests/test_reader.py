@@ -277,7 +277,8 @@ def test_a_descriptor_of_points_has_no_curve(states: States, reader: lariat.Read
 
 
 def test_what_was_read_stays_good(states: States, reader: lariat.Reader) -> None:
-    """However many are kept, and after the reader and the chain are gone."""
+    """Frames and arrays stay valid however many are kept, even after the reader and the chain are
+    gone."""
     kept = []
     for _ in range(40):
         states.send("whole")

@@ -96,7 +96,7 @@ pub(super) fn load(load: Option<Load>) -> Finding {
 
 /// Shared memory of one rig's channels at 640×480 and three bytes a pixel: 60 MB, measured.
 const RIG_BYTES: u64 = 58 << 20;
-/// The same at 1920×1080, which has seven times the pixels.
+/// Shared memory of one rig's channels at 1920×1080, which has seven times the pixels.
 const LARGE_RIG_BYTES: u64 = 170 << 20;
 
 /// Judges `/dev/shm` by its size and its free space, in bytes; `None` if it does not exist.

@@ -1,4 +1,4 @@
-//! Frames as numbered, lossless PNGs: each value in a picture is the one in the frame.
+//! Frames as numbered, lossless PNGs: each value in a picture equals that in the frame.
 
 use super::{Part, Written};
 use anyhow::{Context, Result, bail};

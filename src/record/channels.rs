@@ -61,8 +61,8 @@ impl Channels {
         })
     }
 
-    /// Records all waiting messages. `places` maps the picture to where descriptors have their
-    /// points, if that is not the picture.
+    /// Records all waiting messages. `places` maps the picture to the coordinates of the
+    /// descriptors' points, if those are not the picture's.
     pub(crate) fn drain(
         &mut self,
         to: &mut Recorder,

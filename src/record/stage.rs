@@ -301,7 +301,7 @@ fn dated(file: &Path) -> PathBuf {
         .extension()
         .map_or("mcap".into(), |ending| ending.to_string_lossy());
     let named = |more: &str| file.with_file_name(format!("{stem}-{stamp}{more}.{ending}"));
-    // Requested twice within a second.
+    // The ring was requested twice within a second.
     let again = (2..).map(|count| named(&format!("-{count}")));
     std::iter::once(named(""))
         .chain(again)

@@ -147,7 +147,8 @@ impl Race {
             fitted: self.count,
             ..header.trace
         };
-        // The second run finds the frame in the cache, so the two take turns.
+        // The run that comes second finds the frame in the cache, so the two take turns going
+        // first.
         let mut runs = [(&mut self.then, 0), (&mut self.now, 1)];
         if self.count.is_multiple_of(2) {
             runs.reverse();

@@ -7,7 +7,7 @@ use std::fmt;
 /// Required precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Rule {
-    /// Equal to the bit.
+    /// Equal bit for bit.
     Bits,
     /// Positions within this many pixels; other numbers within the same fraction of their value.
     Within(f64),

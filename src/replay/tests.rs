@@ -51,7 +51,7 @@ struct Making<'a> {
     cpu: Option<&'a str>,
     /// Selects the frames that extract processes, by number.
     seen: fn(u64) -> bool,
-    /// Selects those of them that fit receives.
+    /// Selects which of those frames fit receives.
     sent: fn(u64) -> bool,
     /// Makes a mask of a frame's bytes.
     mask: Option<MaskMaker>,

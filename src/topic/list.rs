@@ -48,7 +48,7 @@ struct Entry<'a> {
 
 #[derive(Serialize)]
 struct Process<'a> {
-    /// Name of its stage, if it is one.
+    /// Name of the stage, if the process is one.
     stage: Option<&'a str>,
     pid: u32,
 }

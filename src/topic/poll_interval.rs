@@ -30,7 +30,7 @@ impl PollInterval {
     }
 
     /// Takes the number of messages that came during the last interval. Returns the length of the
-    /// next one.
+    /// next interval.
     pub(super) fn after(&mut self, came: usize) -> Duration {
         let length = if 2 * came > self.buffer {
             self.length / 2

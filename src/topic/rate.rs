@@ -56,7 +56,7 @@ impl Pace {
 /// here as lost after the last stage.
 fn ended_here(channel: ChannelName, trace: &Trace, received: u64) -> Trace {
     if matches!(channel, ChannelName::Masks | ChannelName::Depth) {
-        // A mask that was not made cannot be told from one that was not read.
+        // A mask that was not made cannot be distinguished from a mask that was not read.
         let count = received + 1;
         return Trace {
             sequence: count,

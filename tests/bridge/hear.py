@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Receives a PointCloud2 topic by rclpy, and prints the age of its messages by their stamps, which
-must be of this machine's clock. It ends 3 s after the last message. Usage: hear.py TOPIC
+"""Receives a PointCloud2 topic with rclpy, and prints the age of its messages by their stamps,
+which must be on this machine's clock. It ends 3 s after the last message. Usage: hear.py TOPIC
 (tests/bridge/run starts it).
 """
 

@@ -229,7 +229,7 @@ fn without_frames_no_stage_is_ever_woken() {
     let counts = |stages: &[std::process::Child; 3]| {
         [0, 1, 2].map(|place: usize| sleeps(stages[place].id()))
     };
-    // After all is set up and the live line has reported that nothing comes.
+    // Wait until everything is set up and the live line has reported that nothing comes.
     let deadline = Instant::now() + Duration::from_secs(60);
     let mut before = counts(&stages);
     loop {

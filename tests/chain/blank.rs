@@ -57,7 +57,7 @@ impl Camera {
         None
     }
 
-    /// Does the same until it is answered, because stages that are starting miss early frames.
+    /// Sends such frames until one is answered, because stages that are starting miss early frames.
     fn show_surely(&mut self, is_blank: bool) -> (u64, Message<Descriptors>) {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {

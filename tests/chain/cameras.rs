@@ -10,7 +10,8 @@ use mcap::records::MessageHeader;
 
 use crate::rig::Bench;
 
-/// Five frames on the left one, of which each has a rope, and three on the right one, which sees a bare table.
+/// Five frames of the left camera, each with a rope, and three of the right camera, which sees a
+/// bare table.
 fn two_cameras() -> Vec<u8> {
     let (width, height) = (160, 120);
     let header = FrameHeader {

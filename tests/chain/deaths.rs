@@ -92,8 +92,8 @@ fn two_signals_at_once_are_one() {
     let bench = Bench::new();
     let mut chain = bench.start(&["--fps", "100", "--duration", "60", "--out", "out"]);
     chain.wait_for_frames();
-    // As `timeout -s INT` does, which signals the process and then its group. TERM is delivered
-    // first, so that the two do not merge.
+    // Send two signals, as `timeout -s INT` does, which signals the process and then its group.
+    // TERM is delivered first, so that the two do not merge.
     chain.signal_chain(Signal::TERM);
     chain.signal_chain(Signal::INT);
     let ended = chain.end();

@@ -138,7 +138,7 @@ fn a_program_that_wrote_before_the_chain_came_owes_it_nothing_and_what_is_lost_l
     bench.assert_nothing_is_left();
 }
 
-/// A program that writes frames in a separate process: this test itself, run by the one below.
+/// A program that writes frames in a separate process: this test itself, run by the test below.
 #[test]
 fn a_program_of_its_own() {
     if std::env::var_os("LARIAT_TEST_CAMERA").is_none() {

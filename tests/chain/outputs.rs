@@ -145,7 +145,7 @@ fn a_pipe_is_written_into_a_link_is_followed_and_a_dash_is_standard_output() {
         assert!(kind.is_symlink(), "{command:?}: the link was replaced");
         assert!(fs::read(bench.path(&named(command, "target"))).expect("there") == whole);
     }
-    // Through a link, so that an error in this rule replaces only the link.
+    // Write through a link, so that a bug in this rule replaces only the link.
     symlink("/dev/full", bench.path("full.csv")).expect("a link");
     let full = run(&bench, COMMANDS[0], &["full.csv"]);
     assert_eq!(full.status.code(), Some(1));
@@ -387,7 +387,7 @@ fn a_command_whose_output_nobody_reads_ends_in_order() {
     for command in PRINTING {
         let said = failure(&bench, command, unread());
         assert!(!said.contains("panic"), "{command:?}: {said}");
-        // A command that cannot report errors anywhere.
+        // Run a command that cannot report errors anywhere.
         let mut command = bench.command(command);
         command.stdout(Stdio::null()).stderr(unread());
         assert_eq!(

@@ -50,7 +50,8 @@ fn rope_after(reader: &mut Reader, fitted: u64) -> (u32, [f32; 2], Trace) {
     })
 }
 
-/// The output is wrapped.
+/// Checks that a recomputation reports equal results. Its output is wrapped, so the lines are
+/// joined.
 fn assert_same_to_the_bit(check: &Output) {
     let text = String::from_utf8_lossy(&check.stdout);
     let words: Vec<_> = text.split_whitespace().collect();

@@ -74,7 +74,7 @@ impl Bench {
         self.start_command(self.command(&[&["run"], arguments].concat()))
     }
 
-    /// Starts a prepared command in the same way.
+    /// Starts a prepared `lariat run` command and waits until all its stages are up.
     pub(crate) fn start_command(&self, mut command: Command) -> Running {
         let mut process = command
             .stdout(Stdio::piped())

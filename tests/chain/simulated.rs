@@ -89,7 +89,7 @@ fn the_visible_rope_is_seen_where_it_is() {
 const BLUE: &str =
     "[extract]\nmask = [{ hue_deg = [190, 250], saturation = [0.3, 1], value = [0.1, 1] }]\n";
 
-/// Mean distance of points from a line, for each point.
+/// Mean distance of the points from a line.
 fn beside(points: &[[f32; 3]], line: &[[f32; 3]]) -> f32 {
     let far = |p: &[f32; 3], q: &[f32; 3]| {
         let square = |k: usize| (p[k] - q[k]) * (p[k] - q[k]);

@@ -1,4 +1,4 @@
-//! The sink's knowledge survives its death. A new sink continues where the old one was killed, and
+//! The sink's counts survive its death. A new sink continues where the old one was killed, and
 //! every message counts as received or lost. If the whole chain is killed, the last report remains.
 
 use std::fs::{self, File};
@@ -121,7 +121,7 @@ fn a_killed_sinks_successor_goes_on_counting_where_it_stopped() {
     first.kill();
     send_frames(&writer, 101..=150);
 
-    // It is killed before anything has arrived, and the third sink continues nevertheless.
+    // The second sink is killed before anything has arrived. The third one continues nevertheless.
     Sink::start(&bench, &handover).kill();
     let mut third = Sink::start(&bench, &handover);
     send_frames(&writer, 151..=200);

@@ -125,7 +125,7 @@ fn a_channel_that_is_full_says_so_and_a_closed_pipe_or_a_signal_ends_a_reader() 
     let bench = Bench::new();
     let mut chain = bench.start(&["--fps", "100", "--duration", "60"]);
     chain.wait_for_frames();
-    // Extract reads frames too, and at most four readers can.
+    // Extract also reads frames, and at most four readers can.
     let mut readers: Vec<_> = (0..3)
         .map(|_| follow(&bench, &["echo", "frames"]))
         .collect();

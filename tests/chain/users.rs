@@ -13,7 +13,7 @@ use rustix::process::{Signal, geteuid};
 
 use crate::rig::Bench;
 
-/// Two users that no other test has, if this process may become other users.
+/// Two users that no other test uses, if this process may become other users.
 fn users() -> Option<[u32; 2]> {
     if !geteuid().is_root() {
         eprintln!("left out: only root can run lariat as two users");

@@ -5,7 +5,7 @@ that the contents are consistent.
     read.py FILE.mcap [FRAMES]
 
 Checks that every message decodes by the schema in the file, that each topic has the right number of
-messages, and that times can be restored to the bit. Each frame's centerline must lie on its truth
+messages, and that times can be restored exactly. Each frame's centerline must lie on its truth
 and its curve on its centerline, and the image must show the rope where the centerline is. With
 depth, the 3-D curve must lie on its points, and every ellipsoid must have a volume. FRAMES:
 expected number of frames. Needs requirements.txt. Only for recordings of a rendered rope.

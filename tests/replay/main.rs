@@ -149,7 +149,7 @@ fn a_chain_s_recording_comes_out_the_same_and_tells_what_it_holds() {
 fn a_recording_that_was_cut_off_is_checked_up_to_there() {
     let place = Place::new();
     let golden = std::fs::read(GOLDEN).unwrap();
-    // Without the index.
+    // Cut off the index.
     let data_end = golden.len() - 2000;
     std::fs::write(place.path("cut.mcap"), &golden[..data_end]).unwrap();
     let output = place.run(&["replay", "cut.mcap", "--check"]);

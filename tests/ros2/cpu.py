@@ -3,7 +3,7 @@
 subscribes to a rendered rope's topics at 30/s. Includes all its threads, by the kernel's own count,
 and prints the machine's load next to it.
 
-    tests/ros2/cpu.py [SECONDS]     60 each, if not said; in an environment with rclpy, as tests/ros2/run makes them. LARIAT and LARIAT_ROS2 name the programs
+    tests/ros2/cpu.py [SECONDS]     60 each by default; in an environment with rclpy, as tests/ros2/run makes them. LARIAT and LARIAT_ROS2 name the programs
 """
 
 import os

@@ -130,7 +130,7 @@ def xy(cloud):
 
 
 def apart(points, others):
-    """Mean distance of the points from the nearest of the others: ends differ by some pixels,
+    """Mean distance of the points from the nearest of the others: ends differ by a few pixels,
     because colors are blurred."""
     return np.mean([np.linalg.norm(others - point, axis=1).min() for point in points])
 

@@ -2,11 +2,12 @@
 """Compares the messages that other nodes of a ROS 2 graph receive from `lariat ros2` with the
 output of `lariat topic echo --json` for the same frames.
 
-`points`, `endpoints`, `path/<rope>`, `markers` and `diagnostics` by rclpy over Fast DDS;
-`descriptors`, whose package rclpy has only in a workspace, by Cyclone DDS, with a type made from
-the `.msg` files. Every field is compared, and each frame between a topic's first and last must have
-arrived. Then some pictures, which take a debug build longer than a frame: their size, type and
-stamp. Usage: peer.py RIG MESSAGES (tests/ros2/run starts it, with the chain and the bridge).
+rclpy receives `points`, `endpoints`, `path/<rope>`, `markers` and `diagnostics` over Fast DDS.
+Cyclone DDS receives `descriptors`, with a type made from the `.msg` files, because rclpy has that
+package only in a workspace. Every field is compared, and each frame between a topic's first and
+last must have arrived. Finally, the size, type and stamp of some pictures are compared; a picture
+takes a debug build longer than a frame. Usage: peer.py RIG MESSAGES (tests/ros2/run starts it, with
+the chain and the bridge).
 """
 
 import json
@@ -317,7 +318,7 @@ def compare_all(name, came, compare, frames, ages):
         except AssertionError as error:
             raise AssertionError(f"{name}, frame {sequence}: {error}") from error
     first, last = min(came), max(came)
-    # A rope that should not be steered by has no path.
+    # A rope that a control loop should not use has no path.
     due = [sequence for sequence, meant in frames.items() if compare is not path or steered_by(meant)]
     missing = [sequence for sequence in due if first < sequence < last and sequence not in came]
     ages.sort()

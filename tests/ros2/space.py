@@ -2,9 +2,10 @@
 """Compares 3-D ropes that other nodes of a ROS 2 graph receive from `lariat ros2` with the output
 of `lariat topic echo descriptors3 --json` for the same frames, and with the drawn rope.
 
-`points`, `endpoints`, `path/<rope>` and `markers` by rclpy, `descriptors3` by Cyclone DDS; every
-field, and each frame between a topic's first and last. Both in the camera's axes and in a robot's.
-Usage: space.py MESSAGES (tests/ros2/run starts it; LARIAT and LARIAT_ROS2 name the programs).
+rclpy receives `points`, `endpoints`, `path/<rope>` and `markers`; Cyclone DDS receives
+`descriptors3`. Every field is compared, for each frame between a topic's first and last, in the
+camera's axes and in a robot's. Usage: space.py MESSAGES (tests/ros2/run starts it; LARIAT and
+LARIAT_ROS2 name the programs).
 """
 
 import json

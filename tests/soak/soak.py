@@ -49,7 +49,7 @@ from rig import STAGES, Chain, Traces, at, command, kept, shared, wipe
 
 FAULTS = {"kill": 5, "stop": 2, "hang": 1, "set": 3, "restart": 3, "edit": 2, "reader": 3, "flush": 1, "disk": 1, "shm": 1}
 # None of these changes moves the curve away from the rope, so errors can be compared with those of
-# a run without.
+# a run without changes.
 CHANGES = ["fit.solver=qr", "fit.solver=pinv", "fit.solver=cholesky", "fit.tolerance=0.05", "fit.tolerance=0.06",
            "extract.points=120", "extract.points=140", "extract.min_confidence=0.2", "extract.ropes=3"]
 REFUSED = ["fit.control_points=100", "fit.odrer=3", "run.rig=other", "extract.network=none.weights"]

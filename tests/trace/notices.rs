@@ -1,4 +1,4 @@
-//! What the automatic mask is unsure of is said, picture by picture.
+//! Notices about the doubts of the automatic mask, picture by picture.
 
 use image::{Rgb, RgbImage};
 use tempfile::TempDir;

@@ -88,7 +88,7 @@ fn another_user_of_this_machine_needs_the_token() {
         return;
     }
     let bench = Bench::new();
-    // A user that no other test has, below 65,536, which is the limit in containers.
+    // A user that no other test uses, below 65,536, which is the limit in containers.
     let user = 30_000 + std::process::id() % 5_000;
     fs::set_permissions(bench.folder.path(), Permissions::from_mode(0o777)).expect("its folder");
     // Other users may not have access to cargo's folder.

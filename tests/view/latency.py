@@ -25,7 +25,7 @@ import threading
 
 
 class Page:
-    """A WebSocket that requests one frame after the other."""
+    """A WebSocket that requests one frame after another."""
 
     def __init__(self, port):
         self.frames = self.statuses = 0

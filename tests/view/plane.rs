@@ -30,7 +30,7 @@ fn wish(name: &str, of: &[[f64; 4]]) -> Value {
     json!({"wish": name, "points": points(of), "size": SIZE})
 }
 
-/// Makes a plane's file from four of them with the command.
+/// Makes a plane's file from four of the points with the command.
 pub(crate) fn make_plane(bench: &Bench, file: &str, more: &[&str]) {
     let four = POINTS[..4]
         .iter()

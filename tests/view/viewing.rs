@@ -21,7 +21,7 @@ impl Viewing {
         Self::start_command(bench.command(&arguments)).0
     }
 
-    /// Starts a prepared command in the same way; also returns its further output.
+    /// Starts a prepared command and reads the page's address. Also returns the rest of its output.
     pub(crate) fn start_command(mut command: Command) -> (Self, BufReader<ChildStderr>) {
         let command = command.stderr(Stdio::piped());
         let mut process = command.spawn().expect("the binary runs");

@@ -149,7 +149,8 @@ fn arm() -> Result<Picture> {
     picture(|x, y| depth_in_arm(x, y).clamp(0.0, 1.0))
 }
 
-/// Draws the arm of [`arm`] with light rims: it is black only from ten pixels inside its edges on.
+/// Draws the arm of [`arm`] with light rims: it is black only where it is more than ten pixels
+/// inside its edges.
 fn rimmed_arm() -> Result<Picture> {
     picture(depth_in_arm)
 }

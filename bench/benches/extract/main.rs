@@ -12,7 +12,7 @@
 //!   is left out.
 //!
 //! The frame is read once more, untimed, before each of them. All three then find its bytes where a
-//! stage finds them that runs right after the camera's writer: in the second-level cache, as far as
+//! stage that runs right after the camera's writer finds them: in the second-level cache, as far as
 //! they fit. Frames are aligned to a cache line, as in the chain.
 //!
 //! The cases of a table take turns, film by film, until the table's time is used up. The first turn

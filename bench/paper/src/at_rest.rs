@@ -297,8 +297,8 @@ fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
     Ok(film)
 }
 
-/// Returns the jitter in a film of the control points, of those filtered by default and as calm,
-/// and of the curve.
+/// Returns the jitter in a film: of the fitted control points, of those filtered with default and
+/// with calm options, and of the curve.
 fn tremble(film: &[Vec<[f64; 2]>], fitter: &mut Fitter) -> Result<[f64; 4], PaperError> {
     let space = fitter.curve_space()?;
     let default = FilterOptions::default();

@@ -1,5 +1,5 @@
-//! Why order 8 and not 20: condition number and noise gain by order, and the order at which noise
-//! exceeds the model's error.
+//! Condition number and noise gain by order, and the order at which noise exceeds the model's
+//! error. This shows why order 8 and not 20.
 
 mod figures;
 
@@ -26,7 +26,8 @@ struct Row {
     order: usize,
     condition: f64,
     gain: f64,
-    /// Condition number and noise gain of the cubic B-spline with as many control points.
+    /// Condition number and noise gain of the cubic B-spline with the same number of control
+    /// points.
     bspline: Option<[f64; 2]>,
     /// Median distance of the curve from exact points, px.
     model_px: f64,

@@ -85,7 +85,7 @@ fn six_digits(number: f64) -> String {
     if size != 0.0 && !(1e-4..1e9).contains(&size) {
         return format!("{number:.5e}");
     }
-    // As many decimal places as give six digits in all.
+    // Enough decimal places for six digits in all.
     let whole = if size < 1.0 {
         0
     } else {

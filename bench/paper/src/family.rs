@@ -2,7 +2,7 @@
 //! rivals it names.
 //!
 //! Each control point counts as two numbers. Each weight of a rational curve counts as one, except
-//! one weight, as only their ratios matter.
+//! one weight, because only their ratios matter.
 
 use lariat_fit::{Basis, Fit, Fitter, Options};
 

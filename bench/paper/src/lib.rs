@@ -24,7 +24,7 @@
 //! Each experiment is one module (`clusterings`, `fits`, `orders`, `robustness/`, `cost`, `rivals`,
 //! `conditioning`, `ordering`, `at_rest`). It first computes plain numbers. From these alone it
 //! makes its figure, its CSV and the sentences of its caption, so a caption cannot contradict the
-//! numbers. Tests pass in numbers of both outcomes.
+//! numbers. Tests supply numbers for both outcomes.
 //!
 //! - `shapes` holds the ropes that all experiments share, drawn or seen in pictures.
 //! - `family` holds the curves at an equal number of parameters.

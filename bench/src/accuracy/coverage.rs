@@ -79,8 +79,8 @@ mod tests {
         assert_eq!(coverage(&label, &[through(&whole)]), none);
         let half = curve(&[[10.0, 20.0], [35.0, 20.0], [60.0, 20.0]], 9.0);
         let found = coverage(&label, &[through(&half)]);
-        // Of 101 columns, those from 67 on are out of reach of a tip at 60 in every row, and those
-        // from 65 on in some rows.
+        // There are 101 columns. Those from 67 on are out of reach of a tip at 60 in every row, and
+        // those from 65 on in some rows.
         assert!((0.43..0.46).contains(&found.missed), "{found:?}");
         assert_eq!(found.stray, 0.0);
         assert_eq!(coverage(&label, &[]).missed, 1.0);
@@ -92,7 +92,7 @@ mod tests {
         let label = draw(&[half], &[], (120, 40));
         let long = curve(&[[10.0, 20.0], [60.0, 20.0], [110.0, 20.0]], 9.0);
         let found = coverage(&label, &[through(&long)]);
-        // Of 101 samples, those from 63 to 110 have no labeled pixel within 2 px.
+        // There are 101 samples. Those from 63 to 110 have no labeled pixel within 2 px.
         assert!((found.stray - 48.0 / 101.0).abs() < 1e-9, "{found:?}");
         assert_eq!(found.missed, 0.0);
     }

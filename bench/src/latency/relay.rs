@@ -146,7 +146,8 @@ pub(super) fn run(args: &RelayArgs) -> Result<()> {
     }
 }
 
-/// Sends on schedule until it is asked to stop. No process waits until the others have started.
+/// Sends on schedule until it is asked to stop. It does not wait until the other processes have
+/// started.
 fn send(args: &RelayArgs, domain: &Domain, stop: &Stop) -> Result<()> {
     let sender = RelaySender::create(domain, 0)?;
     let mut pacer = Pacer::new(Pace::Fps(args.fps))?;

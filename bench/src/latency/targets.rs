@@ -96,7 +96,7 @@ fn steady(plan: &Plan) -> Option<Target> {
     let (mut figure, best) = either(ratio("")?, ratio(".realtime"), |ratio| {
         format!("{ratio:.1} ×")
     });
-    // Occasional delays of the machine itself are in each of its figures.
+    // Occasional delays of the machine itself affect this figure too.
     let id = format!("floor.{TIMER_FIFO}");
     let timer = plan.items.iter().find(|item| item.id == id);
     if let Some(late_us) = timer.and_then(|item| item.median("p999_us")) {

@@ -108,8 +108,7 @@ fn whole(reader: &mut Reader, time: Duration) -> Result<Counts> {
     }
 }
 
-/// Reads after a sleep, like a controller with a clock of its own. The data has left the caches by
-/// then.
+/// Reads after a sleep, like a controller with its own clock. The data has left the caches by then.
 fn after_sleeps(reader: &mut Reader, time: Duration) -> Result<Counts> {
     let mut counts = Counts::new();
     let end_ns = now_ns() + time.as_nanos() as u64;

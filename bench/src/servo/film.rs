@@ -17,7 +17,7 @@ use lariat_chain::canvas::Canvas;
 const WIDTH_PX: usize = 320;
 /// Interval between two pictures of the film.
 const STEP_S: f64 = 0.1;
-/// LineStyle-ahead time of the arrows that show a gripper's motion.
+/// Look-ahead time of the arrows that show a gripper's motion.
 const AHEAD_S: f64 = 0.5;
 /// Maximum length of an arrow and radius of a turn's arrow, in pixels of the film.
 const LONGEST_PX: f64 = 44.0;

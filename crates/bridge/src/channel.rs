@@ -38,7 +38,8 @@ impl<P: Payload + ?Sized> Read<P> {
         } else {
             None
         };
-        // The ends of a channel of another version are unknown. Opening it reports that.
+        // If the channel has another version, its ends are unknown. Opening the channel reports
+        // that.
         let written =
             state.filter(|state| state.ends.as_ref().is_none_or(|ends| ends.writer.is_some()));
         let opened = match (written, &self.receiver, self.woken) {

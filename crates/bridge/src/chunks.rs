@@ -1,8 +1,8 @@
 //! Splits a picture, or a datagram that is larger than UDP can carry, into small datagrams. Each
 //! delays what comes behind it by at most 0.1 ms on a link of 100 Mbit/s. Pure.
 //!
-//! Each part is `picture (u32), index (u16), number of parts (u16)`, then bytes. If one is lost or
-//! arrives out of order, its picture is lost, and the next one wins.
+//! Each part is `picture (u32), index (u16), number of parts (u16)`, then bytes. If a part is lost
+//! or arrives out of order, its picture is lost, and the next picture wins.
 
 /// Bytes of a picture in one datagram.
 const CHUNK: usize = 1100;
@@ -47,7 +47,7 @@ impl Assembly {
         }
         let is_within = at < count && usize::from(count) <= MOST;
         if picture != self.picture || at != self.come || !is_within {
-            // The rest of it is useless, and must not match.
+            // The rest of the picture is useless, and must not match.
             self.come = u16::MAX;
             return None;
         }

@@ -202,7 +202,7 @@ fn edge(f: impl Fn(f64) -> f64, inside: f64, end: f64) -> f64 {
             outside = between;
         }
     }
-    // The outer end, so that the interval contains the true drift.
+    // Return the outer end, so that the interval contains the true drift.
     outside
 }
 
@@ -267,7 +267,7 @@ mod tests {
             });
         }
 
-        /// Returns the error of a timestamp of now, and the bound.
+        /// Returns the error of a timestamp that is taken now, and the bound.
         fn error(&self, clock: &Clock) -> (f64, f64) {
             let offset = clock.offset().expect("known");
             let here = offset.here(self.there(self.now));

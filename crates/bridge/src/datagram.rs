@@ -8,7 +8,8 @@
 //!
 //! Numbers are little endian. The tag authenticates head and content. The nonce is kind and count,
 //! under a key that only this sender has, so no nonce occurs twice. Counts only grow, so replays
-//! are detected. The receiver itself has to ask whether a sender is alive or a recording.
+//! are detected. To learn whether a sender is alive or a recording is replayed, the receiver has to
+//! ask it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -33,7 +34,7 @@ pub(crate) enum Kind {
     Ask = 0,
     /// From the near side: answers with the time.
     Answer = 1,
-    /// From the near side, as are the next two.
+    /// From the near side, like the next two kinds.
     Descriptors = 2,
     Centerlines = 3,
     Truth = 4,
@@ -158,7 +159,7 @@ pub(crate) struct Datagram<'d> {
     /// The sender's random number.
     pub(crate) process: u64,
     pub(crate) kind: Kind,
-    /// Number of this kind that the sender had sent, this one included.
+    /// Number of datagrams of this kind that the sender had sent, including this one.
     pub(crate) count: u64,
     pub(crate) says: &'d [u8],
 }

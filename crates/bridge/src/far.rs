@@ -1,7 +1,7 @@
 //! The other side: writes what arrives to the rig's channels here, with its timestamps on this
 //! machine's clock.
 //!
-//! To every reader, the rig here is that of the camera's machine. While nothing arrives, its last
+//! Readers here see the same rig as on the camera's machine. While nothing arrives, its last
 //! message ages, and readers notice that by themselves (`Seen::Stale`). The bridge asks the other
 //! side for its time 20 times per second. After [`SILENCE_NS`] without an answer it looks the name
 //! up again and reconnects. The cause may be a cut link, a killed process or an address that moved.
@@ -187,7 +187,7 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// Opens one socket after the other, each until nobody answers.
+    /// Opens one socket after another. Each is used until nobody answers.
     fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
         let mut announcement = None;
         let mut is_silent = None;
@@ -377,7 +377,7 @@ impl<'a> Far<'a> {
     /// Writes the state to the roster, for `lariat topic delay` and `lariat top`.
     fn announce(&mut self, place: &Place, announcement: &mut Option<lariat_wire::Announcement>) {
         let settings = self.link.settings(place, now_ns());
-        // Nothing depends on the roster.
+        // Ignore errors: nothing depends on the roster.
         match announcement {
             Some(announcement) => drop(announcement.renew(&settings)),
             None => *announcement = self.domain.announce(self.rig, "bridge", &settings).ok(),

@@ -16,7 +16,7 @@
 //!
 //! QUIC's datagrams (RFC 9221) obey congestion control, which treats 2 % loss as a full link. At
 //! 50 ms each way its window is then about 9 datagrams per round trip (`1.22 / √p`, Mathis and
-//! others 1997). This window allows 90 datagrams per second, and a camera has 200.
+//! others 1997). This window allows 90 datagrams per second, but a camera needs 200.
 //!
 //! Each datagram is therefore sealed here, with a key that both sides share: ChaCha20-Poly1305 of
 //! `ring` (`key`, `datagram`). Sealing does not hide that there is a bridge, when it sends or how

@@ -266,7 +266,7 @@ impl<'n> Sender<'n> {
     }
 
     /// Sends a message to all who want it. It is counted before its receivers are looked up, so a
-    /// far side that joins in between learns of it as sent before.
+    /// far side that joins in between counts it as sent before it joined.
     fn put(&mut self, message: &dyn Message, kind: Kind, wants: Wants) {
         let outgoing = &self.near.outgoing;
         outgoing.write(kind, &mut self.datagram, |to| pack(message, to));

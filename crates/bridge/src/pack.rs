@@ -13,7 +13,7 @@
 //! | hidden points | the number of points, then 0 if none is hidden, otherwise 1 and one bit each |
 //! | messages | the number of messages, then each |
 //!
-//! **Everything except the points and widths of the centerline is restored to the bit.** These are
+//! **Everything except the points and widths of the centerline is restored bit for bit.** Those are
 //! restored to 1/131070 of the rope's extent: to 0.008 px for a rope across 1000 px, where
 //! extraction is off by 0.03 px. A cubic with nine control points and 120 points takes 1.1 kB,
 //! which fits into one Ethernet frame. The struct in shared memory, with room for 24 ropes, is 120

@@ -256,7 +256,7 @@ mod tests {
         let moved = peers.ask((7, 4), &asks(moved.cookie), at(2), START);
         assert!(moved.is_some_and(|moved| moved.is_heard));
         assert_eq!(addresses(&peers, START), [at(2)]);
-        // Only one is known per address.
+        // Only one far side is known per address.
         assert!(join(&mut peers, 8, at(2), START).is_heard);
         assert_eq!(addresses(&peers, START), [at(2)]);
         let heard = (0..100)

@@ -1,5 +1,5 @@
 //! The far side's questions and the near side's answers: the time, the number of messages sent, and
-//! what the far side wants. Both have the same length, so nobody receives a longer answer than its
+//! what the far side wants. Both have the same length, so nobody receives an answer longer than the
 //! question.
 
 use crate::args::Also;

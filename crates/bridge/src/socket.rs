@@ -14,7 +14,7 @@ use crate::args::Place;
 /// Largest UDP datagram that both IPv4 and IPv6 can carry, in bytes.
 pub(crate) const LARGEST_DATAGRAM: usize = 65_507;
 
-/// Size of the receive buffer in bytes, including the kernel's overhead: some hundred datagrams.
+/// Size of the receive buffer in bytes, including the kernel's overhead: a few hundred datagrams.
 const ROOM: usize = 1 << 20;
 
 /// Priority in queues that know more than one.
@@ -28,7 +28,7 @@ pub(crate) enum Rank {
 
 impl Rank {
     /// Returns the differentiated services code point: six bits of a packet's header (RFC 2474).
-    /// Linux' own queues and Wi-Fi (RFC 8325) both honor these two. VOICE-ADMIT (RFC 5865) goes
+    /// Linux's own queues and Wi-Fi (RFC 8325) both honor these two. VOICE-ADMIT (RFC 5865) goes
     /// before everything else in either, and AF11 after everything else.
     fn class(self) -> u8 {
         match self {

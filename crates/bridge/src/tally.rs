@@ -1,10 +1,10 @@
 //! Counts what was sent, received and lost: sent = received + lost, exactly, by the sender's own
 //! count.
 //!
-//! Each datagram carries the number of its kind that its sender has sent, this one included. If the
-//! count advances by more than one, datagrams are lost. A datagram that arrives after a later one
-//! is dropped, and stays lost: nothing goes back in time. Each answer also reports the number sent,
-//! so that losses before a silence are known too.
+//! Each datagram carries the number of datagrams of its kind that its sender has sent, including
+//! this one. If the count advances by more than one, datagrams are lost. A datagram that arrives
+//! after a later one is dropped, and stays lost: nothing goes back in time. Each answer also
+//! reports the number sent, so that losses before a silence are known too.
 
 /// The counts of one sender's datagrams of one kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -71,7 +71,8 @@ const MOST_NUMBERS: usize = 64;
 /// The entry that identifies a map as a camera.
 pub(crate) const MATRIX: &str = "camera matrix";
 
-/// Reads the first camera of a text. Also returns a sentence about the others, if there are any.
+/// Reads the first camera of a text. Also returns a sentence about the other cameras, if there are
+/// any.
 pub(crate) fn read(text: &str) -> Result<(Camera, Option<String>), CalibrationError> {
     let file = document::read(text)?;
     let found = cameras::cameras(&file);

@@ -48,7 +48,7 @@ pub enum HomographyError {
     /// All points except at most one are in a line, or several coincide.
     #[error("the points lie in one line, but for at most one: spread them over the table")]
     Degenerate,
-    /// The order of the points is reversed, or similar.
+    /// No camera can see the points like this, for example because their order is reversed.
     #[error(
         "no camera sees the points so: some would lie beyond the horizon of the others. Look whether two of them, or x and y, \
          have changed places"
@@ -58,8 +58,8 @@ pub enum HomographyError {
 
 /// Maximum number of pairs; a chess board has hundreds.
 const MOST: usize = 10_000;
-/// Three points count as in a line if their triangle is lower than this share of its longest side:
-/// an error of one pixel could flip it.
+/// Three points count as collinear if the height of their triangle is less than this share of its
+/// longest side: an error of one pixel could flip it.
 const FLAT: f64 = 0.01;
 /// Maximum number of Levenberg–Marquardt steps.
 const STEPS: usize = 100;

@@ -36,7 +36,7 @@
 //!
 //! With a **depth camera** next to the color camera, [`RopeDepth`] locates a rope's points in 3-D
 //! instead: in the color camera's frame, each with the variance of its depth. With a **second color
-//! camera**, [`RopeViews`] finds out which of its ropes is which, and does the same.
+//! camera**, [`RopeViews`] matches the ropes of the two images, and does the same.
 //!
 //! This crate does no I/O and reads no clock. It allocates nothing after a [`Mapping`] was created,
 //! or after a [`RopeDepth`] or [`RopeViews`] has processed a rope. The center of the top-left pixel
@@ -64,10 +64,11 @@
 //!
 //! **Depth** (`depth`). The module's documentation says how a rope is found in a depth image,
 //! measured only inside its width, and bridged. The test draws ropes at half a meter that are
-//! lifted by up to 12 cm and cross themselves. Their depth images have 0.9 mm of noise, whole
-//! millimeters, holes and mixed edges. The centerlines in the color image are the true ones. Points
-//! are off by 0.24 mm on average, and by at most 0.61 mm in 95 of 100. 93 % of the depths are
-//! within the 95 % interval of their variances (`crates/camera/tests/all/depth.rs`).
+//! lifted by up to 12 cm and cross themselves. Their depth images have 0.9 mm of noise, holes and
+//! mixed edge pixels, and are rounded to whole millimeters. The centerlines in the color image are
+//! the true ones. Points are off by 0.24 mm on average, and by at most 0.61 mm in 95 of 100. 93 %
+//! of the depths are within the 95 % interval of their variances
+//! (`crates/camera/tests/all/depth.rs`).
 
 //!
 //! **Two views** (`views`). The module's documentation says how the points of a rope are found in a

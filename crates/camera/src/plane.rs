@@ -155,7 +155,7 @@ impl Plane {
             (Some(_), None) => false,
             (Some(own), Some(camera)) => {
                 let ([fx, fy], [cx, cy]) = (camera.focal_px(), camera.center_px());
-                // Files contain slightly fewer digits than numbers have.
+                // Files contain slightly fewer digits than floats have.
                 (own.iter().zip([fx, fy, cx, cy]))
                     .all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b.abs()))
             }

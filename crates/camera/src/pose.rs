@@ -20,11 +20,11 @@ pub enum PoseError {
 }
 
 /// Minimum distance of a camera from the frame of a robot or a table, mm. It is the shortest
-/// working distance of a lens. Lengths in meters that are read as millimeters are below it up to 10
-/// m.
+/// working distance of a lens. Lengths of up to 10 m that are given in meters by mistake are below
+/// it.
 pub const LEAST_MM: f64 = 10.0;
 /// Minimum distance between a depth camera and its color camera, mm, unless they coincide. A
-/// housing is shorter than 1 m, so that its length in meters is below this.
+/// housing is shorter than 1 m, so a distance given in meters by mistake is below this.
 pub(crate) const LEAST_BESIDE_MM: f64 = 1.0;
 /// Shifts up to this are negligible for every rope, mm: a micrometer.
 const NONE_MM: f64 = 1e-3;

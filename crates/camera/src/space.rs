@@ -43,8 +43,8 @@ pub struct SpacePoint {
     pub ray: [f64; 3],
     /// Variance of the depth, mm².
     pub variance: f64,
-    /// Share of that variance that is common to neighboring points: 0 if the point was measured by
-    /// itself, 1 if it was bridged.
+    /// Share of that variance that is common to neighboring points: 0 if the point was measured on
+    /// its own, 1 if it was bridged.
     pub in_common: f64,
     /// True if the point was measured; otherwise it is bridged from measured points.
     pub is_measured: bool,

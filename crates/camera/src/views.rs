@@ -16,9 +16,9 @@
 //!    distances from the other curve, measured across that curve, and of its bends (Gauss–Newton;
 //!    the curve between its points is a cubic). If the rope runs along the epipolar line, its
 //!    distance from the curve says almost nothing about its depth, and the spline follows its
-//!    neighbors. Such stretches are bridged, as are those under something. The weight of bends
-//!    against distances is the one that makes the distances most likely (MacKay, *Bayesian
-//!    interpolation*, 1992).
+//!    neighbors. Such stretches are bridged, as are covered ones. The weight of bends against
+//!    distances is the one that makes the distances most likely (MacKay, *Bayesian interpolation*,
+//!    1992).
 //! 3. **Estimate errors.** A depth's variance is the diagonal of the spline's inverse information
 //!    matrix, times the variance of the distances.
 //! 4. **Cut.** At an end that rises or falls, the outline continues beyond the axis and is

@@ -4,10 +4,10 @@
 
 Made with Python 3.11.7, NumPy 2.4.6, SciPy 1.17.1, OpenCV 5.0.0 (opencv-python).
 
-`lenses`: for a camera of each number of coefficients, `yaml` is the camera as cv2.FileStorage wrote
-it, and `ideal` are ideal pixels. `seen` is where cv2.projectPoints (or cv2.fisheye.distortPoints) maps
-them, and `back` is what cv2.undistortPoints (or its fisheye counterpart), iterated to 1e-15, makes of
-that.
+`lenses`: a camera for each number of coefficients. `yaml` is the camera as cv2.FileStorage wrote
+it, and `ideal` are ideal pixels. `seen` is where cv2.projectPoints (or cv2.fisheye.distortPoints)
+maps them. `back` is the result of cv2.undistortPoints (or its fisheye counterpart), iterated to
+1e-15, for `seen`.
 
 `homographies`: noisy pairs of points, the result of cv2.findHomography with method 0, and that of
 cv2.perspectiveTransform for further points (`lies`). With more than four pairs, OpenCV stops about

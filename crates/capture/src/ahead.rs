@@ -21,9 +21,9 @@ use thread::{Room, decode_ahead};
 
 /// Number of decoded frames that wait.
 const AHEAD: usize = 3;
-/// Number of own buffers: the waiting ones, one in use and one being decoded.
+/// Number of the thread's own buffers: the waiting ones, one in use and one being decoded.
 const OWN: usize = AHEAD + 2;
-/// Number of slots that are lent: the waiting ones and one being decoded.
+/// Number of slots to borrow: the waiting ones and one being decoded.
 const LENT: usize = AHEAD + 1;
 /// Maximum decoded size of a looped set that is kept.
 pub(crate) const KEPT_BYTES: u64 = 64 << 20;
@@ -113,7 +113,7 @@ pub(crate) trait Decode: Send + 'static {
     }
 }
 
-/// Properties of a set of frames that are known before the first.
+/// Properties of a set of frames that are known before the first frame.
 pub(crate) struct Plan {
     pub(crate) kind: SourceKind,
     pub(crate) largest_frame_bytes: usize,
@@ -130,7 +130,7 @@ pub(crate) struct Plan {
 /// Memory that a frame is decoded into.
 struct Buffer {
     pixels: Memory,
-    /// `None` if the source knows no truth.
+    /// `None` if the source does not know the truth.
     truth: Option<Box<Truth>>,
 }
 
@@ -199,8 +199,8 @@ pub(crate) struct Ahead {
 }
 
 impl Ahead {
-    /// Decodes the first frame, so that a set that cannot be decoded is known before a frame is
-    /// due. The others follow once there are buffers for them.
+    /// Decodes the first frame, so that a set that cannot be decoded fails before a frame is due.
+    /// The other frames follow once there are buffers for them.
     pub(crate) fn start(decoder: impl Decode, plan: Plan) -> Result<Self, SourceError> {
         let (ready_in, ready) = bounded(AHEAD);
         // Never full: it holds all buffers that exist.
@@ -353,7 +353,7 @@ impl FrameSource for Ahead {
             return Ok(Next::End);
         }
         if !std::mem::take(&mut self.is_primed) {
-            // An error is an end too.
+            // An error also ends the source.
             self.has_ended = true;
             self.has_ended = !self.turn()?;
         }
@@ -420,12 +420,12 @@ impl FrameSource for Ahead {
 }
 
 impl Drop for Ahead {
-    /// Waits until the thread has released its slots. It ends at its next message, and may write
-    /// into a slot until then.
+    /// Waits until the thread has released its slots. The thread ends at its next message, and may
+    /// write into a slot until then.
     fn drop(&mut self) {
         (self.ready, self.spare) = (None, None);
         if let Some(decoder) = self.decoder.take() {
-            // A panic was already reported where its frames were missing.
+            // A panic of the thread was already reported when its next frame was missing.
             let _ = decoder.join();
         }
     }

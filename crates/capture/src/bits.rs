@@ -1,12 +1,13 @@
-//! Samples of fewer than 16 bits, stored in 16.
+//! Samples of fewer than 16 bits, stored in 16-bit words.
 //!
-//! Cameras with 10 and 12 bits store a sample in the low bits of 16. No file format records that.
-//! The number of bits is inferred from the largest sample of the first picture, and reported.
+//! Cameras with 10 or 12 bits store each sample in the low bits of a 16-bit word. No file format
+//! records that. The number of bits is inferred from the largest sample of the first picture, and
+//! reported.
 
 /// Number of bits in a source's samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Bits {
-    /// 0 until a sample is not 0.
+    /// 0 until a nonzero sample has been seen.
     count: u32,
 }
 

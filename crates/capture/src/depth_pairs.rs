@@ -1,10 +1,10 @@
 //! Pairs picture files with depth image files: by the number or the time in their names, or by
 //! order.
 //!
-//! Data sets leave images out or stamp both kinds by different clocks, so the n-th files of two
-//! folders need not match. A number that differs in every name of a folder identifies its files.
-//! Files with equal numbers belong together. Times need not be equal: the nearest ones belong
-//! together, within three fifths of the depth images' period, as for cameras
+//! Data sets leave images out or stamp the two kinds with different clocks, so the n-th files of
+//! two folders need not match. A number that differs in every name of a folder identifies its
+//! files. Files with equal numbers belong together. Times need not be equal: the nearest ones
+//! belong together, within three fifths of the depth images' period, as for cameras
 //! ([`Pairing`](crate::pairing::Pairing)).
 
 use std::collections::{HashMap, HashSet};
@@ -91,8 +91,8 @@ impl Numbers {
         (0..count).rev().filter(differ).collect()
     }
 
-    /// Pairs of places that may mean the same: equal places only, if all names have the same count
-    /// of numbers.
+    /// Pairs of places whose numbers may mean the same. If all names have equally many numbers,
+    /// only equal places are paired.
     fn places_with(&self, other: &Self) -> Vec<(usize, usize)> {
         let counts: HashSet<usize> = self.0.iter().chain(&other.0).map(Vec::len).collect();
         let theirs = other.places();

@@ -3,8 +3,8 @@
 //!
 //! [`open()`] turns a [`Source`] into a [`FrameSource`]. The source writes each frame's pixels
 //! once, into memory that the caller lends. A [`Pacer`] decides when each frame is due. This crate
-//! does not know shared memory: the capture stage (`crates/chain/src/stages/capture.rs`) lends
-//! slots and sends them.
+//! does not handle shared memory itself: the capture stage (`crates/chain/src/stages/capture.rs`)
+//! lends slots and sends them.
 //!
 //! - [`FrameSource`], [`Frame`], [`Next`], [`SourceError`]: the interface of all sources
 //! - [`LentSlot`], [`SlotKey`]: memory lent ahead of need
@@ -20,7 +20,7 @@
 //! - Video (`video`, `mjpeg_file`): in Y4M, 4:2:0 becomes NV12, 4:1:1 and 4:2:2 YUYV, 4:4:4 RGB; 9
 //!   to 16 bits are rounded to 8.
 //! - A growing folder (`follow`): inotify reports new files.
-//! - Standard input (`piped`): live, without a thread. An end within a frame is an error.
+//! - Standard input (`piped`): live, without a thread. An end in the middle of a frame is an error.
 //! - A recording (`recorded`): keeps its gaps and pace.
 //! - A camera (`v4l2`). A depth camera is a source of its own.
 //! - Rendered and simulated ropes (`rendered`, `simulated`).
@@ -44,15 +44,15 @@
 //! | no frame for three periods | reported once, and again when frames return |
 //!
 //! A camera that cannot start ends the chain with an error. A camera that has shown a frame is
-//! never given up.
+//! retried indefinitely.
 //!
 //! # Blank frames
 //!
 //! A control loop that reads nothing cannot distinguish a missing camera from a missing chain. A
 //! camera therefore yields *blank* frames ([`Frame::blank`]): at once if its stream breaks, after
 //! three silent periods otherwise, then every 100 ms. Extract answers with `Lost` ropes whose age
-//! grows, until `keep_lost_s` is over. Blank frames are counted but not timed. The first one comes
-//! after the first image.
+//! grows, until `keep_lost_s` has passed. Blank frames are counted but not timed. The first one
+//! comes after the first image.
 //!
 //! # Known limitations
 //!

@@ -5,10 +5,10 @@
 //! size other than the negotiated one.
 //!
 //! Frames with color become `Rgb8`. The decoder converts YUV to RGB in SIMD registers while a row
-//! is at hand. Interleaved YUV would take it as long, and one more pass over memory would have to
-//! pack that into `Yuyv`. Extraction takes equally long for both formats. `Rgb8` also leaves no
-//! doubt about the range: YUV in a JPEG is BT.601 in full range (JFIF 1.02), but a camera's `YUYV`
-//! mostly has video range.
+//! is at hand. Decoding to interleaved YUV would take equally long, and packing that into `Yuyv`
+//! would need one more pass over memory. Extraction takes equally long for both formats. `Rgb8`
+//! also leaves no doubt about the range: YUV in a JPEG is BT.601 in full range (JFIF 1.02), but a
+//! camera's `YUYV` mostly has video range.
 
 mod head;
 mod tables;
@@ -25,7 +25,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use head::Head;
 
-/// The decoder holds fewer bits than this that it has read but not used.
+/// The decoder reads ahead by fewer bits than this.
 const READ_AHEAD_BITS: usize = 64;
 
 /// Why an MJPG frame cannot be decoded.
@@ -118,9 +118,9 @@ impl Mjpeg {
     /// [`format`](Self::format).
     ///
     /// Bytes after the end of the image are ignored. A missing end marker alone is harmless. This
-    /// function allocates nothing after the longest frame. The decoder itself allocates memory for
-    /// a few rows and frees it, at 640×480 with color at half the width 17 blocks of 72 kB in all.
-    /// It cannot be given memory to keep.
+    /// function itself allocates nothing once it has seen the longest frame. The decoder allocates
+    /// memory for a few rows and frees it again. At 640×480 with color at half the width, it makes
+    /// 17 allocations of 72 kB in total. It cannot be given memory to reuse.
     ///
     /// # Errors
     /// The frame is empty, cut off, damaged, of a kind that cameras do not send, or not of the

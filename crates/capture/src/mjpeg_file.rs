@@ -158,8 +158,8 @@ impl<R: Read> Scanner<R> {
         Ok(byte[0])
     }
 
-    /// Skips to the next byte 0xFF and past all that follow it. Returns the byte after them, or
-    /// `None` at the end.
+    /// Skips to the next run of 0xFF bytes and past it. Returns the byte after the run, or `None`
+    /// at the end.
     fn behind_marker_byte(&mut self) -> io::Result<Option<u8>> {
         self.at += self.reader.skip_until(0xff)? as u64;
         loop {

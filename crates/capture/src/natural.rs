@@ -5,9 +5,9 @@ use std::cmp::Ordering;
 /// Compares names piece by piece, numbers by their values. Names that differ only in leading zeros
 /// or in case are compared by their bytes. This is a total order.
 ///
-/// Digits after a point that follows digits are a fraction: `1.125` comes before `1.5`, as
-/// `f"{time.time()}.png"` needs it. Digits with more than one point (`1.2.10`, a date or a version)
-/// are whole numbers, each compared by its value.
+/// Digits after a point that follows digits are a fraction: `1.125` comes before `1.5`, which names
+/// such as `f"{time.time()}.png"` need. Digits with more than one point (`1.2.10`, a date or a
+/// version) are whole numbers, each compared by its value.
 pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
@@ -65,7 +65,7 @@ impl<'a> Digits<'a> {
     }
 
     /// Orders equal whole parts by kind: a whole number, a number with a fraction, one with several
-    /// points. Any order that does not depend on the names compared would do.
+    /// points. Any fixed order would do.
     fn cmp(&self, other: &Self) -> Ordering {
         let kind = |digits: &Self| digits.points().min(2);
         by_value(self.whole, other.whole)

@@ -14,7 +14,7 @@ use std::str::FromStr;
 
 const NS_PER_S: u64 = 1_000_000_000;
 /// A frame later than this is of no use to a control loop. Delays by a busy kernel or a host that
-/// preempts its cores are mostly shorter, and are caught up.
+/// preempts its cores are mostly shorter, and the source catches up on them.
 const TOO_LATE_NS: u64 = NS_PER_S / 10;
 
 /// Rate at which frames come.
@@ -84,9 +84,9 @@ impl Pacer {
         })
     }
 
-    /// Skips the moments that a slow source has missed, all up to `now_ns` but the last, if the
-    /// next is more than 0.1 s past. Returns how many. Without this, a source that falls behind
-    /// once would stay late for good.
+    /// Skips the due times that a slow source has missed, if the next one is more than 0.1 s in the
+    /// past: all up to `now_ns` except the last. Returns how many were skipped. Without this, a
+    /// source that falls behind once would stay late for good.
     pub fn give_up(&mut self, now_ns: u64) -> u64 {
         let (Some(start_ns), Some(period_ns)) = (self.start_ns, self.period_ns) else {
             return 0;
@@ -116,9 +116,10 @@ impl Pacer {
         due_ns
     }
 
-    /// Same for frames with a pace of their own: the next one is due `after_ns` after the first. If
-    /// `may_give_up`, a frame more than 0.1 s late delays all that follow. Returns the due time,
-    /// and the number of moments missed at the mean pace up to then.
+    /// Does the same as [`next_due_ns`](Self::next_due_ns) for frames with a pace of their own: the
+    /// next one is due `after_ns` after the first. If `may_give_up`, a frame more than 0.1 s late
+    /// delays all that follow. Returns the due time, and the number of moments missed at the mean
+    /// pace up to then.
     pub fn own_due_ns(&mut self, now_ns: u64, after_ns: u64, may_give_up: bool) -> (u64, u64) {
         let start_ns = *self.start_ns.get_or_insert(now_ns.saturating_sub(after_ns));
         let due_ns = start_ns.saturating_add(after_ns);

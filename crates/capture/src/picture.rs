@@ -22,13 +22,12 @@ use container::{chunks, format_of, readable_format};
 pub(crate) use container::{is_picture, stranger};
 pub(crate) use jpeg::{END_OF_IMAGE, START_OF_IMAGE, START_OF_SCAN, is_in_scan, is_start_of_frame};
 
-/// Maximum size of a picture. A larger one more likely has a broken header than comes from a
-/// camera.
+/// Maximum size of a picture. A larger size is more likely a broken header than a camera's picture.
 pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
 /// Number of leading bytes that include a file's size, except in unusual cases.
 const HEAD_BYTES: u64 = 64 << 10;
 
-/// The picture formats that can be shown, as words of a sentence.
+/// The picture formats that can be shown, worded for use in a sentence.
 pub const PICTURES: &str = "PNG, JPEG, WebP, TIFF, BMP or PGM";
 /// File name extensions of these formats.
 const ENDINGS: [&str; 11] = [
@@ -90,7 +89,7 @@ struct Opened<'a> {
     decoder: Box<dyn ImageDecoder + 'a>,
     /// The layout of the upright picture.
     layout: Layout,
-    /// The turn that makes the pixels upright.
+    /// How to turn the pixels upright.
     orientation: Orientation,
 }
 

@@ -94,8 +94,8 @@ impl RawFrames {
         if let Some(Self { size: [w, h], .. }) = nearest {
             return Some(format!("{w}x{h} {}", self.format.name()));
         }
-        // Prefers the fewest frames, so that one frame with two bytes per pixel does not count as
-        // two frames with one, then the first format.
+        // Prefers the fewest frames, then the first format. One frame with two bytes per pixel thus
+        // does not count as two frames with one byte per pixel.
         let formats = RawFormat::names().filter_map(RawFormat::from_name);
         let formats = formats.map(|format| Self { format, ..self });
         let other = formats

@@ -14,8 +14,8 @@ pub enum Position {
     Time(Duration),
 }
 
-/// A part of a sequence of frames. It is a sequence itself, whose frames are numbered from 1: by
-/// their numbers in the whole, frames left out by `every` would count as losses.
+/// A part of a sequence of frames. Its own frames are numbered from 1: if they kept their numbers,
+/// frames left out by `every` would count as losses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Range {
     /// First frame shown. A time selects the first frame that is not before it.

@@ -42,7 +42,7 @@ enum Order {
 
 const RED_FIRST: [usize; 3] = [0, 1, 2];
 
-/// All names and their formats. The first of several names for a format is its own name.
+/// All names and their formats. If a format has several names, its own name comes first.
 const NAMES: [(&str, Lie, ColorRange); 50] = {
     use ColorRange::{Full, Limited};
     use Lie::{Four, Known, Nv21, Nv24, Planes};

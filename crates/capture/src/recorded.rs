@@ -76,8 +76,8 @@ pub(crate) fn open_recording(options: &RecordingOptions) -> Result<Ahead, Source
         message_bytes,
     } = Opening::of(&mut first);
     let (largest, total_bytes) = match size {
-        // Only a picture file itself contains its decoded size. The others are assumed to be at
-        // most as large.
+        // The decoded size of a picture file is stored only in the file itself. Later pictures are
+        // assumed to be no larger than the first.
         Size::Unpacked(bytes) => (bytes, u64::MAX),
         Size::Raw(bytes) if largest > message_bytes as u64 + BESIDE_BYTES => {
             (largest_of(&mut first).max(bytes), total_bytes)
@@ -123,7 +123,7 @@ fn with_causes(error: &dyn std::error::Error) -> String {
 }
 
 fn span_of(range: &Range) -> Result<Span, SourceError> {
-    // Only checks for an empty range; the two may be a number and a time.
+    // Only checks for an empty range. One end may be a number and the other a time.
     if let (Some(Position::Frame(_)), Some(Position::Frame(_))) = (range.from, range.to) {
         range.frames(None)?;
     }

@@ -2,8 +2,8 @@
 //! would see it.
 //!
 //! As with a camera, a frame shows what is there at its moment. The simulation runs up to that
-//! moment, and each command takes effect when it was sent. Meanwhile the simulation stays slightly
-//! behind the clock, so that little work remains when the moment comes.
+//! moment, and each command takes effect at the time when it was sent. Meanwhile the simulation
+//! stays slightly behind the clock, so that little work remains when the moment comes.
 
 mod world;
 
@@ -20,10 +20,10 @@ use crate::source::{Frame, FrameSource, Next, SourceError};
 use crate::until::{Until, Woken};
 use world::World;
 
-/// Interval at which it reads commands between two frames. At 1000 commands per second, fewer
-/// arrive in it than can wait.
+/// Interval at which commands are read between two frames. Even at 1000 commands per second, fewer
+/// arrive in this time than the queue holds.
 const LOOK_NS: u64 = 4_000_000;
-/// Lag behind the clock between frames. A command has arrived before the simulation gets to the
+/// Lag behind the clock between frames. A command thus arrives before the simulation reaches the
 /// time when it was sent.
 const BEHIND_NS: u64 = 3_000_000;
 /// Maximum lead of a command's time over the clock. A command that claims more counts as sent now.
@@ -152,8 +152,7 @@ impl Simulated {
         }
     }
 
-    /// Waits for a frame's moment and simulates meanwhile. Returns `false` if the wait ended
-    /// before.
+    /// Waits for a frame's moment and simulates meanwhile. Returns `false` if the wait ended early.
     fn wait_for(&mut self, due_ns: u64, until: &Until) -> bool {
         loop {
             self.hear();

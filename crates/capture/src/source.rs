@@ -23,7 +23,7 @@ pub struct Frame {
     pub height: u32,
     /// Bytes from one row's start to the next.
     pub stride: u32,
-    /// How the bytes make pixels.
+    /// How the bytes encode pixels.
     pub format: PixelFormat,
     /// When the image was taken, on the clock of [`now_ns`](lariat_message::now_ns). `None` if the
     /// caller's schedule decides when it is due.

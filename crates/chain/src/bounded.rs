@@ -1,5 +1,5 @@
-//! Reads whole files up to a size limit. Without the limit, a device or a video named instead of a
-//! settings file would fill the memory.
+//! Reads whole files up to a size limit. Without the limit, naming a device or a video instead of a
+//! settings file would exhaust memory.
 
 use std::fs::File;
 use std::io::{self, Read};

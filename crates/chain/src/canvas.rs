@@ -131,7 +131,7 @@ impl Canvas {
                 .map(|(at, radius)| at + radius)
                 .fold(f64::NEG_INFINITY, f64::max)
                 + 2.0;
-            // A cast from float saturates, so a point far outside becomes the border.
+            // A cast from float saturates, so a point far outside is clamped to the border.
             bounds[axis] = [
                 low.max(0.0) as usize,
                 (high.max(0.0) as usize).min(size[axis] as usize),

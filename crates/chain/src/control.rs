@@ -23,9 +23,9 @@ use lariat_wire::{Rig, control_socket};
 const LARGEST: u64 = 1 << 20;
 /// Maximum number of clients whose requests are read at a time. Others wait.
 const MOST_CLIENTS: usize = 32;
-/// Time limits: the chain's for a client that is slow to send its request, and the client's for a
-/// chain that is busy starting a stage.
+/// Time that the chain waits for a client that is slow to send its request or to read the answer.
 const ASKING: Duration = Duration::from_secs(1);
+/// Time that a client gives a chain to answer. The chain may be busy starting a stage.
 const ANSWERING: Duration = Duration::from_secs(10);
 /// Time that a client gives a chain to try a change: six times the default `start_limit_s`.
 const TRYING: Duration = Duration::from_secs(120);
@@ -72,8 +72,8 @@ impl Asked {
 /// Sends a request to the chain of a rig and returns its answer.
 ///
 /// # Errors
-/// Returns an error if no chain runs on the rig, or if the chain refuses. The text of a refusal is
-/// the chain's.
+/// Returns an error if no chain runs on the rig, or if the chain refuses. A refusal carries the
+/// chain's own text.
 pub fn ask(rig: &str, asked: &Asked) -> Result<String> {
     let path = control_socket(&rig.parse::<Rig>()?)?;
     let mut stream = match UnixStream::connect(&path) {

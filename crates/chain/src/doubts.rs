@@ -7,7 +7,7 @@ use lariat_extract::Notice;
 /// passes through the picture must not trigger one.
 const HOLD: u32 = 10;
 /// Number of frames without a notice after which the same one is reported again. At 30 frames/s
-/// these are ten seconds. A notice that comes and goes would otherwise fill the screen.
+/// this is ten seconds. A notice that comes and goes would otherwise fill the screen.
 const FORGET: u32 = 300;
 
 /// Filters the notices of successive frames.
@@ -20,8 +20,8 @@ pub struct Doubts {
 }
 
 impl Doubts {
-    /// Takes the notice of the next frame. Returns the notice to report now, once for as long as it
-    /// holds.
+    /// Takes the notice of the next frame. Returns the notice to report now. While a notice holds,
+    /// it is returned only once.
     pub fn next(&mut self, notice: Option<Notice>) -> Option<Notice> {
         if notice != self.last {
             (self.last, self.held) = (notice, 0);

@@ -1,14 +1,14 @@
 //! Formats text for a terminal: tables and paragraphs that fit its width.
 //!
 //! If standard output is not a terminal, a line has `COLUMNS` columns, or 80 if that is not set.
-//! Pipes and logs that people read are equally narrow, and programs can use `--json`.
+//! Pipes and logs are kept that narrow because people read them; programs can use `--json`.
 
 use crate::messages;
 use rustix::termios::tcgetwinsize;
 use std::borrow::Cow;
 use std::io::stdout;
 
-/// Number of columns if it is unknown.
+/// Number of columns if the terminal's width is unknown.
 const USUAL_WIDTH: usize = 80;
 /// Minimum number of columns. A narrower terminal wraps the lines.
 const LEAST_WIDTH: usize = 40;
@@ -171,7 +171,7 @@ impl Table {
     /// Minimum width to which a column of words is shortened.
     const LEAST_WORDS: usize = 14;
 
-    /// Creates a table for rows that come one by one. The columns have their own widths.
+    /// Creates a table for rows that come one by one. Each column keeps the width it was given.
     pub fn new(columns: Vec<Column>, width: usize) -> Self {
         let is_shown = vec![true; columns.len()];
         let mut table = Self { columns, is_shown };

@@ -28,8 +28,8 @@ impl Notify {
     /// Reads `NOTIFY_SOCKET`, `WATCHDOG_USEC` and `WATCHDOG_PID`. An invalid address is logged, and
     /// nothing is sent.
     ///
-    /// The variables stay set. Whoever starts other processes must remove them there, because the
-    /// manager listens to only one process.
+    /// The variables stay set. Code that starts other processes must remove them from their
+    /// environment, because the manager listens to only one process.
     pub fn from_env() -> Self {
         let number = |name| env::var(name).ok().and_then(|text| text.parse().ok());
         let pid = number("WATCHDOG_PID");

@@ -120,7 +120,7 @@ impl Output {
     /// Writes the whole file.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written, or if it has come into existence meanwhile.
+    /// Returns an error if the file cannot be written, or if it was created meanwhile.
     pub fn write(&self, bytes: &[u8]) -> Result<()> {
         let mut file = self.begin()?;
         file.write_all(bytes)
@@ -284,8 +284,8 @@ impl Growing {
     /// Puts the file in its place.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be synced, or if a file exists meanwhile that is to be
-    /// kept.
+    /// Returns an error if the file cannot be synced, or if a file that is to be kept was created
+    /// there meanwhile.
     pub fn place(mut self) -> Result<()> {
         let path = &self.output.path;
         let about = || Output::failure(path);

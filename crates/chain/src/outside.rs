@@ -1,4 +1,4 @@
-//! Keeps the tables of `docs/outside.md` in step with the code: they list what it reads.
+//! Keeps the tables of `docs/outside.md`, which list what the code reads, in step with the code.
 
 use std::path::Path;
 

@@ -54,7 +54,7 @@ use std::path::{Path, PathBuf};
 /// The settings file that is read if none is named.
 pub const FILE_NAME: &str = "lariat.toml";
 
-/// Environment variable with the number of a descriptor of a file with a stage's settings.
+/// Environment variable with the descriptor number of the file that holds a stage's settings.
 pub const SETTINGS_FD: &str = "LARIAT_SETTINGS_FD";
 
 /// All settings of a chain, section by section.

@@ -54,7 +54,7 @@ impl Stop {
         Ok(Self { asked, pipe })
     }
 
-    /// Creates a request that ignores signals, and the stopper that makes it.
+    /// Creates a request that ignores signals, and the [`Stopper`] that triggers it.
     pub fn by_another() -> anyhow::Result<(Self, Stopper)> {
         let asked = Arc::new(AtomicBool::new(false));
         let (pipe, write) =

@@ -8,9 +8,9 @@ pub(super) const LANES: usize = 16;
 /// One number per piece.
 pub(super) type Lanes = [f32; LANES];
 
-/// Size of the tiles whose pieces form blocks. Ropes are some 5 to 40 pixels wide, and of 120
-/// centers along one the next ten are at most some 100 pixels away. Few centers therefore matter to
-/// a block.
+/// Size of the tiles whose pieces form blocks. Ropes are about 5 to 40 pixels wide. With 120
+/// centers along a rope, the nearest ten are at most about 100 pixels away. Few centers therefore
+/// matter to a block.
 const TILE_WIDTH: u32 = 32;
 const TILE_HEIGHT: u16 = 16;
 /// Runs longer than this are cut where tile columns end. Most runs across a rope stay whole.

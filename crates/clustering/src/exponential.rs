@@ -29,7 +29,8 @@ const POWERS: [f32; 7] = [
     0.000_154_697_32,
 ];
 
-/// Computes 2 to each `z` of 0 or less. A `z` below −120 is treated as −120.
+/// Computes 2 to the power of each `z`, which must be 0 or less. A `z` below −120 is treated as
+/// −120.
 #[inline(always)]
 pub(crate) fn power_of_two<S: Simd>(simd: S, z: S::f32s) -> S::f32s {
     let z = simd.max_f32s(z, simd.splat_f32s(LEAST));

@@ -21,7 +21,7 @@ use super::seeding::Seeding;
 use super::{Outcome, Pixels, Start};
 use membership::{Distortion, Memory, Moved, Round};
 
-/// Maximum number of rounds, by which J usually falls by less than a ten-thousandth per round. The
+/// Maximum number of rounds. By then, J usually falls by less than a ten-thousandth per round. The
 /// tolerance is the change of all memberships (the root of the sum of squares) below which the
 /// rounds end. It is that of scikit-fuzzy's examples, as the function has no default.
 pub(super) const MOST_ROUNDS: u32 = 300;

@@ -1,9 +1,9 @@
 //! k-means by Lloyd's rounds (S. Lloyd, Least Squares Quantization in PCM, 1982). Each round moves
 //! every center to the mean of the pixels nearest to it, until the centers stay in place.
 //!
-//! A round visits no single pixel. `nearest` finds which columns of each piece of a run belong to a
-//! center. n pixels from column a have the sum n·(a + (n − 1)/2). Sums are relative to the center,
-//! so that they give its move without cancellation.
+//! A round does not visit individual pixels. `nearest` finds which columns of each piece of a run
+//! belong to a center. n pixels from column a have the sum n·(a + (n − 1)/2). Sums are relative to
+//! the center, so that they give its move without cancellation.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -61,9 +61,10 @@ impl KMeans {
     /// Moves `centers` until they stay in place. The objective is the inertia: the sum over all
     /// pixels of the squared distance from the nearest center, in px².
     ///
-    /// A center that no pixel is nearest to moves to the pixel farthest from its own center, as in
-    /// scikit-learn. This needs a pixel that is not alone in its cell, so if there are more centers
-    /// than pixels, some stay in place. Without pixels, all centers stay and no round is run.
+    /// A center that is not the nearest of any pixel moves to the pixel farthest from its own
+    /// center, as in scikit-learn. This needs a pixel that is not alone in its cell, so if there
+    /// are more centers than pixels, some stay in place. Without pixels, all centers stay and no
+    /// round is run.
     pub fn run(&mut self, pixels: &Pixels, start: Start, centers: &mut [[f32; 2]]) -> Outcome {
         let mut outcome = Outcome {
             rounds: 0,
@@ -74,7 +75,8 @@ impl KMeans {
         }
         self.seeding.begin(pixels, start, centers);
         self.blocks.take(pixels);
-        // Rarely needed, and then not only in the first run, so reserve in advance.
+        // This memory is rarely needed, and possibly for the first time in a later run, so reserve
+        // it in advance.
         self.far.clear();
         self.far.reserve(centers.len());
         let tolerance = TOLERANCE * variance(pixels);

@@ -1,4 +1,4 @@
-//! Finds the pixels nearest to each center without visiting single pixels.
+//! Finds the pixels nearest to each center without visiting individual pixels.
 //!
 //! Along a row, the squared distance from center c is x² − 2·cₓ·x + const. The left of two centers
 //! is therefore nearer up to the column where their bisector crosses the row, and the right one
@@ -49,9 +49,8 @@ pub(super) struct Nearest {
     /// Squared distance of each center from the block's box.
     squares: Vec<Lanes>,
     pub(super) near: Vec<Near>,
-    /// First column of each near center's pixels in each piece, and the column after the last;
-    /// integers. The
-    /// range is empty if begin is not less than end.
+    /// First column of each near center's pixels in each piece, and the column after the last. Both
+    /// are integers. The range is empty if begin is not less than end.
     pub(super) begins: Vec<Lanes>,
     pub(super) ends: Vec<Lanes>,
 }

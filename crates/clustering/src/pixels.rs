@@ -20,8 +20,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// Collects the pixels of at least 128 from a mask's rows, one byte per pixel. Sides are at
-    /// most 65,535 pixels long.
+    /// Collects the pixels with a value of at least 128 from a mask's rows, one byte per pixel.
+    /// Sides are at most 65,535 pixels long.
     pub fn of_rows<'a>(rows: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let mut pixels = Self::default();
         for (y, row) in rows.into_iter().enumerate() {

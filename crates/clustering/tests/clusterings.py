@@ -6,7 +6,7 @@ src/clustering/references.rs.
 Made with Python 3.11.7, NumPy 2.4.6, MiniSom 2.3.6, scikit-learn 1.9.1, scikit-fuzzy 0.5.0. The
 pixels are those within 4.5 px of a curve that crosses itself. All three begin from the same
 centers, chosen among the pixels: each is the farthest of ten candidates from those before it. They
-end with the defaults that our modules name. The results are:
+end by the default criteria that our modules name. The results are:
 
     som        the quantization error, of 10,000 samples drawn by splitmix64
     mixture    lower_bound_ and n_iter_, from the means, weights and variances of the pixels nearest to each center,

@@ -59,7 +59,7 @@ pub struct Command<const A: usize = 3> {
     /// [`Metric`](crate::Metric). `None` before the first one.
     pub error_px: Option<f64>,
     /// Condition number of `W^½J`, with θ measured by the robot's lever: the ratio of the rope's
-    /// answers to the best and to the worst motion of the grippers. Infinite if a motion has no
+    /// responses to the best and to the worst motion of the grippers. Infinite if a motion has no
     /// effect. `None` unless steering.
     pub condition: Option<f64>,
 }
@@ -68,7 +68,7 @@ pub struct Command<const A: usize = 3> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Doing {
-    /// The servo moves one input out and back, to measure the rope's answer.
+    /// The servo moves one input out and back, to measure the rope's response.
     Exploring {
         /// The moving gripper: 1 or 2.
         gripper: usize,

@@ -141,7 +141,7 @@ mod tests {
     }
 
     /// Without drift, the filter is least squares over all steps. The initial entries are 0 ± 1/√m
-    /// (the mean square of a rope's answer is 1). After k steps of 5 px along an input, the error
+    /// (the mean square of a rope's response is 1). After k steps of 5 px along an input, the error
     /// has the variance σ²/(25 k), apart from the pull of the initial values.
     #[test]
     fn the_filter_converges_on_a_linear_map_as_least_squares_do() {

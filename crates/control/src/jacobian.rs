@@ -1,4 +1,4 @@
-//! `J = ∂s/∂r`: the answer of each coordinate of the shape to each coordinate of the grippers, px
+//! `J = ∂s/∂r`: the response of each coordinate of the shape to each coordinate of the grippers, px
 //! per px.
 
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The solution uses the eigenvectors of `A`. Its eigenvalues are the squares of the singular
-//! values `σᵢ`, the shape's answers to independent motions, and show how near to singular it is.
+//! values `σᵢ`, the shape's responses to independent motions, and show how near `A` is to singular.
 //! The component along an eigenvector is `λ uᵢ·b/(σᵢ² + μ²)`. μ grows once the smallest `σ` is
 //! below a share of the largest:
 //!
@@ -19,8 +19,9 @@ use crate::jacobian::{Jacobian, square};
 use crate::weighing::Weighing;
 use crate::{Coordinates, Features, INPUTS};
 
-/// Ratio of singular values below which damping grows. Otherwise, the law would command such a
-/// motion twenty times as fast as the others, based on a `J` that is accurate to some hundredths.
+/// Ratio of singular values below which damping grows. Otherwise, the law would command a motion
+/// with this ratio twenty times as fast as the others, based on a `J` that is accurate to some
+/// hundredths.
 const SINGULAR: f64 = 0.05;
 
 /// Velocity that the law requests.
@@ -28,7 +29,7 @@ const SINGULAR: f64 = 0.05;
 pub(crate) struct Wish {
     /// Velocity before any limit, px-like per second.
     pub(crate) velocity: Coordinates,
-    /// `σ₁/σₚ`; infinite if nothing answers.
+    /// `σ₁/σₚ`; infinite if nothing responds.
     pub(crate) condition: f64,
 }
 
@@ -85,7 +86,7 @@ impl Law {
             velocity: [0.0; INPUTS],
             condition: f64::INFINITY,
         };
-        // The shape does not answer, or the numbers overflow.
+        // The shape does not respond, or the numbers overflow.
         let answers = greatest > 1e-12 && greatest.is_finite();
         if !answers {
             return nothing;
@@ -97,7 +98,7 @@ impl Law {
         for i in (0..INPUTS).filter(kept) {
             let along: f64 = vectors[i].iter().zip(&self.right).map(|(u, b)| u * b).sum();
             let below = values[i].max(0.0) + damping;
-            // A motion without damping and without an answer is not requested.
+            // A motion without damping and without a response is not requested.
             if below > 1e-14 * greatest {
                 for (v, u) in velocity.iter_mut().zip(&vectors[i]) {
                     *v += self.gain * along / below * u;

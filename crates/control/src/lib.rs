@@ -60,7 +60,7 @@
 //!
 //! A [`SpaceServo`] has six coordinates per gripper, and shapes with three per point, in mm instead
 //! of px. Turns are rates about three axes of the gripper ([`Tool`]): two across the rope, and the
-//! rope itself. The last has the limit 0 if the rope may twist. Covariances are
+//! rope itself. The limit of the last turn is 0 if the rope may twist. Covariances are
 //! [3×3](Weights::Covariances3).
 //!
 //! # Delay

@@ -166,7 +166,7 @@ impl Limits {
         std::array::from_fn(|i| before[i] + share * (wish[i] - before[i]))
     }
 
-    /// Range of velocities that do not lead outside. Outside, only those that lead back.
+    /// Range of velocities that do not lead outside. Outside, only velocities that lead back.
     fn room(&self, input: usize, r: &Coordinates) -> (f64, f64) {
         let low = (self.least[input] - r[input]) / BORDER_S;
         let high = (self.most[input] - r[input]) / BORDER_S;

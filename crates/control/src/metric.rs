@@ -30,8 +30,8 @@ struct Curve {
 }
 
 impl Metric {
-    /// Creates the metric of a curve from rows of `B` at equal steps of ρ. A row has the share of
-    /// each control point in one point of the curve. A reader provides it as
+    /// Creates the metric of a curve from rows of `B` at equal steps of ρ. A row contains the share
+    /// of each control point in one point of the curve. A reader provides it as
     /// `Shape::jacobian_at(ρ)`. Four times as many rows as control points are plenty.
     ///
     /// # Errors

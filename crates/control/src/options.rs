@@ -17,8 +17,8 @@ pub struct Options<const A: usize = 3> {
     /// From 10⁻³ to 100. With `look_ahead`, the accuracy of `J` and the lag of the rope limit it.
     /// Without, the whole delay T does: 0.37/T is the maximum without overshoot. Default: 2.
     pub gain: f64,
-    /// μ as a share of the shape's answer to the best motion. It grows automatically when the
-    /// answer to the worst motion is nearly zero. From 0 to 1. Default: 0.05.
+    /// μ as a share of the shape's response to the best motion. It grows automatically when the
+    /// response to the worst motion is nearly zero. From 0 to 1. Default: 0.05.
     pub damping: f64,
     /// The servo stops when the shape is within this distance of the target, px. From 10⁻⁶ to 10⁴.
     /// A tolerance below the noise of the shape is never reached. Default: 2.
@@ -108,7 +108,7 @@ pub enum Estimator {
         share: f64,
     },
     /// A Kalman filter on the entries of `J`, modeled as a random walk. It tracks how accurately
-    /// each motion's answer is known, and weights by the noise.
+    /// each motion's response is known, and weights by the noise.
     Kalman {
         /// Standard deviation of an entry's change after the grippers have moved by 100 px, px per
         /// px. From 0 to 10.
@@ -119,7 +119,7 @@ pub enum Estimator {
 impl Default for Estimator {
     /// The Kalman filter. An entry is of the order of 1, and a rope bends over some hundreds of px.
     /// With 0.1, a rope on a table occasionally stalls before its target with an outdated `J`.
-    /// Above 0.3, a rope that lags is more readily mistaken for one that answers less.
+    /// Above 0.3, a rope that lags is more readily mistaken for one that responds less.
     fn default() -> Self {
         Self::Kalman { drift: 0.2 }
     }

@@ -1,6 +1,6 @@
 //! Selects the two images from which a Jacobian is learned. Between consecutive images, the
 //! grippers move by less than the noise. A pair must be far enough apart in `r` to be informative,
-//! and close enough in time to show the answer of the same rope.
+//! and close enough in time to show the response of the same rope.
 
 use crate::estimator::Pair;
 use crate::jacobian::square;
@@ -8,8 +8,8 @@ use crate::options::Learning;
 use crate::{Coordinates, Features};
 
 /// Minimum motion of the grippers, in standard deviations of the noise of `δs`. Noise then changes
-/// `J` by a third of the answer of a rope that moves as much as its grippers. With half steps, it
-/// is half of that.
+/// `J` by a third of the response of a rope that moves as much as its grippers. With half of
+/// Broyden's step, it changes `J` by half of that.
 const STEP_BY_NOISE: f64 = 3.0;
 
 /// A shape, and the grippers' positions when its image was exposed.

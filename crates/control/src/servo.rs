@@ -48,7 +48,7 @@ pub struct Servo<const A: usize = 3> {
     exposed_ns: Option<u64>,
     error_px: Option<f64>,
     commanded: Option<Commanded>,
-    /// Time since which the servo has not held.
+    /// Time at which the servo last resumed; `None` during a hold.
     resumed_ns: Option<u64>,
 }
 

@@ -130,7 +130,8 @@ impl<const D: usize> Adaptive<D> {
         &self.knots[..self.knot_count]
     }
 
-    /// Condition number of the problem that the last fit solved, mostly within a factor of √2.
+    /// Condition number of the problem that the last fit solved, in most cases accurate to a factor
+    /// of √2.
     pub(crate) fn condition(&self) -> f64 {
         self.condition
     }

@@ -19,7 +19,7 @@ pub enum ArcLengthError {
     Repeated {
         /// The earlier point, counted from 0.
         first: usize,
-        /// The later point: the next, or 0 after the last point of a closed curve.
+        /// The later point: the next one, or 0 after the last point of a closed curve.
         second: usize,
     },
     /// All points coincide.

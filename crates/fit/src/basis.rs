@@ -15,8 +15,8 @@ pub enum Knots {
     /// Denser where a rope bends, as determined from its curve. A [`SteadySize`](crate::SteadySize)
     /// computes these knots for its rope. A fitter created with them begins with even ones.
     Placed,
-    /// Averages of the points' ρ, with as many points between any two knots (Piegl and Tiller, *The
-    /// NURBS Book*, equations 9.68 and 9.69).
+    /// Averages of the points' ρ, with the same number of points between any two knots (Piegl and
+    /// Tiller, *The NURBS Book*, equations 9.68 and 9.69).
     Averaged,
 }
 

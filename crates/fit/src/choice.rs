@@ -14,7 +14,7 @@ use crate::tolerance::Tolerance;
 /// knots, so half the tolerance costs a fifth more control points.
 const MARGIN: f64 = 0.5;
 
-/// Time for which a curve may not fit before its size changes.
+/// Time for which a curve may fail to fit before its size changes.
 const PATIENCE_NS: u64 = 1_000_000_000;
 
 /// A centerline to be fitted.
@@ -46,7 +46,8 @@ pub struct Judged {
     pub is_good: bool,
     /// True if its size or its knots have changed.
     pub is_resized: bool,
-    /// True if it has not fitted for a second and no size does. Reported again each second.
+    /// True if the curve has not fitted for a second, and no other size fits. Reported again each
+    /// second.
     pub is_hopeless: bool,
 }
 
@@ -76,7 +77,7 @@ impl SteadySize {
     }
 
     /// Fits the rope as it was at `exposed_ns` with a curve of its own size. The result is the
-    /// fitter's last fit. Does not allocate, unless the rope is given knots of its own.
+    /// fitter's last fit. Does not allocate, unless the rope is given individual knots.
     ///
     /// # Errors
     /// Fails as [`Fitter::fit`] and [`Fitter::fit_weighted`] do.
@@ -141,9 +142,9 @@ impl SteadySize {
     }
 }
 
-/// Chooses the smallest size that fits with some margin. Otherwise, the smallest that fits.
-/// Otherwise, the largest, with knots where the rope bends. An existing size that does not fit is
-/// replaced by the latter only if that is much better.
+/// Chooses the smallest size that fits with some margin, or else the smallest that fits, or else
+/// the largest with knots where the rope bends. This last choice replaces an existing size only if
+/// it is much better.
 fn choose<const D: usize>(
     fitter: &mut Fitter<D>,
     line: &Line<D>,

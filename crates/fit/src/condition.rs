@@ -12,7 +12,7 @@
 //!    below the accuracy of a centerline.
 //!
 //! The first two guarantee that the descriptor exists and is unique, the third that it can be
-//! computed. The effect of *noise* in the points is another number, the noise gain
+//! computed. The effect of *noise* in the points is measured by another number, the noise gain
 //! `√max((BᵀB)⁻¹)ⱼⱼ`.
 
 use crate::basis::Basis;
@@ -20,8 +20,8 @@ use crate::functions::{self, MAX_KNOTS};
 use crate::options::Solver;
 use faer::Mat;
 
-/// Acceptable relative error of the control points: a thousandth of a pixel in a picture of a
-/// thousand, two orders of magnitude below the accuracy of a centerline.
+/// Acceptable relative error of the control points: a thousandth of a pixel in a picture a thousand
+/// pixels wide, two orders of magnitude below the accuracy of a centerline.
 const ACCURACY: f64 = 1e-6;
 
 /// Highest condition number of `B` at which `solver` keeps [`ACCURACY`].
@@ -57,7 +57,7 @@ pub(crate) fn even_knots(basis: Basis, points: usize) -> Vec<f64> {
 
 /// The matrix `B` of equation 7 on the even grid of ρ: `points` × control points.
 ///
-/// If it is mirror-symmetric, it is so exactly. The mirror image of a centerline then has the
+/// If it is mirror-symmetric, the symmetry is exact. The mirror image of a centerline then has the
 /// mirror image of its descriptor.
 pub(crate) fn matrix(basis: Basis, knots: &[f64], points: usize) -> Mat<f64> {
     let count = basis.control_points();

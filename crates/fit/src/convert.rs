@@ -1,5 +1,5 @@
 //! Converts curves to other forms: a higher or lower order, Bezier pieces, powers of ρ, two parts,
-//! reversed, with more knots. These functions allocate and are not for use in every frame.
+//! the reversed curve, more knots. These functions allocate and are not for use in every frame.
 
 mod degree;
 mod knots;

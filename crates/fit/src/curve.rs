@@ -1,5 +1,5 @@
 //! A fitted curve as its users need it: points, direction, curvature, length, the nearest point,
-//! and the derivatives of these by the control points.
+//! and the derivatives of these with respect to the control points.
 //!
 //! Every family except the Fourier series is a sequence of Bezier pieces (with weighted control
 //! points, if rational). [`Curve::new`] computes them on the stack, and all other functions use the
@@ -126,11 +126,11 @@ impl<'a, const D: usize> Curve<'a, D> {
         &self.knots[..self.knot_count]
     }
 
-    /// Writes the derivative of the curve's point at `rho` by each control point to `values`, one
-    /// number for each: `∂f(ρ)/∂sⱼ`, the same for every axis. These are the values of the basis
-    /// functions. For a rational curve, they are the rational ones, `wⱼ Bⱼ / Σ w B`.
+    /// Writes the derivative of the curve's point at `rho` with respect to each control point to
+    /// `values`, one number for each: `∂f(ρ)/∂sⱼ`, the same for every axis. These are the values of
+    /// the basis functions. For a rational curve, they are the rational ones, `wⱼ Bⱼ / Σ w B`.
     ///
-    /// Writes at most one number for each place in `values`.
+    /// If `values` is shorter, only the first ones are written.
     pub fn jacobian(&self, rho: f64, values: &mut [f64]) {
         let mut all = [0.0; MAX_CONTROL_POINTS];
         let all = &mut all[..self.control_points.len()];
@@ -149,11 +149,11 @@ impl<'a, const D: usize> Curve<'a, D> {
         }
     }
 
-    /// Writes the derivative of the curve's point at `rho` by each control point's weight to
-    /// `values`, one vector for each: `∂f(ρ)/∂wⱼ = Bⱼ (pⱼ − f) / Σ w B`, or zeros if the basis has
-    /// no weights.
+    /// Writes the derivative of the curve's point at `rho` with respect to each control point's
+    /// weight to `values`, one vector for each: `∂f(ρ)/∂wⱼ = Bⱼ (pⱼ − f) / Σ w B`, or zeros if the
+    /// basis has no weights.
     ///
-    /// Writes at most one vector for each place in `values`.
+    /// If `values` is shorter, only the first ones are written.
     pub fn weight_jacobian(&self, rho: f64, values: &mut [[f64; D]]) {
         let count = self.control_points.len().min(values.len());
         values[..count].fill([0.0; D]);
@@ -176,7 +176,8 @@ impl<'a, const D: usize> Curve<'a, D> {
         (0..self.pieces.count()).map(|index| self.pieces.piece(index))
     }
 
-    /// The `K` derivatives at `rho` from the 0th: the point, the velocity by ρ, and so on.
+    /// The first `K` derivatives with respect to ρ at `rho`, from the 0th: the point, its velocity,
+    /// and so on.
     fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {
         if self.basis.is_closed() {
             series::jet(self.control_points, rho)

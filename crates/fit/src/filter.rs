@@ -19,7 +19,8 @@
 //!
 //! **Numerical accuracy.** All computations use curve coordinates ([`CurveSpace`]), where `Q` and
 //! the usual `R` are multiples of the identity. In control points, their condition number is the
-//! square of `B`'s (2·10⁴ at order 8, far more above), and rounding would dominate a prediction.
+//! square of `B`'s (2·10⁴ at order 8, far more at higher orders), and rounding would dominate a
+//! prediction.
 
 mod error;
 mod options;
@@ -153,8 +154,9 @@ where
     /// Predicts the rope at time `t_ns`: at the last shape, ahead of it, or a little before it. The
     /// result is valid until the next call.
     ///
-    /// Going back, the acceleration between the two times is treated as unknown, although later
-    /// shapes contain information about it. The covariance is therefore conservative.
+    /// For a time before the last shape, the acceleration between the two times is treated as
+    /// unknown, although later shapes contain information about it. The covariance is therefore
+    /// conservative.
     ///
     /// # Errors
     /// Fails before the first shape, or if the time differs from the last one by more than
@@ -282,8 +284,8 @@ impl<const D: usize> Filter<D> {
         Ok(&self.prediction)
     }
 
-    /// Predicts and applies the measurement, or leaves the state unchanged if it is beyond the
-    /// gate.
+    /// Predicts and applies the measurement, or leaves the state unchanged if the measurement is
+    /// beyond the gate.
     fn go_on(&mut self, seconds: f64, gate: f64) -> FilterStep {
         let nis = self.arch.dispatch(TakeIn {
             state: &self.state,

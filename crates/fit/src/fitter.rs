@@ -20,8 +20,8 @@ use crate::spread;
 use crate::tolerance::Tolerance;
 use faer::{Mat, MatRef};
 
-/// Coordinates of this size or larger are refused. No sensor is near it, and below it the squares
-/// of residuals are still accurate enough.
+/// Coordinates of this size or larger are refused. No sensor has nearly as many pixels, and below
+/// this size the squares of residuals are still accurate enough.
 pub const MAX_COORDINATE_PX: f64 = 1e9;
 
 /// A curve fitted to a centerline, and its quality.
@@ -92,11 +92,11 @@ pub(crate) struct Size<const D: usize> {
 }
 
 enum Way<const D: usize> {
-    /// By a matrix computed in advance.
+    /// Fits by a matrix computed in advance.
     Linear,
-    /// By algebra that depends on the points.
+    /// Fits by algebra that depends on the points.
     Adaptive(Box<Adaptive<D>>),
-    /// With weights of the control points.
+    /// Also fits weights of the control points.
     Rational(Box<RationalFitter<D>>),
 }
 
@@ -247,7 +247,7 @@ where
         Ok(&self.fit)
     }
 
-    /// Computes only the control points, equation 8 of the paper, in less than half of the time.
+    /// Computes only the control points, by equation 8 of the paper, in less than half of the time.
     /// The residuals of the last fit ([`Fitter::last`]) are then NaN. If this shortcut is
     /// unavailable (another solver, weights, a size to be chosen, rational curves), it is a
     /// complete fit.
@@ -544,7 +544,7 @@ impl<const D: usize> Fitter<D> {
         let count = fit.control_points.len();
         for (j, covariance) in covariances.iter_mut().enumerate().take(count) {
             let share = fit.covariance_factor[(j, j)] / linear.covariance[(j, j)];
-            // For a pinned end of many points, both are 0.
+            // Both are 0 for a pinned end that depends on several points.
             let share = if share.is_finite() { share } else { 1.0 };
             *covariance = covariance.map(|row| row.map(|c| variance * share * c));
         }

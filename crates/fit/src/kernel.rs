@@ -11,8 +11,8 @@
 use crate::folded::{BLOCK, Points, Rows};
 use lariat_portable::{Simd, WithSimd};
 
-/// Loads points. Returns whether every coordinate is below `bound` in size, to the last bit but
-/// one. NaN is not.
+/// Loads points. Returns whether the absolute value of every coordinate is below `bound`; `false`
+/// for NaN. The last bit is not reliable.
 pub(crate) struct Load<'a, const D: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) bound: f64,
@@ -168,7 +168,7 @@ fn products<S: Simd, const D: usize>(
     }
 }
 
-/// Multiplies `ROWS` of all rows, beginning at `from`.
+/// Multiplies `ROWS` rows, beginning at row `from`.
 #[inline(always)]
 fn product_block<S: Simd, const D: usize, const ROWS: usize>(
     simd: S,

@@ -54,9 +54,9 @@
 //!    by less than a millionth.
 //!
 //! The first two guarantee that the descriptor exists and is unique, the third that it can be
-//! computed. The effect of *noise* is another number, the noise gain: the largest standard
-//! deviation of a control point for noise of 1 in the points. For 120 points
-//! (`cargo run --release -p lariat-fit --example conditions`):
+//! computed. The effect of *noise* is measured by another number, the noise gain: the largest
+//! standard deviation of a control point for noise of 1 in the points. For 120 points (`cargo run
+//! --release -p lariat-fit --example conditions`):
 //!
 //! | control points | Bezier: condition, noise gain | cubic B-spline | Fourier |
 //! |---:|---|---|---|
@@ -67,7 +67,7 @@
 //! | 25 | 7.7·10⁶, 1.7·10⁶ | 4.7, 1.3 | 1.4, 0.13 |
 //!
 //! A Bezier curve of high order is accurate, but its control points are too noisy for control.
-//! Those of a B-spline are not, in any number.
+//! Those of a B-spline are not, however many there are.
 //!
 //! # Solvers
 //!

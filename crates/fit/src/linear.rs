@@ -208,7 +208,7 @@ impl Factored {
 }
 
 /// Creates the error for a basis whose condition number exceeds the solver's limit. It names the
-/// largest basis that does not.
+/// largest basis that stays below the limit.
 fn refusal(basis: Basis, options: &Options, condition: f64) -> FitterError {
     let limit = condition::limit(options.solver);
     let is_allowed = |smaller: &Basis| {

@@ -17,7 +17,7 @@ pub const MAX_POINTS: usize = 256;
 /// cost and in the orders that they allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Solver {
-    /// The matrix `(BᵀB)⁻¹Bᵀ`, computed once: a fit is one product. The fastest.
+    /// The matrix `(BᵀB)⁻¹Bᵀ`, computed once: a fit is one product. This is the fastest method.
     Pinv,
     /// The Cholesky factor of `BᵀB`, computed once: a fit is a product and two triangular solves.
     /// Its error grows with the square of the condition number.
@@ -68,8 +68,8 @@ pub enum Weights {
     /// Weights are passed to [`Fitter::fit_weighted`](crate::Fitter::fit_weighted), for example 0
     /// for a hidden point.
     Given,
-    /// As `Given`, and less for points far from the curve (Huber 1964), reweighted at most 5 times.
-    /// A few outliers hardly move the curve.
+    /// The weights of `Given`, reduced for points far from the curve (Huber 1964) in at most 5
+    /// rounds. A few outliers then hardly move the curve.
     Robust,
 }
 

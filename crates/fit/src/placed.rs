@@ -16,7 +16,7 @@ const FLOOR: f64 = 0.05;
 const CLOSEST: f64 = 2.0;
 /// Degree of the pieces, which are cubic.
 pub(crate) const DEGREE: usize = 3;
-/// Numbers in a row of the normal equations that are not 0, from the diagonal.
+/// Number of nonzero entries in a row of the normal equations, from the diagonal on.
 const BAND: usize = DEGREE + 1;
 
 /// Finds the clamped knots of the cubic B-spline with this many control points that is nearest to

@@ -1,10 +1,10 @@
 //! Rational Bezier curves `f(ρ) = Σ wⱼ pⱼ Bⱼ(ρ) / Σ wⱼ Bⱼ(ρ)`, whose weights are estimated together
-//! with their control points. They represent curves exactly that a polynomial only approximates,
-//! such as an arc of a circle.
+//! with their control points. They represent some curves exactly that a polynomial only
+//! approximates, such as an arc of a circle.
 //!
 //! The control points are projected out (`projection`). A descent finds the most probable
 //! log-weights (`belief`, `descent`), from the weights of the previous frame or from a linearized
-//! start. If it does not converge, the result is the polynomial, and says so.
+//! start. If it does not converge, the result is the polynomial, marked as not converged.
 
 mod belief;
 mod covariance;
@@ -25,8 +25,8 @@ use faer::MatRef;
 use linearization::Model;
 
 /// Maximum ratio of a weight to the geometric mean of all weights, or vice versa. It is nine
-/// standard deviations of the prior, and a control point with a hundredth of a weight moves with a
-/// hundred times the noise.
+/// standard deviations of the prior, and a control point with a hundredth of the weight moves with
+/// a hundred times the noise.
 pub const MAX_WEIGHT: f64 = 100.0;
 
 /// Maximum number of steps from the weights of the previous frame. Two or three are enough if only
@@ -55,10 +55,10 @@ pub struct RationalFit<'a, const D: usize> {
     /// residual.
     pub degrees_of_freedom: usize,
     /// True if the weights were determined from the points. If false, all weights are 1 and the
-    /// curve is the best polynomial. There were too few points, or no weights between
+    /// curve is the best polynomial: there were too few points, or no weights between
     /// 1/[`MAX_WEIGHT`] and [`MAX_WEIGHT`] were found within the allowed steps. If the polynomial
-    /// itself passes through the points up to rounding (a straight line, a point), weights of 1 are
-    /// the answer: `converged`, in no step.
+    /// itself passes through the points up to rounding (a straight line, a point), the answer is
+    /// weights of 1, and `converged` is true after no steps.
     pub converged: bool,
     /// Number of descent steps, including those of a failed warm start, but not the up to 8 rounds
     /// of the linearized start.

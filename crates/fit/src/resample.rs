@@ -4,9 +4,9 @@
 //! In each interval, the line through the points is a cubic parametrized by chord length
 //! (Hermite's, with Bessel's tangents: those of the parabola through a point and its two
 //! neighbors). Each new point is a mean of four old ones, so the effect of noise on it is known
-//! ([`Noise`](crate::noise)). A straight line stays straight, with steps equal to the last bits,
-//! however unevenly it was seen. On an arc of radius r with chords h, lengths are too short by
-//! h²/24r² of themselves, all alike if the chords are.
+//! ([`Noise`](crate::noise)). A straight line stays straight, with steps that are equal up to
+//! rounding, however unevenly it was seen. On an arc of radius r with chords h, lengths are too
+//! short by a fraction of h²/24r². This fraction is the same everywhere if the chords are equal.
 
 use crate::options::MAX_POINTS;
 use crate::point::Point;

@@ -30,12 +30,14 @@ const SETTLED: f64 = 0.01;
 /// beyond it.
 const GROSS: f64 = 6.0;
 
-/// If no point is farther than this many `σ` from the curve of least squares, that is the start.
-/// With 120 points of Gaussian noise in two dimensions, one rope in 25 has a point beyond it.
+/// If no point is farther than this many `σ` from the curve of least squares, that curve is the
+/// start. With 120 points of Gaussian noise in two dimensions, one rope in 25 has a point beyond
+/// it.
 const SUSPECT: f64 = 4.0;
 
-/// The start from medians is used if its median distance is below this share of least squares'. If
-/// the curve is merely too stiff for its points, it has no such start, and least squares is better.
+/// The start from medians is used if its median distance is below this share of that of least
+/// squares. If the curve is merely too stiff for its points, it has no such start, and least
+/// squares is better.
 const BETTER: f64 = 0.5;
 
 /// Constants of Gaussian noise in `D` dimensions, whose length in units of its standard deviation
@@ -119,7 +121,7 @@ impl Room {
     }
 
     /// Writes the weights of the next round. Weights fall in proportion to distances beyond
-    /// `bound_px`, and even more beyond `gross` times that. Returns whether they equal the last
+    /// `bound_px`, and even more beyond `gross` times that. Returns whether they equal the previous
     /// ones, `weights`, within [`SETTLED`].
     #[inline(always)]
     fn reweigh(&mut self, squared: &[f64], weights: &[f64], bound_px: f64, gross: f64) -> bool {

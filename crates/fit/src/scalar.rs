@@ -4,7 +4,7 @@
 //! processor. But faer's algorithms are generic over the scalar. For a type without vectors they
 //! process one number at a time, in one order, and round every product. [`Real`] is that type.
 //! Factors of 120 × 32 numbers take 0.3 ms this way (0.06 ms with vectors), once for each basis,
-//! and recordings replay to the last bit on any processor.
+//! and recordings replay bit for bit on any processor.
 //!
 //! faer never calls the `simd_*` functions of its trait for such a type.
 #![allow(unsafe_code)] // Two functions of the trait are declared unsafe. Neither has a body.

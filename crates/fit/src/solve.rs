@@ -9,9 +9,9 @@ use faer::{Mat, MatRef};
 
 /// A prepared solver.
 pub(crate) enum Solve {
-    /// By the rows of `P`, in one product.
+    /// One product with the rows of `P`.
     Product(Rows),
-    /// By factors.
+    /// A solve by factors.
     Steps(Steps),
 }
 

@@ -1,12 +1,12 @@
 //! Covariances of control points if each point has an error ellipsoid of its own, as in 3-D, where
 //! distances are less certain than directions.
 //!
-//! [`Fitter::propagate`] tracks each pixel through the resampling exactly, in time N m per point's
-//! neighbors. This module takes the points at equal steps as they are. An error along the curve
-//! only makes a point slide on the curve, so it is left out of each point. It has an effect at the
-//! ends, between which everything is stretched, and through the length between them. If the
-//! direction turns by `Δtₖ`, an error lengthens the curve by `Δtₖ` times the error, and all later
-//! points slide.
+//! [`Fitter::propagate`] tracks each pixel through the resampling exactly, in time proportional to
+//! N m times the number of a point's neighbors. This module takes the points at equal steps as they
+//! are. An error along the curve only makes a point slide on the curve, so it is left out for each
+//! point. It has an effect at the ends, between which everything is stretched, and through the
+//! length between them. If the direction turns by `Δtₖ`, an error lengthens the curve by `Δtₖ`
+//! times the error, and all later points slide.
 //!
 //! Let `tₖ` be the direction at point `k`, and `Nₖ = I − tₖtₖᵀ`. `Sₖ` is the ellipsoid of
 //! independent errors there, and `Dₖ` that of errors shared by all points that a control point

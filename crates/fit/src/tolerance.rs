@@ -10,8 +10,8 @@ const STRAY: usize = 20;
 pub struct Tolerance {
     /// Maximum distance of 95 of 100 points. Default: 2 px.
     pub most: f64,
-    /// Maximum distance of all points. Default: 8 px, half the width of a rope whose eighth is 2
-    /// px.
+    /// Maximum distance of all points. Default: 8 px, half the width of a rope of 16 px, an eighth
+    /// of whose width is 2 px.
     pub all: f64,
     /// Standard deviation of the points themselves, if they are less accurate than the curve has to
     /// be. This part of a distance is not the curve's error. Default: 0.
@@ -28,7 +28,7 @@ impl Default for Tolerance {
     }
 }
 
-/// Standard deviations of noise that 95 of 100 points are within, and all of them.
+/// Distances, in standard deviations of the noise, that contain 95 of 100 points and all points.
 const NOISY: [f64; 2] = [2.0, 5.0];
 
 impl Tolerance {

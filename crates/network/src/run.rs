@@ -1,8 +1,8 @@
 //! Runs a picture through the layers.
 //!
 //! Each layer computes all its rows before the next begins. There are two exceptions, whose outputs
-//! are large and used at once. The first layer's rows are kept in a ring of four, from which the
-//! second layer reads. The last two layers compute one row at a time, which becomes rows of the
+//! are large and used at once. The first layer's rows are kept in a ring of four, and the second
+//! layer reads them there. The last two layers compute one row at a time, which becomes rows of the
 //! maps. The memory in use is therefore little more than the two skips and fits in the second-level
 //! cache.
 
@@ -170,8 +170,8 @@ impl<'a, F: FnMut(&'static str)> Run<'a, F> {
     }
 }
 
-/// Returns the three rows from `top`, of which the newest are in a ring. Rows from `height` on are
-/// the border.
+/// Returns the three rows from `top` out of a ring that holds the newest rows. Rows from `height`
+/// on are the border.
 fn ring(rows: &Plane, top: usize, height: usize) -> [&[u8]; 3] {
     [top, top + 1, top + 2].map(|y| {
         let place = if y < height { (y % RING) as isize } else { -1 };

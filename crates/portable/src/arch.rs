@@ -36,7 +36,7 @@ impl<F: NullaryFnOnce> WithSimd for F {
 pub enum Arch {
     /// The baseline registers of every machine of the architecture.
     Plain,
-    /// AVX2, with all of the third level of x86-64.
+    /// AVX2, and everything else in x86-64-v3.
     #[cfg(target_arch = "x86_64")]
     V3(V3),
     /// AVX-512.

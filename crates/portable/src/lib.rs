@@ -1,8 +1,8 @@
 //! Vector arithmetic with the same bits on every machine, at the speed of its widest registers.
 //!
-//! A recorded frame, computed again, gives the recorded descriptor to the last bit: with AVX-512,
-//! with AVX2, with neither, or on an ARM. `lariat replay --check` relies on this. IEEE 754 fixes
-//! the results of additions, products, quotients and roots; this crate fixes the rest:
+//! A recorded frame, computed again, gives the recorded descriptor bit for bit: with AVX-512, with
+//! AVX2, with neither, or on an ARM. `lariat replay --check` relies on this. IEEE 754 fixes the
+//! results of additions, products, quotients and roots; this crate fixes the rest:
 //!
 //! | differs between machines | remedy |
 //! |---|---|
@@ -22,8 +22,8 @@
 //! every pixel format, all clusterings, images of every class, every kind of fit, the filter, and
 //! curves on a plane. `tests/simd/run` does so on other processors, by emulation.
 //!
-//! The names are those of pulp, which selects the registers: code written for pulp runs here with
-//! another `use`.
+//! The names are those of pulp, which selects the registers: code written for pulp runs here with a
+//! different `use`.
 
 mod arch;
 mod convolution;

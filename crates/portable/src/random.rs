@@ -99,7 +99,7 @@ mod tests {
             counts[1][(10.0 * random.unit_f32()) as usize] += 1;
             counts[2][random.uniform(0.0, 10.0) as usize] += 1;
         }
-        // Five times the standard deviation of 95 each.
+        // Five times the standard deviation of each count, which is 95.
         assert!(
             counts.iter().flatten().all(|c| (c - 10_000).abs() < 475),
             "{counts:?}"

@@ -46,7 +46,7 @@ macro_rules! declare {
                 self.add_f32s(self.mul_f32s(a, b), c)
             }
 
-            /// The same for doubles as [`mul_add_f32s`](Self::mul_add_f32s).
+            /// The same as [`mul_add_f32s`](Self::mul_add_f32s), for doubles.
             #[inline(always)]
             fn mul_add_f64s(self, a: Self::f64s, b: Self::f64s, c: Self::f64s) -> Self::f64s {
                 self.add_f64s(self.mul_f64s(a, b), c)

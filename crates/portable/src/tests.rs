@@ -1,4 +1,4 @@
-//! Every operation equals its definition in every kind of registers, to the last bit.
+//! Every operation equals its definition bit for bit, in every kind of registers.
 
 use proptest::prelude::*;
 
@@ -38,8 +38,8 @@ fn numbers() -> impl Strategy<Value = Numbers> {
         .prop_map(|(f32s, f64s, u32s)| Numbers { f32s, f64s, u32s })
 }
 
-/// The results of every operation, as bits. All NaNs count as equal, because the result does not
-/// specify which one it is.
+/// The results of every operation, as bits. All NaNs count as equal, because it is not specified
+/// which NaN an operation returns.
 struct All<'a>(&'a Numbers);
 
 trait Bits {

@@ -1,8 +1,8 @@
 //! Converts images in encodings that frames do not have to formats that they have.
 //!
-//! The encodings are those of `sensor_msgs/image_encodings` and a few that drivers use. Extraction
-//! loses nothing it would use. Alpha is dropped, 16 bits are rounded to 8 as in picture files, and
-//! depths in meters become whole millimeters.
+//! The encodings are those of `sensor_msgs/image_encodings` and a few that drivers use. Nothing
+//! that extraction would use is lost. Alpha is dropped, 16 bits are rounded to 8 as in picture
+//! files, and depths in meters become whole millimeters.
 
 use lariat_message::PixelFormat;
 

@@ -17,7 +17,7 @@
 //! | `/R/truth` | `lariat_msgs/msg/Centerlines` | `captured_ns` |
 //! | `/R/centerlines` | `lariat_msgs/msg/Centerlines` | `extracted_ns` |
 //! | `/R/descriptors`, `/R/descriptors3` | `lariat_msgs/msg/Descriptors`, `Descriptors3` | `fitted_ns` |
-//! | `/R/annotations/ropes`, `/R/annotations/control_points` | `foxglove_msgs/msg/ImageAnnotations` | as what they draw |
+//! | `/R/annotations/ropes`, `/R/annotations/control_points` | `foxglove_msgs/msg/ImageAnnotations` | that of the message they draw |
 //! | `/R/losses` | `lariat_msgs/msg/Losses`, in each second with a loss, and at the end | now |
 //!
 //! `R` is the rig. Annotations are shifted by half a pixel, as Foxglove counts from corners. Masks
@@ -37,9 +37,9 @@
 //! ```
 //!
 //! - **The chain does not wait.** The recorder (`src/record`) is a separate process. Only
-//!   `descriptors` wake it, when a frame's work is done; `looks` covers the rest. A full queue
-//!   drops and counts messages, with a reserve for small ones. With `--lossless` every message
-//!   wakes the recorder, which waits for room.
+//!   `descriptors` wake it, when a frame's work is done; for the rest it polls (`looks`). A full
+//!   queue drops and counts messages, with a reserve for small ones. With `--lossless` every
+//!   message wakes the recorder, which waits for room.
 //! - **A file is never broken.** Chunks (512 KiB, or a second) are built in memory and written at
 //!   once. Room for each message, the open chunk and the index is reserved beforehand (`space`), so
 //!   a file on a full disk still closes with its index. A failed write is undone to the last whole
@@ -57,8 +57,8 @@
 //! or damaged, a scan from record to record replaces it (`scan`). Lengths are checked before use,
 //! and so are the sizes of unpacked chunks. A chunk with a wrong checksum is reported and skipped.
 //! A cursor unpacks chunks into memory that it reuses, and lends each message until the next. A
-//! range selects frames by time from the message indexes, without unpacking, with all messages
-//! about them.
+//! range selects frames by time, with all messages about them, from the message indexes without
+//! unpacking.
 //!
 //! # Known limitations
 //!

@@ -233,7 +233,7 @@ impl Drop for Incoming {
 
 const COMPRESSED: (&str, &str) = ("sensor_msgs", "CompressedImage");
 
-/// Topics of files are recognized by `image_transport`'s names.
+/// Topics of image files are recognized by the names of `image_transport`.
 fn image_kind(topic: &str) -> (&'static str, &'static str) {
     if topic.ends_with("/compressed") {
         COMPRESSED
@@ -269,7 +269,7 @@ impl Reader {
     /// Reads until `ended`. Reports on `ready` when the rig's writers are open, or why they are
     /// not.
     fn read(self, feeds: &Feeds, ended: oneshot::Receiver<()>, ready: &Sender<Result<()>>) {
-        // Declared before everything that is in it.
+        // Declared first, so that it is dropped after everything that is in it.
         let domain = match Domain::open() {
             Ok(domain) => domain,
             Err(cause) => return drop(ready.send(Err(cause.into()))),

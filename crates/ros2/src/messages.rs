@@ -1,8 +1,8 @@
 //! Converts lariat's messages to ROS's own types, as CDR. Pure: no I/O, no clock.
 //!
 //! Lengths are meters in space, and on the plane if the rig has one (`mm`). Otherwise they are
-//! pixels of the image, or of an ideal one if there is only a lens; a number in a ROS message is
-//! then one pixel, as [`Scale`] defines. On the plane z is 0.
+//! pixels of the image, or of an ideal image if there is only a lens. A length of 1 in a ROS
+//! message is then one pixel, as [`Scale`] defines. On the plane z is 0.
 
 mod camera_info;
 mod diagnostics;

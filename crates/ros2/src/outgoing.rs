@@ -173,7 +173,7 @@ impl<'a> Outgoing<'a> {
             &self.diagnostics,
         ];
         // A rope's own topic exists only after the rope was detected, but may have subscribers
-        // before.
+        // before that.
         let path = graph.is_heard_below(self.paths.prefix());
         Wanted {
             descriptors: centerlines || frames || path || heard(&shapes),

@@ -4,9 +4,9 @@
 //! elsewhere are polled. A setting without a value is not a parameter.
 //!
 //! Only settings that the chain can change between two frames are parameters. RustDDS 0.15 cannot
-//! send a service response larger than a datagram, and one with the values of all settings would
-//! be. (For a message in fragments it writes the response's address with a byte too many: an
-//! `Option` instead of its contents.)
+//! send a service response larger than a datagram, and a response with the values of all settings
+//! would be larger. (For a message in fragments it writes the response's address with a byte too
+//! many: an `Option` instead of its contents.)
 
 use std::collections::BTreeMap;
 use std::thread;
@@ -25,8 +25,8 @@ const SECTIONS: [&str; 3] = ["extract", "fit", "camera"];
 /// Interval at which changes made elsewhere are polled.
 const LOOK_NS: u64 = 5_000_000_000;
 
-/// Makes a client's parameters the chain's settings. The thread that calls this one already knows
-/// the current settings, so parameters that it sets itself are not sent to the chain.
+/// Makes a client's parameters the chain's settings. The calling thread already knows the current
+/// settings, so parameters that it sets itself are not sent to the chain.
 pub(crate) fn options(rig: &Rig) -> NodeOptions {
     let (rig, own) = (rig.clone(), thread::current().id());
     NodeOptions::new()

@@ -214,7 +214,7 @@ impl Limits {
         let share = if speed_px_s.is_finite() {
             self.speed_px_s / speed_px_s.max(self.speed_px_s)
         } else {
-            // Also if the square of a number overflows, which no real command does.
+            // This is also the case if the square of a number overflows, as with no real command.
             0.0
         };
         let turn = |v: f64| if v.is_nan() { 0.0 } else { v };

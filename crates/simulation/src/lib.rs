@@ -26,7 +26,7 @@
 //!
 //! Pure: no I/O, no clock, no threads, and no allocation within a step. Sums have a fixed order,
 //! roots are IEEE's and sines are libm's. Therefore the same commands give the same rope on every
-//! machine, to the last bit.
+//! machine, bit for bit.
 //!
 //! # How the chain shows it
 //!

@@ -15,8 +15,8 @@ pub struct Options {
     pub length_px: f64,
     /// Number of nodes of the rope, 21 to 201. Their spacing is half the length of the jaws.
     pub nodes: usize,
-    /// Bending stiffness per mass of length, in m⁴/s²: 0.01 to 1. A cable of 30 g/m with 3 mN m²
-    /// has 0.1.
+    /// Bending stiffness divided by the mass per length, in m⁴/s²: 0.01 to 1. A cable of 30 g/m
+    /// with 3 mN m² has 0.1.
     pub stiffness: f64,
     /// Coefficient of friction with the table, 0 to 1.
     pub friction: f64,
@@ -34,7 +34,7 @@ pub struct Limits {
     pub speed_px_s: f64,
     /// Maximum turn rate of a gripper, in rad/s: above 0, at most 3.
     pub turn_rad_s: f64,
-    /// Time for which it moves without a new command, in seconds.
+    /// Time for which the robot keeps moving without a new command, in seconds.
     pub watchdog_s: f64,
     /// Minimum distance of a gripper from the picture's edge, in pixels: less than a quarter of the
     /// picture.

@@ -52,7 +52,7 @@ const TABLE_DAMPING_PER_S: f64 = 1400.0;
 pub(crate) struct Material {
     /// Length of a segment.
     pub(crate) segment_px: f64,
-    /// Bending stiffness per mass of a pixel's length, in px⁴/s².
+    /// Bending stiffness divided by the mass of a pixel's length, in px⁴/s².
     pub(crate) bending_px4_s2: f64,
     /// Coefficient of friction with the table.
     pub(crate) friction: f64,
@@ -82,8 +82,8 @@ impl Energy {
     }
 }
 
-/// One constraint at the current positions: its value, and its gradient at the nodes from its first
-/// one on.
+/// One constraint at the current positions: its value, and its gradient at each of its nodes, from
+/// the first one on.
 #[derive(Debug, Clone, Copy)]
 struct Constraint<const D: usize> {
     value: f64,
@@ -97,7 +97,7 @@ struct Constraint<const D: usize> {
 struct Mobility {
     /// 0 if a gripper holds the node, 1 if nothing resists.
     along: f64,
-    /// Remaining share of it along z.
+    /// Share of `along` that remains in the z direction.
     up: f64,
 }
 

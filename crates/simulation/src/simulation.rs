@@ -8,7 +8,8 @@ use crate::shape::{bow, lay, poses};
 
 /// A rope on a table, held by grippers.
 ///
-/// The same options and the same commands at the same steps give the same rope, to the last bit, on every machine.
+/// The same options and the same commands at the same steps give the same rope, bit for bit, on
+/// every machine.
 #[derive(Debug, Clone)]
 pub struct Simulation(Held<2, 3, 5, Pose>);
 

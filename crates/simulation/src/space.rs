@@ -16,7 +16,8 @@ const START_MM: [f64; 2] = [60.0, 90.0];
 /// A rope held by grippers above a table at z = 0, with z up. The origin of x and y is the middle
 /// of the visible part. A millimeter corresponds to a pixel in the plane.
 ///
-/// The same options and the same commands at the same steps give the same rope, to the last bit, on every machine.
+/// The same options and the same commands at the same steps give the same rope, bit for bit, on
+/// every machine.
 #[derive(Debug, Clone)]
 pub struct SpaceSimulation(Held<3, 6, 11, SpacePose>);
 

@@ -76,7 +76,7 @@ impl TargetShape {
         }
     }
 
-    /// Poses for a rope of these options: those of the shape, slightly moved and turned by the
+    /// Poses for a rope with these options: those of the shape, slightly moved and turned by the
     /// seed.
     fn poses(self, options: &Options) -> [Pose; 2] {
         let random = &mut SplitMix64::of_stream(options.seed, 2);
@@ -87,7 +87,7 @@ impl TargetShape {
         poses(&line, heading)
     }
 
-    /// Returns the shape that the rope of these options takes when it is slowly moved there from
+    /// Returns the shape that the rope with these options takes when it is slowly moved there from
     /// its start, as `points` points.
     ///
     /// # Errors
@@ -106,7 +106,7 @@ impl TargetShape {
     }
 
     /// Returns the shape that a lifted rope takes. Seen from above, it is the same shape. Its ends
-    /// are held at heights and tilts of the seed, and the part between them sags.
+    /// are held at heights and tilts chosen by the seed, and the part between them sags.
     ///
     /// # Errors
     /// Returns the same errors as [`reached`](Self::reached).

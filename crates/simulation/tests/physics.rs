@@ -123,7 +123,7 @@ fn friction_holds_a_rope_at_rest_and_nothing_else_does() {
             ..of_seed(3)
         };
         let mut simulation = Simulation::new(&options).unwrap();
-        // The free end is bent to the side, because it was laid like that.
+        // The free end is bent to the side, because it was laid out that way.
         let before = simulation.nodes().to_vec();
         for _ in 0..3000 {
             simulation.step();

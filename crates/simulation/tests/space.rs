@@ -49,8 +49,8 @@ fn dance(
     }
 }
 
-/// A stiff rope, held level at one end. At each node, the moment of all weight beyond bends it by M
-/// ℓ/B.
+/// A stiff rope, held level at one end. At each node, the moment M of all weight beyond it bends
+/// the rope by M ℓ/B.
 #[test]
 fn a_rope_held_by_one_end_bends_by_its_weight_as_a_beam_does() {
     let options = Options {
@@ -69,7 +69,8 @@ fn a_rope_held_by_one_end_bends_by_its_weight_as_a_beam_does() {
     let wanted_mm: f64 = (0..free.len())
         .map(|node| turn(node) * (free.len() - 1 - node) as f64 * segment_mm)
         .sum();
-    // Between the engineering beam, w L⁴/8B, and one that is a segment longer.
+    // The sag is between that of an engineering beam, w L⁴/8B, and that of a beam one segment
+    // longer.
     let beam_mm = |length: f64| 9810.0 * length.powi(4) / 8e12;
     let free_mm = options.length_px - simulation.jaw_mm();
     assert!((beam_mm(free_mm)..beam_mm(free_mm + segment_mm)).contains(&wanted_mm));

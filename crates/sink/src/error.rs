@@ -68,7 +68,7 @@ impl Heap {
         (self.sum_px, self.histogram.len())
     }
 
-    /// Returns the figures, or empty ones without a distance.
+    /// Returns the figures. They are empty if there is no distance.
     pub(crate) fn distances(&self) -> Distances {
         if self.histogram.is_empty() {
             return Distances::default();
@@ -98,7 +98,7 @@ pub(crate) struct Comparison {
     pub(crate) frames: u64,
     /// Frames that contain a rope but no curve at all.
     pub(crate) frames_without_curve: u64,
-    /// True ropes, over all frames, that are nearest to no curve.
+    /// True ropes, over all frames, to which no curve was matched.
     pub(crate) ropes_without_curve: u64,
     /// Curves with an invalid coordinate, or in a frame without a rope.
     pub(crate) curves_of_nothing: u64,
@@ -185,8 +185,8 @@ impl Compared {
         }
     }
 
-    /// Returns the comparison for the live line: that of centerlines, or that of curves without
-    /// centerlines.
+    /// Returns the comparison for the live line: that of centerlines or, if there are none, that of
+    /// curves.
     pub(crate) fn shown(&self) -> &Comparison {
         match self.centerline.frames {
             0 => &self.curve,
@@ -194,7 +194,7 @@ impl Compared {
         }
     }
 
-    /// Copies what has changed in another one since the last call.
+    /// Copies what has changed in `other` since the last call.
     pub(crate) fn follow(&mut self, other: &Self) {
         self.centerline.follow(&other.centerline);
         self.curve.follow(&other.curve);
@@ -301,8 +301,8 @@ fn distances(
     let scale = rope.points.len() as f64 / points.len() as f64;
     let mut sum = 0.0;
     for (i, (distance, point)) in into.iter_mut().zip(points).enumerate() {
-        // Both are evenly spaced, so equal fractions of the indices are near each other, apart from
-        // the direction.
+        // Both lines are evenly spaced, so points at equal fractions of the indices are near each
+        // other, unless the directions differ.
         *distance = rope.distance(*point, longest_step, (i as f64 * scale) as usize);
         sum += *distance;
         if sum >= least {

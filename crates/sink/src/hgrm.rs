@@ -48,7 +48,7 @@ pub(crate) fn write(times: &Times, out: &mut impl Write) -> Result<()> {
     )
 }
 
-/// Reads a distribution of durations. Its mean is that of the steps.
+/// Reads a distribution of durations. Its mean is computed from the steps.
 pub(crate) fn read(text: &str) -> Option<Times> {
     let mut times = Times::default();
     let mut before = 0;

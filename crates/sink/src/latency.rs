@@ -33,7 +33,8 @@ impl Row {
         way.chain([Self::Overhead, Self::Links, Self::Jitter])
     }
 
-    /// Returns the name of the row in `summary.json`, if it is there, and of its `.hgrm` file.
+    /// Returns the name of the row's `.hgrm` file, which is also its key in `summary.json` if it
+    /// appears there.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Way(Step::Received) => "total",

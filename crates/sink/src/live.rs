@@ -6,8 +6,8 @@ use crate::losses::Ledger;
 use crate::times::Times;
 use std::fmt::Write;
 
-/// Length of the interval that the figures of the line cover. At 0.9 s, a caller who comes once a
-/// second, and a little early, gets new figures each time.
+/// Length of the interval that the figures of the line cover. At 0.9 s, a caller that asks once a
+/// second, and sometimes a little early, gets new figures each time.
 const INTERVAL_NS: u64 = 900_000_000;
 
 /// Longest latency that the line distinguishes from longer ones: 10 s.
@@ -54,8 +54,8 @@ impl Live {
 
     /// Notes a message with this many visible curves.
     pub(crate) fn received(&mut self, curves: usize, total_ns: Option<u64>, received_ns: u64) {
-        // The first message starts the first interval. Later messages count the periods that end in
-        // it.
+        // The first message starts the first interval. Each later message ends a frame period,
+        // which is counted.
         match self.since_ns {
             None => self.since_ns = Some(received_ns),
             Some(_) => self.frames += 1,

@@ -9,11 +9,11 @@
 //! of a mask.
 //!
 //! A stage that its chain restarts continues its counter and reports the restart in the trace.
-//! Frames lost between the last message before and the first one after, on any link, were lost at
-//! that restart (`at_restart`). A stage of a chain that was restarted as a whole counts from 1
-//! again, so the difference is the counter itself. No stage sends more than it receives, therefore
-//! Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1. If such a restart violates this, a frame that proves that a message was
-//! sent takes precedence.
+//! Frames lost on any link between the last message before the restart and the first one after it
+//! were lost at that restart (`at_restart`). A stage of a chain that was restarted as a whole
+//! counts from 1 again, so the difference is the counter itself. No stage sends more than it
+//! receives, therefore Δs ≥ Δc ≥ Δe ≥ Δf ≥ 1. If the counters after such a restart violate this,
+//! the later stage's step counts for both, because a stage cannot send what it did not receive.
 //!
 //! On another machine, the bridge is one more stage, which counts the messages that it writes
 //! there, Δb. Then Δf − Δb were lost on the way to that machine, and Δb − 1 after it.
@@ -118,7 +118,8 @@ impl Ledger {
     pub fn received(&mut self, trace: &Trace, received_ns: u64) -> Arrival {
         let counts = [trace.captured, trace.extracted, trace.fitted, trace.bridged];
         if counts.iter().any(|&count| count > LARGEST_COUNT) || trace.fitted_ns > received_ns {
-            // If counted, it would be ahead of all later messages, and none of them would count.
+            // If this message were counted, it would be ahead of all later messages, and none of
+            // those would count.
             self.stale += 1;
             return Arrival::Stale;
         }
@@ -271,8 +272,8 @@ impl Ledger {
                     count.max(least)
                 }
                 Some(count) => {
-                    // Fewer than the next stage sent: it was restarted and has passed its old count
-                    // again.
+                    // The step is smaller than the next stage's: this stage was restarted, and its
+                    // new count has passed the old one.
                     again[i] = count - before[i] < least;
                     (count - before[i]).max(least)
                 }

@@ -12,7 +12,7 @@ pub struct Options {
     ///
     /// Then every counter began at 1, and everything missing before the first message was lost. If
     /// false, counting begins at the first message. The service keeps the newest message, so the
-    /// first one may be older than the sink. It is received, but says nothing about latency.
+    /// first one may be older than the sink. It counts as received, but says nothing about latency.
     pub from_start: bool,
 }
 
@@ -53,9 +53,9 @@ pub struct FinalCounts {
 /// Counts of a depth camera's images.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthCounts {
-    /// Images that it delivered.
+    /// Images that the camera delivered.
     pub images: u64,
-    /// Images that it numbered but did not deliver.
+    /// Images that the camera numbered but did not deliver.
     pub lost: u64,
     /// Delivered images that belonged to no frame.
     pub unpaired: u64,

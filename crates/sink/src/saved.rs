@@ -14,7 +14,7 @@
 
 use thiserror::Error;
 
-/// Version of the format. Other versions are not read, because a sink is followed by one of the
+/// Version of the format. Other versions are not read, because a sink's successor comes from the
 /// same executable.
 const VERSION: u8 = 3;
 

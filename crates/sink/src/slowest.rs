@@ -11,7 +11,7 @@ use std::fmt::{self, Write};
 /// Number of frames kept.
 const KEPT: usize = 20;
 
-/// The frames with the longest time from exposure to reception. Keeping another one allocates
+/// The frames with the longest time from exposure to reception. Adding another frame allocates
 /// nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Slowest {
@@ -50,8 +50,8 @@ impl Slowest {
     }
 
     /// Returns a table of the slowest frames, slowest first. It shows the steps in microseconds,
-    /// and the one that exceeded its median most. `start_ns` is the arrival time of the first
-    /// message.
+    /// and names the step that exceeded its median most. `start_ns` is the arrival time of the
+    /// first message.
     pub(crate) fn table(&self, latency: &Latency, start_ns: u64) -> Result<String, fmt::Error> {
         let mut passages = self.passages.clone();
         passages.sort_unstable_by_key(|kept| (Reverse(total_ns(kept)), kept.trace.sequence));

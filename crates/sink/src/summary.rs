@@ -14,7 +14,7 @@ pub struct Summary {
     pub finished: bool,
     /// Number of frames, and the losses.
     pub frames: Frames,
-    /// Missing depth images, if the chain uses depth. FrameTruth at the end of the chain.
+    /// Missing depth images, if the chain uses depth. They are known at the end of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<Depth>,
     /// Latencies in microseconds.
@@ -51,7 +51,7 @@ pub struct Depth {
     pub frames_without: Option<u64>,
     /// Images that the chain's own depth camera delivered.
     pub images: Option<u64>,
-    /// Images that it numbered but did not deliver.
+    /// Images that the camera numbered but did not deliver.
     pub lost: Option<u64>,
     /// Delivered images that belonged to no frame.
     pub unpaired: Option<u64>,
@@ -88,8 +88,8 @@ pub struct Lost {
     pub source: u64,
     /// Sent by capture, never by extract, except those in `mask`.
     pub capture: u64,
-    /// Skipped by extract because the frame's external mask was late. FrameTruth at the end of the
-    /// chain; until then these are in `capture`.
+    /// Skipped by extract because the frame's external mask was late. Known at the end of the
+    /// chain; until then these frames are in `capture`.
     pub mask: u64,
     /// Sent by extract, never by fit.
     pub extract: u64,
@@ -134,13 +134,13 @@ pub struct Latencies {
 pub struct Spread {
     /// The median.
     pub p50: Option<f64>,
-    /// 90 % are not longer.
+    /// 90 % of the times are not longer.
     pub p90: Option<f64>,
-    /// 99 % are not longer.
+    /// 99 % of the times are not longer.
     pub p99: Option<f64>,
-    /// 99.9 % are not longer.
+    /// 99.9 % of the times are not longer.
     pub p999: Option<f64>,
-    /// The longest.
+    /// The longest time.
     pub max: Option<f64>,
     /// The mean.
     pub mean: Option<f64>,
@@ -149,9 +149,9 @@ pub struct Spread {
 /// Distances from the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// Points of the centerlines.
+    /// Distances of the points of centerlines.
     pub centerline: Distances,
-    /// Points of the fitted curves.
+    /// Distances of points on the fitted curves.
     pub curve: Distances,
 }
 
@@ -160,11 +160,11 @@ pub struct Errors {
 pub struct Distances {
     /// The mean.
     pub mean: Option<f64>,
-    /// 95 % are not larger.
+    /// 95 % of the distances are not larger.
     pub p95: Option<f64>,
-    /// 99.9 % are not larger. A single frame cannot change this figure.
+    /// 99.9 % of the distances are not larger. A single frame cannot change this figure.
     pub p999: Option<f64>,
-    /// The largest.
+    /// The largest distance.
     pub max: Option<f64>,
 }
 

@@ -116,7 +116,7 @@ fn limit(report: &Report, f: &mut Formatter<'_>) -> Result {
         Row::Way(Step::WaitSink),
     ];
     let waiting = waits.into_iter().filter_map(|row| median_us(report, row));
-    // A paced frame is ready before it is due, so the time until it is sent is the wake-up.
+    // A paced frame is ready before it is due, so the time until it is sent is that of the wake-up.
     let sending = match period {
         Some(_) => "sending a frame after it was due",
         None => "capture",

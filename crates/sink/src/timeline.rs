@@ -13,7 +13,7 @@ const KEPT: usize = 1000;
 /// The rows, in the order of the data.
 const STAGES: [&str; 4] = ["capture", "extract", "fit", "sink"];
 
-/// The last 1,000 frames. Keeping another one allocates nothing.
+/// The last 1,000 frames. Adding another frame allocates nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Timeline {
     passages: Vec<Passage>,

@@ -82,8 +82,8 @@ fn heading(view: &View) -> Line<'static> {
                 (0, _) | (_, 0) => add("no image".into(), BAD),
                 (width, height) => add(format!("{width}×{height}"), Style::new()),
             }
-            // The age of a frame that waits for this update means nothing. The age of the last
-            // frame does.
+            // A short age only shows how long the frame waited for this update. A long one means
+            // that no more frames arrive.
             if shape.age_s > 1.0 {
                 add(format!("silent for {:.0} s", shape.age_s), BAD);
             }

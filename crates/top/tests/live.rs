@@ -1,6 +1,6 @@
 //! Tests `lariat top` in a real terminal.
 
-// Written for the chain's own tests, so parts are unused here.
+// This module was written for the chain's own tests, so parts of it are unused here.
 #[allow(dead_code)]
 #[path = "../../../tests/chain/rig.rs"]
 mod rig;

@@ -36,7 +36,7 @@ export class Film {
     this.#asked = null;
     const place = moment.said.number - 1;
     if (place !== this.place && !this.#plays) {
-      // The user has gone further in the meantime.
+      // The user has moved on in the meantime.
       this.#ask(this.place);
       return;
     }

@@ -50,7 +50,7 @@ export class Live {
     if (this.isPaused) return;
     this.#history.add(moment);
     await this.#show(moment);
-    // Ask for the next one when this one is on the screen, and not while the page is hidden.
+    // Ask for the next moment when this one is on the screen, but not while the page is hidden.
     requestAnimationFrame(() => this.connected());
   }
 

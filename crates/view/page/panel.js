@@ -9,7 +9,7 @@ const STAGES = ["capture", "extract", "fit", "sink"];
 
 /**
  * Shows the status, which the server sends four times per second. `isOfOther`: true if the page
- * shows something else than the status describes.
+ * shows something other than what the status describes.
  */
 export function showStatus(status, isOfOther) {
   by("rig").textContent = status.rig ?? status.film?.name ?? "";

@@ -3,7 +3,7 @@
 
 import { digits, element } from "./words.js";
 
-/** Corners of a sheet of A4, which is mostly at hand. The user may enter others. */
+/** Corners of a sheet of A4, which is usually at hand. The user may enter other points. */
 const SHEET = [[0, 0], [297, 0], [297, 210], [0, 210]];
 const LEAST = 4;
 

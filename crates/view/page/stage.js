@@ -13,7 +13,7 @@ export class Stage {
   #mask = null;
   #layers = new Set();
   #marks = null;
-  /** Zoom relative to what fits, and where the middle of the view is in the image, 0 to 1. */
+  /** Zoom relative to the size that fits, and the middle of the view in the image, from 0 to 1. */
   #zoom = 1;
   #middle = [0.5, 0.5];
   #due = false;

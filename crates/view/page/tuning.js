@@ -4,8 +4,8 @@
 import { element } from "./words.js";
 
 /**
- * Settings, each shown as a slider, a switch or a choice. A slider that is `even` is even in the
- * logarithm, and spans decades.
+ * Settings, each shown as a slider, a switch or a choice. An `even` slider has a logarithmic scale,
+ * and spans decades.
  */
 const SETTINGS = [
   { title: "Rope", of: [

@@ -1,6 +1,6 @@
-//! The table's plane, from points that were clicked in the picture. The server judges them while
-//! they come. Then it writes the plane into the file that the chain's `[camera] plane` names, which
-//! the chain reads.
+//! The table's plane, from points that were clicked in the picture. The server judges the points as
+//! they are added. Then it writes the plane into the file that `[camera] plane` of the chain names,
+//! and the chain reads that file.
 
 use std::path::{Path, PathBuf};
 

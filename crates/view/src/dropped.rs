@@ -18,7 +18,7 @@ use crate::moment::{Image, Moment};
 
 /// Maximum number of pixels of a picture: three times those of a 4K camera.
 const MOST_PIXELS: u64 = 25_000_000;
-/// Held while a picture is traced, because each takes some hundred megabytes.
+/// Held while a picture is traced, because each takes a few hundred megabytes.
 static TRACING: Mutex<()> = Mutex::new(());
 
 /// Number of a moment that belongs to no frame.

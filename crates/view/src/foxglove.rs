@@ -3,9 +3,9 @@
 //! (`lariat_record`). It also serves the latency of each frame as JSON, to be plotted.
 //!
 //! In [the protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md), the server
-//! advertises channels and the client subscribes to some. Their messages come in binary. Clients
-//! cannot write anything. Newest wins: a client gets the next moment when it has taken the last,
-//! and only channels that it has subscribed to are encoded.
+//! advertises channels and the client subscribes to some. Messages are binary. Clients cannot write
+//! anything. Newest wins: a client gets the next moment when it has taken the last, and only
+//! channels that it has subscribed to are encoded.
 
 use std::io::{Read, Write};
 use std::os::fd::AsFd;

@@ -42,7 +42,7 @@ pub struct Gatherer<'d> {
     look: RigState,
 }
 
-/// State of the rig that is shown. It starts again for another rig.
+/// State of the rig that is shown. It is reset for another rig.
 #[derive(Debug, Default)]
 struct RigState {
     reader: Option<Receiver<Descriptors>>,
@@ -243,7 +243,7 @@ impl<'d> Gatherer<'d> {
         }
     }
 
-    /// Returns why there is nothing to show, if so.
+    /// Returns the reason if there is nothing to show.
     fn obstacle(&self) -> Option<String> {
         if let Some(obstacle) = &self.look.obstacle {
             return Some(obstacle.clone());
@@ -290,7 +290,7 @@ impl RigState {
     fn link(&mut self, domain: &Domain, rig: &Rig) {
         let state = domain.channel(rig, DESCRIPTORS.name());
         let is_written = state.as_ref().is_some_and(|state| {
-            // For another version, opening reports that.
+            // If the channel has another version, opening it reports that.
             state.ends.as_ref().is_none_or(|ends| ends.writer.is_some())
         });
         if !is_written {
@@ -388,8 +388,8 @@ impl RigState {
         }
     }
 
-    /// Returns where a rope of a frame is in 3-D, from the newest message. One that is a frame or
-    /// two away is just as good to look at.
+    /// Returns where a rope of a frame is in 3-D, from the newest message. A position that is a
+    /// frame or two away is just as good to look at.
     fn place_of(&self, track: u32, trace: &Trace) -> Option<InSpace> {
         let newest = self.newest_in_space.as_deref()?;
         let apart_ns = newest.trace.exposed_ns.abs_diff(trace.exposed_ns);

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha1_smol::Sha1;
 
-/// Maximum length of a request's head in bytes. Browsers send some hundred.
+/// Maximum length of a request's head in bytes. Browsers send a few hundred.
 pub(crate) const LARGEST_HEAD: usize = 16 << 10;
 /// Maximum number of header lines.
 const MOST_HEADERS: usize = 64;

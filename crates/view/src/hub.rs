@@ -295,7 +295,7 @@ impl Drop for Watcher {
         let mut state = self.hub.state();
         state.watchers.retain(|wants| wants.id != self.id);
         if state.watchers.is_empty() {
-            // The next client is not to see an old picture first.
+            // The next client must not see an old picture first.
             (state.newest, state.status) = (None, state.status.take());
         }
         drop(state);
@@ -422,7 +422,7 @@ impl Told for Centerlines {
     }
 }
 
-/// A reader that gives one frame's message after the other, and keeps those of later frames.
+/// A reader that gives one frame's message after another, and keeps those of later frames.
 struct Ordered<P: Told + ?Sized> {
     receiver: Receiver<P>,
     ahead: Option<Message<P>>,

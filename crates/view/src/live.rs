@@ -100,7 +100,7 @@ enum Heard {
     RigState,
     /// The page is ready for the next moment of a rig, this wide.
     Next(u32),
-    /// It wants a frame of a recording.
+    /// The page wants a frame of a recording.
     Frame {
         place: u64,
         width: u32,

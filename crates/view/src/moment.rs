@@ -1,4 +1,4 @@
-//! One frame, with everything that is known of it: what the page shows at a time.
+//! One frame, with everything that is known about it. The page shows one such moment at a time.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -24,7 +24,7 @@ pub(crate) struct Image {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// One frame, and what is known of it.
+/// One frame, and what is known about it.
 #[derive(Debug)]
 pub(crate) struct Moment {
     /// Number among the moments that were shown, from 1.
@@ -33,12 +33,12 @@ pub(crate) struct Moment {
     pub(crate) image: Option<Image>,
     pub(crate) centerlines: Option<Box<Centerlines>>,
     pub(crate) descriptors: Box<Descriptors>,
-    /// Frames lost until then, since watching of the rig began.
+    /// Frames lost up to this one, since watching of the rig began.
     pub(crate) losses: Losses,
     /// Doubt of the extraction, if the page itself has asked for it.
     pub(crate) notice: Option<String>,
-    /// Mapping from the picture to the coordinates of the curves, if these are others and it is
-    /// known.
+    /// Mapping from the picture to the coordinates of the curves, if these are not the picture's
+    /// and the mapping is known.
     pub(crate) places: Option<Mapping>,
     said: OnceLock<String>,
     rgb: OnceLock<Option<Rgb>>,
@@ -68,8 +68,8 @@ impl Moment {
         }
     }
 
-    /// Returns where in the picture a point of the descriptors is seen; `None` if it is not seen,
-    /// or not known.
+    /// Returns where in the picture a point of the descriptors is visible; `None` if it is not
+    /// visible, or if that is unknown.
     pub(crate) fn pixel(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         places::pixel(&self.descriptors, self.places.as_ref(), point)
     }

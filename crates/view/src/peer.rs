@@ -1,5 +1,5 @@
-//! Finds the user at the other end of a connection from this machine. TCP does not tell, but the
-//! kernel's tables of its sockets do, and anyone may read them (`proc_pid_net(5)`; the kernel's
+//! Finds the user at the other end of a connection from this machine. TCP does not reveal the user,
+//! but the kernel's tables of sockets do, and anyone may read them (`proc_pid_net(5)`; the kernel's
 //! `Documentation/networking/proc_net_tcp.rst`).
 
 use std::net::{IpAddr, SocketAddr, TcpStream};
@@ -43,8 +43,8 @@ impl Peer {
         (0..LOOKS).find_map(|_| owner()) == Some(geteuid().as_raw())
     }
 
-    /// Returns the user's number if the table has their end and a process holds it. The table lists
-    /// a closed connection as root's.
+    /// Returns the ID of the user at the other end, if the table lists that end and a process holds
+    /// it. The table lists a closed connection as root's.
     fn owner_in(&self, table: &str) -> Option<u32> {
         table.lines().skip(1).find_map(|line| {
             let fields: Vec<&str> = line.split_whitespace().take(10).collect();

@@ -26,7 +26,7 @@ const MOST_CLIENTS: usize = 32;
 /// Number of connections at which other users of the machine are refused, to keep room for the
 /// page's owner.
 const MOST_FOREIGN: usize = MOST_CLIENTS / 2;
-/// Time limit for a client to ask, and to take an answer.
+/// Time limit for a client to send its request, and to take the answer.
 const ASKING: Duration = Duration::from_secs(5);
 /// Stack size of a client's thread, which keeps pictures on the heap.
 const STACK: usize = 512 << 10;
@@ -214,8 +214,8 @@ impl Drop for Place {
     }
 }
 
-/// Serves one nonblocking connection until it ends, for tests. It counts as one of this machine and
-/// user, and `token` is the server's.
+/// Serves one nonblocking connection until it ends, for tests. It counts as a connection from this
+/// machine and user, and `token` is the server's.
 pub fn serve(stream: impl Read + Write + AsFd, token: &str) {
     let shared = Shared {
         guard: Guard {
@@ -254,8 +254,7 @@ fn attend(
     }
 }
 
-/// Opens a WebSocket with the first protocol of the client's that is known, and serves it until it
-/// ends.
+/// Opens a WebSocket with the first known protocol among the client's, and serves it until it ends.
 fn open<S: Read + Write + AsFd>(
     mut stream: S,
     key: &str,

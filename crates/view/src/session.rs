@@ -2,8 +2,8 @@
 //! say.
 //!
 //! The socket does not block. Data that cannot be written at once waits in memory, and nothing is
-//! added to it meanwhile. A client that takes nothing for [`PATIENCE`] is disconnected, and so is
-//! one that says too much.
+//! added to it meanwhile. A client that takes nothing for [`PATIENCE`] is disconnected, and so is a
+//! client that sends too much.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
@@ -177,7 +177,8 @@ impl<S: Read + Write + AsFd> Session<S> {
         self.allowance > 0.0
     }
 
-    /// Returns whether the client is there, and takes what it is sent. Pings it now and then.
+    /// Returns whether the client is still there and takes what it is sent. Pings the client now
+    /// and then.
     fn is_patient(&mut self) -> bool {
         let now = Instant::now();
         if self.stuck.is_some_and(|since| now - since > PATIENCE) {

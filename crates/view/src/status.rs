@@ -29,7 +29,7 @@ struct Status<'a> {
     rig: Option<&'a str>,
     /// Set if a recording is shown, not a rig.
     film: Option<&'a Film>,
-    /// Why there is nothing to show, if so.
+    /// Reason, if there is nothing to show.
     obstacle: Option<&'a str>,
     lossless: bool,
     shared_mb: Option<f64>,
@@ -89,7 +89,7 @@ pub(crate) struct Film {
     pub(crate) frames: u64,
 }
 
-/// Makes one status after the other.
+/// Makes one status after another.
 #[derive(Debug, Default)]
 pub(crate) struct Reporter {
     strip: VecDeque<Option<[f64; 2]>>,

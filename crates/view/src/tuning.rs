@@ -21,7 +21,7 @@ use crate::moment::Moment;
 /// Maximum number of changes in one request, and of points on ropes.
 const MOST_CHANGES: usize = 64;
 const MOST_POINTS: usize = 32;
-/// Agreement below which color alone does not tell the rope from the rest.
+/// Agreement below which color alone does not distinguish the rope from the rest.
 const GOOD: f32 = 0.7;
 
 /// A request of the page.

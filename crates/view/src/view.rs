@@ -72,7 +72,7 @@ pub struct Losses {
     pub capture: u64,
     /// Frames lost between extract and fit.
     pub extract: u64,
-    /// Frames lost between fit and what the bridge wrote, on another machine.
+    /// Frames that fit sent but the bridge did not write, for a rig on another machine.
     pub bridge: u64,
 }
 
@@ -117,13 +117,13 @@ pub struct Rope {
     pub rms: f64,
     /// Confidence that it is a rope, 0 to 1.
     pub confidence: f32,
-    /// True if the curve is not on its points.
+    /// True if the curve does not fit its points.
     pub is_coarse: bool,
     /// Seconds since the rope was last seen, at the time of the image.
     pub age_s: f64,
     /// Positions of the control points, if it has any.
     pub control_points: Vec<[f64; 2]>,
-    /// Points along the curve; empty if the descriptor means no curve.
+    /// Points along the curve; empty if the descriptor describes no curve.
     pub points: Vec<[f64; 2]>,
     /// The rope in 3-D; `None` if the chain has no depth camera, or nothing has come yet.
     pub in_space: Option<InSpace>,

@@ -58,8 +58,8 @@ impl<T: Send + 'static> Worker<T> {
         self.waiting == 0
     }
 
-    /// Adds a task. Returns the messages of an earlier one if it had to wait for that; `None` if
-    /// the thread has ended.
+    /// Adds a task. If it has to wait for an earlier task, returns the messages of that task.
+    /// Returns `None` if the thread has ended.
     pub(crate) fn add(&mut self, task: T) -> Option<Vec<Message>> {
         let mut messages = Vec::new();
         if self.waiting == MOST_WAITING {

@@ -42,19 +42,19 @@ const NODES: usize = 40;
 /// Images. Three may wait: enough for a stage that is delayed by three frame periods, few enough
 /// that the oldest waiting image stays recent.
 pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
-/// Masks that another process makes of frames. Each is a `Gray8` of its frame's size and carries
-/// the frame's trace.
+/// Masks that another process computes from frames. Each is a `Gray8` of its frame's size and
+/// carries the frame's trace.
 pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
 /// Depth images that accompany frames. Each is a `Gray16` of the depth camera's own size and
-/// carries the frame's trace. Nearly as many may wait as centerlines, because fit reads each depth
-/// image when its frame arrives.
+/// carries the frame's trace. Nearly as many of them may wait as centerlines, because fit reads
+/// each depth image when its frame arrives.
 pub const DEPTH: Channel<[u8]> = Channel::new("depth", 6, 0, 3);
 /// Output of extract. After a delay of three frames, extract sends those three at once in addition
 /// to the messages that already wait.
 pub const CENTERLINES: Channel<Centerlines> = Channel::new("centerlines", 8, 0, 6);
 /// Input of control loops. A late reader receives the newest message at once.
 pub const DESCRIPTORS: Channel<Descriptors> = Channel::new("descriptors", 8, 1, 24);
-/// Shapes in space, where there is a depth camera. Those of a frame are sent before its
+/// Shapes in space, if there is a depth camera. The message of a frame is sent before its
 /// descriptors.
 pub const DESCRIPTORS3: Channel<Descriptors3> = Channel::new("descriptors3", 8, 1, 12);
 /// True centerlines of rendered frames.
@@ -243,7 +243,7 @@ impl<P: Payload + ?Sized> Channel<P> {
     }
 
     /// Returns the delivery for a rig's channel. `lossless` sets it; `None` takes that of the open
-    /// channel, or the newest winning if it is not open. `stop` belongs to a lossless delivery.
+    /// channel, or `NewestWins` if it is not open. `stop` belongs to a lossless delivery.
     pub(crate) fn delivery(
         &self,
         domain: &Domain,

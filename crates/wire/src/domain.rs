@@ -1,17 +1,16 @@
 //! The place of a machine's channels, and the names of its camera chains.
 //!
-//! Processes see each other if they are in the same domain. It is the one that the environment
-//! variable `LARIAT_DOMAIN` names (1 to 16 of a–z, 0–9, `-`, `_`), or their user's own, named by
-//! the user ID. A domain has the prefix `lariat_<name>_` in `/dev/shm` and the folder
-//! `/tmp/lariat-<name>`.
+//! Processes see each other if they are in the same domain. The environment variable
+//! `LARIAT_DOMAIN` names it (1 to 16 of a–z, 0–9, `-`, `_`). Without that variable it is the user's
+//! own domain, named after the user ID. A domain has the prefix `lariat_<name>_` in `/dev/shm` and
+//! the folder `/tmp/lariat-<name>`.
 //!
-//! `XDG_RUNTIME_DIR` is not used: two shells of a user, one with and one without it, would not
-//! meet. It is also emptied under a running chain when its user logs out.
+//! `XDG_RUNTIME_DIR` is not used: two shells of a user, one with the variable and one without it,
+//! would be in different domains. It is also emptied under a running chain when its user logs out.
 //!
 //! The transport makes its files accessible to their owner only, so a domain belongs to one user.
 //! Anyone else who joins it, root included, is refused before anything is created there (`owner`).
-//! `docs/domains.md` explains how several users work together. Every test runs in a domain of its
-//! own.
+//! `docs/domains.md` explains how several users work together. Every test runs in its own domain.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -86,8 +85,8 @@ impl Domain {
         Self::named(&name_here()?)
     }
 
-    /// Joins a domain by name, regardless of the environment. A user's own domain is named by the
-    /// user ID.
+    /// Joins a domain by name, regardless of the environment. A user's own domain is named after
+    /// the user ID.
     ///
     /// # Errors
     /// The domain belongs to another user, shared memory is missing, or a process that is joining
@@ -151,7 +150,8 @@ pub(crate) fn config_of(name: &str) -> Result<Config, WireError> {
     if !is_plain(name, 16) {
         return Err(unusable());
     }
-    // Not the global one, which a `config/iceoryx2.toml` in the current folder would change.
+    // Not the global configuration, which a `config/iceoryx2.toml` in the current folder would
+    // change.
     let mut config = Config::default();
     let prefix = FileName::new(format!("lariat_{name}_").as_bytes()).map_err(|_| unusable())?;
     let root = Path::new(format!("/tmp/lariat-{name}").as_bytes()).map_err(|_| unusable())?;
@@ -170,8 +170,8 @@ pub(crate) fn config_here() -> Result<Config, WireError> {
 }
 
 /// Name of the domain in `LARIAT_DOMAIN`, or the user ID. Nothing else of the environment is used,
-/// so that a login shell, a service and a cron job of one user meet. `XDG_RUNTIME_DIR` is not set
-/// in all of them, and is emptied under a running chain when its user logs out.
+/// so that a login shell, a service and a cron job of one user share a domain. `XDG_RUNTIME_DIR` is
+/// not set in all of them, and is emptied under a running chain when its user logs out.
 fn name_here() -> Result<String, WireError> {
     match std::env::var_os("LARIAT_DOMAIN") {
         None => Ok(owner::this_user().to_string()),

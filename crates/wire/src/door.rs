@@ -3,12 +3,12 @@
 //! process ends.
 //!
 //! Every process of a domain shares the lock on its folder `living`. A process that obtains this
-//! lock alone knows that all processes of the domain have ended. It removes everything of the
-//! domain, whatever its state. The lock on the domain's own folder is held by the one process that
-//! creates or removes anything: node, services, ports. Anything half created or half removed that
-//! this process finds was left by a dead one, and it finishes the work (`tidy`). Sending and
-//! receiving need no lock: a port is entered in its service's list only once everything that it
-//! needs exists.
+//! lock exclusively knows that all other processes of the domain have ended. It then removes
+//! everything in the domain, whatever its state. The lock on the domain's own folder is held by the
+//! one process that creates or removes anything: node, services, ports. Anything half created or
+//! half removed that this process finds was left by a dead one, and it finishes the work (`tidy`).
+//! Sending and receiving need no lock: a port is entered in its service's list only once everything
+//! that it needs exists.
 //!
 //! A process that is stopped while it holds the lock makes the others wait for [`PATIENCE`]. They
 //! then report which process it is.
@@ -90,8 +90,8 @@ impl Door {
         }
     }
 
-    /// Obtains the lock for removals. `None` means that nothing can be removed: it is left to
-    /// others, as if this process had been killed.
+    /// Obtains the lock for removals. `None` means that nothing can be removed. Other processes
+    /// then clean up, as if this one had been killed.
     pub(crate) fn leave(&self) -> Option<Passing> {
         if self.given_up.load(Ordering::Relaxed) {
             return None;
@@ -135,7 +135,7 @@ impl<T: fmt::Debug> fmt::Debug for Held<T> {
 impl<T> Drop for Held<T> {
     fn drop(&mut self) {
         if let Some(_passing) = self.door.leave() {
-            // SAFETY: it is dropped only here, and not used again.
+            // SAFETY: `made` is dropped only here, and not used again.
             unsafe { ManuallyDrop::drop(&mut self.made) };
         }
     }
@@ -201,8 +201,8 @@ fn living(root: &Path) -> io::Result<File> {
     open_folder(&root.join(LIVING))
 }
 
-/// Obtains a lock; `None` if it is not free by then. A thread waits for it, because the kernel
-/// offers no timeout.
+/// Obtains a lock; `None` if it is not free by `until`. A separate thread waits for it, because the
+/// kernel offers no timeout.
 fn lock(file: File, until: Instant) -> io::Result<Option<File>> {
     match file.try_lock() {
         Ok(()) => return Ok(Some(file)),

@@ -37,7 +37,7 @@ impl<'a> Frame<'a> {
         self.is_new
     }
 
-    /// Time since the image was taken; `None` before the first.
+    /// Time since the image was taken; `None` before the first image.
     pub fn age(&self) -> Option<Duration> {
         let age_ns = self.moment.now_ns.saturating_sub(self.moment.exposed_ns);
         self.message.map(|_| Duration::from_nanos(age_ns))
@@ -50,7 +50,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The message itself; `None` before the first. It does not contain its age, and is meant for
-    /// uses of all its data, such as recording.
+    /// uses that need all of its data, such as recording.
     pub fn message(&self) -> Option<&'a Descriptors> {
         self.message
     }

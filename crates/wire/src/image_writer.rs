@@ -3,9 +3,10 @@
 //! shared memory, with a header and stamps, so that the chain can count and time them.
 //!
 //! A writer of images accepts the channel as it is, lossless or not. Its slots fit the largest
-//! image yet, and are replaced for a larger one. Arrays in Python are views of a slot and are
-//! counted. While one exists, the writer's memory stays mapped: closing waits for the last view,
-//! and larger slots are refused, as with `mmap`. Frames in Python are copies, as messages are.
+//! image yet, and are replaced when a larger one comes. Arrays in Python are views of a slot and
+//! are counted. While one exists, the writer's memory stays mapped: closing waits for the last
+//! view, and larger slots are refused, as with `mmap`. Frames in Python are copies, as messages
+//! are.
 
 mod beside;
 
@@ -48,8 +49,8 @@ impl fmt::Debug for Waiting {
 /// Exposure time and number of an image; missing values are filled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
-    /// Exposure time on the clock of [`now_ns`]. `None` means when the slot was borrowed, which is
-    /// correct for an image taken after that, and too recent for an older one.
+    /// Exposure time on the clock of [`now_ns`]. `None` means the time at which the slot was
+    /// borrowed. That is correct for an image taken afterwards, and too recent for an older one.
     pub exposed_ns: Option<u64>,
     /// The camera's own number for the image, from 1. A gap counts as frames lost at the source.
     /// `None` means one more than the last.
@@ -93,8 +94,8 @@ impl Images {
             delivery,
             meanwhile: waiting.meanwhile,
         };
-        // Open the channel with a tiny slot: it has its writer from now on, and refuses a second
-        // one.
+        // Open the channel with a tiny slot, so that it has its writer from now on and refuses a
+        // second one.
         images.make_room(1)?;
         Ok(images)
     }
@@ -164,7 +165,7 @@ impl Images {
 /// # Ok::<(), lariat_wire::WriteError>(())
 /// ```
 ///
-/// It may be opened before the chain runs, and outlives it. Frames are counted as a camera's: the
+/// It may be opened before the chain runs, and outlives it. Frames are counted like a camera's: the
 /// stamps tell the chain what was lost, and where. If its process ends or is killed, the channel is
 /// free for another writer. Until then readers report older and older ropes
 /// ([`Seen::Stale`](crate::Seen::Stale)). A writer belongs to one thread at a time.
@@ -264,9 +265,8 @@ impl FrameWriter {
         &self.header
     }
 
-    /// Sends a frame without an image, for times when the camera gives none. If it is sent about
-    /// ten times a second during that time, readers learn that their ropes are lost, and for how
-    /// long.
+    /// Sends a frame without an image, for times when the camera delivers none. If one is sent
+    /// about ten times a second, readers learn that their ropes are lost, and for how long.
     ///
     /// # Errors
     /// As for [`send`](Self::send).

@@ -2,13 +2,13 @@
 //! without joining any.
 //!
 //! Only root can inspect domains of other users. One domain belongs to nobody: in older releases
-//! all users shared the transport's own place, `/tmp/iceoryx2`, where the first user locked out the
-//! others.
+//! all users shared the transport's own folder, `/tmp/iceoryx2`, where the first user locked out
+//! the others.
 //!
 //! A domain's files are left over if all of these hold:
 //!
 //! - Its folder with the transport's locks exists here. In a container that shares only the host's
-//!   `/dev/shm` it does not, and nothing can be known.
+//!   `/dev/shm`, the folder is missing and nothing can be known.
 //! - None of the locks is held.
 //! - No process has its shared memory mapped, as far as this user can see.
 //! - No file is so new that its process may be about to take a lock.
@@ -28,7 +28,8 @@ use crate::door::Passing;
 use crate::memory::SHM;
 use crate::{door, owner, roster, tidy};
 
-/// A process takes its locks within milliseconds of creating its first file.
+/// Age below which a file is too new to be left over: a process takes its locks within milliseconds
+/// of creating its first file.
 const SETTLED_AFTER: Duration = Duration::from_secs(2);
 
 /// All files that a domain's killed processes left behind.
@@ -273,7 +274,7 @@ fn remove_tree(folder: &Path, prefix: &str, kept: &mut Vec<(PathBuf, io::Error)>
         let is_ours = entry.file_name().to_string_lossy().starts_with(prefix);
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => remove_tree(&entry.path(), prefix, kept),
-            // Links and all else are left alone.
+            // Links and everything else are left alone.
             Ok(kind) if is_ours && kind.is_file() => remove(&entry.path(), kept),
             _ => {}
         }
@@ -293,7 +294,7 @@ fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
 }
 
 /// The domain of a file in `/dev/shm`; `Some(None)` is the one that all users shared. The
-/// transport's own name parts follow the prefix, the first one with 40 hexadecimal digits.
+/// transport's own name parts follow the prefix; the first one has 40 hexadecimal digits.
 fn domain_of(name: &str) -> Option<Option<&str>> {
     let is_hash = |word: &str| word.len() == 40 && word.bytes().all(|c| c.is_ascii_hexdigit());
     let begins_so = |rest: &str| rest.split(['_', '.']).next().is_some_and(is_hash);

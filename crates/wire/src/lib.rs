@@ -27,9 +27,9 @@
 //! shared memory, and the age of its image *now*.
 //!
 //! A loop asks a frame for [the only rope](Frame::only_rope) or [the rope of a track](Frame::rope),
-//! and states how old the image may be. It gets a [`Seen`], whose first case alone is the rope as
-//! it is. Covered, doubtful, lost and old shapes have to be matched by name. A track of an earlier
-//! run of the chain never matches.
+//! and states how old the image may be. It gets a [`Seen`]. Only its first case,
+//! [`Fresh`](Seen::Fresh), is the rope as it is. Covered, doubtful, lost and old shapes have to be
+//! matched by name. A track of an earlier run of the chain never matches.
 //!
 //! Coordinates are pixels of the image, x right and y down, or in the chain's [`Unit`].
 //!
@@ -74,8 +74,8 @@
 //!
 //! # Known limitations
 //!
-//! - The centerline joins points by straight lines: up to h²/8r off, for steps h on a bend of
-//!   radius r.
+//! - The centerline joins points by straight lines. Between points it is off by up to h²/8r, for
+//!   steps h on a bend of radius r.
 //! - At most 24 readers per rig read descriptors.
 
 mod centerline;

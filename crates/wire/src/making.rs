@@ -1,13 +1,13 @@
-//! Creates and opens services, by one process of lariat at a time, which holds the pass of the
-//! [`door`](crate::door).
+//! Creates and opens services. Only one process of lariat at a time does so: it holds the pass of
+//! the [`door`](crate::door).
 
 use std::time::{Duration, Instant};
 
 use crate::door::Held;
 use crate::{Domain, WireError, tidy};
 
-/// Time for which a service is tried while another program on the transport, which ignores the
-/// lock, creates or removes it.
+/// Time for which opening a service is retried while another program on the transport creates or
+/// removes it. Such a program ignores lariat's lock.
 const IN_FLUX: Duration = Duration::from_secs(1);
 
 /// Creates or opens a service, and retries as long as the failure is transient.

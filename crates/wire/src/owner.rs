@@ -62,14 +62,14 @@ pub(crate) fn require_own_memory(files: &[PathBuf]) -> Result<(), WireError> {
     Ok(())
 }
 
-/// Checks that it is a folder, and that no other user can write to it.
+/// Checks that the path is a folder, and that no other user can write to it.
 fn require_closed(folder: &Path) -> Result<(), WireError> {
     let unusable = |cause: &str| WireError::Folder {
         folder: folder.display().to_string(),
         cause: cause.into(),
     };
     let Ok(data) = fs::symlink_metadata(folder) else {
-        // It is created by the process that enters.
+        // The process that enters creates it.
         return Ok(());
     };
     if !data.is_dir() {

@@ -1,5 +1,5 @@
-//! Waiting of a lossless writer for a reader whose buffer is full. It waits as long as the reader
-//! lives. When told to stop, it waits a little longer, so that earlier messages are still
+//! Lets a lossless writer wait for a reader whose buffer is full. The writer waits as long as the
+//! reader lives. When told to stop, it waits a little longer, so that earlier messages are still
 //! delivered.
 
 use std::sync::Arc;

@@ -18,10 +18,10 @@ pub(crate) use run::WriterId;
 
 /// Reads the shapes of a rig's ropes, for a control loop.
 ///
-/// It may be opened before the chain runs, and survives restarts of the chain. Until a message
-/// arrives, its latest result gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24 readers
-/// share a rig; a slow, stopped or killed reader disturbs neither the chain nor the others. A
-/// reader belongs to one thread at a time; several threads open one each.
+/// It may be opened before the chain runs, and survives restarts of the chain. Until the next
+/// message arrives, the latest result gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24
+/// readers share a rig; a slow, stopped or killed reader disturbs neither the chain nor the others.
+/// A reader belongs to one thread at a time; several threads open one each.
 ///
 /// It accepts a channel as it is. Open a reader of a `--lossless` chain after the chain has
 /// started, and read it as often as frames arrive, because that chain waits for it.
@@ -57,9 +57,9 @@ impl fmt::Debug for Reader {
 }
 
 impl Reader {
-    /// Confidence below which a rope is [`Unsure`](crate::Seen::Unsure), unless
-    /// [`min_confidence`](Self::min_confidence) sets another: the curve is then more likely wrong
-    /// than right.
+    /// Default confidence below which a rope is [`Unsure`](crate::Seen::Unsure): its curve is then
+    /// more likely wrong than right. [`min_confidence`](Self::min_confidence) sets another
+    /// threshold.
     pub const MIN_CONFIDENCE: f32 = lariat_message::MIN_CONFIDENCE;
 
     /// Opens the reader of a rig: `"default"`, or the one that the chain was started with (`--rig
@@ -95,7 +95,7 @@ impl Reader {
     }
 
     /// Also reads the shapes in space, for [`Rope::in_space`](crate::Rope::in_space), from a chain
-    /// with a depth camera. For a chain without one, each rope reports that. Up to 12 readers of a
+    /// with a depth camera. If the chain has none, each rope reports that. Up to 12 readers of a
     /// rig can do this.
     ///
     /// # Errors
@@ -109,7 +109,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Returns the current state without waiting, from the newest message, be it new or not.
+    /// Returns the current state without waiting, from the newest message, whether or not it is
+    /// new.
     ///
     /// It makes no system call, except when it connects to a chain that has just started.
     ///
@@ -178,28 +179,29 @@ impl Reader {
         self.receiver.before_poll()
     }
 
-    /// Lets [`wait`](Self::wait) spin for this time before it sleeps. For a thread with its own
-    /// core: a message that arrives in that time is received some microseconds earlier. The default
-    /// is zero.
+    /// Lets [`wait`](Self::wait) spin for this time before it sleeps. Use it in a thread with its
+    /// own core: a message that arrives in that time is received some microseconds earlier. The
+    /// default is zero.
     pub fn look_for(&mut self, time: Duration) {
         self.receiver.look_for(time);
     }
 
     /// Sets the motion model of ropes for [`Rope::predict`](crate::Rope::predict). Use the chain's
-    /// own settings if they are not the defaults, in the chain's unit: with millimeters, mm/s².
+    /// own settings if they are not the defaults, in the chain's unit (mm/s² if it uses
+    /// millimeters).
     pub fn expect_motion(&mut self, motion: Motion) {
         self.motion = motion;
     }
 
     /// Sets whether a coarse curve can be [`Fresh`](crate::Seen::Fresh) or `Partial` like any
-    /// other. For loops that compare descriptors of one kind, for example with few control points
-    /// on purpose, and do not need curves to follow the rope. By default a coarse curve is
+    /// other. Use it in loops that only compare descriptors, for example with deliberately few
+    /// control points, and do not need curves that follow the rope. By default a coarse curve is
     /// [`Unsure`](crate::Seen::Unsure).
     pub fn accept_coarse(&mut self, accept: bool) {
         self.coarse = accept;
     }
 
-    /// Sets the least [confidence](crate::Rope::confidence), 0 to 1, of a rope that is
+    /// Sets the minimum [confidence](crate::Rope::confidence), 0 to 1, of a rope that is
     /// [`Fresh`](crate::Seen::Fresh) or `Partial`. A rope with less is
     /// [`Unsure`](crate::Seen::Unsure). The default is [`MIN_CONFIDENCE`](Self::MIN_CONFIDENCE); 0
     /// accepts any.
@@ -252,7 +254,7 @@ impl Reader {
     }
 }
 
-/// The descriptors in space. Those of a frame are sent before its descriptors in the image.
+/// The descriptors in space. Those of a frame are sent before those in the image.
 struct Space {
     // Fields drop in order: the message before its channel.
     held: Option<Message<Descriptors3>>,

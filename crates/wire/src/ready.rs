@@ -11,7 +11,7 @@
 //! sleeps are unlimited. A rig without frames never wakes.
 //!
 //! After sending, capture yields its core. The kernel puts a woken reader on the core of the
-//! process that woke it, where the making of the next frame would delay it.
+//! process that woke it, where the work on the next frame would delay it.
 //!
 //! The service carries three events:
 //!
@@ -21,13 +21,13 @@
 //! | 1 | writer → readers | call: connect your end of the channel |
 //! | 2 | reader → writer | answer: connected |
 //!
-//! Calls and answers serve lossless writers. In iceoryx2, a new reader becomes connected only when
-//! each side next checks. Until then, messages beyond that reader's buffer are dropped, whatever
-//! the overflow setting. A lossless writer that sees more readers than it has connected therefore
-//! calls before it borrows the next slot. It waits until all have answered, but at most 2 s,
-//! because only a reader that sleeps can answer. For this reason, sink listens to all its channels
-//! in a lossless chain. Otherwise only `descriptors` wakes it, once per frame, and it checks the
-//! other two then.
+//! Calls and answers serve lossless writers. In iceoryx2, a new reader is connected only after both
+//! sides have checked for changes. Until then, messages beyond that reader's buffer are dropped,
+//! whatever the overflow setting. A lossless writer that sees more readers than are connected
+//! therefore calls before it borrows the next slot. It waits until all have answered, but at most 2
+//! s, because only a reader that sleeps can answer. For this reason, sink listens to all its
+//! channels in a lossless chain. Otherwise only `descriptors` wakes it, once per frame, and it
+//! checks the other two then.
 
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
@@ -238,7 +238,7 @@ pub(crate) fn wait<const N: usize>(
     deadline: Option<Instant>,
     also: Option<BorrowedFd>,
 ) -> Result<(), WireError> {
-    /// More than any process listens to.
+    /// Maximum number of descriptors, more than any process listens to.
     const MOST: usize = 8;
     const { assert!(N < MOST) };
     let bells = ears.iter().flatten();

@@ -57,8 +57,8 @@ impl Receiver<Descriptors> {
     }
 
     /// Creates a reader of descriptors that wants only the newest one, so that a single message
-    /// waits for it. On a lossless channel, whose writer would then wait after every message, as
-    /// many wait as usual.
+    /// waits for it. On a lossless channel, the writer would then wait after every message, so the
+    /// usual number may wait there.
     pub(crate) fn newest_descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
         let ear = Ear::new(domain, &DESCRIPTORS.on(rig), DESCRIPTORS.readers)?;
         Self::new(domain, rig, &DESCRIPTORS, None, Some(ear), Waiting::Newest)
@@ -139,9 +139,9 @@ impl<P: Payload + ?Sized> Receiver<P> {
         !self.service.static_config().has_safe_overflow()
     }
 
-    /// Lets [`sleep`](Self::sleep) and [`wait`](Self::wait) spin for this time before they sleep. A
-    /// message in that time is received some microseconds earlier, and its writer need not wake
-    /// anyone. For a reader with its own core. The default is zero.
+    /// Lets [`sleep`](Self::sleep) and [`wait`](Self::wait) spin for this time before they sleep.
+    /// Use it for a reader with its own core. A message that arrives in that time is received some
+    /// microseconds earlier, and its writer need not wake anyone. The default is zero.
     pub fn look_for(&mut self, time: Duration) {
         self.looks_for = time;
     }
@@ -281,7 +281,7 @@ pub fn sleep_for_any<const N: usize>(
     ready::wait(readers.map(Woken::ear), deadline, also)
 }
 
-/// Checks for a message for this time; `false` if none arrived.
+/// Spins until a message arrives, for at most this time; `false` if none arrived.
 fn look(
     readers: &[&dyn Woken],
     time: Duration,

@@ -146,8 +146,8 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Age of the shape when the frame was requested: the time since its image was taken, and for a
-    /// lost rope since the last image that showed it.
+    /// Age of the shape when the frame was requested: the time since its image was taken or, for a
+    /// lost rope, since the last image that showed it.
     pub fn age(&self) -> Duration {
         let before_ns = self.descriptor.age_ns;
         let since_ns = self.moment.now_ns.saturating_sub(self.moment.exposed_ns);
@@ -165,8 +165,8 @@ impl<'a> Rope<'a> {
     }
 
     /// The points that its curve was fitted to: the observed points, whether or not the curve
-    /// follows them. They exist for feature points and centers too. `None` if the writer sends
-    /// none; lariat's own chain always does.
+    /// follows them. They exist even if the chain describes ropes by feature points or centers.
+    /// `None` if the writer sends none; lariat's own chain always does.
     pub fn centerline(&self) -> Option<Centerline<'a>> {
         Centerline::of(self.points)
     }
@@ -191,8 +191,8 @@ impl<'a> Rope<'a> {
         Shape::of(self.descriptor)
     }
 
-    /// Its curve in space, in mm, from the depth camera. Without a measured position there is only
-    /// an error that says why; nothing is guessed. A lost rope keeps its last position.
+    /// Its curve in space, in mm, from the depth camera. Without a measured position it returns an
+    /// error that says why; nothing is guessed. A lost rope keeps its last position.
     ///
     /// # Errors
     /// The reader does not [follow in space](crate::Reader::follow_in_space), the chain lacks a
@@ -218,8 +218,8 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Its control points, `[x, y]`. Feature points or the center, if the chain describes ropes by
-    /// those.
+    /// Its control points, `[x, y]`, or its feature points or center, if the chain describes ropes
+    /// by those.
     pub fn control_points(&self) -> &'a [[f64; 2]] {
         self.descriptor.control_points()
     }
@@ -296,7 +296,8 @@ impl<'a> Rope<'a> {
     }
 }
 
-/// Maximum prediction horizon. The chain's own filter restarts after as long without an image.
+/// Maximum prediction horizon. The chain's own filter restarts after the same time without an
+/// image.
 pub const FARTHEST: Duration = Duration::from_millis(500);
 
 /// A rope predicted for another time.

@@ -218,7 +218,7 @@ mod tests {
             fs::write(&path, bytes).unwrap();
             assert_eq!(read_folder(&folder), []);
         }
-        // A sparse file as large as it claims to be.
+        // A sparse file of 1 TiB.
         entry.set_len(1 << 40).unwrap();
         assert_eq!(read_folder(&folder), []);
         drop(entry);

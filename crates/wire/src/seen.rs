@@ -1,4 +1,4 @@
-//! State of a rope now, as a type that must be matched before there is a shape.
+//! Current state of a rope, as a type that must be matched to get a shape.
 
 use std::fmt;
 use std::time::Duration;
@@ -147,7 +147,7 @@ pub enum Doubt {
 pub struct LastKnown<'a>(Rope<'a>);
 
 impl<'a> LastKnown<'a> {
-    /// Time since the rope was observed with this shape, when the frame was requested.
+    /// Age of this shape when the frame was requested: the time since the rope was observed.
     pub fn age(&self) -> Duration {
         self.0.age()
     }

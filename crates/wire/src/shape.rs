@@ -74,7 +74,8 @@ impl<'a> Shape<'a, 2> {
         )
     }
 
-    /// The same curve functions with as many other control points and their covariances.
+    /// The same basis functions with the same number of other control points, and their
+    /// covariances.
     pub(crate) fn moved(self, control_points: &'a [[f64; 2]], covariances: &'a [[f64; 3]]) -> Self {
         Self {
             control_points,
@@ -213,9 +214,9 @@ impl<'a, const D: usize> Shape<'a, D> {
         velocity
     }
 
-    /// Unit tangent at `rho`. If the derivative vanishes, as in a cusp or with coincident
-    /// control points, it is the direction in which the curve continues, or at its end arrives.
-    /// `None` if the curve is a point.
+    /// Unit tangent at `rho`. If the derivative vanishes, as in a cusp or with coincident control
+    /// points, it is the direction in which the curve continues or, at its end, arrives. `None` if
+    /// the curve is a point.
     pub fn tangent_at(&self, rho: f64) -> Option<[f64; D]> {
         let [_, velocity, acceleration] = self.jet(rho);
         let still = self.rounding();

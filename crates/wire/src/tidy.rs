@@ -1,5 +1,5 @@
-//! Removes what dead processes left in a domain, in whatever state, while others live in it. If
-//! none does, it removes everything.
+//! Removes what dead processes left in a domain, in whatever state, while others live in it. If no
+//! process lives in it, everything is removed.
 //!
 //! Callers hold the pass of the [`door`](crate::door), so no other process creates or removes
 //! anything meanwhile. The transport's own cleanup handles a process that was killed in normal
@@ -50,8 +50,8 @@ pub(crate) fn finish(config: &Config, passing: &Passing) {
     roster::sweep(config);
 }
 
-/// Removes what a process was creating when it was killed. It cannot be opened, and trying may
-/// block forever.
+/// Removes objects that a process was creating when it was killed. They cannot be opened, and
+/// trying may block forever.
 pub(crate) fn remove_half_made(config: &Config, _passing: &Passing) {
     let domain = Paths::new(config);
     for path in domain.shared() {

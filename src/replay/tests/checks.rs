@@ -174,8 +174,8 @@ fn another_machine_may_round_otherwise_and_no_more() {
 #[test]
 fn what_begins_in_the_middle_of_a_run_is_compared_by_distance_only() {
     let made = Making {
-        // A fixed number, because an automatic one depends on the first frame, which is another one
-        // here.
+        // A fixed number, because an automatic one depends on the first frame, which is a different
+        // one here.
         settings: "[fit]\ncontrol_points = 8\n",
         change: &|shot| {
             if shot.number < 4 {

@@ -39,7 +39,8 @@ pub(super) fn to(to: [u32; 2], from: [u32; 2], levels: Vec<u8>) -> Result<(Vec<u
     Ok((scaled.into_raw(), news))
 }
 
-/// Returns true if two sizes have the same proportions: one is the other, scaled and rounded to whole pixels.
+/// Returns true if two sizes have the same proportions: one size is the other, scaled and rounded
+/// to whole pixels.
 fn is_alike(a: [u32; 2], b: [u32; 2]) -> bool {
     let [a, b] = [a, b].map(|size| size.map(u64::from));
     // The cross products differ by a side's length if the other side is a pixel off.

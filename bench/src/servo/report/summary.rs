@@ -59,9 +59,10 @@ impl Summary {
         self.reached as f64 / self.ropes.max(1) as f64
     }
 
-    /// Returns whether the row is clearly worse than another. That is, one in twenty fewer ropes
-    /// reach the target, they take a quarter more time, or they end farther from it by a quarter
-    /// and half a pixel. Smaller differences may be chance.
+    /// Returns whether the row is clearly worse than another: its share of ropes that reach the
+    /// target is lower by more than 5 percentage points, they take more than a quarter longer, or
+    /// they end farther away by more than a quarter and half a pixel. Smaller differences may be
+    /// chance.
     pub(super) fn is_worse_than(&self, other: &Self) -> bool {
         self.is_rarer_than(other) || self.is_slower_than(other) || self.is_farther_than(other)
     }

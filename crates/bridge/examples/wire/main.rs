@@ -189,7 +189,7 @@ fn figures(ns: &mut [u64]) -> String {
 }
 
 /// Length of a ping's head: the time when it left, then its length. On the way back, the time when
-/// it was there replaces the length.
+/// it arrived at the far end replaces the length.
 const HEAD: usize = 16;
 
 fn number(bytes: &[u8]) -> u64 {
@@ -221,8 +221,8 @@ fn serve_tcp(at: &str) -> Result<()> {
     }
 }
 
-/// Sends pings and their answers, `bytes` bytes each way. A ping without an answer within 2 s is
-/// lost. Each carries the time when it left, so several may be in transit.
+/// Sends pings of `bytes` bytes and receives answers of the same length. A ping without an answer
+/// within 2 s is lost. Each ping carries the time when it left, so several may be in transit.
 fn ping(how: &str, to: SocketAddr, bytes: usize, hz: f64, count: u64) -> Result<()> {
     let length = bytes.max(HEAD);
     let mut message = vec![0; length];

@@ -1,5 +1,4 @@
-//! A relay of UDP datagrams that delays and loses them by random numbers from a seed, and so
-//! reorders them.
+//! A relay of UDP datagrams. It delays, loses and thereby reorders them at random, from a seed.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -58,7 +57,7 @@ impl Relay {
         })
     }
 
-    /// Relays for as long as it is wanted, which it checks every 50 ms.
+    /// Relays for as long as `wanted` returns true, which it checks every 50 ms.
     ///
     /// # Errors
     /// Fails if a socket fails.
@@ -90,7 +89,7 @@ impl Relay {
                 let Some(Reverse((_, _, client, is_up, bytes))) = self.under_way.pop() else {
                     break;
                 };
-                // A peer that is not there loses it.
+                // If the peer is not there, the datagram is lost.
                 let _ = match is_up {
                     true => self.clients[&client].send(&bytes),
                     false => self.listens.send_to(&bytes, client),

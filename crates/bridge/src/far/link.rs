@@ -1,5 +1,5 @@
-//! The state of the link to the other side: its process, its clock, what it sent, and what of it
-//! arrived. Pure: the caller passes the times.
+//! The state of the link to the other side: its process, its clock, what it sent, and how much of
+//! that arrived. Pure: the caller passes the times.
 
 use std::collections::VecDeque;
 
@@ -18,9 +18,9 @@ const ASKED: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Took {
     Yes,
-    /// It answers no open question of ours, or another process sent it.
+    /// The answer was not taken: it belongs to no open question, or another process sent it.
     No,
-    /// It was taken, but another process has answered, too.
+    /// The answer was taken, but another process has answered, too.
     Both,
 }
 
@@ -42,8 +42,8 @@ pub(super) struct Link {
     /// Unanswered questions and their times, the oldest first.
     asked: VecDeque<(u64, u64)>,
     near: Option<Near>,
-    /// True if another process has answered since the current one last did, and whether that was
-    /// reported.
+    /// True if another process has answered since the current one last did. `has_told` is true if
+    /// that was reported.
     is_rivalled: bool,
     has_told: bool,
     /// Totals of earlier processes.
@@ -90,7 +90,7 @@ impl Link {
             sent: answer.answered_ns,
             heard,
         });
-        // Messages sent before this side is heard are for others.
+        // Messages sent before the near side hears this side are for others.
         let told = if answer.is_heard {
             &answer.sent[..]
         } else {
@@ -173,7 +173,7 @@ impl Link {
         )
     }
 
-    /// Returns the same as settings, for the roster.
+    /// Returns the same information as settings, for the roster.
     pub(super) fn settings(&self, place: &Place, now_ns: u64) -> String {
         let [[sent, received], ..] = self.totals();
         let bound_us = self.bound_us(now_ns).unwrap_or(f64::INFINITY);
@@ -215,7 +215,7 @@ mod tests {
         let mut link = Link::default();
         assert!(link.receive(&datagram(7, 1)).is_none());
         link.ask(55, START);
-        // A recording of another conversation.
+        // An answer that was recorded in another conversation.
         assert_eq!(link.answer(7, &answer(54, START, 0), START + 10), Took::No);
         assert!(link.receive(&datagram(7, 1)).is_none());
         assert_eq!(link.answer(7, &answer(55, START, 0), START + 10), Took::Yes);

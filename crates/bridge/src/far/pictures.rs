@@ -28,7 +28,7 @@ use crate::tally::Tally;
 /// Largest picture in bytes: 8192 by 8192 RGB pixels.
 const LARGEST: u64 = 3 << 26;
 /// Interval between two questions. The near side opens this port only after frames or masks were
-/// asked for at the other one.
+/// asked for at the other port.
 const ASK_NS: u64 = 250_000_000;
 /// The bridge reconnects after this time without a picture.
 const SILENCE_NS: u64 = 3_000_000_000;

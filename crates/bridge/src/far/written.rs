@@ -104,8 +104,8 @@ impl<M: Carried> Written<M> {
         }
     }
 
-    /// Becomes the channel's writer, unless it is. Readers that came since the last message are
-    /// given it.
+    /// Becomes the channel's writer, unless it already is. Readers that joined since the last
+    /// message receive that message.
     pub(super) fn open(&mut self, domain: &Domain, rig: &Rig) {
         if let Some(writer) = &self.writer {
             let welcomed = writer.welcome();

@@ -13,7 +13,7 @@ use crate::datagram::{Datagram, Incoming, Kind, Refused};
 use crate::say;
 use crate::socket::{Socket, sleep};
 
-/// Interval between two checks whether the controller still has the robot.
+/// Interval between two checks of whether the controller still has the robot.
 const LOOK_NS: u64 = 250_000_000;
 
 /// Handles datagrams until told to stop. Returns what became of commands.

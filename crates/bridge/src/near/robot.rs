@@ -182,7 +182,8 @@ impl Robot {
         }
         let age_ns = now_ns.saturating_sub(command.sent_ns);
         if age_ns > self.most_age_ns {
-            // It counts as received, but an old command does not give anyone control of the robot.
+            // The command counts as received, but an old command does not give anyone control of
+            // the robot.
             if let Some(at) = at {
                 self.controllers[at].tally = tally;
             }

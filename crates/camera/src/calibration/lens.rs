@@ -11,7 +11,8 @@ use crate::lens::Lens;
 enum Model {
     /// Brown and Conrady's polynomial, as in OpenCV.
     Brown,
-    /// The same in an order or direction that OpenCV lacks. It is accepted only without distortion.
+    /// The same polynomial with an order of coefficients or a direction that OpenCV lacks. It is
+    /// accepted only without distortion.
     BrownVariant,
     /// Kannala and Brandt's polynomial in the angle.
     Fisheye,

@@ -72,8 +72,10 @@ impl DepthCalibration {
     }
 }
 
+/// Checks that the numbers can be in millimeters.
+///
 /// # Errors
-/// A number that is more likely in meters, or a number of units per meter.
+/// A number is more likely in meters, or is a number of units per meter.
 fn check_units(unit_mm: f64, noise_mm: f64, [near, _]: [f64; 2]) -> Result<(), CalibrationError> {
     if !(unit_mm > 0.0 && unit_mm <= COARSEST_MM) {
         return calibration::wrong(

@@ -34,8 +34,8 @@ pub struct DepthImageError {
     stride: usize,
 }
 
-/// Added to an integer with an absolute value below 4 million, gives a float whose lowest bits are
-/// that integer.
+/// A number whose sum with an integer, below 4 million in absolute value, is a float whose lowest
+/// bits are that integer.
 const WHOLE: f32 = 12_582_912.0;
 /// Offset of a pixel outside of the image: past the end of all bytes.
 pub(super) const NOWHERE: u32 = u32::MAX;

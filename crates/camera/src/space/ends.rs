@@ -11,7 +11,7 @@ use super::{SpacePoint, between, dot};
 const BACK_RADII: f64 = 4.0;
 /// Maximum length that is cut off, in radii. A rope that rises more steeply hides its own end.
 const MOST_RADII: f64 = 3.0;
-/// Points are moved over this many times the length that is cut off.
+/// Length of rope over which points are moved, as a multiple of the length that is cut off.
 const OVER: f64 = 3.0;
 
 /// Moves the visible ends to where the axis ends. `before` is working memory.

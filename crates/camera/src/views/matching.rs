@@ -167,8 +167,8 @@ impl Matching {
         score / self.rows as f64
     }
 
-    /// Difference between what the views see beyond a place, in points: before a first one, or
-    /// after a last. 0 if one of the views does not see the end.
+    /// Difference between what the views see beyond a place, in points: before a chain's first
+    /// place, or after its last. 0 if one of the views does not see the end.
     fn missing(
         &self,
         [first, second]: [&Curve; 2],

@@ -1,5 +1,5 @@
-//! Pairs the ropes of two views: the pair with the best chain first, and neither of its ropes
-//! again.
+//! Pairs the ropes of two views. The pair with the best chain comes first, and each rope is used
+//! once.
 //!
 //! A chain has at most as many points as have a place on the other curve. This limit is quickly
 //! known for every pair. The pair with the highest limit is examined first. If its chain is better
@@ -15,7 +15,7 @@ use super::ropes::NoSecondView;
 /// Minimum share of a rope that must be on another for the two to be the same.
 const LEAST_SCORE: f64 = 0.3;
 /// Maximum number of steps of a frame's chains, each from one place to another. With 24 ropes in
-/// each view and 30 places per pair, it takes half a million.
+/// each view and 30 places per pair, the search takes half a million.
 const MOST_STEPS: usize = 2_000_000;
 
 /// A rope's partner in the second view.
@@ -56,7 +56,7 @@ impl Pairing {
         &self.partners
     }
 
-    /// Returns the partners for changes, and how well each rope matches its partner.
+    /// Returns the partners to be modified, and how well each rope matches its partner.
     pub(super) fn partners_mut(
         &mut self,
     ) -> impl Iterator<Item = (&mut Result<Partner, NoSecondView>, f64)> {

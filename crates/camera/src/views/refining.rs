@@ -64,7 +64,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Returns whether it has not advanced from the chain's end as far as it should.
+    /// Returns true if the point has advanced less from the chain's end than it should.
     fn lags(&self, u: f64, second: &Curve) -> bool {
         self.beyond.is_some_and(|(end, more)| {
             let gone = second.between(end, u);
@@ -174,8 +174,8 @@ impl Refining {
         }
     }
 
-    /// Measures the distances of the points from the other curve, across it, and how their depths
-    /// change these.
+    /// Measures the distances of the points from the other curve, across it, and how these
+    /// distances change with depth.
     fn measure(&mut self, cameras: &ViewPair, [first, second]: [&Curve; 2], is_robust: bool) {
         let focal = cameras.second_focal_px();
         let robust = ROBUST * self.variance.sqrt();

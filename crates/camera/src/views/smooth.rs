@@ -8,7 +8,8 @@
 /// A number of the sequence.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Knot {
-    /// Information on the number by itself: the inverse of a variance, and that times the number.
+    /// Information on this number alone: the inverse of its variance, and that inverse times the
+    /// number.
     pub info: f64,
     pub weighted: f64,
 }
@@ -117,7 +118,7 @@ impl Smooth {
 mod tests {
     use super::{Knot, Smooth};
 
-    /// Solves the same by elimination of the full matrix.
+    /// Solves the same problem by elimination of the full matrix.
     fn whole(knots: &[Knot], stiffness: f64) -> (Vec<f64>, Vec<f64>) {
         let n = knots.len();
         let mut m = vec![vec![0.0; 2 * n + 1]; n];

@@ -21,7 +21,7 @@ struct Scene {
     points: Vec<[f32; 2]>,
     widths: Vec<f32>,
     hidden: Vec<bool>,
-    /// True distance ahead of the color camera of the axis at each point.
+    /// True distance of the axis ahead of the color camera, at each point.
     ahead: Vec<f64>,
 }
 
@@ -314,7 +314,7 @@ fn dig(units: &mut [u16], at: [f64; 2], reach_px: f64) {
 
 #[test]
 fn a_rope_is_measured_where_it_is_a_little_thinner_than_three_pixels() {
-    // 2.6 to 3.3 depth pixels wide where it lies on the table.
+    // The rope is 2.6 to 3.3 depth pixels wide where it lies on the table.
     let (mut all, mut bridged) = (Vec::new(), 0);
     for (seed, scene) in scenes(1.75) {
         let places = locate(&scene, &DepthSensor::STEREO, seed).expect("a rope in space");
@@ -364,8 +364,8 @@ fn a_rope_is_measured_where_it_is_little_more_than_two_pixels_thin() {
 
 #[test]
 fn both_parts_of_a_rope_are_measured_where_it_points_at_the_camera_in_between() {
-    // 300 mm point straight at the camera and appear as a few pixels in the image. A quarter of the
-    // rope is beyond them, at its first end.
+    // 300 mm of the rope point straight at the camera and appear as a few pixels in the image. A
+    // quarter of the rope is beyond them, at its first end.
     let color = Eye::above(610.0, SIZE, 1300.0, 0.0, 0.0);
     let mut points: Vec<[f64; 3]> = Vec::new();
     points.extend((0..=150).map(|k| [f64::from(k) - 250.0, 60.0, 150.0]));
@@ -383,11 +383,11 @@ fn both_parts_of_a_rope_are_measured_where_it_points_at_the_camera_in_between() 
 
 #[test]
 fn where_the_colour_image_has_an_end_too_far_out_the_table_behind_is_not_the_rope() {
-    // A meter away, with the table 400 mm behind.
+    // The rope is a meter away, and the table is 400 mm behind it.
     let color = Eye::above(610.0, SIZE, 1360.0, 0.0, 0.0);
     let kinds = [0.0, 50.0, 100.0].map(|rise| [2, 3, 4, 6].map(|beyond| (rise, beyond)));
     for (rise, beyond) in kinds.into_iter().flatten() {
-        // Rising toward its last end.
+        // The rope rises toward its last end.
         let points: Vec<[f64; 3]> = (0..=200)
             .map(|k| {
                 let along = f64::from(k) / 200.0;

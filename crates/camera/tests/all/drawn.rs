@@ -2,8 +2,8 @@
 
 use lariat_drawn::space::{Eye, LiftedRope};
 
-/// 120 points at equal steps in the image, with the rope's width, the distance ahead of the camera
-/// of its axis, and its ρ at each.
+/// 120 points at equal steps in the image, with the rope's width, the axis's distance ahead of the
+/// camera, and its ρ at each.
 #[derive(Clone)]
 pub(crate) struct Line {
     pub(crate) points: Vec<[f32; 2]>,

@@ -39,7 +39,7 @@ fn every_lens_is_opencvs_to_a_millionth_of_a_pixel() {
                 apart(undistorted, *ideal) < 1e-6,
                 "{name}: {seen:?} {undistorted:?} {ideal:?}"
             );
-            // Only if OpenCV's own iteration returned to the original point.
+            // Compared only if OpenCV's own iteration returned to the original point.
             if apart(back, *ideal) < 1e-6 {
                 assert!(
                     apart(undistorted, back) < 1e-6,

@@ -346,7 +346,7 @@ fn the_matrix_of_a_region_of_the_sensor_is_moved_by_its_offset() {
         [[600.0, 100.0], [607.4438805565, 96.2780597218]],
     ];
     check(ROI, points, VGA);
-    // The same pixels, aligned by their edges, two by two to one.
+    // The same pixels, binned two by two and aligned by their edges.
     let binned = ROI
         .replace("binning_x: 0", "binning_x: 2")
         .replace("binning_y: 0", "binning_y: 2");

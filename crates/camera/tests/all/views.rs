@@ -343,8 +343,8 @@ fn a_rope_that_the_second_camera_does_not_see_has_no_place() {
     assert_eq!(finder.locate(0), Err(NoSecondView::Points));
 }
 
-/// As many ropes as a message can contain, which go back and forth across the lines of the other
-/// view and all cross each other.
+/// As many ropes as a message can contain, which go back and forth across the other view's epipolar
+/// lines and all cross each other.
 fn tangle(eyes: [Eye; 2]) -> [Vec<Line>; 2] {
     let ropes = (0..24).map(|rope| {
         let points: Vec<[f64; 3]> = (0..=600)

@@ -8,7 +8,7 @@ pub(super) struct OwnClock {
     /// Time of the last frame in its pass; `before` counts the frames before it.
     after_ns: u64,
     before: u64,
-    /// When the current frame is due, counted from the first frame of all.
+    /// When the current frame is due, relative to the first frame of the first pass.
     pub(super) due_ns: u64,
     has_begun: bool,
 }
@@ -17,7 +17,7 @@ pub(super) struct OwnClock {
 const ALONE_NS: u64 = 1_000_000_000 / 30;
 
 impl OwnClock {
-    /// Advances to the frame that comes `after_ns` after the first of its pass.
+    /// Advances to the frame that comes `after_ns` after the first frame of its pass.
     pub(super) fn advance(&mut self, after_ns: u64) {
         if self.has_begun && after_ns <= self.after_ns {
             // The last frame is shown for the mean interval of its pass.

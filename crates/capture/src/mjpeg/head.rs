@@ -52,8 +52,8 @@ impl Head {
                 0xC0 | 0xC1 if start.is_some() => return Err(damaged("it has two sizes")),
                 0xC0 | 0xC1 => start = Some(Start::read(body)?),
                 0xC2 => return Err(unsupported("a progressive JPEG")),
-                // The numbers between these are tables (0xC4), a reserved one and one for
-                // arithmetic coding.
+                // The skipped numbers are tables (0xC4), a reserved number, and one for arithmetic
+                // coding.
                 0xC3 | 0xC5..=0xC7 | 0xC9..=0xCB | 0xCD..=0xCF => {
                     return Err(unsupported("a lossless, hierarchical or arithmetic JPEG"));
                 }

@@ -37,7 +37,7 @@ pub(super) fn readable_format(path: &Path, file: &[u8]) -> Result<ImageFormat, S
         });
     };
     if !format.reading_enabled() {
-        // A feature has the name of its files' extension.
+        // The Cargo feature is named after the format's file extension.
         let feature = format.extensions_str().first().unwrap_or(&"");
         let reason = format!(
             "this build of lariat reads no {}: convert it to PNG, or build lariat with `--features {feature}`",

@@ -15,7 +15,7 @@ pub(super) struct Directories {
     pub(super) pictures: usize,
     /// True if the first picture's samples are floating-point numbers.
     pub(super) has_floats: bool,
-    /// True if they are palette indices.
+    /// True if the first picture's samples are palette indices.
     pub(super) has_palette: bool,
 }
 

@@ -6,7 +6,7 @@ use lariat_message::{Centerlines, FrameHeader, Trace};
 use lariat_record::{Entry, Frame, Messages, Pixels, RecordingError};
 
 /// Maximum number of frames read ahead. If a truth has not come by then, the recording lacks it:
-/// the recorder takes up both within one wake of each other.
+/// the recorder collects both within one wakeup of each other.
 const FRAMES: usize = 4;
 /// Maximum number of truths that wait for their frame.
 const TRUTHS: usize = 16;

@@ -1,5 +1,5 @@
-//! Decides when a recording's frames are shown: as far apart as their stamps, where a camera could
-//! have made these.
+//! Decides when a recording's frames are shown: as far apart as their stamps, if a camera could
+//! have produced these.
 //!
 //! Stamps jump where several sessions are in one recording or where a clock was set, which can also
 //! make them run backward. Some drivers give every frame the same stamp. Shown by such stamps, a
@@ -10,7 +10,8 @@ use lariat_message::{FrameHeader, Trace};
 
 use crate::ahead::Moment;
 
-/// Maximum number of frames lost between two; a larger step is a new count.
+/// Maximum number of frames lost between two recorded ones. A larger step means that the numbering
+/// restarted.
 const MOST_LOST: u64 = u32::MAX as u64;
 /// Longest step that is waited for. Ten seconds is the limit for keeping a user's attention on a
 /// program that does not respond (J. Nielsen, *Usability Engineering*, 1993, section 5.5).
@@ -18,7 +19,7 @@ const LONGEST_NS: u64 = 10_000_000_000;
 /// Maximum excess of a step by the stamps over the step by the recorder's clock. Queues between the
 /// camera and the recorder are shorter.
 const MOST_AHEAD_NS: u64 = 1_000_000_000;
-/// Period of frames without any other, as of a common camera: a thirtieth of a second.
+/// Period if no other is known, that of a common camera: a thirtieth of a second.
 const USUAL_NS: u64 = 1_000_000_000 / 30;
 
 /// Maps frames to times within their pass.

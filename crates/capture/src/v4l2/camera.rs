@@ -2,7 +2,7 @@
 //!
 //! The camera either streams or is down: stopped by an error, or gone. When it is down, it is
 //! started again, or opened again once its name is back, after pauses that double ([`Recovery`]). A
-//! camera that has shown a frame is never given up. If it has been silent for too long
+//! camera that has shown a frame is retried indefinitely. If it has been silent for too long
 //! ([`Silence`]), the source yields *blank* frames ([`Frame::blank`]). They tell later stages that
 //! their ropes are out of sight.
 

@@ -41,7 +41,7 @@ pub enum ControlKind {
     IntegerMenu,
     /// A bit mask.
     Bitmask,
-    /// An action without a value, which setting it triggers.
+    /// An action without a value: setting the control triggers it.
     Button,
     /// Text, an array or a structure: shown, but not set.
     Other,

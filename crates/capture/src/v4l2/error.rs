@@ -82,7 +82,7 @@ pub enum CameraError {
     Refused {
         /// The path as given.
         path: PathBuf,
-        /// The attempt, and the name of the call.
+        /// The attempted action, with the name of the call.
         doing: &'static str,
         /// The kernel's error.
         error: io::Error,

@@ -4,8 +4,8 @@
 //!
 //! 1. Only formats that lariat reads ([`READABLE`]; for a depth camera [`DEPTHS`]), or the
 //!    requested one.
-//! 2. Only the requested size. Without a request, only sizes near [`DEFAULT_SIZE`], which have at
-//!    least half and at most twice as many pixels, otherwise the nearest.
+//! 2. Only the requested size. Without a request, only sizes with half to twice as many pixels as
+//!    [`DEFAULT_SIZE`], or the nearest size if there are none.
 //! 3. The rate nearest to the requested one, otherwise the highest. Rates within 2 % are equal (30
 //!    and 29.97).
 //! 4. The best of the remaining formats for a mask. Uncompressed colors come first, with those of a
@@ -89,7 +89,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// The requested size, or the default near which to look.
+    /// The requested size, or the default size if none is requested.
     pub(super) fn near(&self) -> [u32; 2] {
         self.size.unwrap_or(DEFAULT_SIZE)
     }
@@ -235,7 +235,7 @@ pub(super) fn negotiate(
     }
     let rate_error = |candidate: &Candidate| match request.fps {
         Some(fps) if candidate.fps > 0.0 => (candidate.fps / fps).ln().abs(),
-        // An unreported rate may be any, but a reported one is better.
+        // An unreported rate may be anything, but a reported rate is preferred.
         Some(_) => 1e3,
         None => -candidate.fps.max(1e-3).ln(),
     };
@@ -317,7 +317,7 @@ fn candidates(rank: usize, offer: &FormatOffer, request: &Request) -> Vec<Candid
         fps: interval.map_or(0.0, Interval::fps),
     };
     if offer.sizes.is_empty() {
-        // The driver does not list its sizes. Its answer will show what it makes of this one.
+        // The driver does not list its sizes. Its answer will show how it adjusts this one.
         return vec![candidate(request.near(), None)];
     }
     offer

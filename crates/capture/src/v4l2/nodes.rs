@@ -89,8 +89,8 @@ fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     entries.filter_map(|entry| Some(entry.ok()?.path()))
 }
 
-/// Lists the programs that have this node open, as words of a sentence. `None` if none is visible;
-/// those of other users are not.
+/// Lists the programs that have this node open, as words of a sentence. `None` if none is visible.
+/// Programs of other users are not visible.
 pub(super) fn holders(path: &Path) -> Option<String> {
     let node = fs::canonicalize(path).ok()?;
     let own = std::process::id();

@@ -33,8 +33,8 @@ pub struct CameraOptions {
 /// The camera does not exist, is not accessible, is in use, or does not have what is requested.
 pub(crate) fn open_camera(options: &CameraOptions) -> Result<Box<dyn FrameSource>, CameraError> {
     let path = std::path::absolute(&options.path).unwrap_or_else(|_| options.path.clone());
-    // Before the camera is opened, so that nothing is missed. Without inotify, reopening is tried
-    // now and then.
+    // Watches before the camera is opened, so that no event is missed. Without inotify, reopening
+    // is retried at intervals.
     let hotplug = Hotplug::watch(&path).ok();
     let device = Device::open(&path)?;
     let setup = device.set_up(&options.request)?;

@@ -100,8 +100,8 @@ impl Device {
     /// because another program may have changed both.
     ///
     /// # Errors
-    /// A common format does not exist, another program is streaming, or the driver sets something
-    /// that it did not list.
+    /// There is no common format, another program is streaming, or the driver sets something that
+    /// it did not list.
     pub(crate) fn set_up(&self, request: &Request) -> Result<Setup, CameraError> {
         let offers = self.offers(request.near(), |code: FourCc| {
             request.wanted.formats().contains(&code.0)

@@ -1,7 +1,7 @@
 //! Detects that a camera has been silent for too long. The silence is reported once, and repeated
 //! blank frames tell the readers of ropes that the image is missing.
 //!
-//! Too long is three periods. The period is the camera's own, or the last interval if that was
+//! The limit is three periods. The period is the camera's own, or the last interval if that was
 //! longer, as with longer exposure in the dark.
 
 /// Number of periods without a frame that make a stall.
@@ -32,7 +32,7 @@ pub(super) struct Silence {
     next_ns: u64,
     /// True if this silence has led to a blank frame.
     is_told: bool,
-    /// True if it was reported, here or elsewhere.
+    /// True if this silence was reported, here or elsewhere.
     is_reported: bool,
     /// When the next report is allowed.
     report_at_ns: u64,
@@ -61,7 +61,7 @@ impl Silence {
         }
     }
 
-    /// The camera starts to stream.
+    /// Notes that the camera starts to stream.
     pub(super) fn start(&mut self, now_ns: u64) {
         self.has_begun = false;
         // A silence that continues keeps its schedule.
@@ -84,8 +84,8 @@ impl Silence {
         std::mem::take(&mut self.is_reported).then_some(pause_ns)
     }
 
-    /// No frame can come, for a reason that is reported elsewhere. The next blank frame is due at
-    /// once.
+    /// Notes that no frame can come, for a reason that is reported elsewhere. The next blank frame
+    /// is due at once.
     pub(super) fn broken(&mut self, now_ns: u64) {
         (self.is_told, self.is_reported) = (true, true);
         self.next_ns = now_ns;

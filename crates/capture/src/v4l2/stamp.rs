@@ -34,7 +34,7 @@ impl Sequence {
         self.last
     }
 
-    /// The driver starts to stream again; its losses in between are unknown.
+    /// Notes that the driver starts to stream again. Its losses in between are unknown.
     pub(super) fn restart(&mut self) {
         self.driver = None;
     }
@@ -103,7 +103,7 @@ pub(super) struct Stamper {
 }
 
 impl Stamper {
-    /// The camera starts to stream now.
+    /// Notes that the camera starts to stream now.
     pub(super) fn start(&mut self, now_ns: u64) {
         self.started_ns = now_ns;
     }
@@ -114,7 +114,7 @@ impl Stamper {
             && flags & sys::BUF_FLAG_TSTAMP_SRC_MASK != sys::BUF_FLAG_TSTAMP_SRC_SOE
     }
 
-    /// Returns when a frame was exposed that was dequeued at `dequeued_ns`: never later than that.
+    /// Returns when the frame dequeued at `dequeued_ns` was exposed: never later than that.
     pub(super) fn exposed_ns(&mut self, time: DriverTime, dequeued_ns: u64) -> u64 {
         if time.flags & sys::BUF_FLAG_TIMESTAMP_MASK != sys::BUF_FLAG_TIMESTAMP_MONOTONIC {
             self.doubt(Doubt::Clock);
@@ -173,7 +173,8 @@ mod tests {
         driver.iter().map(|&number| sequence.of(number)).collect()
     }
 
-    /// The result for a stamp in microseconds from a camera that started at 5 s, at 15 s.
+    /// The exposure time for a stamp in microseconds. The camera started at 5 s, and the frame is
+    /// dequeued at 15 s.
     fn exposed_ns(stamper: &mut Stamper, flags: u32, stamped_us: i64) -> u64 {
         stamper.start(5_000_000_000);
         let time = DriverTime {

@@ -64,7 +64,7 @@ pub(super) struct NotStarted<D> {
 }
 
 impl<D: Driver> Stream<D> {
-    /// Starts a driver. With [`Memory::Lent`], it is lent memory from `slots`.
+    /// Starts a driver. With [`Memory::Lent`], it gets memory from `slots`.
     pub(super) fn start(
         driver: D,
         memory: Memory,
@@ -232,7 +232,7 @@ impl<D: Driver> Stream<D> {
         slot: LentSlot,
     ) -> std::result::Result<(), (&'static str, Errno)> {
         self.queue_lent(index, slot).map_err(|(slot, cause)| {
-            // The driver does not hold it, but it is stored where `stop` finds it.
+            // The driver does not hold the slot, but it is kept where `stop` finds it.
             self.put(index, slot);
             cause
         })
@@ -269,8 +269,8 @@ impl<D: Driver> Stream<D> {
         }
     }
 
-    /// Makes a call, and once more if it fails, because some failures of drivers are temporary.
-    /// Does not repeat it if the device is gone or busy.
+    /// Makes a call, and repeats it once if it fails, because some failures of drivers are
+    /// temporary. Does not repeat it if the device is gone or busy.
     fn twice<T>(
         &mut self,
         call: &'static str,
@@ -306,12 +306,12 @@ impl<D: Driver> Stream<D> {
         if !self.has_buffers {
             return Some(driver);
         }
-        // A mapped buffer cannot be freed.
+        // Buffers cannot be freed while they are mapped.
         if let Buffers::Mapped(mappings) = &mut self.buffers {
             mappings.clear();
         }
         let stopped = driver.stream(false);
-        // Some drivers fail once at this as at any call. Whatever is left is freed with the
+        // Some drivers fail this call once, like any other. Whatever is left is freed with the
         // descriptor.
         let freed = driver
             .request(memory, 0)

@@ -121,9 +121,9 @@ pub(super) fn query_buffer(fd: impl AsFd, buffer: &mut Buffer, planes: &mut [Pla
 ///
 /// # Safety
 /// With [`MEMORY_USERPTR`], the memory that `buffer` points to must stay valid and untouched in its
-/// whole length. For the multi-planar types, this is the memory that each of `planes` points to. This
-/// requirement ends when the buffer is dequeued, streaming is stopped, or all descriptors of the
-/// device are closed.
+/// whole length. For the multi-planar types, this applies to the memory that each of `planes`
+/// points to. This requirement ends when the buffer is dequeued, streaming is stopped, or all
+/// descriptors of the device are closed.
 pub(super) unsafe fn queue_buffer(
     fd: impl AsFd,
     buffer: &mut Buffer,

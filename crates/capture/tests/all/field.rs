@@ -185,8 +185,8 @@ fn files_of_several_pictures_are_refused_with_the_way_out() {
     );
 }
 
-/// Encodes a TIFF of a gray picture of 2 × 1 samples. There is one directory per picture, and
-/// values follow them.
+/// Encodes a TIFF of a gray picture of 2 × 1 samples. There is one directory per picture, and the
+/// samples follow the directories.
 fn tiff(is_big: bool, pictures: &[[(u16, u32); 2]]) -> Vec<u8> {
     let (mut file, entry_bytes) = match is_big {
         false => (b"II*\0\x08\0\0\0".to_vec(), 12),

@@ -215,7 +215,7 @@ fn a_frame_that_is_cut_off_is_refused() {
     assert_eq!(decode(&[], [160, 96]), Err(MjpegError::Empty));
     let mut passed = 0;
     for length in 1..jpeg.len() {
-        // As the bus leaves it, and as from a camera that always sends the end marker.
+        // Once as the bus leaves it, and once with the end marker that some cameras always send.
         let cut = &jpeg[..length];
         let ended = [cut, &[0xFF, 0xD9]].concat();
         for frame in [cut, &ended] {

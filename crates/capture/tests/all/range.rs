@@ -175,7 +175,7 @@ fn what_is_skipped_of_a_video_may_be_anything_but_its_frames_must_be_whole() {
     let folder = ten();
     let [_, path] = both(&folder);
     let whole = fs::read(&path).unwrap();
-    // In the pixels of the ninth frame, and in the line before it.
+    // One cut is in the pixels of the ninth frame, the other in the line before it.
     let cut_in_pixels = &whole[..whole.len() - 14 - 3];
     let cut_in_line = &whole[..whole.len() - 14 - 8 - 2];
     for cut in [cut_in_pixels, cut_in_line] {
@@ -184,7 +184,7 @@ fn what_is_skipped_of_a_video_may_be_anything_but_its_frames_must_be_whole() {
         assert_eq!(shown(&mut *source, 99), [(1, 2), (2, 6)]);
         let said = source.take_warning().expect("it is said");
         assert!(said.contains("cut off in frame 9"), "{said}");
-        // Not noticed if the part ends earlier.
+        // The cut is not noticed if the part ends earlier.
         let mut source = open_part(&path, part(2, 6, 4)).unwrap();
         assert_eq!(shown(&mut *source, 99), [(1, 2), (2, 6)]);
         assert_eq!(source.take_warning(), None);

@@ -1,4 +1,4 @@
-//! Recordings as frames: they come again with their gaps, times and truth.
+//! Recordings as frames: they are shown with their gaps, times and truth.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

@@ -149,7 +149,8 @@ fn a_hand_hides_a_part_of_the_rope_while_it_rests_there() {
         ..options()
     }))
     .unwrap();
-    // By the rope's color, because fingers at the picture's edge are about as wide as a rope.
+    // Selects by the rope's color, because fingers at the picture's edge are about as wide as a
+    // rope.
     let blue = HsvRange {
         hue_deg: [190.0, 250.0],
         saturation: [0.3, 1.0],

@@ -26,7 +26,7 @@ pub(super) struct Trial {
     before: Arc<Settings>,
     /// The client that asked for the change; `None` for an edited file.
     client: Option<Client>,
-    /// The answer if all of them become ready.
+    /// The answer if all these stages become ready.
     answer: String,
     /// Deadline for the stages to become ready.
     pub(super) until: Instant,
@@ -40,8 +40,9 @@ impl Trial {
 }
 
 impl Chain {
-    /// Creates the control socket, also if it was removed. When all processes in the domain die at
-    /// once, the next process to join removes what they left, including the socket.
+    /// Creates the control socket if there is none, for example because it was removed. When all
+    /// processes in the domain die at once, the next process to join removes what they left,
+    /// including the socket.
     pub(super) fn listen_to_others(&mut self) {
         if self.control.as_ref().is_some_and(Control::is_there) {
             return;
@@ -210,7 +211,7 @@ impl Chain {
                 named(concerned.again)
             );
         }
-        // Report errors that a stage would meet to the client.
+        // Try what a stage would do, so that the client receives the error.
         if concerned.live[Part::Extract as usize] {
             FrameExtractor::new(&settings.extract)?;
         }

@@ -32,11 +32,11 @@ use crate::stop::{Stop, Stopper};
 /// How a stage ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ending {
-    /// With exit code 0.
+    /// Exit code 0.
     Well,
-    /// With another exit code. The stage reported the reason.
+    /// Another exit code. The stage reported the reason.
     Failed(i32),
-    /// By a signal.
+    /// Killed by a signal.
     Killed(i32),
 }
 
@@ -134,8 +134,8 @@ impl Child {
         for name in ["NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"] {
             command.env_remove(name);
         }
-        // Only this child inherits the descriptors, because nothing else starts a process here
-        // meanwhile.
+        // Only this child inherits the descriptors, because nothing else in this process starts a
+        // child at the same time.
         let inherited = [
             (STATUS_FD, Some(its_end.as_fd())),
             (ORDERS_FD, Some(its_orders.as_fd())),
@@ -249,7 +249,7 @@ impl Child {
         self.lacks
     }
 
-    /// Returns true if the stage finished its work rather than breaking it off.
+    /// Returns true if the stage finished its work rather than abandoning it.
     pub(super) fn is_done(&self) -> bool {
         self.done
     }

@@ -14,7 +14,8 @@ pub(super) struct Watched {
 }
 
 impl Chain {
-    /// Kills stages that make no progress while work waits for them, if the settings restart them.
+    /// Kills stages that make no progress while work waits for them, if the settings say to restart
+    /// them.
     pub(super) fn strike_the_hanging(&mut self) {
         let run = &self.settings.run;
         if !run.restarts_stages() || run.lossless {

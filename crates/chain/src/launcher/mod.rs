@@ -308,7 +308,7 @@ impl Chain {
                 child.ending().is_some() && chain.due[child.part as usize].is_none()
             })
         };
-        // For example after `| head`.
+        // Nobody reads the output any more, for example after `| head`.
         let is_unread = |chain: &Self| chain.stages().any(Child::is_unread);
         while !stop.asked() && self.fallen.is_none() && !source_ended(self) && !is_unread(self) {
             let look = self.settings.run.restarts_stages().then_some(LOOK_EVERY);
@@ -394,8 +394,8 @@ impl Chain {
             return;
         }
         if ending.is_none() && self.settings.run.restarts_stages() {
-            // Another process told it to end. It waits for the last word that the chain would send
-            // at the end.
+            // Another process told this part to end. It waits for the last word, which the chain
+            // would otherwise send at its own end.
             if let Some(child) = &mut self.children[at] {
                 child.tell(&LastWord::Never.to_string());
             }

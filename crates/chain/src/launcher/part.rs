@@ -4,20 +4,19 @@ use super::child::Run;
 use crate::settings::Stage;
 use crate::stages;
 
-/// A part of the chain, in the order of the data. In addition to the stages there is the recorder
-/// if a recording is made. It starts before the writers and ends after them, so that it records
-/// everything.
+/// A part of the chain, in the order of the data. The recorder is a part only if a recording is
+/// made. It starts before the writers and ends after them, so that it records everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Sends frames.
     Capture,
-    /// Finds centerlines in them.
+    /// Finds centerlines in frames.
     Extract,
-    /// Fits descriptors to the centerlines.
+    /// Fits descriptors to centerlines.
     Fit,
     /// Counts and times the messages that arrive.
     Sink,
-    /// Records the messages of the others to a file.
+    /// Records the messages of the stages to a file.
     Recorder,
 }
 

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use super::child::Ending;
 use crate::settings::{Restart, Run};
 
-/// Pause before a restart. The first restart within the window is immediate; each further one
-/// doubles the pause.
+/// Pause before the second restart within the window. The first restart is immediate; each further
+/// one doubles the pause.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 

@@ -44,7 +44,7 @@ impl StatusNotifier {
 
     /// Reports a fault as the status line, which stays until the next report of the frame rate.
     ///
-    /// A chain that restarts its stages counts as alive, even while no frames come.
+    /// A chain that restarts its stages counts as alive, even while no frames arrive.
     pub(super) fn trouble(&mut self, line: &str) {
         self.notify.status(line);
         if self.notify.watchdog_period().is_some() {
@@ -63,7 +63,7 @@ impl StatusNotifier {
     }
 
     /// Reports the chain's state if it is due. The chain counts as alive while its signs change:
-    /// frames come, or capture waits for a camera.
+    /// frames arrive, or capture waits for a camera.
     pub(super) fn tell(&mut self, signs: Signs, now: Instant, ropes: impl FnOnce() -> usize) {
         if let Some(period) = self.notify.watchdog_period() {
             let (last, at) = *self.fed.get_or_insert((signs, now));

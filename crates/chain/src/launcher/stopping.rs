@@ -14,12 +14,12 @@ use crate::stages::status::{LastWord, Sent};
 /// Time without work after which a stopping stage is killed. A stage first processes the messages
 /// that wait for it.
 const STOP_PATIENCE: Duration = Duration::from_secs(3);
-/// The same for a lossless stage, which itself waits for a reader that makes no progress.
+/// Counterpart of [`STOP_PATIENCE`] for a lossless stage, which itself waits for a reader that
+/// makes no progress.
 const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
 /// CPU time that a stage may use to end.
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
-/// Ratio between the limit of the elapsed time and [`STOP_TIMEOUT`], for a stage that shares its
-/// core.
+/// Factor by which the elapsed time may exceed [`STOP_TIMEOUT`], for a stage that shares its core.
 const STARVED: u32 = 10;
 /// Time limit for the recorder, which must write everything that waits to a disk that may be slow.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
@@ -137,7 +137,7 @@ impl Chain {
     pub(super) fn counts(&self) -> FinalCounts {
         let sent = |part| -> Option<Sent> {
             let child = self.child(part)?;
-            // A stage that was killed had noted what it was about to send.
+            // A stage notes what it is about to send, so the count of a killed stage is known, too.
             let noted = || self.handovers[part as usize].read().sent;
             Some(child.sent().unwrap_or_else(noted))
         };

@@ -18,7 +18,7 @@ impl Watch {
     /// Starts to watch a settings file.
     ///
     /// # Errors
-    /// Returns an error without a file, or if the kernel cannot watch it.
+    /// Returns an error if there is no file, or if the kernel cannot watch it.
     pub(super) fn of(file: Option<&Path>) -> Result<Self> {
         let file = file.context("there is none (lariat.toml here, or --config FILE)")?;
         let name = file.file_name().context("it has no name")?;

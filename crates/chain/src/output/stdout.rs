@@ -1,5 +1,5 @@
 //! Standard output. A closed pipe, as after `| head`, ends a command and is not a fault. Any other
-//! write error is one.
+//! write error is a fault.
 
 use anyhow::{Context, Result};
 use std::fmt;

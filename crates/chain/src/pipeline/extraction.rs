@@ -22,7 +22,7 @@ pub struct FrameView<'a> {
 }
 
 impl<'a> FrameView<'a> {
-    /// Creates a view of the bytes that the header describes. A blank frame is without bytes.
+    /// Creates a view of the bytes that the header describes. A blank frame has no bytes.
     pub fn new(header: &'a FrameHeader, bytes: &'a [u8]) -> Self {
         Self { header, bytes }
     }

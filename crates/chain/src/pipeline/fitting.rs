@@ -108,16 +108,16 @@ impl CurveFitter {
         Ok(())
     }
 
-    /// Repeats the precomputation for another number of points. Extract was started with other
-    /// settings, and its number counts.
+    /// Repeats the precomputation for another number of points. This happens if extract was started
+    /// with other settings, because its number counts.
     fn recount(&mut self, count: usize) -> Result<()> {
         self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()
     }
 
     /// Writes the descriptors of a frame's curves into a message. The message's trace is left
-    /// unchanged. A curve that cannot be fitted is left out. The first such case is warned about,
-    /// as is everything else that a user or a control loop should know.
+    /// unchanged. A curve that cannot be fitted is left out. Warns of the first such curve, and of
+    /// everything else that a user or a control loop should know.
     pub fn answer(&mut self, seen: &Centerlines, message: &mut Descriptors) {
         (message.width, message.height, message.count) = (seen.width, seen.height, 0);
         message.unit = self.unit() as u32;

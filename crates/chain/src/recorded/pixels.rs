@@ -99,7 +99,8 @@ impl Decoder {
         }
     }
 
-    /// Returns a conclusion about another program's frames, once.
+    /// Returns what was found out about another program's frames. Each finding is returned only
+    /// once.
     pub fn take_news(&mut self) -> Option<String> {
         self.foreign.as_mut()?.take_news()
     }

@@ -10,9 +10,9 @@ use toml::Value;
 pub enum Stage {
     /// Sends frames.
     Capture,
-    /// Finds centerlines in them.
+    /// Finds centerlines in frames.
     Extract,
-    /// Fits descriptors to the centerlines.
+    /// Fits descriptors to centerlines.
     Fit,
     /// Counts and times the messages that arrive.
     Sink,

@@ -8,9 +8,9 @@ use toml::Value;
 /// A pixel format by name.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FormatName {
-    /// The camera's code of that name.
+    /// The camera format code with that name.
     pub code: Option<FourCc>,
-    /// The raw format of that name.
+    /// The raw format with that name.
     pub raw: Option<RawFormat>,
 }
 

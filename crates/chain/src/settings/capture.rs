@@ -32,7 +32,7 @@ pub struct Capture {
     /// When frames are due.
     pub fps: Fps,
     /// Width and height of the camera's or the rendered picture, px. Without it, rendered pictures
-    /// have the usual size, and a camera's size is near it.
+    /// have the default size, and a camera uses a size near that.
     pub size: Option<[u32; 2]>,
     /// Seed of the rendered or simulated rope.
     pub seed: u64,
@@ -151,7 +151,7 @@ impl Capture {
         }
     }
 
-    /// Returns the default frame rate, which is that of the video for a video.
+    /// Returns the default frame rate. For a video, this is the video's own rate.
     pub(super) fn usual_fps(&self) -> f64 {
         let video = match &self.source[..] {
             [path] if path.is_file() => video_fps(path),

@@ -4,8 +4,8 @@ use lariat_fit::{Basis, Knots, Options, Rho, Solver, Tolerance, Weights};
 use lariat_wire::Basis as Sent;
 use std::fmt;
 
-/// Default number of control points of a named basis: that of order 8, the best of the paper's
-/// four.
+/// Default number of control points of a named basis. It corresponds to order 8, the best of the
+/// paper's four orders.
 pub(super) const DEFAULT_CONTROL_POINTS: usize = 9;
 
 /// The family of an open rope's curve. A closed rope is always a Fourier series.

@@ -341,7 +341,7 @@ fn long_help(key: &Key, takes: &Takes) -> String {
 mod tests {
     use super::*;
 
-    /// Commands that take some of the flags, which name these commands.
+    /// Commands that take only some of the flags. Each flag names its commands.
     const TAKE_SOME: [&str; 8] = [
         "capture", "extract", "fit", "sink", "record", "snapshot", "trace", "replay",
     ];

@@ -1,5 +1,4 @@
-//! Writes changes into a settings file. The order, the comments and the empty lines of its owner
-//! stay unchanged.
+//! Writes changes into a settings file, and keeps its order, comments and empty lines.
 
 use super::change;
 use super::keys::KEYS;

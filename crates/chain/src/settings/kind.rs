@@ -82,7 +82,8 @@ impl Kind for Between {
     }
 }
 
-/// A duration. The fields are the name of the unit in the file, and how many of it make a second.
+/// A duration. The fields are the name of the unit in the file, and the number of units in a
+/// second.
 pub(super) struct Time(&'static str, f64);
 
 pub(super) const SECONDS: Time = Time("seconds", 1.0);
@@ -281,7 +282,7 @@ pub(super) enum Takes {
     Numbers,
     /// Positions `X,Y`, separated by commas or given by repeating the flag.
     Positions,
-    /// A duration. The field says how many of the setting's unit make a second.
+    /// A duration. The field is the number of the setting's units in a second.
     Time(f64),
     /// A number of bytes, for a setting in MB.
     Size,

@@ -11,7 +11,7 @@ pub enum Restart {
     Never,
     /// If the stage died, hangs, or was ended by another process than its chain.
     OnFailure,
-    /// Also if its source has ended.
+    /// As with [`OnFailure`](Self::OnFailure), and also if the source has ended.
     Always,
 }
 

@@ -14,12 +14,12 @@ use lariat_fit::{Knots, MAX_CONTROL_POINTS, MAX_ORDER, MAX_POINTS, Rho, Solver};
 use lariat_wire::MAX_CURVES;
 use toml::Value;
 
-// Each row is a setting. It starts with the field in `Settings`, whose first part is the section,
-// and `as` with the name if it differs from the field's. The kind and the description follow;
-// `--help` and new settings files show the description. A setting with a flag continues with the
-// flag as the help shows it, then the commands that have it. `run`, and commands that take all
-// flags of `run`, are not listed. The last two items are its heading in the help and the line for
-// `-h`.
+// Each row is a setting. It starts with the field in `Settings`; the first part of the field is the
+// section. If the setting's name differs from the field's, `as` and the name follow. The kind and
+// the description follow; `--help` and new settings files show the description. A setting with a
+// flag continues with the flag as the help shows it, then the commands that have it. `run`, and
+// commands that take all flags of `run`, are not listed. The last two items are the flag's heading
+// in the help and the line for `-h`.
 macro_rules! keys {
     ($($section:ident $(.$field:ident)+ $(as $name:ident)?: $kind:expr, $about:literal $(, $flag:literal, $of:expr, $heading:literal, $help:literal)?;)*) => {
         &[$(Key {

@@ -1,4 +1,4 @@
-//! `[camera]`: mapping from the camera's images to the world. Also the region of the images that is
+//! `[camera]`: mapping from the camera's images to the world, and the region of the images that is
 //! processed.
 
 use crate::calibrated::Calibrated;

@@ -3,8 +3,8 @@
 //! of the test.
 //!
 //! The transport does allocate: iceoryx2 0.10 keeps each slot that it lends in a small box, created
-//! with the loan and freed on sending. There is one box per message. They are recognized by their
-//! size and counted separately.
+//! with the loan and freed on sending. There is one box per message. The test recognizes these
+//! boxes by their size and counts them separately.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};

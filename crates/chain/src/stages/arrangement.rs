@@ -5,8 +5,9 @@
 //!
 //! All three belong to the calling thread. Stages start no thread later, and threads that were
 //! started before, such as those that decode pictures, are unaffected. A core that does not exist
-//! is an error before anything starts. Missing permissions are not: stages report `lacks …` on
-//! their status line, the chain prints one sentence, and the stages run without the resource.
+//! is an error before anything starts. A missing permission is not an error: stages report
+//! `lacks …` on their status line, the chain prints one sentence, and the stages run without the
+//! resource.
 //!
 //! *By default*, the kernel chooses the cores, scheduling is ordinary, and readers are woken by
 //! events. *`--realtime`* selects FIFO scheduling and locks memory as it is touched. If FIFO is
@@ -20,8 +21,8 @@
 //!   the waker's core is idle, the kernel places the woken thread there anyway, which is as good as
 //!   pinning on an idle machine. Therefore nothing is pinned by default, and `--realtime` pins only
 //!   stages that have FIFO.
-//! - FIFO without pinning has a worse median than neither, because the kernel spreads FIFO threads,
-//!   so that every wake crosses cores.
+//! - FIFO without pinning has a worse median than ordinary scheduling without pinning, because the
+//!   kernel spreads FIFO threads, so that every wake crosses cores.
 //! - Priorities increase along the chain (40, 41, 42, 43), so a frame in progress comes before the
 //!   next one. They are below the kernel's 50 for interrupt threads.
 //! - If the stages' work fills most of the period (`--fps max`, or 1000 frames/s under load), a
@@ -63,8 +64,8 @@ const ROOM_BYTES: u64 = 256 << 20;
 
 /// Time without sleep after which a stage rests.
 const LONGEST_RUN: Duration = Duration::from_millis(100);
-/// Length of a rest: long enough for the programs that wait for the core to run, and a hundredth of
-/// the time.
+/// Length of a rest. It is long enough for programs that wait for the core to run, and takes a
+/// hundredth of the time.
 const REST: Duration = Duration::from_millis(1);
 /// Time without sleep after which the kernel ends a stage of realtime priority. It spans twenty
 /// missed rests, and no frame takes as long.
@@ -298,10 +299,11 @@ pub fn precise_timer() {
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
 }
 
-/// Lowers the priority of this thread, which renders pictures for display. A thread that wakes gets
-/// its core within a tenth of a millisecond, but some time remains for it on a loaded machine.
+/// Lowers the priority of this thread, which renders pictures for display. A more urgent thread
+/// gets the core within a tenth of a millisecond after it wakes. On a loaded machine, this thread
+/// still gets some time.
 pub fn give_way() {
-    // Without this, others are only delayed. On Linux, `nice` affects a single thread.
+    // If this fails, other threads are only delayed. On Linux, `nice` affects a single thread.
     let _ = rustix::process::nice(15);
     take_short_slices();
 }
@@ -371,7 +373,7 @@ impl Rest {
     pub fn if_due(&mut self, now_ns: u64) {
         let run_ns = now_ns.saturating_sub(self.awake_since_ns);
         if self.is_needed && u128::from(run_ns) > LONGEST_RUN.as_nanos() {
-            // Sleep without a reason, so that ordinary programs get the core.
+            // Sleep although there is work, so that ordinary programs get the core.
             self.while_waiting(|| std::thread::sleep(REST));
         }
     }

@@ -194,7 +194,7 @@ struct Sender<'w> {
     lasts_ns: Option<u64>,
     /// End of that time.
     end_ns: Option<u64>,
-    /// Late wake-ups of a source without realtime priority.
+    /// Counts late wake-ups of a source without realtime priority.
     punctuality: Option<Punctuality>,
 }
 
@@ -376,7 +376,7 @@ fn tell(source: &mut dyn FrameSource) {
     }
 }
 
-/// Reports that a video was made for another frame rate than the one in the settings, as the user
+/// Reports that a video was made for a different frame rate than the settings say, because the user
 /// may not know.
 fn tell_of_another_pace(settings: &Settings, source: &dyn FrameSource) {
     if let (Some(native), Fps::PerSecond(fps), SourceKind::Video) =

@@ -3,7 +3,7 @@
 //!
 //! Each image carries its frame's trace as capture made it. It is awaited until a deadline after
 //! the frame's capture, so that the waits of queued frames do not add up. The wait ends early if
-//! the image of a later frame arrives. This time counts as waiting, not as a stage's work.
+//! the image of a later frame arrives. The wait does not count as a stage's work.
 //!
 //! `mask = "external"`: a mask is a `Gray8` image of its frame's size (`FrameHeader::of_mask`),
 //! with higher levels where rope is more likely. The maker of masks reads the newest frame
@@ -25,7 +25,7 @@ use lariat_wire::{Channel, Message, Receiver, Trace, WireError, now_ns};
 use super::Station;
 use crate::stop::Stop;
 
-/// Maximum wait for a mask after a stop was requested, so that the few frames that are left end in
+/// Maximum wait for a mask after a stop was requested, so that the few remaining frames finish in
 /// time.
 const AFTER_STOP: Duration = Duration::from_secs(1);
 
@@ -150,7 +150,7 @@ impl Companions {
             if Instant::now() >= until {
                 return Ok(false);
             }
-            // After the signal, its pipe would cause a wake-up again and again.
+            // After the signal, the pipe stays readable and would end every sleep at once.
             let also = last.is_none().then(|| stop.as_fd());
             self.reader.sleep(Some(until), also)?;
         }

@@ -50,13 +50,13 @@ pub struct Station {
     pub version: u32,
     orders: Orders,
     arrangement: Arrangement,
-    /// The stage, if it is one.
+    /// The stage, or `None` for a program alongside the stages.
     stage: Option<Stage>,
-    /// Name under which it is announced on the rig.
+    /// Name under which this process is announced on the rig.
     name: &'static str,
-    /// Settings that it announces to other processes.
+    /// Settings that this process announces to others.
     settings: String,
-    /// The channel that it reads.
+    /// The channel that this process reads.
     reads: Cell<Option<&'static str>>,
     /// Number of messages that did not reach a reader although this stage waited for it.
     undelivered: Cell<u64>,

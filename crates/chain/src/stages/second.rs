@@ -1,9 +1,10 @@
-//! The view of a second rig's camera: of its centerlines, those nearest in time to a frame.
+//! The view of a second rig's camera: the set of its centerlines that is nearest in time to a
+//! frame.
 //!
-//! The other rig runs independently and knows nothing of this one, which reads its channel. A
-//! frame's partner is known once a view has arrived that is later than the frame, or at most half a
-//! period earlier. Until then, fit waits up to a deadline after the frame's capture. If nothing
-//! arrives by then, later frames do not wait until something arrives again.
+//! The other rig runs independently and is unaware that this rig reads its channel. A frame's
+//! partner is known once a view has arrived that is later than the frame, or at most half a period
+//! earlier. Until then, fit waits up to a deadline after the frame's capture. If nothing arrives by
+//! then, later frames do not wait until something arrives again.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};

@@ -1,6 +1,6 @@
 //! The sink process: reads the output of the chain, counts it, and reports.
 //!
-//! The sink may be killed. Its files then contain the complete state of at most 10 s before
+//! The sink may be killed. Its files then contain a complete state that is at most 10 s old
 //! (`keeper`). A chain that holds its handover state (`handover`) can start another sink, which
 //! continues where it stopped.
 
@@ -28,7 +28,7 @@ use keeper::Keeper;
 
 /// Interval at which the live line is updated in place on a terminal.
 const ON_TERMINAL: Duration = Duration::from_millis(100);
-/// Interval at which it is written elsewhere.
+/// Interval at which the live line is written elsewhere.
 const ELSEWHERE: Duration = Duration::from_secs(1);
 
 /// Counts until a signal arrives, then reports.
@@ -301,10 +301,11 @@ impl LiveLine {
         self.stale = 0;
     }
 
-    /// Returns when to update the line. Without frames, it is updated until it shows that, and then
-    /// not until a frame arrives.
+    /// Returns when to update the line. If frames stop, the line is updated until it shows this,
+    /// and then not until the next frame arrives.
     fn due(&self) -> Option<Instant> {
-        // Its figures cover the last second, so two seconds without a frame leave them empty.
+        // The line's figures cover the last second, so two seconds without a frame leave them
+        // empty.
         let is_stale = self.interval() * self.stale > 2 * ELSEWHERE;
         (self.wanted && !is_stale && !self.unread).then_some(self.due)
     }
@@ -336,7 +337,7 @@ impl LiveLine {
     }
 
     fn say(&mut self, text: fmt::Arguments) {
-        // Write it as a whole, so that no message of another process comes between.
+        // Write the text as a whole, so that no message of another process comes in between.
         let text = text.to_string();
         if self.on_stderr {
             messages::show(&text);

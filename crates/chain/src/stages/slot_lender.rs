@@ -52,8 +52,8 @@ impl<'w> SlotLender<'w> {
         Ok(lender)
     }
 
-    /// Replaces the slots that were returned. Call this only after those were sent, because the
-    /// writer lends no more slots than there are.
+    /// Replaces the slots that were returned. Call this only after the returned slots were sent,
+    /// because the writer lends no more slots than there are.
     pub(super) fn lend(&mut self) -> Result<(), WireError> {
         for index in 0..self.lent.len() {
             if self.lent[index].is_none() {

@@ -12,9 +12,9 @@
 //! * The sink writes `ending` when a signal has ended its work, so that the chain tells it the
 //!   counts even if another process sent the signal. It writes `unread` when nobody reads standard
 //!   output any more, which ends the chain like Ctrl-C.
-//! * The other three write `sent COUNT LAST_SEQUENCE` at the end. Before that, extract writes
-//!   `late COUNT` if it waits for masks, and fit `depthless COUNT` if it waits for depth images.
-//!   Capture writes `depths IMAGES LOST UNPAIRED` if it has a depth camera.
+//! * The other three stages write `sent COUNT LAST_SEQUENCE` at the end. Before that, extract
+//!   writes `late COUNT` if it waits for masks, and fit `depthless COUNT` if it waits for depth
+//!   images. Capture writes `depths IMAGES LOST UNPAIRED` if it has a depth camera.
 
 use std::fmt;
 use std::fs::File;

@@ -38,7 +38,7 @@ impl<const A: usize> Servo<A> {
         self.limits.spread(&self.history.at(at_ns).unwrap_or(NONE))
     }
 
-    /// Returns the known row of `∂s/∂r` for coordinate `feature` of the shape: its answer to each
+    /// Returns the known row of `∂s/∂r` for coordinate `feature` of the shape: its response to each
     /// coordinate of each gripper, in px/px, px/px, px/rad. Returns `None` during exploration, and
     /// if there is no such coordinate.
     pub fn jacobian(&self, feature: usize) -> Option<[[f64; A]; 2]> {

@@ -105,7 +105,7 @@ fn size(rows: &[[[f64; 3]; 2]]) -> f64 {
     scaled.sum::<f64>().sqrt()
 }
 
-/// While steering, only the current motion is observed. The test therefore compares the answer to
+/// While steering, only the current motion is observed. The test therefore compares the response to
 /// that motion with the formula.
 #[test]
 fn on_the_way_the_jacobian_is_that_of_the_rope() {
@@ -158,8 +158,8 @@ fn on_the_way_the_jacobian_is_that_of_the_rope() {
     }
 }
 
-/// Explores at one place without noise. The remaining error is the nonlinearity of the answer over
-/// 15 px and 0.15 rad.
+/// Explores at one place without noise. The remaining error is the nonlinearity of the response
+/// over 15 px and 0.15 rad.
 #[test]
 fn exploring_finds_the_jacobian_of_a_bent_rope() {
     let mut random = SplitMix64::new(9);

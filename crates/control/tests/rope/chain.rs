@@ -8,7 +8,7 @@ use lariat_fit::{Fitter, bernstein};
 use lariat_portable::SplitMix64;
 use lariat_simulation::{STEP_NS, Simulation, TargetShape, at_equal_steps};
 
-/// Number of points from the camera, and of points that shapes are compared by.
+/// Number of points from the camera; shapes are compared by the same number of points.
 pub(crate) const POINTS: usize = 120;
 
 /// Properties of the camera.
@@ -177,7 +177,7 @@ impl Chain {
         distances.sum::<f64>() / POINTS as f64
     }
 
-    /// Runs until the rope has been at rest in its target for a second, or this many seconds have
+    /// Runs until the rope has been at rest at its target for a second, or this many seconds have
     /// passed.
     pub(crate) fn run(&mut self, seconds: f64) -> Outcome {
         let mut outcome = Outcome::default();
@@ -218,7 +218,7 @@ pub(crate) const NEAR_PX: f64 = 5.0;
 pub(crate) struct Outcome {
     /// Time since which the rope has stayed near the target.
     pub(crate) reached_s: Option<f64>,
-    /// Time since which the rope has been at rest in its target.
+    /// Time since which the rope has been at rest at its target.
     pub(crate) arrived_s: Option<f64>,
     /// Time of the last exploration.
     pub(crate) explored_s: f64,

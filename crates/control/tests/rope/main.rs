@@ -152,7 +152,7 @@ fn off(chain: &Chain, truth: &[[[f64; 3]; 2]], motion: &[[f64; 3]; 2]) -> f64 {
 }
 
 /// The table has friction. A rope that reverses sticks before it follows, and where it comes to
-/// rest depends on its path. Over 13 px out and back, that is a tenth of the answer. While
+/// rest depends on its path. Over 13 px out and back, that is a tenth of the response. While
 /// steering, `J` also lags behind, and the error may be a half. Within 5 px of the target, `J` is
 /// not checked: it is learned there from steps of 2 px, where friction matters more.
 #[test]

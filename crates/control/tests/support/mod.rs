@@ -1,4 +1,4 @@
-//! Test ropes that answer to grippers by a formula, and a camera with a delay.
+//! Test ropes that respond to grippers by a formula, and a camera with a delay.
 #![allow(dead_code)] // Each test binary uses a part.
 
 use std::collections::VecDeque;

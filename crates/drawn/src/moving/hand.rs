@@ -17,8 +17,8 @@ const STAYS_S: f64 = 2.5;
 /// Resting places, in turn, as shares of the picture's sides.
 const RESTS: [[f64; 2]; 3] = [[0.5, 0.45], [0.36, 0.6], [0.64, 0.55]];
 
-/// Visits in a film from elsewhere: frames from one visit to the next, frames of those without a
-/// hand, and frames for coming and for leaving.
+/// Visits in a film from another source: number of frames from one visit to the next, number of
+/// these without a hand, and number of frames to come in and to leave.
 const VISITS_EVERY: u64 = 120;
 const AWAY: u64 = 25;
 const COMES: f64 = 8.0;
@@ -78,7 +78,7 @@ impl Hand {
         })
     }
 
-    /// Returns the hand in frame number `frame` of a film from elsewhere, if there is one, for
+    /// Returns the hand in frame number `frame` of a film from another source, if there is one, for
     /// pictures of this size and a rope of this width. Hands come from above and from below, thin
     /// and wide, light and dark in turn. Films with other seeds begin with other visits.
     pub fn visiting(frame: u64, seed: u64, size_px: [f64; 2], rope_px: f64) -> Option<Self> {

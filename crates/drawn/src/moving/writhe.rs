@@ -66,8 +66,8 @@ impl Writhe {
             drift_px: [0, 1].map(|axis| Wave::new(random, 0.05 * size_px[axis], [6.0, 14.0])),
             length_px: 1.0,
         };
-        // The rope is as long as it can be and stay inside. More moments are tried than the periods
-        // have.
+        // The rope is made as long as possible while it stays inside. The tested moments extend
+        // over many periods.
         let mut points = Vec::new();
         let mut farthest = [0.0f64; 2];
         for trial in 0..2000 {

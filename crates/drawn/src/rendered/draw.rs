@@ -1,4 +1,5 @@
-//! Draws the rope along its centerline: round, twisted, lit from the side, with soft edges and a faint shadow.
+//! Draws the rope along its centerline: round and twisted, lit from the side, with soft edges and a
+//! faint shadow.
 //!
 //! The normals at the centerline's points divide the rope's surroundings into slabs, one per
 //! segment. A pixel is in one slab of a strand, so a strand never covers itself. Where the rope
@@ -332,8 +333,8 @@ impl Slab {
         (x - self.from.at[0]) * self.normal[0] + (y - self.from.at[1]) * self.normal[1]
     }
 
-    /// Rows between the slab's corners, which are at the gates, moved by their overhang, at the
-    /// reach on both sides.
+    /// Rows between the slab's corners. The corners are at the gates, moved by their overhang, and
+    /// at the reach on both sides.
     #[inline(always)]
     fn rows(&self, reach_px: f32, height: usize) -> Range<usize> {
         let ys = |gate: &Gate, overhang_px: f32| {

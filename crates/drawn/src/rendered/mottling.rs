@@ -17,7 +17,7 @@ impl<const GRID: usize> Mottling<GRID> {
         }
     }
 
-    /// Sum of two octaves at a position that is not negative, the second with half the amplitude.
+    /// Sum of two octaves at a nonnegative position. The second octave has half the amplitude.
     /// `scales`: grid points per unit in each octave.
     pub(crate) fn at(&self, at: [f64; 2], scales: [f64; 2]) -> f64 {
         self.octave(at.map(|c| c * scales[0])) + 0.5 * self.octave(at.map(|c| c * scales[1]))

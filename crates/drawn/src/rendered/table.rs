@@ -23,8 +23,8 @@ pub(crate) fn to_byte(value: f32) -> u8 {
 /// From this value on, floats have no fraction, and their lowest bits are those of the integer.
 const FRACTIONLESS: f32 = (1 << 23) as f32;
 
-/// Whole part of a number from 0 to 2²². Conversions to integers give the same, but handle numbers
-/// out of range lane by lane.
+/// Whole part of a number from 0 to 2²². A conversion to an integer gives the same result, but
+/// handles numbers out of range lane by lane.
 #[inline(always)]
 pub(crate) fn whole_part(value: f32) -> f32 {
     let nearest = (value + FRACTIONLESS) - FRACTIONLESS;
@@ -68,8 +68,8 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// The camera's noise: a table of approximately normal values. Each row of each frame uses another
-/// section of it.
+/// The camera's noise: a table of approximately normal values. Each row of each frame uses a
+/// different section of it.
 #[derive(Debug)]
 pub(crate) struct SensorNoise {
     table: Vec<u8>,

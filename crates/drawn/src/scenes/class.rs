@@ -61,7 +61,7 @@ pub enum Class {
     SeveralColors,
     /// Seeds 2k and 2k + 1 show the same scene, the second in half the light.
     LightChange,
-    /// The rope's own shadow on a light table, sharp, half a width to four widths from it. For
+    /// The rope's own sharp shadow on a light table, half a width to four widths from the rope. For
     /// seeds 4k to 4k + 3 it takes 15, 30, 45 and 60 % of the light.
     HardShadow,
     /// The same shadow as [`HardShadow`](Class::HardShadow), soft as from a wide lamp.
@@ -88,9 +88,9 @@ pub enum Class {
     /// A rope pulled tight through the image, straight or slightly bent, on such surfaces: for
     /// seeds 4k to 4k + 3 plain, a texture, and twice a desk.
     Taut,
-    /// The picture of a figure-eight knot with four crossings above 20°. It is drawn together until
-    /// there are 2.5 to 5 widths of rope between two of them. Half of the pictures are knots; in
-    /// the others, chance decides which strands are on top.
+    /// The picture of a figure-eight knot with four crossings above 20°. The knot is drawn together
+    /// until 2.5 to 5 widths of rope are left between two crossings. Half of the pictures are
+    /// knots; in the others, chance decides which strands are on top.
     Eights,
     /// A coil of three to five loops, which cross their neighbors at such flat angles that the
     /// crossings merge.

@@ -96,8 +96,8 @@ impl Plane {
         }
     }
 
-    /// Value at a pixel of a picture of twice the size, interpolated with three parts of the
-    /// nearest value.
+    /// Value at a pixel of a picture of twice the size, interpolated along each axis with a weight
+    /// of ¾ for the nearest value.
     fn doubled(&self, [x, y]: [usize; 2]) -> f32 {
         let [columns, rows] = [x, y].map(|c| {
             let near = (c / 2) as isize;

@@ -207,7 +207,7 @@ fn touch(lines: &[Line], width_px: f64) -> Option<Touch> {
 }
 
 /// Makes a tip near a strand: half of the time next to a strand of another rope, otherwise pointing
-/// at one of its own.
+/// at a strand of its own rope.
 fn ending(class: Class, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let gap_px = if class == Class::EndsNear {
         (width_px * random.uniform(0.3, 2.0)).max(1.5)

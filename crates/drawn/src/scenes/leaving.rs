@@ -6,7 +6,7 @@ use super::rules::{Rules, bends_enough, crossings_as_asked};
 use super::shape::{self, Room};
 use lariat_portable::SplitMix64;
 
-/// Makes a rope with one or both ends outside the image, which it leaves once at each.
+/// Makes a rope with one or both ends outside the image. It leaves the image once at each of them.
 pub(super) fn leaving(
     rules: &Rules,
     random: &mut SplitMix64,

@@ -190,7 +190,7 @@ pub(super) struct Found {
 }
 
 /// Finds where lines cross each other or themselves. Also finds where they come closer than
-/// `near_px` although they are more than 1.5 times that apart along the rope.
+/// `near_px`, although they are more than 1.5 times that distance apart along the rope.
 pub(super) fn meetings(lines: &[Line], near_px: f64) -> Found {
     let mut found = Found::default();
     for a in 0..lines.len() {

@@ -99,7 +99,7 @@ impl Style {
             Class::Texture => look.mottling = draw(0.04, 0.09),
             Class::Shadow => {
                 look.shadow = draw(0.15, 0.35);
-                // Away from the lamp, and as soft as the rope is high.
+                // The shadow is on the side away from the lamp, and as soft as the rope is high.
                 let shift = 0.3 * width;
                 (look.shadow_px, look.shadow_blur_px) = ([shift, 1.3 * shift], shift);
             }

@@ -2,7 +2,7 @@
 //! holds the rope down.
 //!
 //! Its orange differs from the table, the rope, the rope's dark rim and its shadow, and its wrist
-//! is much wider than the rope. By both, the extractor distinguishes it from a rope.
+//! is much wider than the rope. The extractor uses both to distinguish it from a rope.
 
 use lariat_simulation::Pose;
 

@@ -38,7 +38,7 @@ const GRIPPER_STEP: f64 = 0.35;
 /// Colors of rope and grippers: blue, and the orange of robots.
 const RGB: [[f32; 3]; 2] = [[40.0, 92.0, 190.0], [204.0, 100.0, 40.0]];
 
-/// Size of the table of depth noise. Each row of each image uses another section of it.
+/// Size of the table of depth noise. Each row of each image uses a different section of it.
 const NOISE_DEPTHS: usize = 1 << 16;
 
 /// Description of the two cameras, in the form of the users' own files (YAML).
@@ -48,8 +48,8 @@ pub struct SpaceCameras {
     pub color: String,
     /// Calibration of the depth camera, its pose and its error.
     pub depth: String,
-    /// Pose of the color camera relative to the table, whose frame the grippers move in; a robot
-    /// calls it its base frame.
+    /// Pose of the color camera relative to the table, in whose frame the grippers move. For a
+    /// robot, this is the base frame.
     pub pose: String,
 }
 

@@ -1,5 +1,5 @@
-//! The picture: table, rope, grippers and hand. Their previous and their new positions are drawn
-//! again.
+//! The picture: table, rope, grippers and hand. In each frame, only their previous and their new
+//! positions are redrawn.
 
 use lariat_message::{Centerlines, PixelFormat};
 use lariat_simulation::Simulation;

@@ -46,7 +46,8 @@ pub struct NoSuchRope;
 /// A rope in 3-D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiftedRope {
-    /// 2000 points of its centerline at equal steps of arc length, mm; the first and the last are its ends.
+    /// 2000 points of its centerline at equal steps of arc length, mm; the first and the last point
+    /// are its ends.
     pub points: Vec<[f64; 3]>,
     /// Radius, mm.
     pub radius_mm: f64,
@@ -239,7 +240,8 @@ fn lifted(ground: &[[f64; 2]], options: &LiftOptions, random: &mut SplitMix64) -
     lines.map(|(i, &[x, y])| [x, y, height(i)]).collect()
 }
 
-/// Lifts the strand at `over` onto the one at `under`, unless it is above it already.
+/// Lifts the strand at `over` onto the one at `under`, unless the first is already above the
+/// second.
 fn lay_over(points: &mut [[f64; 3]], over: usize, under: usize, diameter: f64) {
     let step = distance(points[over], points[(over + 1).min(points.len() - 1)]).max(1e-9);
     let missing = points[under][2] + diameter - points[over][2];

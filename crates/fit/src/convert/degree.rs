@@ -1,5 +1,5 @@
-//! Bezier curves of a higher order, which are the same curve, and of a lower one, which is the
-//! nearest.
+//! Changes the order of Bezier curves. A higher order represents the same curve; a lower one gives
+//! the nearest curve of that order.
 
 use crate::bezier::bernstein;
 use crate::curve::{Curve, CurveError};
@@ -170,7 +170,7 @@ mod tests {
             let reduced = reduce_degree(&elevated, order, keep_ends).unwrap();
             prop_assert!(reduced.largest_distance < 1e-9);
             for (a, b) in reduced.control_points.iter().zip(&control_points) {
-                // At order 8, the matrix's condition number is some hundreds.
+                // At order 8, the matrix's condition number is a few hundred.
                 prop_assert!(apart(a, b) < 1e-8, "{a:?} {b:?}");
             }
         }
@@ -191,7 +191,8 @@ mod tests {
                 .map(|rho| apart(&before.point(rho), &after.point(rho)))
                 .fold(0.0, f64::max);
             prop_assert!(seen <= reduced.largest_distance + 1e-5);
-            // As the cosine of 31 angles, with steps of π/2000.
+            // With ρ = (1 − cos φ)/2, the distance changes at most as fast as cos 31 φ. The steps
+            // of φ are π/2000.
             prop_assert!(seen >= 0.999 * reduced.largest_distance - 1e-5);
             if keep_ends && order > 0 {
                 prop_assert_eq!(after.point(0.0), before.point(0.0));
@@ -217,7 +218,7 @@ mod tests {
             reversed.reverse();
             let plain = reduce_degree(&control_points, order, keep_ends).unwrap().control_points;
             for (j, p) in plain.iter().enumerate() {
-                // At order 9, the matrix's condition number is some hundreds.
+                // At order 9, the matrix's condition number is a few hundred.
                 prop_assert!(apart(&found[j], &there(p)) < 1e-8);
                 prop_assert!(apart(&reversed[j], p) < 1e-8);
             }

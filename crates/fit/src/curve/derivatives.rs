@@ -10,8 +10,8 @@ impl<const D: usize> Curve<'_, D> {
         point
     }
 
-    /// The `k`-th derivative by ρ at `rho`, `k` from 0 (the point itself) to 3; `NaN` for higher
-    /// ones. At a junction of two pieces, it is that of the later one.
+    /// The `k`-th derivative with respect to ρ at `rho`, `k` from 0 (the point itself) to 3; `NaN`
+    /// for higher ones. At a junction of two pieces, it is that of the later piece.
     pub fn derivative(&self, rho: f64, k: usize) -> [f64; D] {
         let jet: [_; 4] = self.jet(rho);
         jet.get(k).copied().unwrap_or([f64::NAN; D])
@@ -26,7 +26,8 @@ impl<const D: usize> Curve<'_, D> {
     pub fn tangent(&self, rho: f64) -> Option<[f64; D]> {
         let jet: [_; 4] = self.jet(rho);
         let rounding = self.rounding();
-        // Derivatives by ρ grow with order and pieces, and so does their rounding error.
+        // Derivatives with respect to ρ grow with order and pieces, and so does their rounding
+        // error.
         let growth = 2.0 * self.highest_rate();
         let mut noise = rounding;
         let arrives = rho >= 1.0 && !self.basis.is_closed();
@@ -91,8 +92,8 @@ impl Curve<'_, 2> {
 }
 
 impl Curve<'_, 3> {
-    /// Curvature at `rho`: the reciprocal radius of the osculating circle. It is never negative, as
-    /// in 3-D a turn has no side. `None` if the first derivative vanishes.
+    /// Curvature at `rho`: the reciprocal radius of the osculating circle. It is never negative,
+    /// because a turn in 3-D has no side. `None` if the first derivative vanishes.
     pub fn curvature(&self, rho: f64) -> Option<f64> {
         self.bending(rho)
     }

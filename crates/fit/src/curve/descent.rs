@@ -17,8 +17,8 @@ use super::segments::{BezierSegment, Segment, SeriesSegment};
 /// Maximum excess over the minimum, as a share of the curve's size.
 pub(crate) const TOLERANCE: f64 = 1e-9;
 
-/// Number of parts after which the tolerance grows by a factor of four. After 17 such rounds, 4352
-/// parts, it is the curve's size.
+/// Number of parts after which the tolerance grows by a factor of four. After 17 such rounds (4352
+/// parts) it equals the curve's size.
 const PATIENCE: u32 = 256;
 
 /// The number to minimize.
@@ -26,8 +26,8 @@ pub(crate) trait Objective<const D: usize> {
     /// Its minimum on a chord, and the position from 0 to 1.
     fn on_chord(&self, chord: &[[f64; D]; 2]) -> (f64, f64);
 
-    /// Its value at a point of the curve, and two derivatives by ρ, given the point's own. The
-    /// derivatives may be those of another function with the same minima.
+    /// Its value at a point of the curve, and its first two derivatives with respect to ρ, given
+    /// those of the point. The derivatives may be those of another function with the same minima.
     fn at(&self, jet: &[[f64; D]; 3]) -> Slope;
 }
 
@@ -166,7 +166,7 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
         }
     }
 
-    /// Returns whether a bound is below the best value by more than the tolerance. NaN is not.
+    /// Returns whether a bound is below the best value by more than the tolerance; `false` for NaN.
     fn can_hold_less(&self, bound: f64) -> bool {
         bound < self.best.value - self.tolerance
     }
@@ -186,7 +186,7 @@ impl<const D: usize, O: Objective<D>> Search<'_, '_, D, O> {
         };
         let (mut rho, mut here) = (rho, slope(rho));
         let mut reach = 0.25 * (high - low).min(1.0);
-        // Enough to reduce a quarter to an ulp, with some steps in between.
+        // Enough to halve a quarter down to an ulp, with some other steps in between.
         for _ in 0..64 {
             let newton = -here.first / here.second;
             let downhill = if here.second > 0.0 && newton.is_finite() {

@@ -40,9 +40,9 @@ impl<const D: usize> Curve<'_, D> {
         )
     }
 
-    /// Computes the distances of these points from the curve's nearest points. With each point
-    /// comes the ρ at which it was fitted, and its nearest point is searched near there. On a rope
-    /// that returns close to itself, that is on the point's own strand. If that search does not
+    /// Computes the distances of these points from the curve's nearest points. Each point comes
+    /// with the ρ at which it was fitted, and its nearest point is searched near there. If the rope
+    /// returns close to itself, that point is thus on the same strand. If the search does not
     /// converge, the nearest point of the whole curve is used.
     ///
     /// Every distance is accurate to about 1e-10 of the curve's size.
@@ -80,7 +80,7 @@ impl<const D: usize> Curve<'_, D> {
                 begun = here;
             }
             let slope = dot(&away, &velocity);
-            // At an end, beyond which the curve would have to continue.
+            // The distance decreases only beyond this end, so the end is the nearest point.
             if !closed && ((rho == 0.0 && slope >= 0.0) || (rho == 1.0 && slope <= 0.0)) {
                 return (here <= begun).then_some(here);
             }

@@ -137,8 +137,8 @@ impl<const D: usize> Curve<'_, D> {
         }
     }
 
-    /// Finds where `wanted` of a part's length is reached, by Newton's method safeguarded by
-    /// bisection.
+    /// Finds the ρ at which the length `wanted` of a part is reached, by Newton's method
+    /// safeguarded by bisection.
     fn rho_within(&self, part: &Part, wanted: f64) -> f64 {
         if wanted <= 0.0 {
             return part.from;
@@ -172,7 +172,7 @@ impl<const D: usize> Curve<'_, D> {
     /// Calls `take` with the parts of the curve up to `end`, from first to last.
     fn each_part(&self, end: f64, take: &mut dyn FnMut(Part)) {
         let closed = self.basis.is_closed();
-        // A series is divided by the waves of its highest harmonic.
+        // A series is divided according to the waves of its highest harmonic.
         let count = if closed {
             self.basis.order().max(1)
         } else {

@@ -21,12 +21,12 @@ impl<const D: usize> Curve<'_, D> {
     /// Finds the global nearest point of the curve to `point`, among ends, corners and all strands.
     ///
     /// No local minimum is missed. The curve is cut until each part is known to be farther than the
-    /// best point, or to contain the nearest one. The bound is by its control points or, for a
-    /// Fourier series, by its second derivative. Newton's method then finds the point to rounding.
-    /// If two points differ by less than 1e-9 of the curve's size, either may be returned. If a
-    /// long part of the curve is almost equally far (a circle's center), that tolerance grows until
-    /// some thousand parts have been examined. The result is then still near the least distance,
-    /// and the first of many found.
+    /// best point, or to contain the nearest one. The bound comes from its control points or, for a
+    /// Fourier series, from its second derivative. Newton's method then finds the point to within
+    /// rounding. If two points differ by less than 1e-9 of the curve's size, either may be
+    /// returned. If a long part of the curve is almost equally far (a circle's center), that
+    /// tolerance grows until several thousand parts have been examined. The result is then still
+    /// near the least distance: it is the first that was found of many such points.
     pub fn nearest(&self, point: [f64; D]) -> Nearest<D> {
         let least = self.least(&DistanceTo { point });
         let on_curve = self.point(least.rho);

@@ -12,7 +12,7 @@ const MAX_PIECE_POINTS: usize = 272;
 pub(crate) struct Pieces<const D: usize> {
     degree: usize,
     count: usize,
-    /// KnotSpan `i` is from `breaks[i]` to `breaks[i + 1]`.
+    /// Piece `i` is from `breaks[i]` to `breaks[i + 1]`.
     breaks: [f64; MAX_CONTROL_POINTS + 1],
     /// `degree + 1` control points of each piece, times their weights if rational.
     points: [[f64; D]; MAX_PIECE_POINTS],
@@ -92,7 +92,7 @@ impl<const D: usize> Pieces<D> {
         meetings.partition_point(|&meeting| meeting <= rho)
     }
 
-    /// The `K` derivatives by ρ from the 0th.
+    /// The first `K` derivatives with respect to ρ, from the 0th.
     #[inline]
     pub(crate) fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {
         self.piece(self.at(rho)).jet(rho)
@@ -100,7 +100,7 @@ impl<const D: usize> Pieces<D> {
 }
 
 impl<const D: usize> KnotSpan<'_, D> {
-    /// The `K` derivatives by ρ from the 0th.
+    /// The first `K` derivatives with respect to ρ, from the 0th.
     #[inline]
     pub(crate) fn jet<const K: usize>(&self, rho: f64) -> [[f64; D]; K] {
         let length = self.to - self.from;
@@ -140,7 +140,7 @@ fn divide<const D: usize, const K: usize>(jet: &mut [[f64; D]; K], weight: &[[f6
 
 /// Splits a clamped B-spline into Bezier pieces, by inserting each knot until it separates pieces
 /// (Piegl and Tiller, *The NURBS Book*, algorithm A5.6). Writes the `degree + 1` control points of
-/// each to `points`, and the values of ρ between which they are, one more than pieces, to `breaks`.
+/// each to `points`, and the pieces' ends in ρ to `breaks` (one more than there are pieces).
 /// Returns the number of pieces.
 ///
 /// `knots` must be clamped and ascending, and may repeat at most `degree` times inside.

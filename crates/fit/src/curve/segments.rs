@@ -67,7 +67,7 @@ impl<const D: usize> Segment<D> for BezierSegment<D> {
 
     /// A point of the curve is a mean of control points with nonnegative shares. The same mean of
     /// points of the chord is on the chord. The control points therefore bound the deviation: each
-    /// is compared with the point of the chord, in even steps, of the same index.
+    /// is compared with the point of the same index on the chord, divided into even steps.
     fn deviation(&self) -> f64 {
         let [from, to] = self.chord();
         let mut largest = 0.0f64;

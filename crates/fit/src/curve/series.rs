@@ -37,7 +37,7 @@ pub(crate) fn jet<const D: usize, const K: usize>(
     jet
 }
 
-/// A bound on the second derivative by ρ: `Σ (2πk)² √(|aₖ|² + |bₖ|²)`.
+/// A bound on the second derivative with respect to ρ: `Σ (2πk)² √(|aₖ|² + |bₖ|²)`.
 pub(crate) fn second_bound<const D: usize>(coefficients: &[[f64; D]]) -> f64 {
     let harmonics = coefficients.get(1..).unwrap_or(&[]);
     harmonics

@@ -37,11 +37,11 @@ pub struct FilterOptions {
     /// ([`FilterStep::Updated`](crate::FilterStep)): the factor is the root of the ratio by which
     /// it is too large.
     pub noise_scale: f64,
-    /// A shape is a jump if its normalized innovation squared is out by this many standard
-    /// deviations (those of a normal distribution, by the cube root of the chi-square's: Wilson and
-    /// Hilferty 1931). From 1; infinity disables the limit. Default: 10, which at nine control
-    /// points in a plane is 9 times the mean, so errors three times larger than the model are not a
-    /// jump yet.
+    /// A shape is a jump if its normalized innovation squared exceeds its expectation by this many
+    /// standard deviations (those of the normal distribution that approximates the cube root of the
+    /// chi-square: Wilson and Hilferty 1931). From 1; infinity disables the limit. Default: 10,
+    /// which at nine control points in a plane is 9 times the mean, so errors three times larger
+    /// than the model are not a jump yet.
     pub gate_sigma: f64,
     /// Maximum time between shapes, and from a shape to a prediction, s. From 10⁻³ to 60. Default:
     /// 0.5.
@@ -67,7 +67,7 @@ impl FilterOptions {
         self.acceleration_px_s2.powi(2) * self.acceleration_lasts_s
     }
 
-    /// The chi-square number of `freedom` degrees of freedom at `gate_sigma`.
+    /// The chi-square value of `freedom` degrees of freedom at `gate_sigma`.
     pub(super) fn gate(&self, freedom: usize) -> f64 {
         let freedom = freedom as f64;
         let variance = 2.0 / (9.0 * freedom);

@@ -10,8 +10,9 @@
 //! This is plain code, inlined into functions that are compiled for each instruction set. A running
 //! sum stays in registers over all rows, four vectors of it at a time.
 
-/// Numbers in a vector: rows are padded with zeros to a multiple of it. Four instead of eight,
-/// since nine control points fill three vectors of four to 0.75, and two of eight only to 0.56.
+/// Numbers in a vector: rows are padded with zeros to a multiple of this. It is four instead of
+/// eight because nine control points fill three vectors of four to 75 %, but two of eight only to
+/// 56 %.
 pub(super) const LANES: usize = 4;
 
 /// A vector.
@@ -151,9 +152,9 @@ fn add_block<const W: usize>(
     *out = sum;
 }
 
-/// Cholesky elimination of the symmetric matrix `S` in the first `count` columns of as many rows,
-/// of which only the upper triangle is read. It becomes `U` with `UᵀU = S`, and every further
-/// column `x` becomes `U⁻ᵀx`. Entries left of the diagonal are meaningless afterwards.
+/// Cholesky elimination of the symmetric matrix `S` in the first `count` rows and columns. Only its
+/// upper triangle is read. It becomes `U` with `UᵀU = S`, and every further column `x` becomes
+/// `U⁻ᵀx`. Entries left of the diagonal are meaningless afterwards.
 ///
 /// Returns false, with all entries meaningless, if `S` is not positive definite.
 #[inline(always)]

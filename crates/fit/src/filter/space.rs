@@ -21,7 +21,7 @@ const MAX_CONDITION: f64 = 1e-6 / f64::EPSILON;
 /// `N` points from the origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in every
 /// direction. Control points can be far outside their curve, and move by a hundred pixels if the
 /// curve moves by one (the ratio of their variances is the square of `B`'s condition number). Curve
-/// coordinates do not.
+/// coordinates do not have this problem.
 #[derive(Debug, Clone)]
 pub struct CurveSpace(Arc<Coordinates>);
 
@@ -136,7 +136,7 @@ impl CurveSpace {
         &self.0.to_curve
     }
 
-    /// Returns whether it is the same object or a clone of it.
+    /// Returns whether `other` is the same object or a clone of it.
     pub(super) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }

@@ -218,7 +218,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(100))]
 
-        /// Within the options' ranges, and for noise from a ten-thousandth of a pixel to ten
+        /// Options are within their ranges, and noise is from a ten-thousandth of a pixel to ten
         /// thousand pixels, in any direction.
         #[test]
         fn the_covariance_stays_positive_definite(

@@ -19,8 +19,8 @@ use super::design::Design;
 /// leave a factor of 1.6 open.
 const DEVIATION: f64 = 0.5;
 
-/// Squared residuals below this share of the coordinates' size, each, are rounding. The share is
-/// some thousand times ε, because points and curve are sums of some tens of rounded numbers.
+/// Residuals below this share of the largest coordinate are rounding. The share is several thousand
+/// times ε, because points and curve are sums of tens of rounded numbers.
 const ROUNDING: f64 = 1e-12;
 
 /// Evaluates squared residuals and weights.

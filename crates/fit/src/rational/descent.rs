@@ -167,7 +167,7 @@ impl Descent {
                 continue;
             };
             radius = adapted(radius, &step, here.merit - there.merit);
-            // Distance by the new variance.
+            // The distance in terms of the new variance.
             let distance = step.distance * (here.variance / there.variance).sqrt();
             here = there;
             // Distances shrink by a similar factor from step to step, so the remaining distance is

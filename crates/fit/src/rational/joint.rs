@@ -28,7 +28,7 @@ pub(super) struct Joint {
     /// `S`, a row for each coordinate of each control point.
     sensitivity: Vec<f64>,
     scratch: Vec<f64>,
-    /// `L⁻¹ Q̃ᵀ R₀` or `ₙ`.
+    /// `L⁻¹ Q̃ᵀ R₀` or `L⁻¹ Q̃ᵀ Rₙ`.
     of_end: Vec<f64>,
     /// Effect of an end's noise on the log-weights, on all parameters at known weights, and on all
     /// parameters.

@@ -21,12 +21,13 @@ pub(super) enum Model {
     Linear,
     /// Around the curve: Gauss-Newton with Kaufman's approximation. Never indefinite.
     GaussNewton,
-    /// Around `f − r`: Newton's. Differentiating twice and eliminating the control points gives
-    /// `∂²(|r|²/2) = P(Rₖ ⊙ (pₖ − f + r)) · P(Rₗ ⊙ (pₗ − f + r)) − Σ Rₖ Rₗ |r|² − δₖₗ Σ r · Rₖ (pₖ − f)`.
+    /// Around `f − r`: Newton's method. Differentiating twice and eliminating the control points
+    /// gives `∂²(|r|²/2) = P(Rₖ ⊙ (pₖ − f + r)) · P(Rₗ ⊙ (pₗ − f + r)) − Σ Rₖ Rₗ |r|² − δₖₗ Σ r ·
+    /// Rₖ (pₖ − f)`.
     Newton,
 }
 
-/// Derivatives of the residuals by the log-weights.
+/// Derivatives of the residuals with respect to the log-weights.
 pub(super) struct Linearization {
     /// `Rₖ ⊙ (pₖ − f)`: `count` rows, one axis after the other.
     pub(super) changes: Vec<f64>,
@@ -42,7 +43,8 @@ pub(super) struct Linearization {
     pub(super) normal: Vec<f64>,
     /// Their right-hand side.
     pub(super) right: Vec<f64>,
-    /// Sum of the changes' squares, from which the normal matrix is a difference.
+    /// Sum of the squares of `changes`, before the products are subtracted that give the normal
+    /// matrix.
     pub(super) changes_squared: f64,
     /// `|r|` on the grid.
     lengths: Vec<f64>,

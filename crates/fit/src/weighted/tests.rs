@@ -87,8 +87,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// The same problem with one coordinate for each point. Fitted, the columns are those of `H` and
-/// `P`.
+/// The same problem with one coordinate for each point. Its fits give the columns of `H` and `P`.
 fn unit_responses<const D: usize>(case: &Case<D>) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     (0..case.points.len())
         .map(|i| {

@@ -1,4 +1,4 @@
-//! Fits do not allocate with any option; nor do filters and curves.
+//! Fits never allocate, whatever the options; neither do filters and curves.
 use lariat_fit::{
     Basis, Curve, CurveSpace, Filter, FilterOptions, Fitter, Knots, Line, MAX_CONTROL_POINTS,
     Noise, Options, RationalFitter, Resampler, Rho, Solver, SteadySize, Tolerance, Weights,
@@ -77,8 +77,8 @@ fn a_filter_allocates_nothing() {
     let mut filter = Filter::<2>::new(32, FilterOptions::default()).unwrap();
     let before = allocations();
     for frame in 0..40 {
-        // Five shapes of each, so that it begins, continues, and changes to more and to fewer
-        // control points.
+        // Five shapes of each, so that the filter begins, continues, and changes to more and to
+        // fewer control points.
         let k = frame / 5 % 4;
         let noise = if frame % 2 == 0 {
             Noise::Covariance(&covariance[k])

@@ -359,6 +359,6 @@ fn sums_that_agree_by_accident_are_not_taken() {
         .map(|i| [i, i + 1].map(|i| curve.point(f64::from(i) / f64::from(count))))
         .map(|[a, b]| apart(a, b))
         .sum();
-    // This many chords are shorter than the curve by 1e-11 of it.
+    // The sum of this many chords is shorter than the curve by a share of 1e-11.
     assert!((curve.length() - chords).abs() < 1e-10 * chords);
 }

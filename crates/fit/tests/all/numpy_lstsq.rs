@@ -52,7 +52,7 @@ fn every_solver_equals_numpy() {
                 (fit.max_px, "max_px"),
                 (fit.residual_variance, "residual_variance"),
             ] {
-                // Residuals are differences of numbers of some hundreds of px.
+                // Residuals are differences of numbers of a few hundred px.
                 assert!(
                     (ours - number(key)).abs() < 1e-9,
                     "{about}: {key} {ours} {}",

@@ -12,8 +12,9 @@ const H: [[f64; 3]; 3] = [
     [1e-4, -1.3e-3, 1.0],
 ];
 
-/// Large enough that the approximation error of the curves is small in comparison. Small enough,
-/// compared to the steps of 5 px, that the squares of their slopes do not add to the arc length.
+/// Standard deviation of the noise. It is large enough that the approximation error of the curves
+/// is small in comparison. It is small enough, compared to the steps of 5 px, that the squares of
+/// their slopes do not add to the arc length.
 const SIGMA_PX: f64 = 0.02;
 
 fn place([x, y]: [f64; 2]) -> ([f64; 2], Square<2>) {

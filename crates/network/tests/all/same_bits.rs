@@ -26,7 +26,8 @@ fn every_kind_of_registers_gives_the_same_maps() {
         let found = (hash(&rope), hash(&seam));
         assert_eq!(found, EXPECTED, "{arch:?}");
     }
-    // Includes kernels that a faster one for the same instruction set hides.
+    // This includes kernels that are not used normally, because there is a faster one for the same
+    // instruction set.
     for kernels in ConvolutionKernels::all() {
         let [mut rope, mut seam] = [(); 2].map(|()| vec![0; size[0] * size[1]]);
         let picture = Picture {

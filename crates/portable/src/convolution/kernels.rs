@@ -150,8 +150,8 @@ impl ConvolutionKernels {
         (self.look_up)(table, bytes);
     }
 
-    /// Does as many multiply-adds as the machine can, `rounds` times a few, in registers alone.
-    /// This is the upper bound to which a kernel's time is compared.
+    /// Does multiply-adds as fast as the machine can, in registers alone: a few for each of
+    /// `rounds`. This is the upper bound to which a kernel's time is compared.
     pub fn spin(&self, rounds: u64) -> Spin {
         (self.spin)(rounds)
     }

@@ -2,9 +2,9 @@
 //! machine.
 //!
 //! An activation is a byte from 0 to 127, and a weight is one from −127 to 127. The sum of two
-//! products fits 16 bits (2·127·127 = 32,258). No instruction that adds in pairs saturates, and
-//! every sum is exact in any order. Only requantization remains, one IEEE float product per sum:
-//! [`Finish`].
+//! products fits 16 bits (2·127·127 = 32,258). Instructions that add in pairs therefore never
+//! saturate, and every sum is exact in any order. Only requantization remains, one IEEE float
+//! product per sum: [`Finish`].
 //!
 //! Pixels are stored with channels last, row by row, inside a border of zeros as wide as the
 //! windows' reach ([`Plane`]). An output row is computed from the three input rows that contain its
@@ -159,9 +159,9 @@ impl Convolution {
         self.shape
     }
 
-    /// Number of input pixels of a window before the one at its output's place. The input rows of
-    /// [`row`](Self::row) begin with this many pixels, and the first of them is this many rows
-    /// above.
+    /// Number of a window's input pixels before the one at the place of its output. The input rows
+    /// of [`row`](Self::row) begin this many pixels further left, and the first row is this many
+    /// rows above.
     pub fn reach(&self) -> usize {
         self.shape.reach()
     }

@@ -52,7 +52,7 @@ struct Neon<const DOT: bool>;
 impl<const DOT: bool> Neon<DOT> {
     #[inline(always)]
     unsafe fn dot_one(sums: int32x4_t, input: int8x16_t, weights: int8x16_t) -> int32x4_t {
-        // SAFETY: the trait's; the instruction accesses only its registers.
+        // SAFETY: the requirements of the trait; the instruction accesses only its registers.
         unsafe {
             if DOT {
                 let mut sums = sums;

@@ -58,8 +58,8 @@ pub(super) trait Registers {
 const MOST: usize = 512;
 
 /// Computes the channels of `C` groups of a block, from `group` on, along a row. It processes `P`
-/// pixels at a time, and `REST` if no more are left. `STEP` is the job's step, or 0 if it is
-/// unknown at compile time.
+/// pixels at a time, or `REST` if no more than that are left. `STEP` is the job's step, or 0 if it
+/// is unknown at compile time.
 ///
 /// # Safety
 ///
@@ -91,8 +91,8 @@ pub(super) unsafe fn row<
     }
 }
 
-/// Computes `P` pixels from `x` on and returns where they end. If the row ends before, the pixels
-/// are moved back to end with it, and some are computed again.
+/// Computes `P` pixels from `x` on and returns where they end. If the row ends before that, the
+/// pixels are moved back to end with it, and some are computed again.
 ///
 /// # Safety
 ///
@@ -183,7 +183,8 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     // The 16·C bytes of each pixel; the block's channels are among those of the shape.
     let start = block.first + 16 * group;
     assert!(start + 16 * C <= channels);
-    // All channels of `P` pixels are contiguous; otherwise they go through an array.
+    // The output is contiguous if it is `P` pixels with all their channels; otherwise it goes
+    // through an array.
     let whole = pixels == P && channels == 16 * C;
     let out = job.out[range.clone()].as_mut_ptr();
     let residual = job.residual.map(|r| r[range].as_ptr());
@@ -242,7 +243,7 @@ unsafe fn finish<R: Registers, const C: usize, const P: usize>(
     }
 }
 
-/// Runs `rounds` times one `dot` for each of `N` registers of sums. Each has its own weights, and
+/// Runs one `dot` for each of `N` registers of sums, `rounds` times. Each has its own weights, and
 /// the inputs change, so that all products are computed.
 ///
 /// # Safety

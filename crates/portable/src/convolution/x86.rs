@@ -281,8 +281,8 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
     }
 }
 
-/// Processes as many pixels as leave registers for the weights of `C` groups and for the input. The
-/// compiler knows the steps of the mask network's layers.
+/// Processes as many pixels at a time as possible while registers are left for the weights of `C`
+/// groups and for the input. The compiler knows the steps of the mask network's layers.
 ///
 /// # Safety
 ///
@@ -386,7 +386,7 @@ fn widen_256(rgb: &[u8], out: &mut [u8]) {
         let Some(bytes) = rgb.get(3 * done..3 * done + 28) else {
             break;
         };
-        // SAFETY: 16 of the 28 bytes follow byte 12; a chunk has 32 bytes.
+        // SAFETY: the loads read 16 bytes each, from bytes 0 and 12 of 28; a chunk has 32 bytes.
         unsafe {
             let high = bytes[12..].as_ptr().cast();
             let pixels = _mm256_loadu2_m128i(high, bytes.as_ptr().cast());

@@ -123,7 +123,7 @@ impl Messages {
     }
 
     /// Returns the next message; `None` after the last. After an error, the next call continues
-    /// behind the damaged part.
+    /// after the damaged part.
     ///
     /// # Errors
     /// Fails if a chunk or a message is damaged.

@@ -39,7 +39,7 @@ pub enum RecordingError {
         /// The system's error.
         error: std::io::Error,
     },
-    /// A file of a recording of several cannot be read.
+    /// One of a recording's several files cannot be read.
     #[error("its file {name} is not read: {error}")]
     OfFile {
         /// The file's name.

@@ -36,7 +36,7 @@ pub(super) fn open(
     let (mut files, mut refused) = (Vec::<Opened>::new(), None);
     for path in &listed {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        // All files show the topic that was chosen for the first.
+        // All files show the topic that was chosen for the first file.
         let chosen = (files.iter()).find_map(|file| file.source.topics.images.clone());
         let open = || {
             Opened::new(

@@ -32,7 +32,7 @@ pub(super) enum Place {
 }
 
 impl Place {
-    /// Locates a slice in the records. Bytes from elsewhere are the reader's.
+    /// Locates a slice in the records. Bytes from elsewhere are in the reader's memory.
     fn of(part: &[u8], records: &[u8]) -> Self {
         match records.as_ptr_range().contains(&part.as_ptr()) {
             true => {
@@ -120,8 +120,8 @@ pub(super) fn raw(
 /// quantization.
 const DEPTH_HEAD_BYTES: usize = 12;
 
-/// Reads a picture file. Its bytes identify its kind. The writer's claim counts only if they are
-/// unknown.
+/// Reads a picture file. Its bytes identify its kind. The format that the writer names counts only
+/// if the bytes are unknown.
 pub(super) fn picture(
     picture: CompressedImageRecord,
     known: Option<FrameHeader>,

@@ -19,7 +19,7 @@ use super::scan::{times_among, times_of};
 /// A recording: an MCAP file that lariat made, or another one with images, or a folder of several
 /// files as ROS 2 makes it.
 ///
-/// The file may contain any bytes. Lengths are not trusted before the bytes are there, so memory is
+/// The file may contain any bytes. Lengths are not trusted until the bytes are read, so memory is
 /// limited to a few times the file's size, and 1 GiB for a chunk.
 pub struct Recording {
     /// The files in their order, at least one.
@@ -130,8 +130,8 @@ impl Recording {
         (self.files.iter()).find_map(|file| file.topics.images.as_deref())
     }
 
-    /// All topics with images from which that one was chosen. There are several if several cameras
-    /// were recorded.
+    /// All topics with images; the frames' topic is one of them. There are several if several
+    /// cameras were recorded.
     pub fn cameras(&self) -> &[String] {
         &self.candidates
     }

@@ -1,6 +1,6 @@
 //! Rebuilds the index of a recording that was not closed, or was written without one, by scanning
 //! the file from record to record. It skips over chunks and unpacks only those that define topics,
-//! and the last one, which alone can be torn.
+//! and the last one, because no other chunk can be torn.
 
 use std::sync::Arc;
 

@@ -126,7 +126,7 @@ impl dyn Storage + '_ {
 /// Checks that a part of this size is not too large.
 ///
 /// # Errors
-/// Fails if it is.
+/// Fails if the part is too large.
 pub(super) fn check_size(offset: u64, bytes: u64) -> Result<(), RecordingError> {
     if bytes > MOST_BYTES {
         let most = MOST_BYTES;

@@ -283,7 +283,7 @@ fn meaning(text: &str) -> impl Iterator<Item = &str> {
         })
 }
 
-/// A curve's degree, and the field's name in recordings until October 2026. It has always been the
-/// degree.
+/// The field with a curve's degree, and its name in recordings until October 2026, with the same
+/// meaning.
 const DEGREE: &str = "uint32 degree";
 const OLD_DEGREE: &str = "uint32 order";

@@ -90,7 +90,8 @@ fn pixels<'a>(
         (_, Images::Raw | Images::None) => return None,
         (PixelFormat::Gray8, _) => return Some((data, ExtendedColorType::L8)),
         (PixelFormat::Rgb8, _) => return Some((data, ExtendedColorType::Rgb8)),
-        // PNG takes 16-bit numbers in the machine's own order, and JPEG has none.
+        // The PNG encoder takes 16-bit numbers in the machine's own byte order. JPEG has no 16-bit
+        // numbers.
         (PixelFormat::Gray16, Images::Png) => return Some((data, ExtendedColorType::L16)),
         (PixelFormat::Gray16, _) => {
             buffer.clear();

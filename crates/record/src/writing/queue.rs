@@ -4,7 +4,7 @@
 //! The total size of the buffers is bounded. Each buffer is filled by the reader, written, and
 //! returned. Once the pool has grown to the size needed, messages need no allocation. A slow disk
 //! causes dropped messages, but memory stays bounded. A part is reserved for small messages, so
-//! that images without room do not displace the shapes.
+//! that images that fill the queue do not displace the shapes.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -188,7 +188,7 @@ impl Intake {
         self.held_bytes[Size::of(after) as usize] += after;
     }
 
-    /// Returns a buffer that was not sent to the pool.
+    /// Returns an unsent buffer to the pool.
     pub(crate) fn keep(&mut self, mut buffer: Vec<u8>) {
         buffer.clear();
         self.free[Size::of(buffer.capacity()) as usize].push(buffer);

@@ -83,8 +83,8 @@ pub struct Written {
 }
 
 impl Written {
-    /// Returns whether the recording contains nothing of a rig. Losses do not count, since they are
-    /// written in any case.
+    /// Returns true if the recording contains nothing from a rig. Losses do not count, since they
+    /// are written in any case.
     pub fn is_empty(&self) -> bool {
         !has_content(&self.messages)
     }
@@ -317,7 +317,7 @@ impl Writer {
     fn add(&mut self, topic: Topic) -> Result<u16, WriteError> {
         let schema = topic.schema();
         let name = topic.on(&self.rig);
-        // Once at its first use, and once in the summary.
+        // It is written once at its first use, and once in the summary.
         let bytes = (schema.text.len() + schema.name.len() + name.len()) as u64 + 128;
         self.make_room(bytes, bytes)?;
         let text = schema.text.as_bytes();

@@ -159,7 +159,7 @@ fn a_depth_image_of_image_transport_is_called_one() {
     };
     let refused = of(made(&["/a/depth"])).unwrap_err().to_string();
     assert!(refused.contains("/a/depth are depth images"), "{refused}");
-    // A topic with the usual name is not a camera unless requested.
+    // A topic with the usual name for depth images is not a camera unless requested.
     let recording = Recording::from_bytes(made(&["/a/compressedDepth"])).unwrap();
     assert_eq!(recording.cameras(), ["/color/compressed"]);
     assert_eq!(

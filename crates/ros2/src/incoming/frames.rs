@@ -15,7 +15,8 @@ use super::received::{Picture, TakePicture};
 use super::stamps::{Originals, Stamps};
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// An older image comes from a recording or another clock, and must not be used for steering.
+/// Maximum age of an image. An older one comes from a recording or another clock, and must not be
+/// used for steering.
 const OLDEST_NS: u64 = 10_000_000_000;
 /// Frames for which a mask may still arrive: two seconds at 30 fps.
 const KNOWN: usize = 64;
@@ -137,7 +138,7 @@ impl Frames {
             exposed_ns: Some(exposed_ns),
             sequence: Some(sequence),
         };
-        // Before the frame is sent, because messages about it may follow soon.
+        // This happens before the frame is sent, because messages about it may follow soon.
         if stamp_ns != 0 {
             self.originals.add(exposed_ns, stamp_ns);
         }

@@ -13,8 +13,8 @@ use super::received::TwistStamped;
 use super::stamps::Stamps;
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// Age at which a velocity is no longer used. The simulated robot stops by itself as long after its
-/// last command.
+/// Age at which a velocity is no longer used. The simulated robot also stops by itself this long
+/// after its last command.
 const HOLDS_NS: u64 = 250_000_000;
 
 /// The rig's commands.

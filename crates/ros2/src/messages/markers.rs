@@ -79,7 +79,7 @@ pub(crate) fn markers(
 /// Markers, counted while they are written.
 struct Drawing<'a> {
     count: usize,
-    /// A message of its own that begins with the number of markers, which is not known yet.
+    /// A separate message that begins with the number of markers, which is not known yet.
     body: Vec<u8>,
     header: &'a Header<'a>,
 }

@@ -6,7 +6,7 @@ use lariat_wire::{Descriptors, MAX_CURVES, Status, now_ns};
 use crate::graph::{Graph, Topic};
 use crate::messages::{self, Header, Rope};
 
-/// As many topics as a message has ropes.
+/// Maximum number of topics: as many as a message has ropes.
 const MOST: usize = MAX_CURVES;
 /// Time without observation after which a rope's topic is removed.
 const ENDS_NS: u64 = 60_000_000_000;

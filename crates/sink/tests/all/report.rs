@@ -41,7 +41,8 @@ fn a_run(options: Options) -> Sink {
         let Some(mut trace) = chain.frame(lost_before) else {
             continue;
         };
-        // Every tenth extraction takes half a millisecond longer, and one takes a frame and a half.
+        // Every tenth extraction takes half a millisecond longer, and one takes one and a half
+        // frame periods.
         let longer_ns = match number {
             150 => 50_000_000,
             _ if number % 10 == 0 => 500_000,

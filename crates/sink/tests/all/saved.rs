@@ -1,4 +1,4 @@
-//! Tests that a sink's state survives it. A tally that was saved and restored gives the same
+//! Tests that a sink's state outlives the sink. A tally that was saved and restored gives the same
 //! results and continues in the same way. Incomplete bytes are refused with a sentence, whatever
 //! they are. Messages that were not counted between two sinks are lost with the sink.
 
@@ -174,8 +174,8 @@ proptest! {
             let mut sink = Sink::of(tally);
             received += run(&mut chain, &mut sink, fates).len() as u64;
             let written = counts(sink.tally());
-            // Messages that it received but did not save, and messages that arrived while it was
-            // away, count the same.
+            // Messages that the sink received but did not save, and messages that arrived while no
+            // sink ran, count the same.
             for _ in 0..unwritten + missed {
                 chain.frame(None);
                 away += 1;
@@ -217,8 +217,8 @@ fn what_came_while_there_was_no_sink_is_lost_with_it_and_said() {
         newest = chain.frame(None);
     }
     let mut sink = Sink::of(sink.tally().clone().resumed());
-    // The service keeps the newest message for late readers. It is received, but its age says
-    // nothing about the chain.
+    // The service keeps the newest message for late readers. It counts as received, but its age
+    // says nothing about the chain.
     let newest: Trace = newest.expect("it arrives");
     let late_ns = 5_000_000_000;
     sink.descriptors(&descriptors(newest, &[]), received_ns(&newest) + late_ns);

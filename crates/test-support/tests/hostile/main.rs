@@ -1,9 +1,9 @@
 //! Runs every target on the stored seeds and on thousands of reproducible mutations of them. This
 //! is a short run of each fuzz target with the normal compiler.
 //!
-//! A mutation that fails is written to the folder for temporary files, and its path is reported.
-//! Copied to `seeds/`, it is tried first from then on. `LARIAT_HOSTILE_INPUTS=100000` tries more
-//! mutations.
+//! A mutation that fails is written to the folder for temporary files, and its path is reported. If
+//! the file is copied to `seeds/`, it is tried first from then on. `LARIAT_HOSTILE_INPUTS=100000`
+//! tries more mutations.
 
 use std::fs;
 use std::panic::catch_unwind;

@@ -110,7 +110,7 @@ fn paint(context: &mut Context, shape: &Shape) {
         for [x, y] in &rope.control_points {
             context.print(*x, -y, Span::styled("○", Style::new().fg(color(rope))));
         }
-        // The end where ρ is 0.
+        // Mark the end where ρ is 0.
         if let Some([x, y]) = rope.points.first() {
             context.print(*x, -y, Span::styled("●", Style::new().fg(color(rope))));
         }

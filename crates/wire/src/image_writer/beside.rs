@@ -91,7 +91,7 @@ macro_rules! writer {
 
 writer! {
     /// Writes the masks of a rig whose chain has `mask = "external"`: one for each frame, as soon
-    /// as it is made.
+    /// as the mask is ready.
     ///
     /// ```no_run
     /// use lariat_wire::{FrameReader, MaskWriter};

@@ -1,10 +1,11 @@
-//! Detects restarts of the chain. Ropes are numbered again after one, and a number means another
-//! rope.
+//! Detects restarts of the chain. After a restart, ropes are numbered again, so the same number
+//! means a different rope.
 //!
-//! A new fit is a new writer. A new extract under the same fit counts from 1 again. This shows when
-//! its count decreases, or, after many messages, when it grew by less than fit's own, because fit
-//! cannot send more than it receives. A stage that the chain restarts in place reports this
-//! (`Trace::restarts`), continues counting, and keeps its ropes' numbers; the run is then the same.
+//! A new fit is a new writer. A new extract under the same fit counts from 1 again. It is detected
+//! when its count decreases. After many messages, it is detected when its count grew by less than
+//! fit's own, because fit cannot send more than it receives. A stage that the chain restarts in
+//! place reports this (`Trace::restarts`), continues counting, and keeps its ropes' numbers; the
+//! run is then the same.
 
 use crate::Trace;
 

@@ -7,7 +7,7 @@
 use super::{Shape, norm};
 
 /// Samples per control point. A polynomial of degree n changes direction at most n times. With half
-/// as many samples, one in some thousands of extreme curves missed its nearest point next to
+/// as many samples, about one in a few thousand extreme curves missed its nearest point, next to
 /// another minimum.
 const LOOKS: usize = 16;
 /// Bisections until a bracket is as narrow as the precision of ρ.

@@ -44,7 +44,7 @@ impl Drop for Place {
     }
 }
 
-/// Replaces the chain.
+/// Stands in for the chain.
 struct Chain {
     writer: Writer<Descriptors>,
     _domain: Domain,

@@ -1,4 +1,4 @@
-//! Listing channels and the processes at their ends without joining them.
+//! Channels and the processes at their ends are listed without joining them.
 
 use lariat_wire::*;
 

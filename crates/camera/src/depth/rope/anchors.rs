@@ -13,8 +13,8 @@ const ANCHOR_STEP: usize = 6;
 /// camera, in radii.
 const REACH: f64 = 6.0;
 /// Maximum slope of a rope where it points at the camera, so that the image shows almost nothing
-/// between two of its parts. The smaller part must have more than this many anchors, or sections.
-/// Otherwise it is treated as something behind or in front of the rope.
+/// between two of its parts. The smaller part must have more than `END_ON_ANCHORS` anchors, or
+/// `END_ON_SECTIONS` sections. Otherwise it is treated as something behind or in front of the rope.
 const END_ON_STEEPEST: f64 = 16.0;
 const END_ON_ANCHORS: usize = 2;
 const END_ON_SECTIONS: usize = 4;

@@ -11,7 +11,8 @@ use lariat_portable::{Simd, WithSimd};
 
 /// Number of places in a section where pixels are read.
 const SAMPLES: usize = 32;
-/// Maximum share of the places that read a pixel of their own.
+/// Maximum share of the places that count as independent, because several places may read the same
+/// pixel.
 const READ_ONCE: f32 = 0.75;
 /// Coordinates of the places, -1 to 1. They are a Fibonacci lattice, which has no rows that could
 /// align with those of the image.

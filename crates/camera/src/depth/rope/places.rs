@@ -44,7 +44,7 @@ impl<'a, S: Simd> Places<'a, S> {
         starts.where_less((row - self.middle[1]).abs(), self.half[1], nowhere)
     }
 
-    /// The offset of no pixel.
+    /// The offset of a pixel outside of the image, in every lane.
     #[inline(always)]
     pub(super) fn nowhere(simd: S) -> Floats<S> {
         Floats::splat(simd, f32::from_bits(NOWHERE))

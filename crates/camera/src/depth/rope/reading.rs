@@ -10,8 +10,8 @@ use super::sections::{Outline, Sections};
 use super::{DepthImage, RopeDepth, SeenRope};
 use std::ops::Range;
 
-/// Number of points from one section to the next. Points in between get the depth of their
-/// neighbors' curve.
+/// Number of points from one section to the next. Points in between get their depth from the curve
+/// through their neighbors.
 pub(super) const SECTION_STEP: usize = 2;
 
 /// How thoroughly to read a depth image.
@@ -31,7 +31,7 @@ impl RopeDepth {
         self.sections.extend((0..last).step_by(SECTION_STEP));
         self.sections.push(last);
         self.course.begin(self.sections.len(), rope.closed);
-        // Next to a hidden point, its cover may extend further.
+        // Next to a hidden point, the cover may extend further.
         let share = |hidden: bool| if hidden { 0.25 } else { 0.5 };
         for (k, &i) in self.sections.iter().enumerate() {
             let before = if i == 0 { last } else { i - 1 };

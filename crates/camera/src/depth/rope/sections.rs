@@ -8,9 +8,9 @@ use std::ops::{Mul, Range, Sub};
 /// sides, px.
 const INNER: f32 = 0.8;
 const EDGE_PX: f32 = 0.8;
-/// If no more than this is left on each side of the axis, px, each pixel is tested for being on the
-/// rope. The test takes into account its extent toward the rope's side and the error of the axis
-/// (`AXIS_OFF_PX`).
+/// If no more than this is left on each side of the axis, px, each pixel is tested for whether it
+/// is on the rope. The test takes into account its extent toward the rope's side and the error of
+/// the axis (`AXIS_OFF_PX`).
 const NARROW_PX: f32 = 0.5;
 const AXIS_OFF_PX: f32 = 0.1;
 /// If less than this is left, px, almost no pixel is entirely on the rope, and the section is not

@@ -91,7 +91,7 @@ impl<P: Port> Camera<P> {
             driver,
         } = failed;
         if self.memory == Memory::Lent && self.may_map && !self.has_shown {
-            // The driver does not accept memory of others, or not of this kind.
+            // The driver accepts only its own memory, or does not accept memory of this kind.
             self.memory = Memory::Mapped;
         } else if !self.has_shown {
             return Err(self.port.refusal(call, errno).into());
@@ -123,8 +123,8 @@ impl<P: Port> Camera<P> {
             }
             Err(error) => {
                 self.recovery.failed(now_ns);
-                // Reported once, because it may suggest a remedy: another program may use the
-                // camera.
+                // Reported once, because the error may suggest a remedy, for example if another
+                // program uses the camera.
                 if !matches!(error, CameraError::Absent { .. } | CameraError::Gone { .. })
                     && self.recovery.failures() == FAILURES_BEFORE_REOPENING
                 {

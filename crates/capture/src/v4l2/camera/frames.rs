@@ -6,7 +6,8 @@ use crate::v4l2::stamp::Doubt;
 
 /// Time that automatic controls take to settle after the first frame.
 const SETTLED_NS: u64 = 1_000_000_000;
-/// Interval at which a relevant exposure time is read. Automatic exposure changes it slowly.
+/// Interval at which the exposure time is read, if it is needed. Automatic exposure changes it
+/// slowly.
 const EXPOSURE_NS: u64 = 1_000_000_000;
 
 impl<P: Port> Camera<P> {

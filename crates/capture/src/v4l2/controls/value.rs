@@ -106,7 +106,7 @@ fn in_range(control: &Control, text: &str) -> Result<i64, String> {
     let is_step = value
         .checked_sub(least)
         .is_some_and(|over| over % step == 0);
-    // The maximum may be off the steps; it is the camera's own.
+    // The maximum may be off the step grid, but the camera itself reports it.
     if (least..=most).contains(&value) && (is_step || value == most) {
         Ok(value)
     } else {

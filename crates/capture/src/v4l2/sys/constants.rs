@@ -65,7 +65,7 @@ pub(crate) const BUF_FLAG_TIMESTAMP_MONOTONIC: u32 = 0x0000_2000;
 #[cfg(test)]
 pub(crate) const BUF_FLAG_TIMESTAMP_COPY: u32 = 0x0000_4000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_MASK: u32 = 0x0007_0000;
-/// No bit, as in the kernel.
+/// No bit is set, as in the kernel.
 #[cfg(test)]
 pub(crate) const BUF_FLAG_TSTAMP_SRC_EOF: u32 = 0x0000_0000;
 pub(crate) const BUF_FLAG_TSTAMP_SRC_SOE: u32 = 0x0001_0000;

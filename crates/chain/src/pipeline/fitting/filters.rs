@@ -8,7 +8,7 @@ use lariat_wire::MAX_CONTROL_POINTS;
 pub(super) struct Filters<const D: usize = 2> {
     ropes: Ropes<Filter<D>>,
     /// True if all points have the same weight in each fit, so that the residual variance describes
-    /// all of its noise.
+    /// all noise of the fit.
     even: bool,
     covariance: Vec<f64>,
 }
@@ -64,7 +64,8 @@ where
             Noise::Covariance(&self.covariance)
         };
         let filter = self.ropes.of_track(track, exposed_ns, Filter::forget);
-        // The time does not increase if a source starts again. The rope is where it was measured.
+        // The time does not increase if a source starts again. The rope is then where it was
+        // measured.
         let step = filter.update(exposed_ns, &space, &fit.control_points, noise);
         if step.is_err() {
             filter.forget();

@@ -16,7 +16,7 @@
 //! instead of one. `crates/fit/src/noise.rs` contains the derivation. A point that slides along the
 //! rope changes nothing but the ends, so the noise along the rope is far smaller than across it. σ²
 //! is therefore estimated from the residuals across the rope. `crates/fit/tests/all/propagation.rs`
-//! compares the result with 4,000 noisy ropes on a tilted plane, to a tenth of each variance. The
+//! checks each variance to within a tenth against 4,000 noisy ropes on a tilted plane. The
 //! propagation is of first order: it holds while the noise is small relative to the steps between
 //! points. With weights, measured ρ or rational curves, the ellipses of the even fit are scaled by
 //! the fit's own variances.
@@ -24,7 +24,7 @@
 //! **The truth** of rendered ropes is in pixels. Centerlines are compared with it, but curves in
 //! another unit are not. In JSON, `lariat trace` gives `points`, `length_px`, `width_px` and
 //! crossings in image pixels. The `unit` (`px`, `mm`, `ideal px`) in `descriptor` applies to
-//! everything in it. `lariat fit` accepts points in any unit and answers in the same one.
+//! everything in it. `lariat fit` accepts points in any unit and answers in the same unit.
 
 use crate::calibrated::Calibrated;
 use anyhow::Result;

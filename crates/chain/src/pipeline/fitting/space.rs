@@ -1,8 +1,8 @@
 //! Fits curves in 3-D to centerlines, with the help of depth images or the view of a second camera.
 //!
 //! `lariat_camera` computes the 3-D points of a centerline, their distances and the variances of
-//! these, with `RopeDepth` or `RopeViews`. The points are resampled at equal steps in space and
-//! fitted as in the picture's plane, with three columns instead of two.
+//! the distances, with `RopeDepth` or `RopeViews`. The points are resampled at equal steps in space
+//! and fitted as in the picture's plane, with three columns instead of two.
 //!
 //! **Covariances.** The error of a point is an ellipsoid: across the ray it comes from the pixel
 //! noise, along the ray from the variance of the depth. If residuals are larger, all ellipsoids
@@ -37,15 +37,15 @@ use lariat_wire::{
 /// the depth camera's noise is shared.
 const ALIKE: f64 = 2.0;
 /// Standard deviation of a centerline point in the picture, px. The first value is for a rope one
-/// pixel wide and falls with the root of the width, because more pixels show the rope. The second
-/// value is the floor. `END_BESIDE_PX` is the deviation of an end across the rope, which also falls
-/// with the root of the width.
+/// pixel wide and falls with the square root of the width, because more pixels show the rope. The
+/// second value is the floor. `END_BESIDE_PX` is the deviation of an end across the rope, which
+/// also falls with the square root of the width.
 const PIXEL_SIGMA: [f64; 2] = [0.3, 0.05];
 const END_BESIDE_PX: f64 = 0.5;
 /// Standard deviation of an end along the rope in the picture, px: 95 of 100 ends of drawn ropes
-/// lie within twice 0.3 to 0.8. A rope that runs along the ray shifts its end by up to half its
-/// width times the cosine of the angle. `SLOPE_SHARE` is the standard deviation as a share of this
-/// shift.
+/// lie within two standard deviations, where the deviation is 0.3 to 0.8. A rope that runs along
+/// the ray shifts its end by up to half its width times the cosine of the angle. `SLOPE_SHARE` is
+/// the standard deviation as a share of this shift.
 const END_SIGMA_PX: f64 = 0.6;
 const SLOPE_SHARE: f64 = 0.4;
 /// Number of points over which the slope of an end is measured.
@@ -73,7 +73,7 @@ pub struct SpaceFitter {
     measured: Box<[bool; MAX_POINTS]>,
     hidden: Box<[bool; MAX_POINTS]>,
     covariances: Box<[Square<3>; MAX_CONTROL_POINTS]>,
-    /// The last curve of each rope when it was visible.
+    /// The curve of each rope when it was last visible.
     before: Ropes<Box<Descriptor3>>,
     unreadable: Warned,
     unplaced: Warned,
@@ -351,7 +351,7 @@ impl SpaceFitter {
     }
 
     /// Returns the standard deviation of an end along the rope, mm. It results from the pixel noise
-    /// and from the slope of the end, which shifts it.
+    /// and from the slope of the rope, which shifts its end.
     fn end_sigma(&self, end: usize, samples: usize, width: f64) -> f64 {
         let inner = match end {
             0 => STEEP_OVER.min(samples - 1),

@@ -1,4 +1,4 @@
-//! Fits each rope's curve, open or closed, with a size that stays the same.
+//! Fits each rope's curve, open or closed, and keeps the size of the curve steady.
 
 use super::ropes::Ropes;
 use crate::settings;

@@ -46,8 +46,8 @@ impl Depths {
         Ok(files.map(|files| Self::Files(Box::new(files))))
     }
 
-    /// Returns the depth image to send before this frame, which the source has just prepared, if
-    /// the image is known by then.
+    /// Returns the depth image to send before this frame, if it is known by then. The source has
+    /// just prepared the frame.
     pub(super) fn slot(
         &mut self,
         sequence: u64,

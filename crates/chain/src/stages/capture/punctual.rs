@@ -1,4 +1,4 @@
-//! Detects that the kernel serves a source's timer late.
+//! Detects whether the kernel serves a source's timer late.
 
 /// Number of frames over which late ones are counted.
 const WINDOW: u32 = 1_000;

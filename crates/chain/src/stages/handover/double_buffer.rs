@@ -8,7 +8,6 @@
 //! length   in bytes
 //! bytes    padded to words
 //! ```
-//! ```
 
 use std::fs::File;
 use std::io;

@@ -8,8 +8,8 @@
 //! tally       times measured by the sink                   once a second
 //! ```
 //!
-//! Each part is stored twice and written alternately (`turns`), so a kill during a write leaves the
-//! previous copy complete.
+//! Each part is stored twice and written alternately (`double_buffer`), so a kill during a write
+//! leaves the previous copy complete.
 //!
 //! No message is counted twice, and none is forgotten. A message that was counted but not sent is
 //! lost, and the loss accounting says so. Writing to mapped memory costs a stage a few stores;

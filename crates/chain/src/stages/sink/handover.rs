@@ -36,7 +36,7 @@ pub(super) fn is_inherited(handover: &Handover) -> bool {
 }
 
 /// Returns the tally that a sink continues: that of the previous sink, or an empty one. If the
-/// previous tally is unreadable, warns and starts to count from now on.
+/// previous tally is unreadable, warns and counts only messages that arrive from now on.
 pub(super) fn tally(handover: &Handover, options: Options) -> Tally {
     if !is_inherited(handover) {
         return Tally::new(options);
@@ -53,7 +53,7 @@ pub(super) fn tally(handover: &Handover, options: Options) -> Tally {
 }
 
 fn inherited(handover: &Handover, options: Options) -> Result<Tally, RestoreError> {
-    // The times are at most a second old. If they are unreadable, the counts still are valid.
+    // The times are at most a second old. If they are unreadable, the counts are still valid.
     let tally = newest(handover.tally(), |bytes| Tally::restore(options, bytes));
     let mut tally = tally.unwrap_or_else(|_| Tally::new(options));
     newest(handover.state(), |bytes| tally.restore_counts(bytes))?;

@@ -24,7 +24,7 @@ const AGAIN: Duration = Duration::from_millis(10);
 /// disk delays it. If there are more, the thread gets a copy of the sink's tally.
 const MOST_RECEIPTS: usize = 1 << 14;
 
-/// The thread's tally, and the receipts since.
+/// The thread's tally, and the receipts that are not in it yet.
 struct Kept {
     tally: Tally,
     receipts: Vec<Receipt>,
@@ -222,7 +222,7 @@ impl Work {
         }
     }
 
-    /// Writes the files. A failure does not stop a robot's chain, and may be over the next time.
+    /// Writes the files. A failure does not stop a robot's chain, and the next attempt may succeed.
     fn renew(&mut self, report: &lariat_sink::Report) {
         match self.files.renew(report) {
             Ok(()) => self.failed = false,

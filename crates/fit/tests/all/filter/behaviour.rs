@@ -151,7 +151,7 @@ fn the_further_ahead_or_back_the_less_is_known() {
     let last = 39 * FRAME_NS as i64;
     for direction in [1, -1] {
         let mut least = [0.0; 2];
-        // Going back first reduces the uncertainty of positions, because errors of position and
+        // Going back reduces the uncertainty of positions at first, because errors of position and
         // velocity cancel.
         for step in if direction > 0 { 0..20 } else { 6..20 } {
             let found = filter

@@ -92,8 +92,8 @@ fn fit<const D: usize>(
     (rope.points(&found), covariance)
 }
 
-/// Mean of a normalized squared error over the runs. It may differ from its degrees of freedom by
-/// 3.3 standard deviations, once in a thousand.
+/// Mean of a normalized squared error over the runs. It differs from its degrees of freedom by more
+/// than 3.3 standard deviations once in a thousand.
 #[derive(Default)]
 struct Mean {
     sum: f64,
@@ -144,7 +144,7 @@ where
     let mut before = (t_ns, rope.points(&rope.positions));
     for frame in 0..20 {
         if frame > 0 {
-            // First moves half of the time, so that the truth between two frames is known.
+            // Moves for half of the time first, so that the truth between two frames is known.
             let half_ns = 2_000_000 + (10e6 * random.unit()) as u64;
             rope.move_on(half_ns as f64 * 1e-9, random);
             before = (t_ns + half_ns, rope.points(&rope.positions));

@@ -64,9 +64,9 @@ pub(crate) fn log_weights(weights: &[f64]) -> Vec<f64> {
     weights.iter().map(|w| w.ln() - mean).collect()
 }
 
-/// The smallest singular value of the sampled curve's derivative by control points and log-weights,
-/// except the one that is 0 because a common factor of all weights has no effect. Residuals of size
-/// `r` leave the log-weights uncertain by `r` divided by it.
+/// The smallest singular value of the sampled curve's derivative with respect to control points and
+/// log-weights, except the one that is 0 because a common factor of all weights has no effect.
+/// Residuals of size `r` leave the log-weights uncertain by `r` divided by it.
 pub(crate) fn least_sensitivity(
     control_points: &[[f64; 2]],
     weights: &[f64],

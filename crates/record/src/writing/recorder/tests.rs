@@ -158,7 +158,8 @@ fn what_came_too_late_for_the_recorder_is_counted_from_the_counters() {
     for count in [3, 4, 8, 1, 3] {
         recorder.frame(&header(count), &pixels).unwrap();
     }
-    // The two before the first are unknown, and a restarted capture is not a loss.
+    // Nothing is known about the two frames before the first one, and a restarted capture is not a
+    // loss.
     assert_eq!(recorder.drops().frames, 3 + 1);
     recorder.begins_with_the_rig();
     recorder.centerlines(&centerlines(3)).unwrap();

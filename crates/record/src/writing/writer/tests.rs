@@ -196,7 +196,7 @@ fn an_old_recording_is_there_until_the_new_one_has_something_in_it() {
     full.write(Topic::Frames, 0, 2, &cdr(1, 50)).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), old);
     full.about(&BTreeMap::new()).unwrap();
-    // From here on, a kill leaves the new recording.
+    // From here on, a killed writer leaves the new recording.
     assert_ne!(std::fs::read(&path).unwrap(), old);
     assert!(!full.finish().unwrap().kept_old);
     assert_eq!(read(&path).len(), 1);

@@ -5,8 +5,8 @@
 //! readers, in Rust and in C, and of the receiving stages. They must answer or refuse, within
 //! bounds, and continue. Another target does the same with clients of the page's server.
 //!
-//! `fuzz/` includes this folder and has a fuzz target for each target. The test next to it runs the
-//! same targets on seeds (`seeds/`) and mutations of them.
+//! `fuzz/` includes this folder and has a fuzz target for each target. The test next to this folder
+//! runs the same targets on seeds (`seeds/`) and mutations of them.
 
 mod centerlines;
 mod command;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use lariat_wire::{Domain, Rig};
 
-/// A domain of its own. If it is dropped after everything in it, nothing is left over.
+/// A separate domain. If it is dropped after everything in it, nothing is left over.
 pub(crate) struct Place {
     pub(crate) name: String,
     pub(crate) rig: Rig,

@@ -1,11 +1,11 @@
 //! A depth camera in addition to the camera that supplies the frames. The depth image of each frame
 //! is the one nearest in time.
 //!
-//! It has its own thread, so that neither camera waits for the other. Capture passes the headers of
-//! the frames that were sent through a nonblocking queue, and wakes the thread with an eventfd. The
+//! It has its own thread, so that neither camera waits for the other. After sending a frame,
+//! capture puts its header into a nonblocking queue and wakes the thread with an eventfd. The
 //! driver writes into slots of shared memory, like the other camera's driver, and the slot itself
-//! is sent with its frame's header ([`Pairing`]). Only if a second frame may need the same image,
-//! the first frame gets a copy and the second one the slot.
+//! is sent with its frame's header ([`Pairing`]). If a second frame may need the same image, the
+//! first frame gets a copy and the second frame gets the slot.
 //!
 //! A frame without a depth image gets one of 0 × 0 pixels, so that fit does not wait for it.
 
@@ -35,7 +35,7 @@ const USUAL_PERIOD_NS: u64 = 33_333_333;
 
 /// Time limits for pairing. `within_ns` is the maximum time between a frame and its image; `None`
 /// means three fifths of the depth camera's period, which is half of it plus jitter. `patience_ns`
-/// is the time from a frame's capture for which its image is awaited.
+/// is how long after a frame's capture its image is awaited.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Bounds {
     pub(in super::super) within_ns: Option<u64>,
@@ -153,7 +153,7 @@ impl DepthCamera {
         }
     }
 
-    /// Returns why the thread has ended. It does not end by itself.
+    /// Returns why the thread has ended. The thread does not end by itself.
     fn fault(&mut self) -> anyhow::Error {
         let ended = self.join();
         ended
@@ -165,7 +165,8 @@ impl DepthCamera {
 impl Drop for DepthCamera {
     fn drop(&mut self) {
         if self.thread.is_some() {
-            // Dropping without `end` follows another error, which is reported.
+            // If this is dropped without `end`, another error came first, and that error is
+            // reported.
             let _ = self.join();
         }
     }

@@ -341,7 +341,8 @@ fn an_image_allocates_nothing_but_the_transport_s_box_for_its_slot() {
     let allocated = bench.allocated.lock().unwrap();
     let [begin, end] = [allocated.len() / 3, allocated.len() * 2 / 3];
     let count = allocated[end] - allocated[begin];
-    // It is asked twice per image: when the image has arrived, and when the frame has.
+    // The camera is asked twice per image: when the image has arrived, and when the frame has
+    // arrived.
     let images = (end - begin) as u64 / 2;
     assert!(
         count > 0 && count <= images + 1,
