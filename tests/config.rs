@@ -479,6 +479,15 @@ fn basis_and_control_points_are_what_was_said_last() {
 }
 
 #[test]
+fn stages_that_share_a_process_are_not_to_be_restarted() {
+    let complaint = complaint("[run]\nfuse = true\nrestart = \"always\"\n");
+    assert!(
+        complaint.starts_with("lariat: lariat.toml, line 3: stages that share one process cannot"),
+        "{complaint}"
+    );
+}
+
+#[test]
 fn a_reader_that_looks_and_its_writer_do_not_share_a_core() {
     let complaint = complaint("[run]\nwake = \"spin\"\ncpus = { capture = 0, extract = 0 }\n");
     assert!(

@@ -28,6 +28,8 @@ pub(crate) struct Channels {
     truth: Receiver<Centerlines>,
     descriptors: Receiver<Descriptors>,
     lossless: bool,
+    /// True if frames wake the recorder, as well as descriptors.
+    frames_wake: bool,
     looks: Looks,
 }
 
@@ -46,17 +48,25 @@ pub(crate) struct Counts {
 
 impl Channels {
     /// Opens a reader on each channel. `masks` and `space`: whether there may be masks and 3-D
-    /// channels.
-    pub(crate) fn open(station: &Station, masks: bool, space: bool) -> Result<Self, WireError> {
+    /// channels. `is_brief`: whether the source may end with its first frame. Its channel can only
+    /// be joined while capture lives, so frames then wake the recorder, too.
+    pub(crate) fn open(
+        station: &Station,
+        masks: bool,
+        space: bool,
+        is_brief: bool,
+    ) -> Result<Self, WireError> {
         let lossless = matches!(station.delivery, Delivery::Lossless { .. });
+        let frames_wake = lossless || is_brief;
         Ok(Self {
-            frames: open(station, &FRAMES, lossless)?,
+            frames: open(station, &FRAMES, frames_wake)?,
             masks: masks.then(|| open(station, &MASKS, lossless)).transpose()?,
             space: space.then(|| Space::open(station, lossless)).transpose()?,
             centerlines: open(station, &CENTERLINES, lossless)?,
             truth: open(station, &TRUTH, lossless)?,
             descriptors: open(station, &DESCRIPTORS, true)?,
             lossless,
+            frames_wake,
             looks: Looks::new(),
         })
     }
@@ -134,8 +144,11 @@ impl Channels {
         };
         let look = Instant::now() + wait;
         let until = Some(deadline.map_or(look, |deadline| deadline.min(look)));
-        if !self.lossless {
+        if !self.frames_wake {
             return self.descriptors.sleep(until, stop);
+        }
+        if !self.lossless {
+            return sleep_for_any([&self.frames, &self.descriptors], until, stop);
         }
         let Self {
             frames,

@@ -79,7 +79,8 @@ fn contents(written: &Written) -> String {
     let frames = written.messages[Topic::Frames as usize];
     let messages: u64 = written.messages.iter().sum();
     let megabytes = written.bytes as f64 / MB;
-    format!("{frames} frames ({messages} messages, {megabytes:.1} MB)")
+    let plural = if frames == 1 { "" } else { "s" };
+    format!("{frames} frame{plural} ({messages} messages, {megabytes:.1} MB)")
 }
 
 /// Says what the recorder missed or had no room for.

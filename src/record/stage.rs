@@ -44,7 +44,8 @@ pub(super) fn run(settings: &Settings, file: &Path, supervision: Supervision) ->
         supervised && !settings.capture.is_external() && station.handover.progress().restarts == 0;
     let camera = &settings.camera;
     let space = !supervised || camera.depth.is_some() || camera.second.is_some();
-    let channels = Channels::open(&station, masks, space)?;
+    let is_brief = supervised && settings.capture.is_of_pictures();
+    let channels = Channels::open(&station, masks, space, is_brief)?;
     let recorder = begin(settings, file)?;
     let mut stage = Stage {
         channels,

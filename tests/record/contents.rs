@@ -49,6 +49,19 @@ fn a_lossless_recording_holds_every_frame_and_all_that_was_made_of_it() {
     bench.assert_nothing_is_left();
 }
 
+#[test]
+fn a_recording_of_one_picture_has_its_frame() {
+    let bench = Bench::new();
+    let picture = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/rope.png");
+    let ended = bench.run(&["run", "--source", picture, "--record", "run.mcap"]);
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success(), "{said}");
+    assert!(said.contains("recorded 1 frame (7 messages"), "{said}");
+    let recording = Recording::read(&bench.path("run.mcap"));
+    assert_eq!(recording.count("frames") + recording.count("image"), 2);
+    bench.assert_nothing_is_left();
+}
+
 /// Checks that every frame, centerline, truth and descriptor is the libraries' result for the
 /// rendered rope.
 fn compare_with_the_libraries(recording: &Recording, offset_ns: i64) {

@@ -271,7 +271,7 @@ pub(crate) fn run<S: Read + Write + AsFd>(mut session: Session<S>, watcher: &Wat
             }
             // Clients cannot publish here.
             Event::Binary(_) | Event::End => return,
-            Event::RigState => watcher.hear(),
+            Event::News => watcher.hear(),
         }
         if session.is_clear() && !client.tell(&mut session, watcher) {
             return;

@@ -97,7 +97,7 @@ enum Task {
 enum Heard {
     Nothing,
     /// There is news from elsewhere.
-    RigState,
+    News,
     /// The page is ready for the next moment of a rig, this wide.
     Next(u32),
     /// The page wants a frame of a recording.
@@ -114,7 +114,7 @@ fn heard(event: Event, rig: impl FnOnce() -> Option<Rig>) -> Heard {
     let text = match event {
         Event::Text(text) => text,
         Event::Binary(file) => return Heard::Task(Task::Trace { file, rig: rig() }),
-        Event::RigState => return Heard::RigState,
+        Event::News => return Heard::News,
         Event::End => return Heard::Over,
     };
     match serde_json::from_str(&text) {
@@ -150,7 +150,7 @@ pub(crate) fn show_rig<S: Read + Write + AsFd>(
                 watcher.want();
             }
             Heard::Task(asked) => task = Some(asked),
-            Heard::RigState => watcher.hear(),
+            Heard::News => watcher.hear(),
             Heard::Frame { .. } | Heard::Nothing => {}
             Heard::Over => return,
         }
@@ -207,7 +207,7 @@ pub(crate) fn show_film<S: Read + Write + AsFd>(
                     return;
                 }
             }
-            Heard::Next(_) | Heard::RigState | Heard::Nothing => {}
+            Heard::Next(_) | Heard::News | Heard::Nothing => {}
             Heard::Over => return,
         }
         if session.is_clear()

@@ -31,7 +31,7 @@ pub(crate) enum Event {
     /// The client sent bytes.
     Binary(Bytes),
     /// The event descriptor is readable, or the time is over.
-    RigState,
+    News,
     /// The connection is over: the client has gone, or was disconnected.
     End,
 }
@@ -127,10 +127,10 @@ impl<S: Read + Write + AsFd> Session<S> {
             }
             let left = until.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Event::RigState;
+                return Event::News;
             }
             match self.sleep(bell, left) {
-                Some(true) => return Event::RigState,
+                Some(true) => return Event::News,
                 Some(false) => {}
                 None => return Event::End,
             }

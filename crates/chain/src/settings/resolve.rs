@@ -111,6 +111,7 @@ impl Resolved {
         // Check the combination of settings only if each of them is valid.
         if problems.is_empty() {
             resolved.check_arrangement(&mut problems);
+            resolved.check_restart(&mut problems);
             resolved.check_depth_source(&mut problems);
             resolved.check_second_rig(&mut problems);
             resolved.check_camera(&mut problems);
@@ -314,6 +315,19 @@ impl Resolved {
             _ => return,
         };
         if let Some(key) = keys::position("camera", name) {
+            problems.add(&self.origins[key], why.to_owned());
+        }
+    }
+
+    /// Refuses restarts of stages that are threads of one process.
+    fn check_restart(&self, problems: &mut Problems) {
+        let run = &self.settings.run;
+        if let Some(key) = keys::position("run", "restart")
+            && run.fuse
+            && run.restart != Restart::Never
+            && self.origins[key] != Origin::Default
+        {
+            let why = "stages that share one process cannot be restarted: leave out --fuse, or restart the whole chain (lariat service)";
             problems.add(&self.origins[key], why.to_owned());
         }
     }
