@@ -34,7 +34,7 @@ macro_rules! eprintln {
     }};
 }
 
-/// Prints text on standard error like [`eprintln`](crate::eprintln), but without a line end.
+/// Prints text on standard error like [`eprintln`], but without a line end.
 #[macro_export]
 macro_rules! eprint {
     ($($text:tt)*) => {{

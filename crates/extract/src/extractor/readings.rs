@@ -15,7 +15,7 @@ use crate::vec2;
 /// the area of mask without a line, and to that of lines outside of the mask. The sum is the lack
 /// of a hypothesis.
 const OPEN_END: f32 = 0.5;
-/// Appearance-ahead distance past an end, in widths. The end is open if the mask continues there.
+/// Look-ahead distance past an end, in widths. The end is open if the mask continues there.
 const AHEAD: f32 = 1.0;
 /// Minimum width, in pixels. Narrower ropes show no seams.
 const NARROWEST_PX: f32 = 6.0;
