@@ -167,7 +167,7 @@ impl Evidence {
 
 /// Knowledge besides the image and the curve.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Prior<'a> {
+pub(crate) struct Context<'a> {
     /// True if the curve may be something other than a rope.
     pub(crate) is_doubted: bool,
     pub(crate) maker: Maker,
@@ -187,7 +187,7 @@ pub(crate) struct Prior<'a> {
 pub(crate) fn evidence(
     image: &Image,
     (curves, number): (&[Curve], usize),
-    known: Prior,
+    context: Context,
 ) -> Evidence {
     let curve = &curves[number];
     let share = |is: bool| f32::from(u8::from(is));
@@ -205,16 +205,16 @@ pub(crate) fn evidence(
     clues[Clue::Round as usize] = roundness(curve);
     // A bridged rope counts as whole, if the mask distinguishes a cover over a rope from a gap in
     // it.
-    let bridged = share(known.sees_covers) * grade(hidden, BRIDGED.0, BRIDGED.1);
+    let bridged = share(context.sees_covers) * grade(hidden, BRIDGED.0, BRIDGED.1);
     clues[Clue::Partial as usize] = share(curve.status == Status::Partial) * (1.0 - bridged);
-    clues[Clue::Doubted as usize] = share(known.is_doubted);
-    clues[Clue::LeftOut as usize] = known.left_out;
-    clues[Clue::Crossings as usize] = of(known.crossings as f32, 3.0);
+    clues[Clue::Doubted as usize] = share(context.is_doubted);
+    clues[Clue::LeftOut as usize] = context.left_out;
+    clues[Clue::Crossings as usize] = of(context.crossings as f32, 3.0);
     clues[Clue::Met as usize] = tips::met(curves, number);
     clues[Clue::Torn as usize] = tips::torn(curves, number);
     clues[Clue::Border as usize] =
         0.5 * curve.border.iter().filter(|&&border| border).count() as f32;
-    if let Some(likely) = known.likely {
+    if let Some(likely) = context.likely {
         // The network mistakes many prints for ropes. A flat object that is bent and on a plain
         // table may well be a rope.
         clues[Clue::Relief as usize] = relief;
@@ -224,7 +224,7 @@ pub(crate) fn evidence(
     }
     Evidence {
         clues,
-        maker: known.maker,
+        maker: context.maker,
     }
 }
 

@@ -26,7 +26,7 @@ use crate::graph::strands::Strands;
 use crate::graph::zones::Zones;
 use crate::image::unpack::Unpacker;
 use crate::image::{Image, color};
-use crate::mask::{MaskError, Masker};
+use crate::mask::{MaskError, MaskSource, Masker};
 use crate::notice::Notice;
 use crate::occlusion::bridge::Bridger;
 use crate::occlusion::ends::Scenery;
@@ -316,7 +316,8 @@ impl Extractor {
     /// Moves the curves of the last image to their places in this one. Returns false if that fails.
     fn find_again(&mut self, image: &Image, now_ns: u64) -> bool {
         let curves = &mut self.curves[..self.count];
-        (self.follower).follow(image, &self.masker, curves, &mut self.crossings, now_ns)
+        let background = &self.masker.background;
+        (self.follower).follow(image, background, curves, &mut self.crossings, now_ns)
     }
 
     /// Updates the tracks with the followed curves.
@@ -419,7 +420,7 @@ impl Extractor {
         self.skeletonize();
         let pixels = self.skeleton.pixels.iter();
         self.zones.past.check(pixels.map(Pixel::at));
-        let mask = (&self.masker.mask, &self.masker.strips);
+        let mask = (&self.masker.mask.bits, &self.masker.mask.strips);
         let widest_half_px = most_passes(self.size) as f32;
         let known = (&self.zones.past, widest_half_px);
         let knows_some = self.zones.past.widest_half_px().is_some();
@@ -440,26 +441,26 @@ impl Extractor {
                 .join(image, &self.graph, &self.skeleton, &mut self.zones);
         }
         // The network also finds other objects.
-        let is_of_ropes = cut.is_none() && !self.masker.is_sought;
-        let of_ropes = is_of_ropes.then_some(&self.masker.mask);
+        let is_of_ropes = cut.is_none() && !self.masker.mask.source.is_network();
+        let of_ropes = is_of_ropes.then_some(&self.masker.mask.bits);
         (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
         after(Step::Graph);
         let laid = self.lay_lines(image);
         let laid = cut.map_or(laid, |width_px| self.join_strands(laid, width_px, yuv));
-        let is_made_elsewhere = self.masker.is_given && !self.masker.is_sought;
-        let is_by_color = matches!(self.options.mask, Mask::Hsv(..));
+        let source = self.masker.mask.source;
+        let is_of_ropes_alone = matches!(source, MaskSource::Network { .. } | MaskSource::External);
         let scenery = Scenery {
             past: &self.zones.past,
-            difference: &self.masker.difference,
+            difference: &self.masker.mask.difference,
             level: SOMETHING,
             occluder: &self.occluder.plane,
             yuv,
-            elsewhere: self.masker.is_given.then_some(image),
-            picked: (is_made_elsewhere || is_by_color).then_some(image),
+            elsewhere: is_of_ropes_alone.then_some(image),
+            picked: source.is_of_user().then_some(image),
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
         let joined = self.bridger.join(lines, colors, &scenery);
-        let joined = if self.masker.cut.is_none() {
+        let joined = if !self.masker.mask.source.is_table() {
             self.drop_noise(joined)
         } else {
             joined
@@ -471,14 +472,14 @@ impl Extractor {
             _ => joined,
         };
         self.lengthen(joined);
-        if self.masker.is_sought {
+        if self.masker.mask.source.is_network() {
             self.cut_connectors(image, joined);
         }
         self.points(image, joined);
         // Without meeting strands, the line is all there is. Something far wider is not a rope.
         if (cut.is_some() || self.zones.has_meeting()) && !self.has_wide {
             let (lines, width_px) = (&self.lines[..self.count], self.widest_px());
-            self.remainder.find(&self.masker.mask, lines, width_px);
+            self.remainder.find(&self.masker.mask.bits, lines, width_px);
         } else {
             self.remainder.clear();
         }
@@ -508,7 +509,7 @@ impl Extractor {
         let curves = &self.curves[..self.count];
         (self.follower).anchor(
             image,
-            &self.masker,
+            (&self.masker.mask, &self.masker.background),
             curves,
             &self.crossings,
             [is_seen, is_plain],
@@ -579,7 +580,7 @@ impl Extractor {
             }
         }
         let most_passes = most_passes((width, height));
-        self.wide.reserve(&self.masker.strips, most_passes);
+        self.wide.reserve(&self.masker.mask.strips, most_passes);
         self.graph.reserve();
         self.overlaps.reserve();
         self.strands.reserve();
@@ -603,8 +604,8 @@ impl Extractor {
         let scene = refit::Scene {
             past: &self.zones.past,
             moves: &self.bridger.moves,
-            difference: &self.masker.difference,
-            mask: &self.masker.mask,
+            difference: &self.masker.mask.difference,
+            mask: &self.masker.mask.bits,
             occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
@@ -658,7 +659,7 @@ impl Extractor {
 
     /// The mask of the last image.
     pub(crate) fn mask(&self) -> &BitPlane {
-        &self.masker.mask
+        &self.masker.mask.bits
     }
 
     /// Excludes from the skeleton the parts connected to something far too wide that its color did
@@ -666,7 +667,7 @@ impl Extractor {
     fn leave_wide_out(&mut self) {
         if self.options.method == Method::Skeleton && !self.wide.places.is_empty() {
             self.has_wide = true;
-            let (mask, rows) = (&self.masker.strips, &self.masker.mask);
+            let (mask, rows) = (&self.masker.mask.strips, &self.masker.mask.bits);
             self.wide.leave_pieces_out(rows);
             self.thinner.thin(&self.wide.rest, most_passes(self.size));
             self.skeleton.list(&self.thinner.thin, mask, rows);
@@ -677,7 +678,7 @@ impl Extractor {
     /// clustering.
     fn skeletonize(&mut self) {
         let most_passes = most_passes(self.size);
-        let (mask, rows) = (&self.masker.strips, &self.masker.mask);
+        let (mask, rows) = (&self.masker.mask.strips, &self.masker.mask.bits);
         let Options {
             method,
             points,

@@ -11,7 +11,8 @@ mod known;
 mod lay;
 
 use crate::image::Image;
-use crate::mask::Masker;
+use crate::mask::background::Background;
+use crate::mask::{MaskSource, RopeMask};
 use crate::scene::{Crossing, Curve, Status};
 use crate::vec2::Vec2;
 use chords::ChordFollower;
@@ -109,13 +110,13 @@ impl Follower {
     pub(crate) fn follow(
         &mut self,
         image: &Image,
-        masker: &Masker,
+        background: &Background,
         curves: &mut [Curve],
         crossings: &mut [Crossing],
         now_ns: u64,
     ) -> bool {
         let found = match self.chords.is_ready() {
-            true => (self.chords).follow(image, &masker.background, curves, crossings),
+            true => (self.chords).follow(image, background, curves, crossings),
             false => self.contours.follow(image, curves, crossings),
         };
         if found {
@@ -136,7 +137,7 @@ impl Follower {
     pub(crate) fn anchor(
         &mut self,
         image: &Image,
-        masker: &Masker,
+        (mask, background): (&RopeMask, &Background),
         curves: &[Curve],
         crossings: &[Crossing],
         [is_seen, is_plain]: [bool; 2],
@@ -145,17 +146,20 @@ impl Follower {
         self.chords.drop();
         self.contours.drop();
         // The network may also find objects that are not ropes.
-        self.know(curves, crossings, is_plain && !masker.is_sought, now_ns);
+        self.know(curves, crossings, is_plain && !mask.source.is_network(), now_ns);
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
         let is_fast = now_ns.saturating_sub(self.last_ns) < BRIEF_NS;
         (self.is_brief, self.last_ns) = (false, now_ns);
-        let is_table = masker.notice.is_none() && !masker.is_smoothed;
         let is_within = |curve: &Curve| !curve.closed && curve.border == [false; 2];
-        if let Some(cut) = masker.cut.filter(|_| is_table)
+        if let MaskSource::Table {
+            cut,
+            is_smoothed: false,
+        } = mask.source
+            && mask.notice.is_none()
             && curves.iter().all(is_within)
         {
             if self.plain_frames >= SETTLED {
-                (self.chords).anchor(image, &masker.background, cut, curves, crossings);
+                (self.chords).anchor(image, background, cut, curves, crossings);
             }
             if self.chords.is_ready() {
                 self.known.note(curves, now_ns);
@@ -163,7 +167,7 @@ impl Follower {
             }
         }
         // A given mask is trusted.
-        let is_told = masker.is_given && !masker.is_sought;
+        let is_told = mask.source == MaskSource::External;
         let least = if is_told { TOLD } else { SETTLED };
         let is_whole = self.whole_frames >= least;
         let is_held = self.held_frames >= SETTLED;
@@ -173,8 +177,8 @@ impl Follower {
         }
         let how = Trust {
             is_known,
-            is_table: masker.cut.is_some(),
-            is_simple: masker.is_sought,
+            is_table: mask.source.is_table(),
+            is_simple: mask.source.is_network(),
             is_brief: false,
         };
         if is_whole || is_held || is_known {

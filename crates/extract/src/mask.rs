@@ -16,6 +16,7 @@ mod neural;
 mod outline;
 mod pattern;
 mod rims;
+mod rope_mask;
 mod seams;
 mod seeker;
 pub(crate) mod shadow;
@@ -24,5 +25,6 @@ mod threshold;
 mod widths;
 
 pub(crate) use masker::Masker;
+pub(crate) use rope_mask::{MaskSource, RopeMask};
 pub use masker::{MaskError, mask_of};
 pub use meaning::{MaskLevels, mask_levels};

@@ -1,9 +1,10 @@
 //! Finds the curves that may not be ropes.
 
 use super::Extractor;
-use crate::confidence::{self, Maker, Prior};
+use crate::confidence::{self, Context, Maker};
 use crate::image::Image;
-use crate::mask::Masker;
+use crate::mask::cast::Cast;
+use crate::mask::{MaskSource, Masker};
 use crate::notice::Notice;
 use crate::options::{Mask, Options};
 use crate::scene::{Curve, Status};
@@ -27,20 +28,20 @@ const UNLIKELY_BESIDE: f32 = 0.2;
 /// Difference from the table at which noise must not hide a rope: a quarter of all 256 levels.
 const HIDDEN: f32 = 64.0;
 
-/// Knowledge about all curves of a mask.
-pub(super) fn known<'a>(masker: &'a Masker, options: &Options) -> Prior<'a> {
-    let by_network = masker.is_of_network();
-    Prior {
-        is_doubted: false,
-        maker: match options.mask {
-            Mask::External => Maker::Elsewhere,
-            Mask::Hsv(..) => Maker::Color,
-            _ if by_network => Maker::Network,
-            _ => Maker::Own,
+/// The context of all curves of a mask.
+pub(super) fn context(masker: &Masker) -> Context<'_> {
+    let source = masker.mask.source;
+    let is_seen = source.is_seen_by_network();
+    Context {
+        maker: match source {
+            MaskSource::Table { .. } | MaskSource::Network { is_blind: true } => Maker::Own,
+            MaskSource::Color => Maker::Color,
+            MaskSource::Network { .. } => Maker::Network,
+            MaskSource::External => Maker::Elsewhere,
         },
-        sees_covers: options.mask == Mask::Auto && !by_network,
-        likely: by_network.then_some(&masker.seeker.likely),
-        ..Prior::default()
+        sees_covers: source.is_table(),
+        likely: is_seen.then_some(&masker.seeker.likely),
+        ..Context::default()
     }
 }
 
@@ -52,7 +53,7 @@ impl Extractor {
     /// Drops this image's unlikely curves, if they are the network's or the network saw no rope
     /// there.
     pub(super) fn drop_unlikely(&mut self, image: &Image) {
-        if !self.masker.is_sought && !self.answer.leaves_out() {
+        if !self.masker.mask.source.is_network() && !self.answer.leaves_out() {
             return;
         }
         self.weigh(image);
@@ -65,12 +66,12 @@ impl Extractor {
             let curve = &self.curves[i];
             let unlikely = match has_sure {
                 false => UNLIKELY,
-                true if self.masker.is_sought && knows_sure && !self.tracker.may_know(curve) => {
+                true if self.masker.mask.source.is_network() && knows_sure && !self.tracker.may_know(curve) => {
                     SURE
                 }
                 true => UNLIKELY_BESIDE,
             };
-            let is_asked = self.masker.is_sought || self.is_unlikely_thing(i);
+            let is_asked = self.masker.mask.source.is_network() || self.is_unlikely_thing(i);
             if !is_asked || curve.confidence >= unlikely.min(self.options.min_confidence) {
                 self.curves.swap(self.count, i);
                 self.appearances.swap(self.count, i);
@@ -88,14 +89,14 @@ impl Extractor {
     /// Computes the confidence of each of this image's curves.
     pub(super) fn weigh(&mut self, image: &Image) {
         self.find_doubts(image, self.count, |_, _| false);
-        let known = known(&self.masker, &self.options);
+        let context = context(&self.masker);
         for (i, doubt) in self.doubts.iter().enumerate().take(self.count) {
-            let known = Prior {
+            let context = Context {
                 is_doubted: doubt.is_some(),
-                ..known
+                ..context
             };
             let curves = &self.curves[..self.count];
-            let evidence = confidence::evidence(image, (curves, i), known);
+            let evidence = confidence::evidence(image, (curves, i), context);
             self.curves[i].confidence = evidence.confidence();
         }
     }
@@ -103,11 +104,11 @@ impl Extractor {
     /// Returns whether the difference from a table that seems plain is not only ropes: all or much
     /// of it is something else.
     pub(super) fn is_cluttered(&mut self, image: &Image) -> bool {
-        if self.options.mask != Mask::Auto || self.masker.is_sought {
+        if self.options.mask != Mask::Auto || self.masker.mask.source.is_network() {
             return false;
         }
         self.find_doubts(image, self.count, |_, _| false);
-        let has_something = !self.masker.strips.used.is_empty();
+        let has_something = !self.masker.mask.strips.used.is_empty();
         match self.count {
             _ if self.has_wide => {
                 self.masker.doubts_itself(Notice::TooWide);
@@ -129,7 +130,7 @@ impl Extractor {
         let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
         self.doubt = None;
         // A mask from the user is trusted, so its ropes cause no such notice.
-        if self.masker.cut.is_some() || self.masker.notice.is_some() {
+        if self.masker.mask.source.is_table() || self.masker.mask.notice.is_some() {
             self.doubt_ropes(image, seen);
         }
         let mut is_unsure = false;
@@ -138,13 +139,13 @@ impl Extractor {
             let curve = &self.curves[i];
             let of_it = (self.crossings.iter())
                 .filter(|crossing| crossing.over == i || crossing.under == i);
-            let known = Prior {
+            let context = Context {
                 is_doubted: curve.status == Status::Doubtful,
                 left_out: self.remainder.beside(curve),
                 crossings: of_it.count(),
-                ..known(&self.masker, &self.options)
+                ..context(&self.masker)
             };
-            let evidence = confidence::evidence(image, (&self.curves[..seen], i), known);
+            let evidence = confidence::evidence(image, (&self.curves[..seen], i), context);
             self.evidence.push(evidence);
             let sure = evidence.confidence();
             self.tracker.note_confidence(curve.track, sure);
@@ -165,6 +166,7 @@ impl Extractor {
         let sees_some = self.curves[..self.count].iter().any(is_seen);
         let of_mask = self
             .masker
+            .mask
             .notice
             .filter(|&notice| !sees_some || notice.is_of_ropes());
         self.doubt.or(of_mask)
@@ -190,8 +192,9 @@ impl Extractor {
         let surroundings = Surroundings {
             image,
             background: &self.masker.background,
-            mask: &self.masker.mask,
-            shadows: &self.masker.shadows,
+            mask: &self.masker.mask.bits,
+            maybe_shadow: (self.masker.mask.cast == Cast::Maybe)
+                .then_some(&self.masker.shadows.plane),
         };
         let of = (&self.curves[..seen], &self.appearances[..]);
         let is_known = |curve: &Curve| is_known(&self.tracker, curve);

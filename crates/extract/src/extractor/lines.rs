@@ -53,7 +53,7 @@ impl Extractor {
             }
             let line = &mut self.lines[count];
             let source = Source {
-                difference: &self.masker.difference,
+                difference: &self.masker.mask.difference,
                 skeleton: &self.skeleton,
                 graph: &self.graph,
                 zones: &self.zones,
@@ -63,7 +63,7 @@ impl Extractor {
             let is_laid = match self.options.method {
                 Method::Skeleton => self.centerliner.build(&source, strand, line),
                 _ => {
-                    let centers = (&self.clusterer.centers[..], &self.masker.mask);
+                    let centers = (&self.clusterer.centers[..], &self.masker.mask.bits);
                     self.orderer.build(&source, strand, centers, line)
                 }
             };
@@ -91,7 +91,7 @@ impl Extractor {
     /// Drops those of the first `count` lines that are not ropes. Returns how many remain, in their
     /// order.
     pub(super) fn drop_noise(&mut self, count: usize) -> usize {
-        let levels = &self.masker.difference;
+        let levels = &self.masker.mask.difference;
         self.noise_filter.find(&self.lines[..count], levels);
         let mut kept = 0;
         for l in 0..count {
@@ -114,7 +114,7 @@ impl Extractor {
     pub(super) fn lengthen(&mut self, count: usize) {
         let occluder = &self.occluder.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
-            let planes = [&self.masker.mask, occluder];
+            let planes = [&self.masker.mask.bits, occluder];
             let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
             let gaps = &mut self.bridger.gaps;
             if before_px + after_px == 0.0 {
@@ -157,8 +157,8 @@ impl Extractor {
         let scene = refit::Scene {
             past: &self.zones.past,
             moves: &self.bridger.moves,
-            difference: &self.masker.difference,
-            mask: &self.masker.mask,
+            difference: &self.masker.mask.difference,
+            mask: &self.masker.mask.bits,
             occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
@@ -209,7 +209,7 @@ impl Extractor {
                 covered,
                 is_plain: !self.occluder.any(),
                 is_split: self.bridger.is_split,
-                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask),
+                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask.bits),
             });
             // Lines and curves have the same index from here on.
             self.lines.swap(self.count, l);
@@ -223,11 +223,11 @@ impl Extractor {
         if self.count <= self.options.ropes {
             return;
         }
-        let known = super::doubts::known(&self.masker, &self.options);
+        let context = super::doubts::context(&self.masker);
         for i in 0..self.count {
             self.curves[i].status = Status::Ok;
             let curves = &self.curves[..self.count];
-            let evidence = confidence::evidence(image, (curves, i), known);
+            let evidence = confidence::evidence(image, (curves, i), context);
             self.curves[i].confidence = evidence.confidence();
         }
         while self.count > self.options.ropes {

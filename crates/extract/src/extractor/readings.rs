@@ -92,7 +92,7 @@ impl Extractor {
     pub(super) fn read(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.trace(image, after);
         let is_open = self.zones.has_meeting() && !self.has_wide && !self.occluder.any();
-        if !is_open || self.masker.is_sought || self.options.method != Method::Skeleton {
+        if !is_open || self.masker.mask.source.is_network() || self.options.method != Method::Skeleton {
             return;
         }
         let width_px = self.widest_px();
@@ -156,7 +156,7 @@ impl Extractor {
     /// The penalties of this hypothesis, whose ropes have about this width.
     fn doubt_of(&self, width_px: f32) -> Doubt {
         let reach_px = BEND_REACH * width_px;
-        let mask = &self.masker.mask;
+        let mask = &self.masker.mask.bits;
         let curves = || self.curves[..self.count].iter();
         let longest_px = curves().map(|curve| curve.length_px).fold(0.0, f32::max);
         let ropes = curves().zip(&self.lines);
@@ -183,11 +183,11 @@ impl Extractor {
     /// The lack of this image's lines, and their area outside of the mask. Parts outside of the
     /// picture do not count.
     fn lacking(&self, width_px: f32) -> f32 {
-        let mask = &self.masker.mask;
+        let mask = &self.masker.mask.bits;
         let (mut open, mut beside) = (0, 0.0);
         for line in &self.lines[..self.count] {
             let stray = line.samples.iter().filter(|sample| {
-                let is_in_picture = self.masker.difference.holds(sample.at);
+                let is_in_picture = self.masker.mask.difference.holds(sample.at);
                 is_in_picture && !mask.has(sample.at)
             });
             let step_px = line.length_px() / line.samples.len().max(1) as f32;

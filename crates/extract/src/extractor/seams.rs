@@ -21,7 +21,7 @@ impl Extractor {
         let joined = self.bridger.join_under(lines, colors, &scenery, mask);
         self.masker.uncut();
         for line in &mut self.lines[..joined] {
-            let difference = &self.masker.difference;
+            let difference = &self.masker.mask.difference;
             self.centerliner.retrace(line, difference, 0.5 * width_px);
         }
         joined

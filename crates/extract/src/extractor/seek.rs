@@ -76,7 +76,7 @@ impl Extractor {
             self.ask_as_well(image, after);
         }
         // A pattern is permanent.
-        if self.masker.notice == Some(Notice::CheckeredTable) && self.is_found_by_network() {
+        if self.masker.mask.notice == Some(Notice::CheckeredTable) && self.is_found_by_network() {
             let (images, are_surer) = (TAKEN, false);
             self.answer = Answer::Ropes { images, are_surer };
         }
@@ -97,7 +97,7 @@ impl Extractor {
     }
 
     fn is_found_by_network(&self) -> bool {
-        self.masker.is_of_network() && self.count > 0
+        self.masker.mask.source.is_seen_by_network() && self.count > 0
     }
 
     /// Returns whether the network is skipped once more because it found nothing better.
@@ -132,7 +132,7 @@ impl Extractor {
     /// the network was better. Clusterings are compared on one mask, so they are exempt.
     fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
-        if !is_asked || self.masker.is_sought || self.count == 0 {
+        if !is_asked || self.masker.mask.source.is_network() || self.count == 0 {
             return false;
         }
         if !last.was_better() && self.tracker.knows_some(0.0) {
@@ -171,7 +171,7 @@ impl Extractor {
             self.trace(image, after);
             self.drop_unlikely(image);
             let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));
-            let is_told = are_sure && self.masker.is_of_network();
+            let is_told = are_sure && self.masker.mask.source.is_seen_by_network();
             let is_witness = is_told && is_split && self.count == sure;
             let is_surer = self.mean_confidence() > own + SURER;
             // If ropes end at an object on top of them, the network sees the same ropes but not the

@@ -81,7 +81,6 @@ pub(crate) struct Shadows {
     pales: Vec<[i32; 2]>,
     /// Pixels of the mask that are or may be shadow.
     pub(crate) plane: BitPlane,
-    pub(crate) cast: Cast,
 }
 
 impl Shadows {
@@ -102,7 +101,6 @@ impl Shadows {
         background: &Background,
         (mask, area): (&BitPlane, usize),
     ) -> Cast {
-        self.cast = Cast::None;
         for palest in self
             .glance(image, background, mask, area)
             .into_iter()
@@ -127,11 +125,10 @@ impl Shadows {
             let is_dim = |at| is_dim(image, background, at);
             if let Some((step, is_sharp)) = self.step(width_px, is_dim) {
                 self.keep_carried(image, background, step, width_px);
-                self.cast = if is_sharp { Cast::Sure } else { Cast::Maybe };
-                break;
+                return if is_sharp { Cast::Sure } else { Cast::Maybe };
             }
         }
-        self.cast
+        Cast::None
     }
 
     /// Minimum light at which pixels of the table's color may be shadow. The first value is for

@@ -246,8 +246,8 @@ mod tests {
             ([100, 200], [43, 46], TABLE),
         ]));
         for x in 45..355 {
-            assert!((41..51).all(|y| masker.mask.get(x, y)), "column {x}");
-            let level = masker.difference.row(44)[x as usize];
+            assert!((41..51).all(|y| masker.mask.bits.get(x, y)), "column {x}");
+            let level = masker.mask.difference.row(44)[x as usize];
             assert!(level > 100, "column {x}: {level}");
         }
     }
@@ -260,7 +260,7 @@ mod tests {
             ([40, 360], [40, 52], ROPE),
             ([100, 160], [40, 46], pale),
         ]));
-        assert!((105..155).all(|x| masker.mask.get(x, 41)));
+        assert!((105..155).all(|x| masker.mask.bits.get(x, 41)));
     }
 
     #[test]
@@ -270,7 +270,7 @@ mod tests {
             ([40, 360], [40, 52], ROPE),
             ([40, 360], [52, 58], shadow),
         ]));
-        assert!((40..360).all(|x| !masker.mask.get(x, 53)));
+        assert!((40..360).all(|x| !masker.mask.bits.get(x, 53)));
     }
 
     #[test]
@@ -280,13 +280,13 @@ mod tests {
             ([40, 360], [42, 52], ROPE),
         ]));
         for x in 40..360 {
-            assert!((40..42).all(|y| !masker.mask.get(x, y)), "column {x}");
+            assert!((40..42).all(|y| !masker.mask.bits.get(x, y)), "column {x}");
         }
     }
 
     #[test]
     fn a_rope_of_one_width_is_left_as_it_is() {
         let masker = masked(&picture(&[([40, 360], [40, 52], ROPE)]));
-        assert_eq!(masker.mask.count(), 320 * 12);
+        assert_eq!(masker.mask.bits.count(), 320 * 12);
     }
 }

@@ -10,13 +10,14 @@ use super::level;
 use super::neural;
 use super::outline::{outline, width_from_outline};
 use super::rims::Rims;
+use super::rope_mask::{MaskSource, RopeMask};
 use super::seams::Seams;
 use super::seeker::Seeker;
 use super::smoothed::Smoother;
 use super::threshold::{self, Cut, Levels};
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::neighbors::{self, Around, Rule};
-use crate::bitmap::strips::{Shape, Strips};
+use crate::bitmap::strips::Strips;
 use crate::image::gray::GrayPlane;
 use crate::image::kernels::Kernels;
 use crate::image::unpack::Unpacker;
@@ -26,7 +27,6 @@ use crate::options::Mask;
 use crate::scene::MOST_CROSSINGS;
 use lariat_network::Network;
 use std::num::NonZeroU8;
-use std::ops::Range;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -99,29 +99,8 @@ pub(crate) struct Masker {
     seams: Seams,
     /// The difference and the mask before they were [cut at their seams](Self::cut_seams).
     pub(crate) whole: (GrayPlane, BitPlane),
-    /// Difference of each pixel from the table. With color ranges, it is 255 and 0; with a mask
-    /// from elsewhere, it is the mask's own bytes. It is 0 where nothing within eight pixels
-    /// exceeds the table's noise, unless the mask is in doubt.
-    pub(crate) difference: GrayPlane,
-    /// The mask, row by row and in strips.
-    pub(crate) mask: BitPlane,
-    pub(crate) strips: Strips,
-    /// The rope's width in pixels, estimated from the area and outline of the mask.
-    pub(crate) width_px: f32,
-    /// Minimum difference of a rope pixel; `None` unless the mask is automatic.
-    pub(crate) cut: Option<u8>,
-    /// Columns and rows that contain everything that differs from the table, before anything is
-    /// removed.
-    differs: Option<[Range<usize>; 2]>,
-    /// True if the mask was made elsewhere. The difference is then its own bytes.
-    pub(crate) is_given: bool,
-    /// True if the mask was requested from the network.
-    pub(crate) is_sought: bool,
-    /// True if the mask was cut from the smoothed picture, because noise hides the ropes in single
-    /// pixels.
-    pub(crate) is_smoothed: bool,
-    /// Doubt about the mask, if any.
-    pub(crate) notice: Option<Notice>,
+    /// The mask of the image.
+    pub(crate) mask: RopeMask,
 }
 
 impl Masker {
@@ -132,64 +111,59 @@ impl Masker {
 
     /// Makes the mask of `image`. The mask is empty unless the image shows ropes.
     pub(crate) fn run(&mut self, image: &Image, how: &Mask) {
-        let mut chosen = None;
         match how {
-            Mask::Auto => {
-                self.background.estimate(image);
-                let noise = self.background.noise;
-                let (difference, faint) = (&mut self.difference, &mut self.hysteresis.faint);
-                let least = threshold::faint(noise);
-                let levels = &mut self.levels;
-                (self.differencer).run(image, &self.background, least, difference, faint, levels);
-                let cut = threshold::choose(levels, noise);
-                if diagnosis::covers_much(cut) {
-                    // The network is asked in any case.
-                    self.mask.resize(image.width(), image.height());
-                    self.empty();
-                } else {
-                    self.cut_out(image, cut);
-                }
-                chosen = Some(cut);
+            Mask::Auto => self.run_on_table(image),
+            Mask::Network => {
+                self.mask.notice = None;
+                self.seek(image, Region::whole(image));
             }
             Mask::Hsv(ranges) => {
-                let (inside, mask) = (&mut self.difference, &mut self.mask);
-                self.selector.run(image, ranges, inside, mask);
-                self.strips.take(&self.mask);
-                self.clean_or_empty();
-            }
-            Mask::Network => {
-                self.notice = None;
-                self.seek(image, Region::whole(image));
-                return;
+                let (inside, bits) = (&mut self.mask.difference, &mut self.mask.bits);
+                self.selector.run(image, ranges, inside, bits);
+                self.take_bits(MaskSource::Color);
             }
             Mask::External => {
-                self.difference.resize(image.width(), image.height());
-                self.mask.resize(image.width(), image.height());
-                self.strips.take(&self.mask);
-                self.clean_or_empty();
+                self.mask.difference.resize(image.width(), image.height());
+                self.mask.bits.resize(image.width(), image.height());
+                self.take_bits(MaskSource::External);
             }
         }
-        self.is_smoothed = false;
-        self.is_given = false;
-        self.is_sought = false;
-        self.cut = chosen.map(|cut: Cut| cut.rope);
-        self.shadows.cast = Cast::None;
-        let Some(cut) = chosen else {
-            self.notice = self.leave_net_out();
-            return;
+    }
+
+    /// Makes the mask of what differs from the table. If the table is not plain, the network makes
+    /// it.
+    fn run_on_table(&mut self, image: &Image) {
+        self.background.estimate(image);
+        let noise = self.background.noise;
+        let (difference, faint) = (&mut self.mask.difference, &mut self.hysteresis.faint);
+        let least = threshold::faint(noise);
+        let levels = &mut self.levels;
+        (self.differencer).run(image, &self.background, least, difference, faint, levels);
+        let cut = threshold::choose(levels, noise);
+        if diagnosis::covers_much(cut) {
+            // The network is asked in any case.
+            self.mask.bits.resize(image.width(), image.height());
+            self.mask.empty();
+        } else {
+            self.cut_out(image, cut);
+        }
+        self.mask.source = MaskSource::Table {
+            cut: cut.rope,
+            is_smoothed: false,
         };
-        self.notice = self.judge(image, cut);
-        if self.notice == Some(Notice::LikeTheTable) && self.is_noisy() {
+        self.mask.cast = Cast::None;
+        self.mask.notice = self.judge(image, cut);
+        if self.mask.notice == Some(Notice::LikeTheTable) && self.is_noisy() {
             self.take_smoothed(image);
         }
-        if self.notice.is_none() && self.is_framed() {
-            self.notice = Some(Notice::UnevenTable);
+        if self.mask.notice.is_none() && self.is_framed() {
+            self.mask.notice = Some(Notice::UnevenTable);
         }
-        if self.notice.is_some_and(is_no_plain_table) {
+        if self.mask.notice.is_some_and(is_no_plain_table) {
             self.seek(image, Region::whole(image));
         }
-        self.differs = self.mask.bounds();
-        if self.notice.is_none() && !self.strips.used.is_empty() {
+        self.mask.differs = self.mask.bits.bounds();
+        if self.mask.notice.is_none() && !self.mask.is_empty() {
             self.take_shadows_out(image);
         }
     }
@@ -197,7 +171,7 @@ impl Masker {
     /// Returns whether much of the picture's border is in the mask, which means that the table ends
     /// in the picture.
     fn is_framed(&self) -> bool {
-        let mask = &self.mask;
+        let mask = &self.mask.bits;
         let (width, height) = (mask.width(), mask.height());
         let ones = |row: &[u64]| row.iter().map(|word| word.count_ones()).sum::<u32>();
         let ends = |y: i32| u32::from(mask.get(0, y)) + u32::from(mask.get(width as i32 - 1, y));
@@ -208,17 +182,13 @@ impl Masker {
 
     /// Replaces the mask with the ropes that the network finds in the part `within` of the image.
     fn seek(&mut self, image: &Image, within: Region) {
-        self.seeker.run(image, within, &mut self.difference);
-        let notice = self.notice;
+        self.seeker.run(image, within, &mut self.mask.difference);
+        let notice = self.mask.notice;
         self.take_levels(ROPE_LEVEL);
-        self.notice = notice;
-        self.is_sought = true;
-        self.seeker.has_found = self.is_of_network() && !self.strips.used.is_empty();
-    }
-
-    /// Returns whether the mask shows ropes that the network saw.
-    pub(crate) fn is_of_network(&self) -> bool {
-        self.is_sought && !self.seeker.is_blind
+        self.mask.notice = notice;
+        let is_blind = self.seeker.is_blind;
+        self.mask.source = MaskSource::Network { is_blind };
+        self.seeker.has_found = !is_blind && !self.mask.is_empty();
     }
 
     /// Forgets whether the network has found ropes.
@@ -229,9 +199,9 @@ impl Masker {
     /// Marks an automatic mask as doubtful if it was trusted but held no rope. Returns true if it
     /// did.
     pub(crate) fn doubts_itself(&mut self, why: Notice) -> bool {
-        let seemed_sure = self.notice.is_none() && self.cut.is_some();
+        let seemed_sure = self.mask.notice.is_none() && self.mask.source.is_table();
         if seemed_sure {
-            self.notice = Some(why);
+            self.mask.notice = Some(why);
         }
         seemed_sure
     }
@@ -240,9 +210,9 @@ impl Masker {
     /// table by `level`. Returns true if it did.
     pub(crate) fn doubts_noise(&mut self, level: f32) -> bool {
         let is_hidden = threshold::floor(self.background.noise) > level;
-        let seemed_sure = self.notice.is_none() && self.cut.is_some() && is_hidden;
+        let seemed_sure = self.mask.notice.is_none() && self.mask.source.is_table() && is_hidden;
         if seemed_sure {
-            self.notice = Some(Notice::Noisy);
+            self.mask.notice = Some(Notice::Noisy);
         }
         seemed_sure
     }
@@ -251,31 +221,31 @@ impl Masker {
     /// anything.
     pub(crate) fn seek_instead(&mut self, image: &Image) -> bool {
         self.seek(image, Region::whole(image));
-        !self.strips.used.is_empty()
+        !self.mask.is_empty()
     }
 
     /// Searches for ropes with the network where this image differs from a table that seemed plain.
     /// Returns whether it found anything.
     pub(crate) fn seek_on_table(&mut self, image: &Image) -> bool {
-        let differs = self.differs.clone().map(|part| neural::grown(part, image));
+        let differs = self.mask.differs.clone().map(|part| neural::grown(part, image));
         self.seek(image, differs.unwrap_or(Region::whole(image)));
-        !self.strips.used.is_empty()
+        !self.mask.is_empty()
     }
 
     /// Cuts the mask out of the difference, then adds the parts of the ropes that the cut leaves
     /// out.
     fn cut_out(&mut self, image: &Image, cut: Cut) {
-        let (kernels, strips) = (&self.kernels, &mut self.strips);
+        let (kernels, strips) = (&self.kernels, &mut self.mask.strips);
         let faint = &self.hysteresis.faint;
-        threshold::apply_within(kernels, &self.difference, cut.rope, faint, strips);
+        threshold::apply_within(kernels, &self.mask.difference, cut.rope, faint, strips);
         // The rows are written when the mask is extended.
-        self.mask.resize(image.width(), image.height());
+        self.mask.bits.resize(image.width(), image.height());
         self.extend(image, cut);
         self.clean_or_empty();
-        let mask = (&self.mask, self.strips.count());
+        let mask = (&self.mask.bits, self.mask.strips.count());
         if Rims::are_there(image, &self.background, mask) {
-            let mask = (&mut self.strips, &self.mask);
-            let difference = (&mut self.difference, cut.level);
+            let mask = (&mut self.mask.strips, &self.mask.bits);
+            let difference = (&mut self.mask.difference, cut.level);
             (self.rims).fill(image, &self.background, mask, difference);
             self.clean_or_empty();
         }
@@ -288,13 +258,13 @@ impl Masker {
 
     /// Cuts the mask again from the smoothed picture, in case only noise hides the ropes.
     fn take_smoothed(&mut self, image: &Image) {
-        let noise = (self.smoother).run(image, &self.background, &mut self.difference);
+        let noise = (self.smoother).run(image, &self.background, &mut self.mask.difference);
         let least = threshold::faint(noise);
         let (levels, faint) = (&mut self.levels, &mut self.hysteresis.faint);
         faint.resize(image.width(), image.height());
         levels.clear(image.width(), image.height());
         for y in 0..image.height() {
-            let row = self.difference.row(y);
+            let row = self.mask.difference.row(y);
             (self.kernels.at_least)(row, least, faint.row_mut(y));
             levels.add(&self.kernels, y, row, faint.row(y));
             if levels.asks_table(y) {
@@ -304,18 +274,20 @@ impl Masker {
         levels.close();
         let cut = threshold::choose(levels, noise);
         self.cut_out(image, cut);
-        self.cut = Some(cut.rope);
         let evidence = Evidence {
             image,
             background: &self.background,
-            difference: &self.difference,
+            difference: &self.mask.difference,
             floor: threshold::floor(noise),
             cut,
-            mask: &self.strips,
+            mask: &self.mask.strips,
         };
         let components = &mut self.hysteresis.pieces.components;
-        self.notice = self.diagnosis.notice(&evidence, components);
-        self.is_smoothed = true;
+        self.mask.notice = self.diagnosis.notice(&evidence, components);
+        self.mask.source = MaskSource::Table {
+            cut: cut.rope,
+            is_smoothed: true,
+        };
     }
 
     /// Reserves the buffers that the picture drawn by the extractor's `prepare` does not use.
@@ -325,22 +297,23 @@ impl Masker {
         self.seams.reserve(width, height);
         self.whole.0.resize(width, height);
         self.whole.1.resize(width, height);
-        self.hysteresis.reserve(&self.strips);
+        self.hysteresis.reserve(&self.mask.strips);
         self.smoother.reserve(width);
-        self.rims.reserve(&self.strips, &self.mask);
+        self.rims.reserve(&self.mask.strips, &self.mask.bits);
     }
 
     /// Removes the ropes' own shadow from an automatic mask.
     fn take_shadows_out(&mut self, image: &Image) {
-        let mask = (&self.mask, self.strips.count());
-        match self.shadows.find(image, &self.background, mask) {
+        let mask = (&self.mask.bits, self.mask.strips.count());
+        self.mask.cast = self.shadows.find(image, &self.background, mask);
+        match self.mask.cast {
             Cast::None => {}
-            Cast::Maybe => self.notice = Some(Notice::MaybeShadow),
+            Cast::Maybe => self.mask.notice = Some(Notice::MaybeShadow),
             Cast::Sure => {
                 let plane = std::mem::take(&mut self.shadows.plane);
                 self.take_out(&plane);
                 self.shadows.plane = plane;
-                self.notice = Some(Notice::OwnShadow);
+                self.mask.notice = Some(Notice::OwnShadow);
             }
         }
     }
@@ -355,17 +328,17 @@ impl Masker {
     /// Returns the notice about an automatic mask.
     fn judge(&mut self, image: &Image, cut: Cut) -> Option<Notice> {
         let floor = threshold::floor(self.background.noise);
-        if !cut.is_sure(floor) || self.strips.used.is_empty() {
+        if !cut.is_sure(floor) || self.mask.is_empty() {
             self.differencer
-                .fill(image, &self.background, &mut self.difference);
+                .fill(image, &self.background, &mut self.mask.difference);
         }
         let evidence = Evidence {
             image,
             background: &self.background,
-            difference: &self.difference,
+            difference: &self.mask.difference,
             floor,
             cut,
-            mask: &self.strips,
+            mask: &self.mask.strips,
         };
         let components = &mut self.hysteresis.pieces.components;
         self.diagnosis.notice(&evidence, components)
@@ -395,33 +368,35 @@ impl Masker {
                 image: size(image),
             });
         }
-        self.difference.resize(mask.width(), mask.height());
+        self.mask.difference.resize(mask.width(), mask.height());
         for y in 0..mask.height() {
-            self.difference.row_mut(y).copy_from_slice(mask.row(y));
+            self.mask.difference.row_mut(y).copy_from_slice(mask.row(y));
         }
-        let level = level.map_or_else(|| level::choose(&self.difference), NonZeroU8::get);
+        let level = level.map_or_else(|| level::choose(&self.mask.difference), NonZeroU8::get);
         self.take_levels(level);
         Ok(())
     }
 
     /// Makes the mask from the levels in the difference: rope from `level` on.
     fn take_levels(&mut self, level: u8) {
-        threshold::apply(&self.kernels, &self.difference, level, &mut self.mask);
-        self.strips.take(&self.mask);
+        threshold::apply(&self.kernels, &self.mask.difference, level, &mut self.mask.bits);
+        self.take_bits(MaskSource::External);
+    }
+
+    /// Completes the mask from its bits, which are all rope.
+    fn take_bits(&mut self, source: MaskSource) {
+        self.mask.strips.take(&self.mask.bits);
         self.clean_or_empty();
-        self.is_given = true;
-        self.is_sought = false;
-        self.is_smoothed = false;
-        self.cut = None;
-        self.shadows.cast = Cast::None;
-        self.notice = self.leave_net_out();
+        self.mask.source = source;
+        self.mask.cast = Cast::None;
+        self.mask.notice = self.leave_net_out();
     }
 
     /// Empties a mask that is a net, and returns a notice of it.
     fn leave_net_out(&mut self) -> Option<Notice> {
-        let is_net = diagnosis::holes_beyond_pieces(&self.strips) > MOST_HOLES;
+        let is_net = diagnosis::holes_beyond_pieces(&self.mask.strips) > MOST_HOLES;
         if is_net {
-            self.empty();
+            self.mask.empty();
         }
         is_net.then_some(Notice::TooMany)
     }
@@ -429,28 +404,23 @@ impl Masker {
     /// Cleans the mask. A mask that does not show ropes is emptied.
     fn clean_or_empty(&mut self) {
         if self.clean() {
-            self.strips.put(&mut self.mask);
-            self.strips.tighten();
+            self.mask.strips.put(&mut self.mask.bits);
+            self.mask.strips.tighten();
         } else {
-            self.empty();
+            self.mask.empty();
         }
-    }
-
-    fn empty(&mut self) {
-        self.mask.resize(self.mask.width(), self.mask.height());
-        self.strips.resize(&Shape::of(&self.mask));
     }
 
     /// Removes the pixels of `occluder` from the mask and the difference, as if the table were
     /// there.
     pub(crate) fn take_out(&mut self, occluder: &BitPlane) {
-        for y in 0..self.mask.height() {
-            let words = self.mask.row_mut(y).iter_mut().zip(occluder.row(y));
+        for y in 0..self.mask.bits.height() {
+            let words = self.mask.bits.row_mut(y).iter_mut().zip(occluder.row(y));
             words.for_each(|(word, &out)| *word &= !out);
-            let levels = self.difference.row_mut(y);
+            let levels = self.mask.difference.row_mut(y);
             occluder.for_each_set(y, |x| levels[x] = 0);
         }
-        self.strips.take(&self.mask);
+        self.mask.strips.take(&self.mask.bits);
         self.clean_or_empty();
     }
 
@@ -458,79 +428,79 @@ impl Masker {
     /// about `width_px` wide.
     pub(crate) fn see_seams(&mut self, image: &Image, width_px: f32) {
         let (difference, mask) = &mut self.whole;
-        difference.copy_from(&self.difference);
-        mask.copy_from(&self.mask);
-        self.seams.smooth(image, &self.mask, width_px);
+        difference.copy_from(&self.mask.difference);
+        mask.copy_from(&self.mask.bits);
+        self.seams.smooth(image, &self.mask.bits, width_px);
     }
 
     /// Cuts the mask and the difference at the seams, after [`see_seams`](Self::see_seams). A seam
     /// is where the light bends upward by `bent`, in standard deviations of the ropes' light.
     pub(crate) fn cut_seams(&mut self, width_px: f32, bent: f32) {
-        self.seams.find(&self.mask, bent);
-        for y in 0..self.mask.height() {
-            let words = self.mask.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
+        self.seams.find(&self.mask.bits, bent);
+        for y in 0..self.mask.bits.height() {
+            let words = self.mask.bits.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
             words.for_each(|(word, &seam)| *word &= !seam);
-            let levels = self.difference.row_mut(y);
+            let levels = self.mask.difference.row_mut(y);
             self.seams.plane.for_each_set(y, |x| levels[x] = 0);
         }
-        self.strips.take(&self.mask);
+        self.mask.strips.take(&self.mask.bits);
         let across = (THINNEST * width_px).round().max(2.0) as usize;
-        self.hysteresis.open(&mut self.strips, across);
+        self.hysteresis.open(&mut self.mask.strips, across);
         let speck = (SPECK * width_px * width_px) as u32;
         if self
             .hysteresis
             .pieces
-            .drop_specks(&mut self.strips, speck)
+            .drop_specks(&mut self.mask.strips, speck)
             .is_err()
         {
-            self.empty();
+            self.mask.empty();
         }
-        self.strips.put(&mut self.mask);
+        self.mask.strips.put(&mut self.mask.bits);
     }
 
     /// Undoes [`cut_seams`](Self::cut_seams).
     pub(crate) fn uncut(&mut self) {
-        self.difference.copy_from(&self.whole.0);
-        self.mask.copy_from(&self.whole.1);
-        self.strips.take(&self.mask);
+        self.mask.difference.copy_from(&self.whole.0);
+        self.mask.bits.copy_from(&self.whole.1);
+        self.mask.strips.take(&self.mask.bits);
     }
 
     /// Adds the parts of the ropes that the cut left out.
     fn extend(&mut self, image: &Image, cut: Cut) {
         self.smooth();
-        let pixels = self.mask.width() * self.mask.height();
-        let area = self.strips.count();
+        let pixels = self.mask.bits.width() * self.mask.bits.height();
+        let area = self.mask.strips.count();
         if area > 0 && area as f32 <= MOST_COVERED * pixels as f32 {
-            self.strips.put(&mut self.mask);
+            self.mask.strips.put(&mut self.mask.bits);
             // The noise is gone, so its blocks need no more work.
-            self.strips.tighten();
-            let (table, difference) = (&self.background, &mut self.difference);
-            let mask = (&mut self.strips, &self.mask);
+            self.mask.strips.tighten();
+            let (table, difference) = (&self.background, &mut self.mask.difference);
+            let mask = (&mut self.mask.strips, &self.mask.bits);
             self.hysteresis.extend(image, table, cut, difference, mask);
         }
     }
 
     /// Drops specks and fills pinholes. Returns false if the mask does not show ropes.
     fn clean(&mut self) -> bool {
-        let pixels = self.mask.width() * self.mask.height();
+        let pixels = self.mask.bits.width() * self.mask.bits.height();
         self.smooth();
-        let (area, sides) = outline(&self.strips);
+        let (area, sides) = outline(&self.mask.strips);
         if area == 0 || area as f32 > MOST_COVERED * pixels as f32 {
             return false;
         }
-        self.width_px = width_from_outline(area, sides);
-        let square = self.width_px * self.width_px;
+        self.mask.width_px = width_from_outline(area, sides);
+        let square = self.mask.width_px * self.mask.width_px;
         // A rope is longer than wide. A hole of less than half a squared width is shine or dirt.
         let (speck, hole) = ((2.0 * square).max(12.0) as u32, (0.4 * square) as u32);
         let pieces = &mut self.hysteresis.pieces;
-        pieces.drop_specks(&mut self.strips, speck).is_ok()
-            && pieces.fill_holes(&mut self.strips, hole).is_ok()
+        pieces.drop_specks(&mut self.mask.strips, speck).is_ok()
+            && pieces.fill_holes(&mut self.mask.strips, hole).is_ok()
     }
 
     /// Removes pixels without a neighbor by a side and fills single unset pixels, whole words at
     /// once. This removes most of the noise before anything counts pieces.
     fn smooth(&mut self) {
-        neighbors::step(Smooth, &mut self.strips, &mut self.smoothed);
+        neighbors::step(Smooth, &mut self.mask.strips, &mut self.smoothed);
     }
 }
 
@@ -542,7 +512,7 @@ impl Masker {
 pub fn mask_of(image: &Image, how: &Mask) -> Vec<u8> {
     let (mut unpacker, mut masker) = <(Unpacker, Masker)>::default();
     masker.run(&unpacker.unpack(image), how);
-    let mask = &masker.mask;
+    let mask = &masker.mask.bits;
     let pixels = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
     pixels
         .map(|(x, y)| if mask.get(x as i32, y as i32) { 255 } else { 0 })

@@ -68,7 +68,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) image: &'a Image<'a>,
     pub(crate) background: &'a Background,
     pub(crate) mask: &'a BitPlane,
-    pub(crate) shadows: &'a Shadows,
+    /// Pixels that may be the ropes' shadow, if there are any.
+    pub(crate) maybe_shadow: Option<&'a BitPlane>,
 }
 
 impl Surroundings<'_> {
@@ -117,7 +118,7 @@ impl Surroundings<'_> {
 
     /// Judges a curve regardless of the others: what it may be instead of a rope.
     fn by_itself(&self, curve: &Curve) -> Option<Notice> {
-        if self.shadows.cast == Cast::Maybe && self.is_pale(curve) {
+        if self.maybe_shadow.is_some_and(|plane| is_pale(curve, plane)) {
             return Some(Notice::MaybeShadow);
         }
         if self.is_strip(curve) {
@@ -150,19 +151,6 @@ impl Surroundings<'_> {
                 })
             });
         2 * beside.count() > curve.points.len()
-    }
-
-    /// Returns whether the curve is a possible shadow, or a rope with its shadow.
-    fn is_pale(&self, curve: &Curve) -> bool {
-        let plane = &self.shadows.plane;
-        let along = curve.points.windows(2).zip(&curve.widths_px);
-        let sides = along.flat_map(|(pair, width_px)| {
-            let along = vec2::unit_or(vec2::sub(pair[1], pair[0]), [1.0, 0.0]);
-            let aside = vec2::scale([-along[1], along[0]], 0.25 * width_px);
-            [vec2::add(pair[0], aside), vec2::sub(pair[0], aside)]
-        });
-        let pale = sides.filter(|at| plane.get(at[0] as i32, at[1] as i32));
-        pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
     }
 
     /// Returns whether most of the curve inside the image is the table in less light.
@@ -351,6 +339,18 @@ fn solve(m: [[f32; 3]; 3], right: [f32; 3]) -> Option<[f32; 3]> {
     (all.abs() > 1e-6).then(|| [with(0), with(1), with(2)])
 }
 
+/// Returns whether the curve is a possible shadow, or a rope with its shadow.
+fn is_pale(curve: &Curve, plane: &BitPlane) -> bool {
+    let along = curve.points.windows(2).zip(&curve.widths_px);
+    let sides = along.flat_map(|(pair, width_px)| {
+        let along = vec2::unit_or(vec2::sub(pair[1], pair[0]), [1.0, 0.0]);
+        let aside = vec2::scale([-along[1], along[0]], 0.25 * width_px);
+        [vec2::add(pair[0], aside), vec2::sub(pair[0], aside)]
+    });
+    let pale = sides.filter(|at| plane.get(at[0] as i32, at[1] as i32));
+    pale.count() as f32 > PALE * 2.0 * curve.points.len() as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -378,7 +378,7 @@ mod tests {
                 image,
                 background: &background,
                 mask: &BitPlane::default(),
-                shadows: &Shadows::default(),
+                maybe_shadow: None,
             };
             surroundings.is_dim(&curve(first))
         };
