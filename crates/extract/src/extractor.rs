@@ -1,51 +1,35 @@
 //! The steps of an extraction in their order, and their memory from frame to frame.
 
 mod doubts;
+mod hypothesis;
 mod lines;
 mod meant;
 mod readings;
-mod seams;
 mod seek;
 mod still;
+mod tracer;
 mod warm_up;
 
 use crate::bitmap::bits::BitPlane;
-use crate::bitmap::strips::Strips;
-use crate::centerline::Centerliner;
-use crate::centerline::connector::ConnectorCutter;
-use crate::centerline::line::{Line, MOST_PIECES, Sample};
-use crate::clustering::Clusterer;
-use crate::clustering::ordering::Orderer;
+use crate::centerline::line::MOST_PIECES;
 use crate::confidence::Evidence;
-use crate::confidence::remainder::Remainder;
 use crate::crossings::Crosser;
 use crate::following::Follower;
-use crate::graph::Graph;
-use crate::graph::overlaps::Overlaps;
-use crate::graph::strands::Strands;
-use crate::graph::zones::Zones;
 use crate::image::unpack::Unpacker;
 use crate::image::{Image, color};
-use crate::mask::{MaskError, MaskSource, Masker};
+use crate::mask::{MaskError, Masker};
 use crate::notice::Notice;
-use crate::occlusion::bridge::Bridger;
-use crate::occlusion::ends::Scenery;
-use crate::occlusion::occluder::Occluder;
 use crate::options::{Mask, Method, Options, OptionsError};
 use crate::scene::{Crossing, Curve, Scene, Status};
-use crate::skeleton::thin::Thinner;
-use crate::skeleton::wide::Wide;
-use crate::skeleton::{Pixel, Skeleton};
-use crate::tracking::noise::NoiseFilter;
-use crate::tracking::refit::{self, Refitter};
-use crate::tracking::track::{Appearance, Tracker};
+use crate::tracking::track::Tracker;
+use hypothesis::Hypothesis;
 use lariat_network::Network;
 use meant::Meant;
-use readings::Hypothesis;
 use seek::Answer;
 pub(crate) use seek::SURER;
 use std::sync::Arc;
 use still::{Comparison, Still};
+use tracer::{Observation, Tracer};
 
 /// Difference from the table, in levels, that indicates an object. Noise of camera and coding stays
 /// below.
@@ -70,70 +54,37 @@ pub enum Step {
     Points,
 }
 
-/// A mask in rows and in strips, and lines to be thinned in it.
-#[derive(Debug, Default)]
-struct Body {
-    rows: BitPlane,
-    strips: Strips,
-    lines: Strips,
-}
-
 /// Turns images into centerlines, and remembers the ropes from one image to the next.
 #[derive(Debug)]
 pub struct Extractor {
     options: Options,
     size: (usize, usize),
-    unpacker: Unpacker,
-    masker: Masker,
-    occluder: Occluder,
-    wide: Wide,
-    /// True if something was too wide and is not a gripper over a known rope.
-    has_wide: bool,
-    thinner: Thinner,
-    skeleton: Skeleton,
-    graph: Graph,
-    zones: Zones,
-    overlaps: Overlaps,
-    strands: Strands,
-    centerliner: Centerliner,
-    clusterer: Clusterer,
-    /// The area that contains a clustering's skeleton: the mask, and the links between centers
-    /// outside of it.
-    body: Body,
-    orderer: Orderer,
-    lines: Vec<Line>,
-    colors: Vec<[f32; 3]>,
-    bridger: Bridger,
-    refitter: Refitter,
-    connector_cutter: ConnectorCutter,
-    noise_filter: NoiseFilter,
-    remainder: Remainder,
-    appearances: Vec<Appearance>,
-    spaced: Vec<Sample>,
     now_ns: u64,
     next_ns: Option<u64>,
-    tracker: Tracker,
-    /// The first `count` are this image's; the rest is memory.
-    curves: Vec<Curve>,
-    count: usize,
-    crosser: Crosser,
-    crossings: Vec<Crossing>,
+    /// The last image, to recognize it if it comes again.
+    still: Still,
+    unpacker: Unpacker,
+    /// First, the last image's ropes are followed.
     follower: Follower,
-    /// The objects that each curve may be instead of a rope, as a notice.
+    /// If they cannot be, the image gets a mask, or a second one from the network.
+    masker: Masker,
+    answer: Answer,
+    /// A mask is traced, whole or cut, to hypotheses: the best one, and another that is compared
+    /// with it.
+    tracer: Tracer,
+    found: Hypothesis,
+    other: Hypothesis,
+    /// The best hypothesis is judged, and its curves become tracks.
     doubts: Vec<Option<Notice>>,
-    /// The evidence for and against each curve.
     evidence: Vec<Evidence>,
     doubt: Option<Notice>,
-    /// True if there were more ropes than are reported.
-    is_crowded: bool,
+    tracker: Tracker,
+    crosser: Crosser,
+    crossings: Vec<Crossing>,
+    /// The ropes that the user asked for.
+    meant: Meant,
     /// True if the last image's ropes were followed into it.
     followed: bool,
-    answer: Answer,
-    /// The best hypothesis for this image while another is tried; otherwise memory.
-    kept: Hypothesis,
-    meant: Meant,
-    /// The last image, to recognize it.
-    still: Still,
 }
 
 impl Extractor {
@@ -146,47 +97,24 @@ impl Extractor {
         Ok(Self {
             options,
             size: (0, 0),
-            unpacker: Unpacker::default(),
-            masker: Masker::default(),
-            occluder: Occluder::default(),
-            wide: Wide::default(),
-            has_wide: false,
-            thinner: Thinner::default(),
-            skeleton: Skeleton::default(),
-            graph: Graph::default(),
-            zones: Zones::default(),
-            overlaps: Overlaps::default(),
-            strands: Strands::default(),
-            centerliner: Centerliner::default(),
-            clusterer: Clusterer::default(),
-            body: Body::default(),
-            orderer: Orderer::default(),
-            lines: Vec::new(),
-            colors: Vec::new(),
-            bridger: Bridger::default(),
-            refitter: Refitter::default(),
-            connector_cutter: ConnectorCutter::default(),
-            noise_filter: NoiseFilter::default(),
-            remainder: Remainder::default(),
-            appearances: Vec::new(),
-            spaced: Vec::new(),
             now_ns: 0,
             next_ns: None,
-            tracker: Tracker::default(),
-            curves: Vec::new(),
-            count: 0,
-            crosser: Crosser::default(),
-            crossings: Vec::new(),
+            still: Still::default(),
+            unpacker: Unpacker::default(),
             follower: Follower::default(),
+            masker: Masker::default(),
+            answer: Answer::default(),
+            tracer: Tracer::default(),
+            found: Hypothesis::default(),
+            other: Hypothesis::default(),
             doubts: Vec::new(),
             evidence: Vec::new(),
             doubt: None,
-            is_crowded: false,
-            followed: false,
-            answer: Answer::default(),
-            kept: Hypothesis::default(),
+            tracker: Tracker::default(),
+            crosser: Crosser::default(),
+            crossings: Vec::new(),
             meant: Meant::default(),
-            still: Still::default(),
+            followed: false,
         })
     }
 
@@ -287,8 +215,13 @@ impl Extractor {
     fn stay(&mut self) -> usize {
         self.tracker.pass(self.now_ns);
         let is_seen = |curve: &&Curve| curve.status != Status::Lost;
-        let seen = self.curves[..self.count].iter().filter(is_seen).count();
-        self.count = self.tracker.stay(&mut self.curves, seen, &self.options);
+        let seen = self.found.curves[..self.found.count]
+            .iter()
+            .filter(is_seen)
+            .count();
+        self.found.count = self
+            .tracker
+            .stay(&mut self.found.curves, seen, &self.options);
         self.followed = true;
         // The network is skipped for as many images as without this shortcut.
         self.is_passed_over();
@@ -308,6 +241,7 @@ impl Extractor {
                 return true;
             }
         }
+        self.begin_tracks(image);
         self.look(image, after);
         self.report(image, after);
         false
@@ -315,16 +249,21 @@ impl Extractor {
 
     /// Moves the curves of the last image to their places in this one. Returns false if that fails.
     fn find_again(&mut self, image: &Image, now_ns: u64) -> bool {
-        let curves = &mut self.curves[..self.count];
+        let curves = &mut self.found.curves[..self.found.count];
         let background = &self.masker.background;
         (self.follower).follow(image, background, curves, &mut self.crossings, now_ns)
     }
 
-    /// Updates the tracks with the followed curves.
+    /// Continues the tracks with the curves, which were found again.
     fn go_on(&mut self, image: &Image) {
-        self.tracker
-            .begin(self.now_ns, color::is_yuv(image.format()));
-        self.tracker.go_on(&self.curves[..self.count]);
+        self.begin_tracks(image);
+        self.tracker.go_on(self.found.seen());
+    }
+
+    /// Begins a new image of the tracks.
+    fn begin_tracks(&mut self, image: &Image) {
+        let yuv = color::is_yuv(image.format());
+        self.tracker.begin(self.now_ns, yuv);
     }
 
     /// Like [`extract`](Self::extract), but with a mask made elsewhere, such as by a network. The
@@ -356,6 +295,7 @@ impl Extractor {
         self.turn_to(image);
         let mut unpacker = std::mem::take(&mut self.unpacker);
         let unpacked = &unpacker.unpack(image);
+        self.begin_tracks(unpacked);
         self.read(unpacked, after);
         self.report(unpacked, after);
         self.unpacker = unpacker;
@@ -374,8 +314,8 @@ impl Extractor {
         self.crossings.clear();
         self.follower.drop();
         self.tracker.pass(self.now_ns);
-        let (curves, appearances) = (&mut self.curves, &mut self.appearances[..]);
-        [_, self.count] = self.tracker.update(curves, 0, appearances, &self.options);
+        let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
+        [_, self.found.count] = self.tracker.update(curves, 0, appearances, &self.options);
         self.followed = false;
         self.choose_meant();
         Scene {
@@ -405,94 +345,26 @@ impl Extractor {
         }
     }
 
-    /// Runs the steps from the mask to this image's own curves.
-    fn trace(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        self.trace_mask(image, None, after);
-    }
-
-    /// Runs them for a mask that may be cut at the seams between strands of about this width. A cut
-    /// mask becomes whole again on the way.
-    fn trace_mask(&mut self, image: &Image, cut: Option<f32>, after: &mut dyn FnMut(Step)) {
-        after(Step::Mask);
-        let yuv = color::is_yuv(image.format());
-        self.tracker.begin(self.now_ns, yuv);
-        self.tracker.remember(&mut self.zones.past);
-        self.skeletonize();
-        let pixels = self.skeleton.pixels.iter();
-        self.zones.past.check(pixels.map(Pixel::at));
-        let mask = (&self.masker.mask.bits, &self.masker.mask.strips);
-        let widest_half_px = most_passes(self.size) as f32;
-        let known = (&self.zones.past, widest_half_px);
-        let knows_some = self.zones.past.widest_half_px().is_some();
-        self.has_wide = !knows_some && !self.wide.places.is_empty();
-        if cut.is_none() && self.occluder.find(image, &self.skeleton, mask, known) {
-            self.masker.take_out(&self.occluder.plane);
-            self.skeletonize();
-        }
-        self.leave_wide_out();
-        after(Step::Skeleton);
-        self.graph.trace(&self.skeleton);
-        let is_of_mask = self.options.method == Method::Skeleton;
-        (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
-        self.zones.find(image, &self.graph, &self.skeleton);
-        // Strands that were separated no longer overlap.
-        if cut.is_none() {
-            self.overlaps
-                .join(image, &self.graph, &self.skeleton, &mut self.zones);
-        }
-        // The network also finds other objects.
-        let is_of_ropes = cut.is_none() && !self.masker.mask.source.is_network();
-        let of_ropes = is_of_ropes.then_some(&self.masker.mask.bits);
-        (self.strands).join(yuv, &self.graph, &self.skeleton, &mut self.zones, of_ropes);
-        after(Step::Graph);
-        let laid = self.lay_lines(image);
-        let laid = cut.map_or(laid, |width_px| self.join_strands(laid, width_px, yuv));
-        let source = self.masker.mask.source;
-        let is_of_ropes_alone = matches!(source, MaskSource::Network { .. } | MaskSource::External);
-        let scenery = Scenery {
-            past: &self.zones.past,
-            difference: &self.masker.mask.difference,
-            level: SOMETHING,
-            occluder: &self.occluder.plane,
-            yuv,
-            elsewhere: is_of_ropes_alone.then_some(image),
-            picked: source.is_of_user().then_some(image),
+    /// Traces the mask, which may be cut at the seams between strands of about this width.
+    fn trace(&mut self, image: &Image, cut: Option<f32>, after: &mut dyn FnMut(Step)) {
+        let observation = Observation {
+            image,
+            options: &self.options,
+            tracker: &self.tracker,
         };
-        let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);
-        let joined = self.bridger.join(lines, colors, &scenery);
-        let joined = if !self.masker.mask.source.is_table() {
-            self.drop_noise(joined)
-        } else {
-            joined
-        };
-        self.lengthen(joined);
-        // A refitted line is measured again, which would lose the centers of a clustering.
-        let joined = match self.options.method {
-            Method::Skeleton => self.refit(image, joined),
-            _ => joined,
-        };
-        self.lengthen(joined);
-        if self.masker.mask.source.is_network() {
-            self.cut_connectors(image, joined);
-        }
-        self.points(image, joined);
-        // Without meeting strands, the line is all there is. Something far wider is not a rope.
-        if (cut.is_some() || self.zones.has_meeting()) && !self.has_wide {
-            let (lines, width_px) = (&self.lines[..self.count], self.widest_px());
-            self.remainder.find(&self.masker.mask.bits, lines, width_px);
-        } else {
-            self.remainder.clear();
-        }
+        let found = &mut self.found;
+        (self.tracer).trace(&observation, &mut self.masker, cut, found, after);
     }
 
     /// Updates the tracks with this image's curves, and finds crossings, notices and confidence.
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.drop_unlikely(image);
-        let (curves, appearances) = (&mut self.curves, &mut self.appearances[..]);
-        let [seen, count] = (self.tracker).update(curves, self.count, appearances, &self.options);
-        self.count = count;
+        let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
+        let [seen, count] =
+            (self.tracker).update(curves, self.found.count, appearances, &self.options);
+        self.found.count = count;
         self.crosser
-            .find(image, &self.curves[..seen], &mut self.crossings);
+            .find(image, &self.found.curves[..seen], &mut self.crossings);
         self.doubt(image, seen);
         self.anchor(image, seen);
         after(Step::Points);
@@ -504,9 +376,9 @@ impl Extractor {
         if self.options.method != Method::Skeleton {
             return;
         }
-        let is_seen = seen > 0 && seen == self.count;
-        let is_plain = is_seen && !self.occluder.any();
-        let curves = &self.curves[..self.count];
+        let is_seen = seen > 0 && seen == self.found.count;
+        let is_plain = is_seen && !self.found.has_occluder;
+        let curves = self.found.seen();
         (self.follower).anchor(
             image,
             (&self.masker.mask, &self.masker.background),
@@ -520,7 +392,7 @@ impl Extractor {
     /// The scene of the last image.
     pub fn scene(&self) -> Scene<'_> {
         let (curves, crossings) = match self.options.at.is_empty() {
-            true => (&self.curves[..self.count], &self.crossings[..]),
+            true => (self.found.seen(), &self.crossings[..]),
             false => self.meant.chosen(),
         };
         Scene {
@@ -562,56 +434,21 @@ impl Extractor {
 
     /// Allocates the buffers that the drawn picture does not use.
     fn reserve(&mut self, width: usize, height: usize) {
-        // A rope that winds through the image four times, sampled at each pixel.
-        let samples = 2 * (width + height);
-        let lines = 2 * self.options.ropes;
-        self.lines
-            .resize_with(lines.max(self.lines.len()), Line::default);
-        for line in &mut self.lines {
-            line.samples.reserve(samples);
-        }
-        self.spaced.reserve(samples);
-        match self.options.method {
-            Method::Skeleton => self.centerliner.reserve(samples),
-            _ => {
-                let Options { points, ropes, .. } = self.options;
-                self.clusterer.reserve(width, height, points, ropes);
-                self.orderer.reserve(samples);
-            }
-        }
-        let most_passes = most_passes((width, height));
-        self.wide.reserve(&self.masker.mask.strips, most_passes);
-        self.graph.reserve();
-        self.overlaps.reserve();
-        self.strands.reserve();
-        self.colors.reserve(MOST_PIECES);
+        let &Options { points, ropes, .. } = &self.options;
+        (self.tracer).reserve(&self.masker.mask, &self.options, &self.tracker);
+        self.masker.reserve(width, height);
         self.doubts.reserve(MOST_PIECES);
         self.evidence.reserve(MOST_PIECES);
-        self.appearances.reserve(MOST_PIECES);
-        self.bridger.reserve(samples);
-        self.connector_cutter.reserve(samples);
-        self.remainder.reserve(width, height);
-        self.noise_filter.reserve(MOST_PIECES);
-        self.occluder.reserve(width, height);
-        self.masker.reserve(width, height);
-        self.tracker.reserve(self.options.points);
-        let Options { points, ropes, .. } = self.options;
+        self.tracker.reserve(points);
         self.follower.reserve(ropes, points, [width, height]);
         if !self.options.at.is_empty() {
             self.meant.reserve(&self.options);
         }
-        self.tracker.remember(&mut self.zones.past);
-        let scene = refit::Scene {
-            past: &self.zones.past,
-            moves: &self.bridger.moves,
-            difference: &self.masker.mask.difference,
-            mask: &self.masker.mask.bits,
-            occluder: &self.occluder.plane,
-            skeleton: &self.skeleton,
-        };
-        self.refitter.warm_up(lines, samples, &scene);
-        self.kept
-            .reserve([width, height], &self.curves, MOST_PIECES);
+        let Self { found, other, .. } = self;
+        for hypothesis in [&mut *found, other] {
+            hypothesis.reserve([width, height], MOST_PIECES);
+        }
+        other.curves.clone_from(&found.curves);
     }
 
     /// Forgets the past. The next image is a new scene, and its tracks are numbered from the first
@@ -640,12 +477,12 @@ impl Extractor {
     }
 
     fn new_scene(&mut self) {
-        self.count = 0;
+        self.found.count = 0;
         self.crossings.clear();
         self.follower.forget();
         self.masker.forget();
         self.answer = Answer::default();
-        self.clusterer.forget();
+        self.tracer.forget();
         self.tracker.reset();
         self.meant.forget();
         self.still.forget();
@@ -661,53 +498,4 @@ impl Extractor {
     pub(crate) fn mask(&self) -> &BitPlane {
         &self.masker.mask.bits
     }
-
-    /// Excludes from the skeleton the parts connected to something far too wide that its color did
-    /// not separate from the ropes.
-    fn leave_wide_out(&mut self) {
-        if self.options.method == Method::Skeleton && !self.wide.places.is_empty() {
-            self.has_wide = true;
-            let (mask, rows) = (&self.masker.mask.strips, &self.masker.mask.bits);
-            self.wide.leave_pieces_out(rows);
-            self.thinner.thin(&self.wide.rest, most_passes(self.size));
-            self.skeleton.list(&self.thinner.thin, mask, rows);
-        }
-    }
-
-    /// Lists the skeleton of the mask: the thinned mask, or the links between the centers of a
-    /// clustering.
-    fn skeletonize(&mut self) {
-        let most_passes = most_passes(self.size);
-        let (mask, rows) = (&self.masker.mask.strips, &self.masker.mask.bits);
-        let Options {
-            method,
-            points,
-            ropes,
-            ..
-        } = self.options;
-        if method == Method::Skeleton {
-            let has_wide = self.wide.find(mask, rows, most_passes);
-            let lines = if has_wide { &self.wide.rest } else { mask };
-            self.thinner.thin(lines, most_passes);
-            self.skeleton.list(&self.thinner.thin, mask, rows);
-            self.skeleton.add(&self.wide.places);
-            return;
-        }
-        self.clusterer.run(method, rows, points, ropes);
-        let (nerve, body) = (&self.clusterer.nerve.plane, &mut self.body);
-        body.lines.take(nerve);
-        self.thinner.thin(&body.lines, most_passes);
-        body.rows.copy_from(rows);
-        let words = body.rows.words_mut().iter_mut().zip(nerve.words());
-        words.for_each(|(word, lines)| *word |= lines);
-        body.strips.take(&body.rows);
-        self.skeleton
-            .list(&self.thinner.thin, &body.strips, &body.rows);
-    }
-}
-
-/// Number of passes for thinning a mask of this size: the widest rope's width to either side of its
-/// middle, in pixels.
-fn most_passes((width, height): (usize, usize)) -> u32 {
-    (width.min(height) / 8).clamp(16, 128) as u32
 }

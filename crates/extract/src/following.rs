@@ -146,7 +146,12 @@ impl Follower {
         self.chords.drop();
         self.contours.drop();
         // The network may also find objects that are not ropes.
-        self.know(curves, crossings, is_plain && !mask.source.is_network(), now_ns);
+        self.know(
+            curves,
+            crossings,
+            is_plain && !mask.source.is_network(),
+            now_ns,
+        );
         self.plain_frames = if is_plain { self.plain_frames + 1 } else { 0 };
         let is_fast = now_ns.saturating_sub(self.last_ns) < BRIEF_NS;
         (self.is_brief, self.last_ns) = (false, now_ns);

@@ -25,6 +25,6 @@ mod threshold;
 mod widths;
 
 pub(crate) use masker::Masker;
-pub(crate) use rope_mask::{MaskSource, RopeMask};
 pub use masker::{MaskError, mask_of};
 pub use meaning::{MaskLevels, mask_levels};
+pub(crate) use rope_mask::{MaskSource, RopeMask};

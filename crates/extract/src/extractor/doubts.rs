@@ -57,25 +57,28 @@ impl Extractor {
             return;
         }
         self.weigh(image);
-        let seen = self.count;
+        let seen = self.found.count;
         let is_sure = |curve: &Curve| curve.confidence >= SURE;
         let knows_sure = self.tracker.knows_some(SURE);
-        let has_sure = knows_sure || self.curves[..seen].iter().any(is_sure);
-        self.count = 0;
+        let has_sure = knows_sure || self.found.curves[..seen].iter().any(is_sure);
+        self.found.count = 0;
         for i in 0..seen {
-            let curve = &self.curves[i];
+            let curve = &self.found.curves[i];
             let unlikely = match has_sure {
                 false => UNLIKELY,
-                true if self.masker.mask.source.is_network() && knows_sure && !self.tracker.may_know(curve) => {
+                true if self.masker.mask.source.is_network()
+                    && knows_sure
+                    && !self.tracker.may_know(curve) =>
+                {
                     SURE
                 }
                 true => UNLIKELY_BESIDE,
             };
             let is_asked = self.masker.mask.source.is_network() || self.is_unlikely_thing(i);
             if !is_asked || curve.confidence >= unlikely.min(self.options.min_confidence) {
-                self.curves.swap(self.count, i);
-                self.appearances.swap(self.count, i);
-                self.count += 1;
+                self.found.curves.swap(self.found.count, i);
+                self.found.appearances.swap(self.found.count, i);
+                self.found.count += 1;
             }
         }
     }
@@ -83,21 +86,21 @@ impl Extractor {
     /// Returns whether curve `i`, as weighed, is unlikely to be a rope because of its looks. A
     /// fragment of a rope looks like the rope.
     pub(super) fn is_unlikely_thing(&self, i: usize) -> bool {
-        self.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
+        self.found.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
     }
 
     /// Computes the confidence of each of this image's curves.
     pub(super) fn weigh(&mut self, image: &Image) {
-        self.find_doubts(image, self.count, |_, _| false);
+        self.find_doubts(image, self.found.count, |_, _| false);
         let context = context(&self.masker);
-        for (i, doubt) in self.doubts.iter().enumerate().take(self.count) {
+        for (i, doubt) in self.doubts.iter().enumerate().take(self.found.count) {
             let context = Context {
                 is_doubted: doubt.is_some(),
                 ..context
             };
-            let curves = &self.curves[..self.count];
+            let curves = self.found.seen();
             let evidence = confidence::evidence(image, (curves, i), context);
-            self.curves[i].confidence = evidence.confidence();
+            self.found.curves[i].confidence = evidence.confidence();
         }
     }
 
@@ -107,10 +110,10 @@ impl Extractor {
         if self.options.mask != Mask::Auto || self.masker.mask.source.is_network() {
             return false;
         }
-        self.find_doubts(image, self.count, |_, _| false);
+        self.find_doubts(image, self.found.count, |_, _| false);
         let has_something = !self.masker.mask.strips.used.is_empty();
-        match self.count {
-            _ if self.has_wide => {
+        match self.found.count {
+            _ if self.found.has_wide => {
                 self.masker.doubts_itself(Notice::TooWide);
                 true
             }
@@ -127,7 +130,7 @@ impl Extractor {
     /// Finds which of the first `seen` curves may not be ropes, and the confidence of each.
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
         // A user who asks for fewer ropes than the default wants the longest.
-        let is_crowded = self.is_crowded && self.options.ropes == Options::default().ropes;
+        let is_crowded = self.found.is_crowded && self.options.ropes == Options::default().ropes;
         self.doubt = None;
         // A mask from the user is trusted, so its ropes cause no such notice.
         if self.masker.mask.source.is_table() || self.masker.mask.notice.is_some() {
@@ -136,20 +139,20 @@ impl Extractor {
         let mut is_unsure = false;
         self.evidence.clear();
         for i in 0..seen {
-            let curve = &self.curves[i];
+            let curve = &self.found.curves[i];
             let of_it = (self.crossings.iter())
                 .filter(|crossing| crossing.over == i || crossing.under == i);
             let context = Context {
                 is_doubted: curve.status == Status::Doubtful,
-                left_out: self.remainder.beside(curve),
+                left_out: self.found.remainder.beside(curve),
                 crossings: of_it.count(),
                 ..context(&self.masker)
             };
-            let evidence = confidence::evidence(image, (&self.curves[..seen], i), context);
+            let evidence = confidence::evidence(image, (&self.found.curves[..seen], i), context);
             self.evidence.push(evidence);
             let sure = evidence.confidence();
             self.tracker.note_confidence(curve.track, sure);
-            let curve = &mut self.curves[i];
+            let curve = &mut self.found.curves[i];
             curve.confidence = sure;
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;
@@ -163,7 +166,7 @@ impl Extractor {
     /// about its table, if any.
     pub(super) fn notice(&self) -> Option<Notice> {
         let is_seen = |curve: &Curve| curve.status != Status::Lost;
-        let sees_some = self.curves[..self.count].iter().any(is_seen);
+        let sees_some = self.found.seen().iter().any(is_seen);
         let of_mask = self
             .masker
             .mask
@@ -174,7 +177,7 @@ impl Extractor {
 
     fn doubt_ropes(&mut self, image: &Image, seen: usize) {
         self.find_doubts(image, seen, |tracker, curve| tracker.is_known(curve.track));
-        for (curve, doubt) in self.curves.iter_mut().zip(&self.doubts) {
+        for (curve, doubt) in self.found.curves.iter_mut().zip(&self.doubts) {
             if self.tracker.weigh(curve.track, doubt.is_some()) {
                 curve.status = Status::Doubtful;
                 self.doubt = self.doubt.or(*doubt);
@@ -196,7 +199,7 @@ impl Extractor {
             maybe_shadow: (self.masker.mask.cast == Cast::Maybe)
                 .then_some(&self.masker.shadows.plane),
         };
-        let of = (&self.curves[..seen], &self.appearances[..]);
+        let of = (&self.found.curves[..seen], &self.found.appearances[..]);
         let is_known = |curve: &Curve| is_known(&self.tracker, curve);
         surroundings.doubt(of, is_known, &mut self.doubts);
     }

@@ -3,12 +3,14 @@
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
-use super::Extractor;
+use super::hypothesis::Hypothesis;
+use super::tracer::{Observation, Tracer};
 use crate::centerline::line::{Line, MOST_PIECES};
 use crate::centerline::source::Source;
-use crate::confidence;
+use crate::confidence::{self, Context};
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
+use crate::mask::RopeMask;
 use crate::occlusion::bridge::Gap;
 use crate::options::Method;
 use crate::scene::{Curve, Status};
@@ -32,20 +34,26 @@ const MOST_SAMPLES: usize = 6144;
 /// Number of places along a line whose mean color is the rope's.
 const COLORS_ASKED: usize = 64;
 
-impl Extractor {
+impl Tracer {
     /// Lays a line for each strand that is long enough to be a fragment of a rope, longest first.
     /// Returns their number.
-    pub(super) fn lay_lines(&mut self, image: &Image) -> usize {
+    pub(super) fn lay_lines(
+        &mut self,
+        of: &Observation,
+        mask: &RopeMask,
+        found: &mut Hypothesis,
+    ) -> usize {
+        let &Observation { image, options, .. } = of;
         self.colors.clear();
-        self.is_crowded = false;
+        found.is_crowded = false;
         let (mut count, mut samples) = (0, 0);
-        let ropes = self.strands.strands.iter().take(self.options.ropes);
+        let ropes = self.strands.strands.iter().take(options.ropes);
         let ropes_px: f32 = ropes.map(|strand| strand.length_px).sum();
         for strand in &self.strands.strands {
-            let enough = count >= self.options.ropes && samples >= MOST_SAMPLES;
+            let enough = count >= options.ropes && samples >= MOST_SAMPLES;
             let piece = strand.length_px >= PIECE * self.zones.half_px;
             if count == MOST_PIECES || enough || !piece {
-                self.is_crowded = piece && strand.length_px > 2.0 * LONG * self.zones.half_px;
+                found.is_crowded = piece && strand.length_px > 2.0 * LONG * self.zones.half_px;
                 break;
             }
             if self.lines.len() <= count {
@@ -53,18 +61,20 @@ impl Extractor {
             }
             let line = &mut self.lines[count];
             let source = Source {
-                difference: &self.masker.mask.difference,
+                difference: &mask.difference,
                 skeleton: &self.skeleton,
                 graph: &self.graph,
                 zones: &self.zones,
                 legs: &self.strands.legs,
                 least_step_px: ropes_px / MOST_SAMPLES as f32,
             };
-            let is_laid = match self.options.method {
+            let is_laid = match options.method {
                 Method::Skeleton => self.centerliner.build(&source, strand, line),
                 _ => {
-                    let centers = (&self.clusterer.centers[..], &self.masker.mask.bits);
-                    self.orderer.build(&source, strand, centers, line)
+                    let centers = (&self.clustering.clusterer.centers[..], &mask.bits);
+                    self.clustering
+                        .orderer
+                        .build(&source, strand, centers, line)
                 }
             };
             if is_laid {
@@ -90,8 +100,8 @@ impl Extractor {
 
     /// Drops those of the first `count` lines that are not ropes. Returns how many remain, in their
     /// order.
-    pub(super) fn drop_noise(&mut self, count: usize) -> usize {
-        let levels = &self.masker.mask.difference;
+    pub(super) fn drop_noise(&mut self, mask: &RopeMask, count: usize) -> usize {
+        let levels = &mask.difference;
         self.noise_filter.find(&self.lines[..count], levels);
         let mut kept = 0;
         for l in 0..count {
@@ -111,10 +121,10 @@ impl Extractor {
 
     /// Extends those of the first `count` lines with a tip on another strand or under an occluder
     /// to their rope's length.
-    pub(super) fn lengthen(&mut self, count: usize) {
+    pub(super) fn lengthen(&mut self, mask: &RopeMask, count: usize) {
         let occluder = &self.occluder.plane;
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
-            let planes = [&self.masker.mask.bits, occluder];
+            let planes = [&mask.bits, occluder];
             let [before_px, after_px] = tips::lengthen(line, &self.zones.past, planes);
             let gaps = &mut self.bridger.gaps;
             if before_px + after_px == 0.0 {
@@ -153,12 +163,12 @@ impl Extractor {
 
     /// Replaces the first `count` lines by the ropes of the last image, refitted to this one, if
     /// they contradict those. Returns the new number of lines.
-    pub(super) fn refit(&mut self, image: &Image, count: usize) -> usize {
+    pub(super) fn refit(&mut self, image: &Image, mask: &RopeMask, count: usize) -> usize {
         let scene = refit::Scene {
             past: &self.zones.past,
             moves: &self.bridger.moves,
-            difference: &self.masker.mask.difference,
-            mask: &self.masker.mask.bits,
+            difference: &mask.difference,
+            mask: &mask.bits,
             occluder: &self.occluder.plane,
             skeleton: &self.skeleton,
         };
@@ -186,12 +196,19 @@ impl Extractor {
     }
 
     /// Makes a curve of each of the first `count` lines that is long enough to be a rope.
-    pub(super) fn points(&mut self, image: &Image, count: usize) {
-        self.count = 0;
-        self.appearances.clear();
+    pub(super) fn points(
+        &mut self,
+        of: &Observation,
+        context: Context,
+        count: usize,
+        mask: &RopeMask,
+        found: &mut Hypothesis,
+    ) {
+        found.count = 0;
+        found.appearances.clear();
         for l in 0..count {
-            self.fill_curve(l);
-            let curve = &self.curves[self.count];
+            self.fill_curve(of, l, found);
+            let curve = &found.curves[found.count];
             if curve.length_px < SHORTEST * curve.width_px {
                 continue;
             }
@@ -204,57 +221,28 @@ impl Extractor {
                 is_covered(0, curve.points.first()),
                 is_covered(1, curve.points.last()),
             ];
-            self.appearances.push(Appearance {
+            found.appearances.push(Appearance {
                 color: self.colors[l],
                 covered,
                 is_plain: !self.occluder.any(),
                 is_split: self.bridger.is_split,
-                free: covered == [false; 2] && tips::are_free(curve, &self.masker.mask.bits),
+                free: covered == [false; 2] && tips::are_free(curve, &mask.bits),
             });
             // Lines and curves have the same index from here on.
-            self.lines.swap(self.count, l);
-            self.count += 1;
+            self.lines.swap(found.count, l);
+            found.count += 1;
         }
-        self.leave_out(image);
-    }
-
-    /// Leaves out the curves with the least confidence × length, if there are more than requested.
-    fn leave_out(&mut self, image: &Image) {
-        if self.count <= self.options.ropes {
-            return;
-        }
-        let context = super::doubts::context(&self.masker);
-        for i in 0..self.count {
-            self.curves[i].status = Status::Ok;
-            let curves = &self.curves[..self.count];
-            let evidence = confidence::evidence(image, (curves, i), context);
-            self.curves[i].confidence = evidence.confidence();
-        }
-        while self.count > self.options.ropes {
-            let weight = |curve: &Curve| curve.confidence * curve.length_px;
-            let curves = self.curves[..self.count].iter().enumerate();
-            let weights = curves.map(|(c, curve)| (weight(curve), c));
-            // The last of equal ones, which is the shortest.
-            let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-            let c = least.map_or(self.count - 1, |(_, c)| c);
-            let left_out = &self.curves[c];
-            self.is_crowded |= left_out.length_px > LONG * left_out.width_px;
-            // The order stays the same, because lines and curves share their index.
-            self.curves[c..self.count].rotate_left(1);
-            self.lines[c..self.count].rotate_left(1);
-            self.appearances.remove(c);
-            self.count -= 1;
-        }
+        leave_out(of, context, &mut self.lines, found);
     }
 
     /// Fills the next curve with the points of line `l`.
-    fn fill_curve(&mut self, l: usize) {
+    fn fill_curve(&mut self, of: &Observation, l: usize, found: &mut Hypothesis) {
         let line = &self.lines[l];
-        line.resample(self.options.points, &mut self.spaced);
-        if self.curves.len() <= self.count {
-            self.curves.push(Curve::default());
+        line.resample(of.options.points, &mut self.spaced);
+        if found.curves.len() <= found.count {
+            found.curves.push(Curve::default());
         }
-        let curve = &mut self.curves[self.count];
+        let curve = &mut found.curves[found.count];
         curve.closed = line.closed;
         curve.border = line.border;
         curve.length_px = line.length_px();
@@ -273,7 +261,7 @@ impl Extractor {
             gaps().any(|gap| gap.from_px < along_px && along_px < gap.to_px)
         }));
         // Smoothing may move a tip at the image's border slightly outside.
-        let last = [self.size.0 as f32 - 1.0, self.size.1 as f32 - 1.0];
+        let last = [of.image.width(), of.image.height()].map(|side| side as f32 - 1.0);
         let places = self.spaced.iter().zip(&curve.hidden);
         curve.points.clear();
         curve.points.extend(places.map(|(sample, &is_hidden)| {
@@ -284,6 +272,35 @@ impl Extractor {
                 [within(0), within(1)]
             }
         }));
+    }
+}
+
+/// Leaves out the curves with the least confidence × length, if there are more than requested.
+fn leave_out(of: &Observation, context: Context, lines: &mut [Line], found: &mut Hypothesis) {
+    let (image, ropes) = (of.image, of.options.ropes);
+    if found.count <= ropes {
+        return;
+    }
+    for i in 0..found.count {
+        found.curves[i].status = Status::Ok;
+        let curves = &found.curves[..found.count];
+        let evidence = confidence::evidence(image, (curves, i), context);
+        found.curves[i].confidence = evidence.confidence();
+    }
+    while found.count > ropes {
+        let weight = |curve: &Curve| curve.confidence * curve.length_px;
+        let curves = found.curves[..found.count].iter().enumerate();
+        let weights = curves.map(|(c, curve)| (weight(curve), c));
+        // The last of equal ones, which is the shortest.
+        let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        let c = least.map_or(found.count - 1, |(_, c)| c);
+        let left_out = &found.curves[c];
+        found.is_crowded |= left_out.length_px > LONG * left_out.width_px;
+        // The order stays the same, because lines and curves share their index.
+        found.curves[c..found.count].rotate_left(1);
+        lines[c..found.count].rotate_left(1);
+        found.appearances.remove(c);
+        found.count -= 1;
     }
 }
 

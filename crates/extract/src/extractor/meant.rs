@@ -113,7 +113,7 @@ impl Extractor {
     /// Selects the desired ropes, if not all are.
     pub(super) fn choose_meant(&mut self) {
         if !self.options.at.is_empty() {
-            let curves = &self.curves[..self.count];
+            let curves = &self.found.curves[..self.found.count];
             self.meant.choose(&self.options.at, curves, &self.crossings);
         }
     }

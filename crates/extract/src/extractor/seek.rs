@@ -92,12 +92,12 @@ impl Extractor {
         }
         *images -= 1;
         self.masker.seek_instead(image);
-        self.trace(image, after);
+        self.trace(image, None, after);
         self.is_found_by_network()
     }
 
     fn is_found_by_network(&self) -> bool {
-        self.masker.mask.source.is_seen_by_network() && self.count > 0
+        self.masker.mask.source.is_seen_by_network() && self.found.count > 0
     }
 
     /// Returns whether the network is skipped once more because it found nothing better.
@@ -113,16 +113,16 @@ impl Extractor {
 
     /// Looks for ropes with the network. After a failure, it is skipped for a while.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        let is_all_doubted = self.has_wide || self.doubts.iter().all(Option::is_some);
+        let is_all_doubted = self.found.has_wide || self.doubts.iter().all(Option::is_some);
         if is_all_doubted && self.is_passed_over() {
             // The network found that they are not ropes.
-            self.count = 0;
+            self.found.count = 0;
             return;
         }
         if self.masker.seek_on_table(image) {
-            self.trace(image, after);
+            self.trace(image, None, after);
         }
-        if self.count == 0 {
+        if self.found.count == 0 {
             self.answer = Answer::InVain(IN_VAIN);
         }
     }
@@ -132,7 +132,7 @@ impl Extractor {
     /// the network was better. Clusterings are compared on one mask, so they are exempt.
     fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
-        if !is_asked || self.masker.mask.source.is_network() || self.count == 0 {
+        if !is_asked || self.masker.mask.source.is_network() || self.found.count == 0 {
             return false;
         }
         if !last.was_better() && self.tracker.knows_some(0.0) {
@@ -145,7 +145,7 @@ impl Extractor {
             let is_unsure = curve.confidence < SURE || doubt.is_some();
             is_unsure && curve.width_px >= THINNEST_PX && !is_bridged(curve)
         };
-        let mut weighed = self.curves[..self.count].iter().zip(&self.doubts);
+        let mut weighed = self.found.seen().iter().zip(&self.doubts);
         weighed.any(is_weak)
     }
 
@@ -158,25 +158,27 @@ impl Extractor {
             return;
         }
         self.answer = Answer::InVain(IN_VAIN);
-        let (own, count) = (self.mean_confidence(), self.count);
+        let (own, count) = (self.found.mean_confidence(), self.found.count);
         let is_sure = |curve: &&Curve| curve.confidence >= SURE;
-        let sure = self.curves[..count].iter().filter(is_sure).count();
+        let sure = self.found.curves[..count].iter().filter(is_sure).count();
         let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
         let is_split = sure > 0 && unlikely > 0 && sure + unlikely == count;
         let is_covered = self
+            .found
             .appearances
             .iter()
             .any(|look| look.covered.contains(&true));
-        if self.masker.seek_on_table(image) {
-            self.trace(image, after);
+        std::mem::swap(&mut self.found, &mut self.other);
+        if self.masker.seek_as_well(image) {
+            self.trace(image, None, after);
             self.drop_unlikely(image);
-            let are_sure = self.curves[..self.count].iter().all(|c| is_sure(&c));
+            let are_sure = self.found.seen().iter().all(|c| is_sure(&c));
             let is_told = are_sure && self.masker.mask.source.is_seen_by_network();
-            let is_witness = is_told && is_split && self.count == sure;
-            let is_surer = self.mean_confidence() > own + SURER;
+            let is_witness = is_told && is_split && self.found.count == sure;
+            let is_surer = self.found.mean_confidence() > own + SURER;
             // If ropes end at an object on top of them, the network sees the same ropes but not the
             // object.
-            let sees_more = !is_covered || self.count != count;
+            let sees_more = !is_covered || self.found.count != count;
             if is_witness {
                 self.answer = Answer::NoRope(TAKEN);
             } else if is_told && is_surer && sees_more {
@@ -185,19 +187,7 @@ impl Extractor {
                 return;
             }
         }
-        self.masker.run(image, &self.options.mask);
-        self.read(image, after);
-    }
-
-    /// Mean confidence of this image's curves, weighted by length; 0 without curves.
-    fn mean_confidence(&self) -> f32 {
-        let curves = self.curves[..self.count].iter();
-        let (sum, length_px) = curves.fold((0.0, 0.0), |(sum, length_px), curve| {
-            (
-                sum + curve.confidence * curve.length_px,
-                length_px + curve.length_px,
-            )
-        });
-        sum / f32::max(length_px, 1.0)
+        self.masker.take_back();
+        std::mem::swap(&mut self.found, &mut self.other);
     }
 }

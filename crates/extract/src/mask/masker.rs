@@ -101,6 +101,8 @@ pub(crate) struct Masker {
     pub(crate) whole: (GrayPlane, BitPlane),
     /// The mask of the image.
     pub(crate) mask: RopeMask,
+    /// The mask before the network was asked as well.
+    aside: RopeMask,
 }
 
 impl Masker {
@@ -227,9 +229,26 @@ impl Masker {
     /// Searches for ropes with the network where this image differs from a table that seemed plain.
     /// Returns whether it found anything.
     pub(crate) fn seek_on_table(&mut self, image: &Image) -> bool {
-        let differs = self.mask.differs.clone().map(|part| neural::grown(part, image));
+        let differs = self
+            .mask
+            .differs
+            .clone()
+            .map(|part| neural::grown(part, image));
         self.seek(image, differs.unwrap_or(Region::whole(image)));
         !self.mask.is_empty()
+    }
+
+    /// Does the same, but keeps the mask for [`take_back`](Self::take_back).
+    pub(crate) fn seek_as_well(&mut self, image: &Image) -> bool {
+        std::mem::swap(&mut self.mask, &mut self.aside);
+        self.mask.differs.clone_from(&self.aside.differs);
+        self.mask.notice = self.aside.notice;
+        self.seek_on_table(image)
+    }
+
+    /// Takes back the mask before [`seek_as_well`](Self::seek_as_well).
+    pub(crate) fn take_back(&mut self) {
+        std::mem::swap(&mut self.mask, &mut self.aside);
     }
 
     /// Cuts the mask out of the difference, then adds the parts of the ropes that the cut leaves
@@ -295,6 +314,7 @@ impl Masker {
         self.shadows.reserve(width, height);
         self.seeker.reserve(width, height);
         self.seams.reserve(width, height);
+        self.aside.reserve(width, height);
         self.whole.0.resize(width, height);
         self.whole.1.resize(width, height);
         self.hysteresis.reserve(&self.mask.strips);
@@ -379,7 +399,12 @@ impl Masker {
 
     /// Makes the mask from the levels in the difference: rope from `level` on.
     fn take_levels(&mut self, level: u8) {
-        threshold::apply(&self.kernels, &self.mask.difference, level, &mut self.mask.bits);
+        threshold::apply(
+            &self.kernels,
+            &self.mask.difference,
+            level,
+            &mut self.mask.bits,
+        );
         self.take_bits(MaskSource::External);
     }
 
@@ -438,7 +463,12 @@ impl Masker {
     pub(crate) fn cut_seams(&mut self, width_px: f32, bent: f32) {
         self.seams.find(&self.mask.bits, bent);
         for y in 0..self.mask.bits.height() {
-            let words = self.mask.bits.row_mut(y).iter_mut().zip(self.seams.plane.row(y));
+            let words = self
+                .mask
+                .bits
+                .row_mut(y)
+                .iter_mut()
+                .zip(self.seams.plane.row(y));
             words.for_each(|(word, &seam)| *word &= !seam);
             let levels = self.mask.difference.row_mut(y);
             self.seams.plane.for_each_set(y, |x| levels[x] = 0);

@@ -16,7 +16,6 @@ use super::track::Appearance;
 use crate::bitmap::bits::BitPlane;
 use crate::image::{Image, color};
 use crate::mask::background::Background;
-use crate::mask::cast::{Cast, Shadows};
 use crate::mask::shadow;
 use crate::notice::Notice;
 use crate::occlusion::ends::ALIKE;
