@@ -1,10 +1,10 @@
 //! The steps of an extraction in their order, and their memory from frame to frame.
 
+mod cuts;
 mod doubts;
 mod hypothesis;
 mod lines;
 mod meant;
-mod readings;
 mod seek;
 mod still;
 mod tracer;
@@ -22,6 +22,7 @@ use crate::notice::Notice;
 use crate::options::{Mask, Method, Options, OptionsError};
 use crate::scene::{Crossing, Curve, Scene, Status};
 use crate::tracking::track::Tracker;
+use doubts::Judgement;
 use hypothesis::Hypothesis;
 use lariat_network::Network;
 use meant::Meant;
@@ -54,13 +55,20 @@ pub enum Step {
     Points,
 }
 
+/// Times of the current image and the next one, in nanoseconds.
+#[derive(Debug, Default)]
+struct Clock {
+    now_ns: u64,
+    /// As announced by the caller.
+    next_ns: Option<u64>,
+}
+
 /// Turns images into centerlines, and remembers the ropes from one image to the next.
 #[derive(Debug)]
 pub struct Extractor {
     options: Options,
     size: (usize, usize),
-    now_ns: u64,
-    next_ns: Option<u64>,
+    clock: Clock,
     /// The last image, to recognize it if it comes again.
     still: Still,
     unpacker: Unpacker,
@@ -75,9 +83,7 @@ pub struct Extractor {
     found: Hypothesis,
     other: Hypothesis,
     /// The best hypothesis is judged, and its curves become tracks.
-    doubts: Vec<Option<Notice>>,
-    evidence: Vec<Evidence>,
-    doubt: Option<Notice>,
+    judgement: Judgement,
     tracker: Tracker,
     crosser: Crosser,
     crossings: Vec<Crossing>,
@@ -97,8 +103,7 @@ impl Extractor {
         Ok(Self {
             options,
             size: (0, 0),
-            now_ns: 0,
-            next_ns: None,
+            clock: Clock::default(),
             still: Still::default(),
             unpacker: Unpacker::default(),
             follower: Follower::default(),
@@ -107,9 +112,7 @@ impl Extractor {
             tracer: Tracer::default(),
             found: Hypothesis::default(),
             other: Hypothesis::default(),
-            doubts: Vec::new(),
-            evidence: Vec::new(),
-            doubt: None,
+            judgement: Judgement::default(),
             tracker: Tracker::default(),
             crosser: Crosser::default(),
             crossings: Vec::new(),
@@ -140,7 +143,7 @@ impl Extractor {
     /// Sets the time when the next image was taken, in nanoseconds of any clock. Ropes out of sight
     /// age by it. Without this call, the image counts as taken 1/30 s after the last.
     pub fn at(&mut self, exposed_ns: u64) -> &mut Self {
-        self.next_ns = Some(exposed_ns);
+        self.clock.next_ns = Some(exposed_ns);
         self
     }
 
@@ -213,7 +216,7 @@ impl Extractor {
     /// Repeats the result for the last image, which had the same pixels. Lost ropes age. Returns
     /// the number of visible ropes.
     fn stay(&mut self) -> usize {
-        self.tracker.pass(self.now_ns);
+        self.tracker.pass(self.clock.now_ns);
         let is_seen = |curve: &&Curve| curve.status != Status::Lost;
         let seen = self.found.curves[..self.found.count]
             .iter()
@@ -231,8 +234,8 @@ impl Extractor {
     /// Processes an image in a format that all steps can read. Returns whether the ropes of the
     /// last image could be followed into it. If not, it gets a full extraction.
     fn take_in(&mut self, image: &Image, after: &mut dyn FnMut(Step)) -> bool {
-        if self.follower.is_ready(self.now_ns) {
-            let found = self.find_again(image, self.now_ns);
+        if self.follower.is_ready(self.clock.now_ns) {
+            let found = self.find_again(image, self.clock.now_ns);
             if found {
                 self.go_on(image);
             }
@@ -263,7 +266,7 @@ impl Extractor {
     /// Begins a new image of the tracks.
     fn begin_tracks(&mut self, image: &Image) {
         let yuv = color::is_yuv(image.format());
-        self.tracker.begin(self.now_ns, yuv);
+        self.tracker.begin(self.clock.now_ns, yuv);
     }
 
     /// Like [`extract`](Self::extract), but with a mask made elsewhere, such as by a network. The
@@ -296,7 +299,7 @@ impl Extractor {
         let mut unpacker = std::mem::take(&mut self.unpacker);
         let unpacked = &unpacker.unpack(image);
         self.begin_tracks(unpacked);
-        self.read(unpacked, after);
+        self.trace_best(unpacked, after);
         self.report(unpacked, after);
         self.unpacker = unpacker;
         self.followed = false;
@@ -313,7 +316,7 @@ impl Extractor {
         self.still.forget();
         self.crossings.clear();
         self.follower.drop();
-        self.tracker.pass(self.now_ns);
+        self.tracker.pass(self.clock.now_ns);
         let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
         [_, self.found.count] = self.tracker.update(curves, 0, appearances, &self.options);
         self.followed = false;
@@ -325,14 +328,14 @@ impl Extractor {
     }
 
     fn turn_the_clock(&mut self) {
-        self.now_ns = self.due_ns();
-        self.next_ns = None;
+        self.clock.now_ns = self.due_ns();
+        self.clock.next_ns = None;
     }
 
     /// The time when the next image is or was taken, as far as is known.
     fn due_ns(&self) -> u64 {
-        let next_ns = self.now_ns.saturating_add(FRAME_NS);
-        self.next_ns.unwrap_or(next_ns)
+        let next_ns = self.clock.now_ns.saturating_add(FRAME_NS);
+        self.clock.next_ns.unwrap_or(next_ns)
     }
 
     /// Starts a new scene for an image of another size.
@@ -385,7 +388,7 @@ impl Extractor {
             curves,
             &self.crossings,
             [is_seen, is_plain],
-            self.now_ns,
+            self.clock.now_ns,
         );
     }
 
@@ -437,8 +440,8 @@ impl Extractor {
         let &Options { points, ropes, .. } = &self.options;
         (self.tracer).reserve(&self.masker.mask, &self.options, &self.tracker);
         self.masker.reserve(width, height);
-        self.doubts.reserve(MOST_PIECES);
-        self.evidence.reserve(MOST_PIECES);
+        self.judgement.doubts.reserve(MOST_PIECES);
+        self.judgement.evidence.reserve(MOST_PIECES);
         self.tracker.reserve(points);
         self.follower.reserve(ropes, points, [width, height]);
         if !self.options.at.is_empty() {
@@ -467,7 +470,7 @@ impl Extractor {
     pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
         self.new_scene();
         self.size = size.into();
-        self.now_ns = exposed_ns;
+        self.clock.now_ns = exposed_ns;
         self.tracker.resume(curves, tracks, exposed_ns);
     }
 
@@ -491,7 +494,7 @@ impl Extractor {
     /// The evidence behind the confidence of each curve, in the curves' order, for calibration. It
     /// is of the last image with a full extraction, without lost ropes.
     pub fn evidence(&self) -> &[Evidence] {
-        &self.evidence
+        &self.judgement.evidence
     }
 
     /// The mask of the last image.

@@ -1,7 +1,7 @@
 //! Finds the curves that may not be ropes.
 
 use super::Extractor;
-use crate::confidence::{self, Context, Maker};
+use crate::confidence::{self, Context, Evidence, Maker};
 use crate::image::Image;
 use crate::mask::cast::Cast;
 use crate::mask::{MaskSource, Masker};
@@ -27,6 +27,17 @@ const UNLIKELY_BESIDE: f32 = 0.2;
 
 /// Difference from the table at which noise must not hide a rope: a quarter of all 256 levels.
 const HIDDEN: f32 = 64.0;
+
+/// What is said of the curves of an image.
+#[derive(Debug, Default)]
+pub(super) struct Judgement {
+    /// What each curve may be instead of a rope.
+    pub(super) doubts: Vec<Option<Notice>>,
+    /// The evidence for each reported curve.
+    pub(super) evidence: Vec<Evidence>,
+    /// The most important doubt about the reported curves.
+    pub(super) doubt: Option<Notice>,
+}
 
 /// The context of all curves of a mask.
 pub(super) fn context(masker: &Masker) -> Context<'_> {
@@ -86,14 +97,20 @@ impl Extractor {
     /// Returns whether curve `i`, as weighed, is unlikely to be a rope because of its looks. A
     /// fragment of a rope looks like the rope.
     pub(super) fn is_unlikely_thing(&self, i: usize) -> bool {
-        self.found.curves[i].confidence < UNLIKELY_BESIDE && self.doubts[i].is_some()
+        self.found.curves[i].confidence < UNLIKELY_BESIDE && self.judgement.doubts[i].is_some()
     }
 
     /// Computes the confidence of each of this image's curves.
     pub(super) fn weigh(&mut self, image: &Image) {
         self.find_doubts(image, self.found.count, |_, _| false);
         let context = context(&self.masker);
-        for (i, doubt) in self.doubts.iter().enumerate().take(self.found.count) {
+        for (i, doubt) in self
+            .judgement
+            .doubts
+            .iter()
+            .enumerate()
+            .take(self.found.count)
+        {
             let context = Context {
                 is_doubted: doubt.is_some(),
                 ..context
@@ -119,7 +136,7 @@ impl Extractor {
             }
             0 if has_something => self.masker.doubts_itself(Notice::UnevenTable),
             0 => self.masker.doubts_noise(HIDDEN),
-            _ if self.doubts.iter().flatten().count() < MUCH => false,
+            _ if self.judgement.doubts.iter().flatten().count() < MUCH => false,
             _ => {
                 self.masker.doubts_itself(Notice::UnevenTable);
                 true
@@ -131,13 +148,13 @@ impl Extractor {
     pub(super) fn doubt(&mut self, image: &Image, seen: usize) {
         // A user who asks for fewer ropes than the default wants the longest.
         let is_crowded = self.found.is_crowded && self.options.ropes == Options::default().ropes;
-        self.doubt = None;
+        self.judgement.doubt = None;
         // A mask from the user is trusted, so its ropes cause no such notice.
         if self.masker.mask.source.is_table() || self.masker.mask.notice.is_some() {
             self.doubt_ropes(image, seen);
         }
         let mut is_unsure = false;
-        self.evidence.clear();
+        self.judgement.evidence.clear();
         for i in 0..seen {
             let curve = &self.found.curves[i];
             let of_it = (self.crossings.iter())
@@ -149,7 +166,7 @@ impl Extractor {
                 ..context(&self.masker)
             };
             let evidence = confidence::evidence(image, (&self.found.curves[..seen], i), context);
-            self.evidence.push(evidence);
+            self.judgement.evidence.push(evidence);
             let sure = evidence.confidence();
             self.tracker.note_confidence(curve.track, sure);
             let curve = &mut self.found.curves[i];
@@ -157,7 +174,7 @@ impl Extractor {
             let is_below = curve.confidence < self.options.min_confidence;
             is_unsure |= is_below && curve.width_px >= THINNEST_PX;
         }
-        self.doubt = (self.doubt)
+        self.judgement.doubt = (self.judgement.doubt)
             .or(is_unsure.then_some(Notice::Unsure))
             .or(is_crowded.then_some(Notice::TooMany));
     }
@@ -172,15 +189,15 @@ impl Extractor {
             .mask
             .notice
             .filter(|&notice| !sees_some || notice.is_of_ropes());
-        self.doubt.or(of_mask)
+        self.judgement.doubt.or(of_mask)
     }
 
     fn doubt_ropes(&mut self, image: &Image, seen: usize) {
         self.find_doubts(image, seen, |tracker, curve| tracker.is_known(curve.track));
-        for (curve, doubt) in self.found.curves.iter_mut().zip(&self.doubts) {
+        for (curve, doubt) in self.found.curves.iter_mut().zip(&self.judgement.doubts) {
             if self.tracker.weigh(curve.track, doubt.is_some()) {
                 curve.status = Status::Doubtful;
-                self.doubt = self.doubt.or(*doubt);
+                self.judgement.doubt = self.judgement.doubt.or(*doubt);
             }
         }
     }
@@ -201,6 +218,6 @@ impl Extractor {
         };
         let of = (&self.found.curves[..seen], &self.found.appearances[..]);
         let is_known = |curve: &Curve| is_known(&self.tracker, curve);
-        surroundings.doubt(of, is_known, &mut self.doubts);
+        surroundings.doubt(of, is_known, &mut self.judgement.doubts);
     }
 }

@@ -67,7 +67,7 @@ impl Extractor {
             return;
         }
         self.masker.run(image, &self.options.mask);
-        self.read(image, after);
+        self.trace_best(image, after);
         let last = self.answer;
         self.answer = last.next();
         if self.is_cluttered(image) {
@@ -113,7 +113,8 @@ impl Extractor {
 
     /// Looks for ropes with the network. After a failure, it is skipped for a while.
     fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        let is_all_doubted = self.found.has_wide || self.doubts.iter().all(Option::is_some);
+        let is_all_doubted =
+            self.found.has_wide || self.judgement.doubts.iter().all(Option::is_some);
         if is_all_doubted && self.is_passed_over() {
             // The network found that they are not ropes.
             self.found.count = 0;
@@ -145,7 +146,7 @@ impl Extractor {
             let is_unsure = curve.confidence < SURE || doubt.is_some();
             is_unsure && curve.width_px >= THINNEST_PX && !is_bridged(curve)
         };
-        let mut weighed = self.found.seen().iter().zip(&self.doubts);
+        let mut weighed = self.found.seen().iter().zip(&self.judgement.doubts);
         weighed.any(is_weak)
     }
 

@@ -61,7 +61,7 @@ impl Doubt {
 impl Extractor {
     /// Runs the steps from the mask to this image's own curves. While the best hypothesis is
     /// doubted, the mask is read again, cut at its seams.
-    pub(super) fn read(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
+    pub(super) fn trace_best(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
         self.trace(image, None, after);
         let is_open =
             self.tracer.zones.has_meeting() && !self.found.has_wide && !self.found.has_occluder;
@@ -90,7 +90,7 @@ impl Extractor {
             let most = least.all() - BETTER - MORE * more;
             let is_better = doubt.lacking <= MOST && doubt.all() <= most;
             let is_whole = !self.found.has_wide && self.found.length_px() >= least_px;
-            if is_better && is_whole && !self.tells_the_same(width_px) {
+            if is_better && is_whole && !self.has_same_ropes(width_px) {
                 least = doubt;
                 if least.lacking < DOUBTED {
                     return;
@@ -102,7 +102,7 @@ impl Extractor {
     }
 
     /// Returns whether this hypothesis has the same ropes as the kept one.
-    fn tells_the_same(&self, width_px: f32) -> bool {
+    fn has_same_ropes(&self, width_px: f32) -> bool {
         let is_known = self.tracer.zones.past.widest_half_px().is_some();
         let far_px = width_px * if is_known { SAME.1 } else { SAME.0 };
         let kept = self.other.seen();
