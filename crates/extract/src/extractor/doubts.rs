@@ -28,10 +28,10 @@ const UNLIKELY_BESIDE: f32 = 0.2;
 /// Difference from the table at which noise must not hide a rope: a quarter of all 256 levels.
 const HIDDEN: f32 = 64.0;
 
-/// What is said of the curves of an image.
+/// The judgement of an image's curves.
 #[derive(Debug, Default)]
 pub(super) struct Judgement {
-    /// What each curve may be instead of a rope.
+    /// For each curve, a notice if it may be something else than a rope.
     pub(super) doubts: Vec<Option<Notice>>,
     /// The evidence for each reported curve.
     pub(super) evidence: Vec<Evidence>,

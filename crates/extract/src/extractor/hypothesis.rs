@@ -11,7 +11,7 @@ pub(super) struct Hypothesis {
     /// The first `count` are this image's; the rest is memory.
     pub(super) curves: Vec<Curve>,
     pub(super) count: usize,
-    /// What the tracker must know of each curve besides its shape.
+    /// Properties of each curve, besides its shape, that the tracker needs.
     pub(super) appearances: Vec<Appearance>,
     /// The part of the mask that no curve runs through.
     pub(super) remainder: Remainder,

@@ -132,7 +132,7 @@ impl Masker {
         }
     }
 
-    /// Makes the mask of what differs from the table. If the table is not plain, the network makes
+    /// Makes the mask from the difference from the table. If the table is not plain, the network makes
     /// it.
     fn run_on_table(&mut self, image: &Image) {
         self.background.estimate(image);
