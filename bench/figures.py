@@ -114,7 +114,7 @@ def renew(path, rows):
     for line in table.strip().splitlines()[2:]:
         label, *others = [cell.strip() for cell in line.strip("|").split("|")]
         merged[label] = others
-    # A new row replaces the row whose label is equal up to numbers.
+    # A new row replaces the row whose label is the same apart from numbers.
     like = lambda label: re.sub(r"\d+", "", label)
     for label, *others in rows:
         merged = {name: cells for name, cells in merged.items() if name == label or like(name) != like(label)}

@@ -29,5 +29,5 @@ cd python
 "$bin/mypy" lariat tests bench ../examples/python
 # The stub's types must be those of the Rust half.
 (cd / && "$bin/stubtest" lariat._native)
-# Not `python -m pytest`, which would find the package's source here before what is installed.
+# Not `python -m pytest`, which would find the package's source here before the installed package.
 "$bin/pytest" --quiet -p no:cacheprovider "$@"

@@ -169,7 +169,8 @@ const SHOW: [&str; 1] = ["--duration=10s"];
 /// Runs the command on the command line.
 pub(crate) fn run() -> Result<ExitCode> {
     let words = with_a_command(std::env::args_os().collect());
-    // Installed before the rest of the work, so that an early Ctrl-C also ends a chain in order.
+    // The signal handlers come before all other work, so that an early Ctrl-C also ends a chain in
+    // order.
     let stop = starts_a_chain(&words).then(Stop::on_signals).transpose()?;
     let chain_stop = || stop.map_or_else(Stop::on_signals, Ok);
     let command = help::fitted(Cli::command(), layout::width());

@@ -33,7 +33,7 @@ pub(crate) struct RecordArgs {
         conflicts_with = "flush"
     )]
     out: Option<PathBuf>,
-    /// Make the rig's recorder, started with --ring, write the frames it holds
+    /// Tell the rig's recorder, started with --ring, to write the frames that it holds
     #[arg(long)]
     flush: bool,
     #[command(flatten)]

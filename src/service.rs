@@ -29,7 +29,7 @@ pub(crate) struct ServiceArgs {
 enum ServiceCommand {
     /// Install the unit, and default settings for a rig without any
     Install(PlaceArgs),
-    /// Stop and disable a rig's chain, and remove the unit with the last one. Settings stay
+    /// Stop and disable a rig's chain, and remove the unit with the last one. Keep the settings
     Uninstall(PlaceArgs),
     /// Print the unit that `install` would write
     Show(PlaceArgs),

@@ -5,8 +5,8 @@
 //! message when it arrives, and `delay --in-hand`, which measures the time until a message arrives.
 //! All others use the stamps and counters in the messages, which are the same whenever they are
 //! read, and poll before a buffer can overflow ([`poll_interval`]). A `--lossless` chain is the
-//! exception: it waits until each reader has opened its end, and then for the slowest one. There,
-//! all readers are woken, and the commands say so.
+//! exception: it waits until each reader has opened its end, and from then on for the slowest one.
+//! There, all readers are woken, and the commands say so.
 //!
 //! # How it works
 //!
@@ -24,9 +24,9 @@
 //! `--lossless`, or from another release, would be refused.
 //!
 //! The processes at the ends of a channel come from the transport's own tables (`Domain::channels`,
-//! `crates/wire/src/survey.rs`). A channel is opened for the moment of the survey, as a node
-//! without a port, and nothing new is created. A channel of another release is recognized by its
-//! type names alone.
+//! `crates/wire/src/survey.rs`). Each channel is opened only for the duration of the survey, by a
+//! node without a port, and nothing new is created. A channel of another release is recognized by
+//! its type names alone.
 //!
 //! A process that is killed while it creates a channel leaves it half made. The transport would
 //! wait for its completion forever. Processes of lariat therefore create and open channels one at a
@@ -34,12 +34,12 @@
 //! (`crates/wire/src/making.rs`). The owner of the lock removes half-made channels.
 //!
 //! A domain's shared memory is left over (`lariat doctor`, `crates/wire/src/leftovers.rs`) under
-//! four conditions. Its folder is here, no lock in it is held, and no process has the memory
-//! mapped. None of it was created in the last two seconds, because a process creates its first file
-//! before its lock is visible. Each condition alone can be wrong: a container that shares only
-//! `/dev/shm` has no locks, and another user's mappings cannot be read. `--clean` also removes the
-//! folders of empty domains, because another user could not use a domain of that name. It also
-//! removes what older releases left in `/tmp/iceoryx2`.
+//! four conditions. Its folder is on this machine, no lock in the folder is held, and no process
+//! has the memory mapped. None of the memory was created in the last two seconds, because a process
+//! creates its first file before its lock is visible. Each condition alone can be wrong: a
+//! container that shares only `/dev/shm` has no locks, and another user's mappings cannot be read.
+//! `--clean` also removes the folders of empty domains, because another user could not use a domain
+//! of that name. It also removes what older releases left in `/tmp/iceoryx2`.
 
 mod bandwidth;
 mod delay;

@@ -2,8 +2,9 @@
 //!
 //! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench depth`.
 //!
-//! The rope is lifted and crosses itself once, half a meter in front of a current depth camera. Its
-//! centerline in the color image is the ground truth. Iterations cycle through eight noisy images.
+//! The rope is lifted and crosses itself once, half a meter in front of a present-day depth camera.
+//! Its centerline in the color image is the ground truth. Iterations cycle through eight noisy
+//! images.
 #![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -2,10 +2,10 @@
 //!
 //! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench fit`.
 //!
-//! The product of order 8 and 120 points is 9 × 120 × 2 = 2,160 multiply-adds. "bare" does the same
-//! number in registers, with the same vector width, and reads no memory. "pinv, control points
-//! alone" is that product, including reading and checking the points. A fit also computes every
-//! point's residual, a second product of the same size.
+//! For order 8 and 120 points, the product takes 9 × 120 × 2 = 2,160 multiply-adds. "bare" performs
+//! the same number in registers, with the same vector width, and reads no memory. "pinv, control
+//! points alone" is that product, including reading and checking the points. A fit also computes
+//! every point's residual, a second product of the same size.
 #![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -13,7 +13,7 @@ use lariat_fit::{Fitter, Options, Solver};
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
 
-/// Ten running sums, enough to keep two multipliers with a latency of four cycles busy.
+/// Number of running sums: enough to keep two multipliers with a latency of four cycles busy.
 const SUMS: usize = 10;
 
 struct Bare {

@@ -2,9 +2,9 @@
 //!
 //! Run it with `cargo bench --manifest-path bench/Cargo.toml --bench mjpeg`.
 //!
-//! The decoder is compared with zune-jpeg, for several output channels, and with `image`. Frames
-//! show the rendered rope with chroma at half the width and no Huffman tables, as most cameras send
-//! them. The other decoders get the same frames with tables.
+//! The decoder is compared with zune-jpeg, for several sets of output channels, and with `image`.
+//! Frames show the rendered rope with chroma at half the width and no Huffman tables, as most
+//! cameras send them. The other decoders get the same frames with tables.
 #![allow(missing_docs)] // criterion's macros generate undocumented functions.
 
 #[path = "../crates/capture/tests/jpeg/mod.rs"]

@@ -96,7 +96,8 @@ fn draw(picture: &RgbImage, scene: &Scene) -> RgbImage {
 }
 
 /// Returns a color that changes along the curve, so that the order through crossings is visible.
-/// The first curve runs from blue over green to yellow, the next from magenta over red to white.
+/// The first curve runs from blue through green to yellow, the next from magenta through red to
+/// white.
 fn ramp(curve: usize, rho: f32) -> [u8; 3] {
     let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
         [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]

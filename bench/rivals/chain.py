@@ -1,10 +1,10 @@
-"""A whole extraction as users of the image libraries script it: the rope of the largest component,
-as 120 points.
+"""A whole extraction as users of the image libraries script it. Finds the rope of the largest
+component, as 120 points.
 
 Steps: threshold, largest component, skeleton, the longest of the shortest paths along it,
 smoothing, resampling at equal steps of arc length, and widths from the distance transform. After
 the threshold only the component's bounding box is processed. The script supports one rope and no
-crossing: where a rope lies over itself, the path takes the short way.
+crossing: where a rope crosses itself, the path takes the short cut.
 """
 
 import time
@@ -19,7 +19,7 @@ from distance import distance
 from threshold import buffers, threshold
 
 POINTS = 120
-# Skeleton pixels that are averaged, because its steps are whole pixels.
+# Number of skeleton pixels that are averaged, because the skeleton's steps are whole pixels.
 SMOOTHED = 9
 
 

@@ -1,5 +1,5 @@
-"""The whole chain as users of OpenCV and NumPy script it: one process, one thread, no hop, a Bezier
-curve of order 8.
+"""The whole chain as users of OpenCV and NumPy script it: one process with one thread, no hop
+between processes, and a Bezier curve of order 8.
 
 Each frame is taken when it is due. Its rope becomes 120 points (`chain.py`), and these become nine
 control points by a precomputed pseudo-inverse.

@@ -1,5 +1,5 @@
-"""Four processes over zenoh's shared memory: a frame, then messages of the same sizes as lariat's,
-no work.
+"""Four processes connected by zenoh's shared memory. They pass a frame and then messages of the
+same sizes as lariat's, without doing the stages' work.
 
 Each link is a session of its own between two peers, so nothing is routed. The frame is copied once,
 into shared memory.

@@ -1,5 +1,5 @@
-"""Four processes over ZeroMQ (PUSH and PULL on Unix sockets): a frame, then messages of the same
-sizes as lariat's, no work.
+"""Four processes connected by ZeroMQ (PUSH and PULL on Unix sockets). They pass a frame and then
+messages of the same sizes as lariat's, without doing the stages' work.
 """
 
 import os

@@ -61,7 +61,8 @@ def som(pixels, centers, seed):
 def gmm(pixels, centers, _):
     from sklearn.mixture import GaussianMixture
 
-    # Labels of the nearest center, as GaussianMixture starts with those of its own k-means.
+    # Starts with the labels of the nearest centers, as GaussianMixture starts with the labels of
+    # its own k-means.
     d = squares(pixels, centers)
     belongs = d == d.min(axis=1, keepdims=True)
     belongs = belongs / belongs.sum(axis=1, keepdims=True)

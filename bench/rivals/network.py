@@ -1,11 +1,11 @@
 """The mask network by ONNX Runtime on one thread: the same weights as QLinearConv and as floats.
 
 `lariat-bench network --python PYTHON` runs this script. The request names a file of weights, a raw
-RGB picture, and lariat's own two maps of it, raw. The head of crates/network/src/lib.rs documents
-the layout of the weights. Both sides of the picture are multiples of 16. With `keep`, the models
-are written next to the given name.
+RGB picture, and the two raw maps that lariat computes from it. The head of
+crates/network/src/lib.rs documents the layout of the weights. Both sides of the picture are
+multiples of 16. With `keep`, the models are written next to the given name.
 
-The integers agree to the last logit. The maps differ where a logit is 0: 127.5 becomes 128 in
+All integers up to the logits are equal. The maps differ where a logit is 0: 127.5 becomes 128 in
 lariat and 127 here. The picture's bytes are halved and split into planes before the clock starts.
 """
 
@@ -17,7 +17,7 @@ import time
 
 import timing
 
-# Name, input, addend, and padding before and after, of each layer.
+# For each layer: name, input, addend, and padding before and after.
 LAYERS = [
     ("stem", "input", None, (0, 1)),
     ("d1", "stem", None, (0, 1)),

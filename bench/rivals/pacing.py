@@ -16,7 +16,7 @@ import struct
 import sys
 import time
 
-# Sizes in bytes of lariat's own messages after the frame, which the later links carry.
+# Sizes in bytes of the messages that follow the frame in lariat. The later links carry these sizes.
 CENTERLINES, DESCRIPTORS = 26272, 15200
 # Frames at the start that are not counted, while connections are made and caches filled.
 WARM_UP = 10
@@ -29,8 +29,8 @@ _libc = ctypes.CDLL(None)
 
 
 def settle():
-    """Ends this process with its parent, and ends its sleeps on time (the kernel's default slack is
-    50 µs).
+    """Makes this process end with its parent, and makes its sleeps end on time (the kernel's
+    default slack is 50 µs).
     """
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     _libc.prctl(1, signal.SIGTERM)
@@ -52,7 +52,7 @@ def frames(asked):
 
 
 def due(asked):
-    """Yields each frame's number and due time, at that time."""
+    """Yields each frame's number and due time when the frame is due."""
     period_ns = 1e9 / asked["fps"]
     start_ns = time.monotonic_ns() + 50_000_000
     for number in range(WARM_UP + max(1, int(asked["seconds"] * asked["fps"]))):

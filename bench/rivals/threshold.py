@@ -7,7 +7,7 @@ cv2, numpy = timing.need("cv2", "numpy")
 
 def buffers(picture, ranges):
     """Returns the picture, its ranges, and memory for HSV and masks. A program in a loop would also
-    allocate it once.
+    allocate this memory only once.
     """
     size = picture.shape[:2]
     masks = [numpy.empty(size, numpy.uint8) for _ in range(2)]

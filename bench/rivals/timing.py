@@ -25,7 +25,7 @@ PACKAGES = {
 }
 NAMES = {"cv2": "OpenCV", "numpy": "NumPy", "scipy": "SciPy", "skimage": "scikit-image"}
 
-# Time limit for measuring a picture. It is measured at least once.
+# Time limit for measuring a picture. Every picture is measured at least once.
 LONGEST_MS = 100.0
 
 _versions = {}
@@ -56,7 +56,7 @@ def versions():
 def run(prepare, work, describe=None):
     """Times work(prepare(picture, ranges)) for each picture of the list named on the command line.
 
-    `describe` turns the result of `work` into more fields of the line.
+    `describe` turns the result of `work` into additional fields of the picture's line.
     """
     if len(sys.argv) != 2:
         sys.exit(f"usage: {sys.argv[0]} PICTURES.json (see the README beside it)")

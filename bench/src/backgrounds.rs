@@ -1,5 +1,5 @@
-//! `lariat-bench backgrounds`: drawn pictures in which not only the rope differs from the table, or in
-//! which ropes are hard to tell apart.
+//! `lariat-bench backgrounds`: drawn pictures in which more than the rope differs from the table,
+//! or in which ropes are hard to tell apart.
 //!
 //! A picture is right if every rope has a right curve and no curve is left over. A right curve
 //! covers 93 % of its rope, is on it for the same share of its own length, and follows it in order.

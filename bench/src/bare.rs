@@ -62,7 +62,7 @@ impl RelaySender {
     pub fn send(&self, message: RelayMessage) -> Result<()> {
         let sample = self.publisher.loan_uninit().map_err(failed)?;
         sample.write_payload(message).send().map_err(failed)?;
-        // A receiver that is gone is noticed by the missing messages.
+        // This fails if the receiver is gone, which shows anyway as missing messages.
         let _ = self.notifier.notify();
         Ok(())
     }

@@ -1,6 +1,6 @@
-//! `lariat-bench clusterings`: 120 centers in the mask of a rope by the paper's four clusterings.
-//! Compares lariat's implementations with those of scikit-learn, MiniSom and scikit-fuzzy in one
-//! table. They run in turns on one thread, from the same start.
+//! `lariat-bench clusterings`: computes 120 centers in the mask of a rope with the paper's four
+//! clusterings. One table compares lariat's implementations with those of scikit-learn, MiniSom and
+//! scikit-fuzzy. They run in turns on one thread, from the same start.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -48,8 +48,8 @@ struct Method {
 /// Runs requested from the rival.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rival {
-    /// Both starts in every pass. The rival's algorithm is the same from the last frame's centers
-    /// as from any others.
+    /// Both starts in every pass, because the rival treats the last frame's centers like any
+    /// others.
     Both,
     /// Only the first start, in every pass.
     Cold,
@@ -108,7 +108,7 @@ struct Ended {
 struct Request<'a> {
     /// The pixels of each mask.
     masks: [Vec<[f32; 2]>; 2],
-    /// Seed of the samples of a map.
+    /// Seed of the samples that a self-organizing map draws.
     seed: u64,
     runs: Vec<Asked<'a>>,
 }
@@ -130,8 +130,8 @@ struct Answer {
     objective: f64,
 }
 
-/// A method, its results from k-means++ and from the last frame's centers, and its rival's results
-/// from there.
+/// A method with two results from lariat and two from its rival: those from the k-means++ start and
+/// those from the last frame's centers.
 struct Row {
     method: Method,
     /// Initial centers of the second frame's run: the final ones of the first.

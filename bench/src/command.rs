@@ -144,7 +144,7 @@ mod tests {
             }
             count += 1;
             let parsed = Cli::command().try_get_matches_from(words);
-            // A text may mention a command without its arguments.
+            // Text may mention a command without its arguments.
             let mentioned = [
                 ErrorKind::MissingRequiredArgument,
                 ErrorKind::MissingSubcommand,

@@ -8,7 +8,8 @@
 //!
 //! Single runs consist of one round, so a percentile's noise follows from the run's own
 //! distribution: the ranks q n ± 2 √(n q (1 − q)), two standard errors of a binomial count. The
-//! change must also exceed a tenth, because runs differ by more than chance within one run.
+//! change must also exceed a tenth, because two runs differ by more than the chance variation
+//! within one.
 
 mod read;
 mod verdict;

@@ -2,9 +2,9 @@
 //! and checks its reliability on others.
 //!
 //! Each picture of every class, including the hard ones, is drawn plain, on backgrounds of
-//! increasing texture and with noise. The extractor computes its own mask, uses the network, and is
-//! given external masks: the true one, an uneven one like a network's, and one that also has gaps
-//! and false strands.
+//! increasing texture and with noise. For each drawing, the extractor is run with its own mask,
+//! with the network, and with external masks. These are the true mask, an uneven one like a
+//! network's, and one that also has gaps and false strands.
 //!
 //! Each curve is compared with the truth. It is right if it covers 93 % of its rope, is on it for
 //! the same share of its own length, and follows it in order. Seeds alternate between fit and check
@@ -31,7 +31,7 @@ use crate::right;
 use ground::Ground;
 use logistic::{Example, Weights};
 
-/// First seed of the hard classes. `lariat-bench backgrounds` uses the seeds before it to measure the
+/// First seed of the hard classes. `lariat-bench backgrounds` uses the lower seeds to measure the
 /// weights that are fitted here.
 const HARD_FROM: u64 = 1000;
 
@@ -116,8 +116,8 @@ const MAKERS: [(&str, Maker); 4] = [
     ("ELSEWHERE", Maker::Elsewhere),
 ];
 
-/// Prints the reliability of the built-in confidence, and the result for a loop with a minimum of
-/// [`MIN_CONFIDENCE`]. Draws the diagram if `diagram` is given.
+/// Prints the reliability of the built-in confidence, and its effect on a control loop that
+/// requires at least [`MIN_CONFIDENCE`]. Draws the diagram if `diagram` is given.
 fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
     let mut charts = Vec::new();
     for (name, maker) in MAKERS {

@@ -19,7 +19,7 @@
 //! |---|---|
 //! | `choice`, `plan`, `job` | the user's options; the order and duration of measurements; one measurement |
 //! | `floors` | reading and copying the frame; a wake on a futex and an eventfd, on one core and across cores; lateness of a timer, with default scheduling and under FIFO, which bounds every chain's 99.9th percentile |
-//! | `relay` | four processes that forward 64 bytes over bare iceoryx2 (`bare`), in each arrangement; the best of a run is its floor |
+//! | `relay` | four processes that forward 64 bytes over bare iceoryx2 (`bare`), in each arrangement; the best arrangement of a run is the floor |
 //! | `chain` | `lariat run` as users start it. Its own figures are read from its `--out`. The share of a core is sampled over the middle of the run (`usage`). Memory is measured in a separate run, because examining a process's pages delays it |
 //! | `rivals/` | the same stages' work (`steps`) as threads with channels, and over Unix sockets (`encoding`); the scripts of `bench/rivals`, which are embedded in the executable |
 //! | `figures`, `targets` | merging of rounds; targets |
@@ -32,20 +32,22 @@
 //! **The tail** (640×480, 1000 frames/s, `--realtime`, one minute under `perf sched record`, on a
 //! virtual machine):
 //!
-//! - Up to about 0.8 ms it is extraction. One frame in a few dozen gets a full extraction, which
-//!   takes 0.5 to 0.75 ms with the caches cold from tracking. The median frame takes 0.1 ms in all.
-//! - Several such frames in a row, next to the rendering, delay each other, up to 30 ms.
+//! - Up to about 0.8 ms, the cause is extraction. One frame in a few dozen gets a full extraction,
+//!   which takes 0.5 to 0.75 ms because tracking has left the caches cold. The median frame takes
+//!   0.1 ms in all.
+//! - Several such frames in a row, together with rendering, cause delays of up to 30 ms.
 //!   `slowest.txt` of `lariat run --out` shows them.
-//! - Beyond that it is the host. Stages stay on their core for 2 to 25 ms without a kernel tick, so
-//!   the core itself was stopped. In phases of 0.1 s every stage takes ten to thirty times as long.
+//! - Beyond that, the cause is the host. Stages stay on their core for 2 to 25 ms without a kernel
+//!   tick, so the core itself was stopped. In phases of 0.1 s every stage takes ten to thirty times
+//!   as long.
 //! - The chain itself does not wait. The kernel's own workers preempted stages twenty times in the
 //!   minute. The longest delay from a wake to the first step was 3 ms, in a slow phase.
 //! - Rendering the rope is half of the work at that rate, all on one core. Catching up therefore
 //!   takes three times the length of a pause.
 //!
 //! `lariat-bench soak` runs a day of rope frames by a simulated clock through extraction, fit and
-//! filter (2.6 million frames in two minutes). Its last hour costs as much as the first, in time,
-//! memory and descriptors. The sink has a test with the same number of messages.
+//! filter (2.6 million frames in two minutes). The last hour costs as much as the first in time,
+//! memory and file descriptors. A test of the sink uses the same number of messages.
 
 mod chain;
 mod choice;

@@ -28,7 +28,7 @@ pub(crate) struct Args {
 
 /// Size at which the recorder closes its chunks, and the block size of `dd`.
 const BLOCK_BYTES: u64 = 4 << 20;
-/// Number of different frames: more than fit a cache, so that they come from memory like a
+/// Number of different frames: more than fit in a cache, so that they come from memory like a
 /// camera's.
 const FRAMES: u64 = 60;
 
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             let file = folder.path().join("a.mcap");
             let (mb_s, share) = recorded_mb_s(&file, compression, &messages, args.megabytes)?;
             recorded[i].push(mb_s);
-            // Within one round, so that drift of the machine affects both.
+            // The ratio is taken within one round, so that drift of the machine affects both.
             shares[i].push(mb_s / of_dd);
             sizes[i] = share;
         }
@@ -135,8 +135,8 @@ fn dd_mb_s(file: &Path, blocks: u64) -> Result<f64> {
     Ok((blocks * BLOCK_BYTES) as f64 / 1e6 / took_s)
 }
 
-/// Returns the speed of recording this many megabytes of frames, and the file's size as a share of
-/// theirs.
+/// Returns the speed of recording this many megabytes of frames, and the ratio of the file's size
+/// to the frames' size.
 fn recorded_mb_s(
     file: &Path,
     compression: Compression,

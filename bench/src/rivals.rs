@@ -21,7 +21,7 @@ use script::{Done, Work};
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Folder of photographs: one with an `images` folder in it, or one of such folders
+    /// Folder of photographs: it contains `images`, or folders that do
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Picture files (PNG, JPEG)

@@ -19,11 +19,11 @@
 //!   It sends a command for each image, and every 20 ms without one. The robot stops by itself 250
 //!   ms after the last command.
 //! - **Observations** (`controller/observer`): the ends are in the jaws, so a rope is always
-//!   `Partial`. An observation counts as incomplete if a point of it is hidden, or if its length
-//!   differs by 3 % from the first observations.
-//! - **Color**: the rig's ropes are segmented by color. The automatic mask sees the rope as well
-//!   and is closer to the truth. But a hand that comes and goes over a gripped rope can leave it
-//!   bridged into a gripper. The controller then holds for good.
+//!   `Partial`. An observation counts as incomplete if one of its points is hidden, or if its
+//!   length differs by more than 3 % from that of the first observations.
+//! - **Color**: the rig's ropes are segmented by color. The automatic mask would also find the
+//!   rope, and more accurately. But after a hand has passed over a gripped rope, that mask can
+//!   leave the rope connected to a gripper. The controller then holds permanently.
 //! - **A slower link** is a queue in the observer. It delays each observation, which keeps its own
 //!   exposure time.
 //! - **The judge** (`judge`) computes the mean distance of 120 points at equal steps. A target is

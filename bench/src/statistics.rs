@@ -40,8 +40,8 @@ impl Samples {
         self.values.iter().sum::<f64>() / self.values.len().max(1) as f64
     }
 
-    /// Returns the smallest value that at least a `share` (0 to 1) of all do not exceed. 0 if there
-    /// are no measurements.
+    /// Returns the smallest value that at least a `share` (0 to 1) of all measurements do not
+    /// exceed. 0 if there are no measurements.
     pub fn percentile(&self, share: f64) -> f64 {
         let mut sorted = self.values.clone();
         sorted.sort_by(f64::total_cmp);
@@ -53,7 +53,8 @@ impl Samples {
             .unwrap_or_default()
     }
 
-    /// Returns the value that half of all do not exceed. 0 if there are no measurements.
+    /// Returns the smallest value that at least half of all measurements do not exceed. 0 if there
+    /// are no measurements.
     pub fn median(&self) -> f64 {
         self.percentile(0.5)
     }

@@ -386,7 +386,7 @@ fn seen(curve: &Curve) -> SeenCurve<'_> {
         track: curve.track,
         status: match curve.status {
             Status::Ok => SeenStatus::Ok,
-            // A doubtful rope counts as wrongly seen.
+            // The judge lacks a doubtful state, so a doubtful rope is judged as partly visible.
             Status::Partial | Status::Doubtful => SeenStatus::Partial,
             Status::Lost => SeenStatus::Lost,
         },

@@ -5,10 +5,11 @@
     bench/training/backgrounds.py [--out FOLDER] [--clones FOLDER]
 
 `backgrounds.tsv` next to this file lists the pictures. SOURCES below gives their origin and
-license. They are written to FOLDER as JPEG with a longer side of 400 to 1200 pixels. `sources.tsv`
-in FOLDER lists file, source with its commit, license and author. All of them come from public
-repositories on GitHub at a fixed commit. They are downloaded file by file over HTTPS (374 MB), or
-read from clones in the folder that `--clones` names. A clone is called OWNER+NAME and may be bare.
+license. The pictures are written to FOLDER as JPEG with a longer side of 400 to 1200 pixels.
+`sources.tsv` in FOLDER lists file, source with its commit, license and author. All pictures come
+from public repositories on GitHub at a fixed commit. They are downloaded file by file over HTTPS
+(374 MB), or read from clones in the folder that `--clones` names. A clone is called OWNER+NAME and
+may be bare.
 
 Licenses: CC0, public domain, CC-BY, CC-BY-SA and MIT only. A license or an author in the table is
 the picture's own. Without one, the source's applies. The OpenStax books state in each caption who

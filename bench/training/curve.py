@@ -1,5 +1,5 @@
-"""Plots the log of a training run: `curve.py LOG SVG`. Means over 1000 steps, with lines where the
-learning rate starts to fall and where rounding starts.
+"""Plots the log of a training run: `curve.py LOG SVG`. Shows means over 1000 steps, and marks where
+the learning rate starts to fall and where rounding starts.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Evaluates weights on pictures of ropes:
 `evaluate.py --weights FILE --images FOLDER [--labels FOLDER] [--masks FOLDER]`, see README.md.
 
-Labels are pictures of the same names (png), 0 where there is no rope. Prints the overlap (DICE) of
+Labels are PNGs of the same names, 0 where there is no rope. Prints the overlap (DICE) of
 each mask with its label, and their mean. Writes masks for `lariat trace --masks`.
 """
 

@@ -55,7 +55,7 @@ class Normalized:
         for name, (side, inputs, outputs, _, _) in LAYERS.items():
             deviation = np.sqrt(2 / (side * side * inputs)) * (0.1 if name == "out" else 1)
             kernel = random.normal(0, deviation, (outputs, inputs, side, side))
-            # The output of a layer that is added to another starts as the smaller part.
+            # A layer whose output is added to another's starts as the smaller part of the sum.
             gain = 0.5 if name in ("e2b", "e3b", "e3d", "u2", "u1") else 1.0
             self.parts[name] = parameters(kernel, np.zeros(outputs), np.full(outputs, gain))
 
@@ -92,7 +92,7 @@ class Normalized:
 
 
 class Whole:
-    """Weights as executed, rounded. Each layer has a kernel (out, in, height, width) and a bias."""
+    """Rounded weights, as executed. Each layer has a kernel (out, in, height, width) and a bias."""
 
     def __init__(self, parts):
         self.parts = parts
@@ -136,8 +136,8 @@ def convolved(name, x, kernel):
 
 
 def through(sums, rgb):
-    """Returns the logits of both maps (count, 2, height, width) of pictures (count, 3, height,
-    width) of 0 to 255.
+    """Returns the logits of both maps (count, 2, height, width) for pictures (count, 3, height,
+    width) with values from 0 to 255.
 
     `sums` computes a layer's sums. Sides are multiples of 16.
     """

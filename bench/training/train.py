@@ -2,8 +2,8 @@
 README.md. Writes ropes.weights and a log.
 
 Training is reproducible: the same scenes, seed, steps and machine give the same weights, bit for
-bit, even after an interruption. Restarted with the same arguments, it resumes. The number of steps
-may be changed until the learning rate starts to fall.
+bit, even after an interruption. A run that is restarted with the same arguments resumes. The number
+of steps may be changed until the learning rate starts to fall.
 """
 
 import argparse
@@ -23,7 +23,7 @@ import pictures
 
 SIDE = 256
 SAVED = 1000  # steps between checkpoints
-FIRST_FILES = 4  # of scenes, at the start
+FIRST_FILES = 4  # files of scenes at the start
 NEW_FILE = 2000  # steps per additional file of scenes
 
 

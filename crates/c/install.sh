@@ -1,8 +1,9 @@
 #!/bin/sh
-# Installs lariat for C and C++: header, shared and static library, and what pkg-config and CMake find them by.
+# Installs lariat for C and C++: the header, the shared and the static library, and their files for
+# pkg-config and CMake.
 #
-#     crates/c/install.sh --prefix /usr/local       # or ~/.local; DESTDIR is heeded
-#     crates/c/install.sh --prefix DIR --from DIR   # libraries that are built already, as target/release
+#     crates/c/install.sh --prefix /usr/local       # or ~/.local; respects DESTDIR
+#     crates/c/install.sh --prefix DIR --from DIR   # libraries that are already built, such as in target/release
 set -eu
 
 prefix=/usr/local

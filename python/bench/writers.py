@@ -36,7 +36,8 @@ def main() -> None:
     os.environ["LARIAT_DOMAIN"] = f"bench{os.getpid() % 100_000}"
     shape = (options.height, options.width, 3)
     image = np.random.default_rng(1).integers(0, 256, shape, dtype=np.uint8)
-    # One per slot of the channel, because a copy into a single cached one would be faster.
+    # One buffer per slot of the channel, because a copy into a single cached buffer would be
+    # faster.
     targets = [np.zeros(shape, np.uint8) for _ in range(20)]
     times: dict[str, list[float]] = defaultdict(list)
     with lariat.Writer("frames") as frames, lariat.Frames() as reader:

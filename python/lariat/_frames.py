@@ -15,12 +15,12 @@ class Frames(_native.Frames):
             show(frame.array)
 
     Iteration waits for the next image without limit. Ctrl-C ends a wait, and other threads run
-    during it. Each frame's array is a copy that you can keep. It may be opened before the chain
-    runs, and outlives it. Four readers share a rig's frames, including the chain's own extract and
-    a recorder.
+    during it. Each frame's array is a copy that you can keep. The reader may be opened before the
+    chain runs, and outlives the chain. Four readers share a rig's frames, including the chain's own
+    extract and a recorder.
 
     Args:
-        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        rig: Name of the rig, as given to the chain (``--rig NAME``).
         lossless: True if the chain is started with ``--lossless``. The default follows the running
             chain.
 

@@ -42,8 +42,8 @@ def trace(
 ) -> Scene:
     """Finds the ropes in an image.
 
-    For the frames of a film use a :class:`Tracer`: it recognizes each rope again, and is many times
-    faster.
+    For the frames of a film, use a :class:`Tracer`, which recognizes each rope again and is many
+    times faster.
 
     Args:
         image: ``uint8`` of shape (height, width) for gray, (height, width, 3) for RGB. Rows may
@@ -60,7 +60,7 @@ def trace(
         points: Points of each centerline, at equal steps of arc length: 2 to 256.
         ropes: Maximum number of ropes reported: the most confident and longest.
         start: A rope's first point is the end nearest to this position, in px. The default is the
-            top left.
+            top left corner.
         at: The ropes to report, each by a position on it, in px. The default is all.
         roi: The part of the image that is read: x, y, width, height in px.
         pixel_format: ``"bgr"`` for images read by OpenCV. The default is ``"gray"`` or ``"rgb"``,

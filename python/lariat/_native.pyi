@@ -66,10 +66,10 @@ def pick(
     pixel_format: PixelFormat | None = None,
 ) -> tuple[list[HsvRange], float]:
     """Proposes color ranges of the ropes in an image, for the setting `mask`. They cover all ropes
-    that differ from the table, or the one at the position `at`, or those at several positions: one
-    range for each color. Also returns how well the ranges separate rope from table. Below about
-    0.7, their mask has holes or includes parts of the table. Warns if tracing with that mask gives
-    a doubtful result.
+    that differ from the table, or only the ropes at one or several positions `at`, with one range
+    for each color. Also returns how well the ranges separate rope from table. Below about 0.7,
+    their mask has holes or includes parts of the table. Warns if tracing with that mask gives a
+    doubtful result.
     """
 def take_short_slices() -> None:
     """Requests short time slices for the calling thread, for a control loop without realtime priority.
@@ -123,8 +123,8 @@ class Scene:
         """The most important probable fault of the result, if any."""
     @property
     def followed(self) -> bool:
-        """True if the ropes were tracked from the last image, so that only the area around them was
-        read.
+        """True if the ropes were tracked from the previous image, so that only the area around them
+        was read.
         """
     @property
     def size(self) -> tuple[int, int]:
@@ -146,7 +146,7 @@ class Curve:
         """
     @property
     def confidence(self) -> float:
-        """Calibrated probability, 0 to 1, that this is a rope, whole and in order."""
+        """Calibrated probability, 0 to 1, that this is a whole rope with its points in order."""
     @property
     def closed(self) -> bool:
         """True if the rope is closed. The last point is then one step before the first."""
@@ -173,8 +173,8 @@ class Curve:
         """Time since the rope was last visible, s; 0 unless it is lost."""
     @property
     def crossing_sequence(self) -> str:
-        """The rope's crossings over and under itself, from its first point on: `"O1 U2 O3 U1 O2 U3"`
-        is an overhand knot.
+        """The rope's crossings with itself, over (O) and under (U), from its first point on.
+        `"O1 U2 O3 U1 O2 U3"` is an overhand knot.
         """
     @property
     def pulls_straight(self) -> bool | None:
@@ -541,7 +541,7 @@ class Stale:
 
 @final
 class Absent:
-    """There is no shape at all, not even an old one."""
+    """No shape is known, not even an old one."""
     __match_args__: ClassVar[tuple[Literal["why"]]]
     @property
     def why(
@@ -788,9 +788,9 @@ class Shape:
         """
     @property
     def covariance_is_exact(self) -> bool:
-        """True if `covariance` is exact to rounding: that of plain least squares or of its filter.
-        Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance is
-        exact, and the correlations are those of the plain fit.
+        """True if `covariance` is exact up to rounding, as for plain least squares with or without a
+        filter. Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance
+        is exact, and the correlations are those of the plain fit.
         """
     def covariance_at(self, rho: ArrayLike) -> NDArray[np.float64]:
         """The covariance of the point at rho, of shape (2, 2). For n values of rho, (n, 2, 2)."""

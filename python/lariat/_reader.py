@@ -22,7 +22,7 @@ class Reader(_native.Reader):
                     case seen:  # Partial, Unsure, Lost, Stale, Absent
                         robot.hold(why=str(seen))
 
-    It may be opened before the chain runs, and survives restarts of the chain. Until the next
+    A reader may be opened before the chain runs, and survives its restarts. Until the next
     image arrives, the latest result gets older. Iteration waits for the next image, at most
     ``timeout``. After that it gives the same frame again, which is not new, so a loop is never
     blocked without notice. Ctrl-C ends a wait, and other threads run during it. ``async for`` waits
@@ -33,14 +33,14 @@ class Reader(_native.Reader):
     each. Frames, ropes and their arrays can be kept without limit and used in any thread.
 
     Args:
-        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        rig: Name of the rig, as given to the chain (``--rig NAME``).
         timeout: Maximum wait for the next image, s.
         accept_coarse: Makes a rope ``Fresh`` even if its curve does not follow it. Use it in loops
             that only compare descriptors and do not need the curve to be on the rope. By default
             such a rope is ``Unsure``.
         min_confidence: Minimum confidence, 0 to 1, of a rope that is ``Fresh`` or ``Partial``; a
-            rope with less is ``Unsure``. Below 0.5 a curve is more likely wrong than right; 0
-            accepts any.
+            rope below it is ``Unsure``. Below 0.5 a curve is more likely wrong than right; 0
+            accepts any confidence.
         space: Also reads ropes in space (``rope.in_space``), from a chain with a depth camera.
 
     Raises:

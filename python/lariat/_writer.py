@@ -219,7 +219,7 @@ class DepthWriter(_native.Writer):
 
         Raises:
             TypeError, ValueError: the image is invalid. It is then not sent, and its frame is
-                processed without it.
+                processed without depth.
         """
         array = _array(depth, "depth image")
         if array.ndim != 2 or array.dtype != np.uint16:
@@ -251,7 +251,7 @@ def Writer(
     Args:
         channel: ``"frames"`` for ``lariat run --source external``, ``"masks"`` for
             ``mask = "external"``, ``"depth"`` for ``lariat run --depth FILE``.
-        rig: The camera chain: the name that it was started with (``--rig NAME``).
+        rig: Name of the rig, as given to the chain (``--rig NAME``).
         lossless: True if the writer waits for slow readers, so that nothing is left out
             (``lariat run --lossless``). The default follows the running chain; without one, the
             writer does not wait.

@@ -17,7 +17,7 @@ const DEFAULT_CONTROL_POINTS: usize = 9;
 /// Name of the basis for which curve and control points are chosen automatically.
 const AUTO: &str = "auto";
 
-/// Number of control points: a number, or chosen for each curve.
+/// Number of control points: fixed, or chosen for each curve.
 #[derive(Clone, Copy)]
 enum ControlPoints {
     Named(usize),
@@ -208,15 +208,15 @@ impl Fitter {
     fn fitter(&self) -> Result<MutexGuard<'_, lariat_fit::Fitter>, Problem> {
         match self.fitter.try_lock() {
             Ok(fitter) => Ok(fitter),
-            // Every fit starts again, so a poisoned fitter is still usable.
+            // Every fit starts from scratch, so a poisoned fitter is still usable.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Problem::Busy),
         }
     }
 }
 
-/// The family with the given name of the settings and number of control points. "auto" means the
-/// paper's family, because the number is given.
+/// The family with this name, as in the settings, and this number of control points. "auto" means
+/// the paper's family, because the number is given.
 fn basis_of(
     name: &str,
     closed: bool,

@@ -13,8 +13,8 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Maximum duration of a single sleep. A signal ends a sleep, but one that arrives just before it
-/// does not; Python only records it.
+/// Maximum duration of a single sleep. A signal during a sleep ends it. Python only records a
+/// signal that arrives just before the sleep.
 const LONGEST_SLEEP: Duration = Duration::from_secs(1);
 
 /// Requests short time slices for the calling thread, for a control loop without realtime priority.
@@ -258,7 +258,7 @@ impl From<Problem> for PyErr {
     }
 }
 
-/// Parses a duration in seconds; infinity never ends.
+/// Parses a duration in seconds; infinity means no limit.
 pub(crate) fn seconds(what: &str, time: f64) -> PyResult<Duration> {
     match Duration::try_from_secs_f64(time) {
         Ok(time) => Ok(time),

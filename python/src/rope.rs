@@ -53,7 +53,7 @@ impl Rope {
         }
     }
 
-    /// State of the rope if its image may be this old.
+    /// State of the rope for this maximum age of its image.
     pub(crate) fn seen(&self, max_age: Duration) -> Option<Seen<'_>> {
         self.frame.get().frame().ropes(max_age).nth(self.index)
     }

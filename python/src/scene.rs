@@ -106,8 +106,8 @@ impl Scene {
         self.kept.notice.map(|notice| Notice(notice, sentence()))
     }
 
-    /// True if the ropes were tracked from the last image, so that only the area around them was
-    /// read.
+    /// True if the ropes were tracked from the previous image, so that only the area around them
+    /// was read.
     #[getter]
     fn followed(&self) -> bool {
         self.kept.followed
@@ -174,7 +174,7 @@ impl Curve {
         self.seen().status.name()
     }
 
-    /// Calibrated probability, 0 to 1, that this is a rope, whole and in order.
+    /// Calibrated probability, 0 to 1, that this is a whole rope with its points in order.
     #[getter]
     fn confidence(&self) -> f32 {
         self.seen().confidence
@@ -228,8 +228,8 @@ impl Curve {
         self.seen().age_ns as f64 * 1e-9
     }
 
-    /// The rope's crossings over and under itself, from its first point on: `"O1 U2 O3 U1 O2 U3"`
-    /// is an overhand knot.
+    /// The rope's crossings with itself, over (O) and under (U), from its first point on.
+    /// `"O1 U2 O3 U1 O2 U3"` is an overhand knot.
     #[getter]
     fn crossing_sequence(&self) -> String {
         CrossingSequence::of(&self.kept.scene(), self.index).to_string()

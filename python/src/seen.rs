@@ -240,7 +240,7 @@ impl Stale {
     }
 }
 
-/// There is no shape at all, not even an old one.
+/// No shape is known, not even an old one.
 #[pyclass(frozen, module = "lariat")]
 pub(crate) struct Absent(lariat_wire::Absent);
 

@@ -153,9 +153,9 @@ impl Shape {
         PyArray1::from_vec(py, matrix).reshape([size, size])
     }
 
-    /// True if `covariance` is exact to rounding: that of plain least squares or of its filter.
-    /// Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance is
-    /// exact, and the correlations are those of the plain fit.
+    /// True if `covariance` is exact up to rounding, as for plain least squares with or without a
+    /// filter. Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance
+    /// is exact, and the correlations are those of the plain fit.
     #[getter]
     fn covariance_is_exact(&self) -> PyResult<bool> {
         Ok(self.shape()?.covariance().is_exact())

@@ -42,8 +42,8 @@ impl From<Problem> for PyErr {
 pub(crate) struct Tracer {
     extractor: Mutex<Extractor>,
     region: Option<Region>,
-    /// True if the level of a mask is chosen automatically, in which case its values may have
-    /// another meaning.
+    /// True if the level of a mask is chosen automatically. The mask's values may then have another
+    /// meaning.
     chooses_level: bool,
 }
 
@@ -264,10 +264,10 @@ pub(crate) enum Points {
 }
 
 /// Proposes color ranges of the ropes in an image, for the setting `mask`. They cover all ropes
-/// that differ from the table, or the one at the position `at`, or those at several positions: one
-/// range for each color. Also returns how well the ranges separate rope from table. Below about
-/// 0.7, their mask has holes or includes parts of the table. Warns if tracing with that mask gives
-/// a doubtful result.
+/// that differ from the table, or only the ropes at one or several positions `at`, with one range
+/// for each color. Also returns how well the ranges separate rope from table. Below about 0.7,
+/// their mask has holes or includes parts of the table. Warns if tracing with that mask gives a
+/// doubtful result.
 #[pyfunction]
 #[pyo3(signature = (image, at=None, *, pixel_format=None))]
 pub(crate) fn pick<'py>(

@@ -260,7 +260,7 @@ impl Writer {
         let end = open(&mut guard)?;
         self.stop.store(false, Ordering::Relaxed);
         py.detach(|| send(end)).map_err(write_error)?;
-        // A frame that was given up because of the signal is lost, and counted.
+        // A frame that was given up because of the signal counts as lost.
         let raised = self.raised.lock().map(|mut raised| raised.take());
         raised.ok().flatten().map_or(Ok(()), Err)
     }
@@ -304,9 +304,9 @@ fn write_error(cause: WriteError) -> PyErr {
 pub(crate) fn array_shape(height: usize, width: usize, format: PixelFormat) -> (Vec<usize>, usize) {
     // Rows of all planes, one after the other.
     let rows = format.image_bytes(1, u32::try_from(height).unwrap_or(u32::MAX));
-    // For two pixels, because some formats cannot represent a single one.
+    // Computed for two pixels, because some formats cannot represent a single pixel.
     let pixel_bytes = format.row_bytes(2) / 2;
-    // If two pixels share their color, a row has whole pairs.
+    // In formats where two pixels share their color, a row consists of whole pairs.
     let width = format.row_bytes(u32::try_from(width).unwrap_or(u32::MAX)) / pixel_bytes;
     match pixel_bytes {
         1 => (vec![rows, width], 1),

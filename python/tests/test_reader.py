@@ -321,7 +321,8 @@ def test_other_threads_run_while_one_waits(states: States, reader: lariat.Reader
     thread = threading.Thread(target=wait)
     thread.start()
     waiting.wait()
-    # This thread runs, or it could not send. The reader reports that it is in use, at any moment.
+    # The waiting reader does not block this thread, which could not send otherwise. The reader
+    # reports at any moment that it is in use.
     refused = 0
     for _ in range(1000):
         try:
@@ -339,7 +340,7 @@ def test_other_threads_run_while_one_waits(states: States, reader: lariat.Reader
 
 def test_ctrl_c_ends_a_wait(domain: str, tmp_path: Path) -> None:
     program = "import lariat\nreader = lariat.Reader(timeout=1000.0)\nprint('waits', flush=True)\nnext(reader)"
-    # In another folder: here the package's source would be found before the installed one.
+    # Run in another folder: here the package's source would be found before the installed package.
     process = subprocess.Popen(
         [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
@@ -380,7 +381,7 @@ def test_asyncio_waits_beside_other_tasks(states: States, reader: lariat.Reader)
 
     counts = asyncio.run(asyncio.wait_for(both(), 30.0))
     assert counts == sorted(set(counts)) and len(counts) == 3
-    # Another one may have been sent while the third was received.
+    # Another message may have been sent while the third was received.
     reader.latest()
     quiet = asyncio.run(reader.wait_async(0.01))
     assert not quiet.is_new

@@ -48,8 +48,8 @@ pub(crate) struct Counts {
 
 impl Channels {
     /// Opens a reader on each channel. `masks` and `space`: whether there may be masks and 3-D
-    /// channels. `is_brief`: whether the source may end with its first frame. Its channel can only
-    /// be joined while capture lives, so frames then wake the recorder, too.
+    /// channels. `is_brief`: whether the source may end with its first frame. The channel of such a
+    /// source can only be joined while capture lives, so frames then wake the recorder, too.
     pub(crate) fn open(
         station: &Station,
         masks: bool,

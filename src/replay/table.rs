@@ -15,7 +15,7 @@ enum Kind {
     Count,
 }
 
-/// Reads the value of a row from a column; distances are separate.
+/// Reads the value of a row from a column. Rows of distances are formatted separately.
 type Figure = fn(&Figures) -> Option<f64>;
 
 #[rustfmt::skip]

@@ -50,7 +50,7 @@ struct Figures<'a> {
     channel: &'static str,
     /// Number of messages read here.
     messages: u64,
-    /// Sent, in 10⁶ bytes per second.
+    /// Data rate of the writer, in 10⁶ bytes per second.
     mb_per_s: Option<f64>,
     /// Messages sent per second.
     hz: Option<f64>,

@@ -19,7 +19,7 @@ use super::watch::Meter;
 pub(super) struct Echo {
     channel: ChannelName,
     json: bool,
-    /// Number of messages still to print; `None` for all that come.
+    /// Number of messages still to print; `None` for no limit.
     left: Option<u64>,
     /// True if low confidence is printed in yellow.
     has_colours: bool,

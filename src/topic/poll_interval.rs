@@ -5,8 +5,8 @@ use std::time::Duration;
 /// Shortest interval. A shorter one is mostly wake-up time, so a faster channel loses some
 /// messages, which is reported.
 const SHORTEST: Duration = Duration::from_micros(250);
-/// Longest interval. Twenty polls a second cost nothing, and a slow channel needs no longer
-/// interval.
+/// Longest interval. Twenty polls a second cost nothing, so a longer interval has no benefit even
+/// on a slow channel.
 const LONGEST: Duration = Duration::from_millis(50);
 /// First interval, short enough that a fast channel does not overflow before its rate is known.
 const FIRST: Duration = Duration::from_millis(1);

@@ -19,7 +19,7 @@ use crate::versioned::Versioned;
 /// Counter and stamp that the channel's writer gives its messages.
 fn count_and_stamp(channel: ChannelName, trace: &Trace) -> (u64, u64) {
     match channel {
-        // A mask and a depth image have those of their frame.
+        // A mask and a depth image carry the counter and stamp of their frame.
         ChannelName::Frames
         | ChannelName::Masks
         | ChannelName::Depth

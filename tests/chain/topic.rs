@@ -173,7 +173,7 @@ fn who_follows_a_channel_goes_with_the_chain_and_comes_back_with_the_next_howeve
         let message: Value = serde_json::from_str(&line).expect("JSON");
         message["trace"]["exposed_ns"].as_u64() > Some(ended_ns)
     };
-    // The first chain's last messages are ahead of it in the pipe.
+    // The last messages of the first chain come first in the pipe.
     assert!((0..5000).any(|_| is_new(next(&mut lines))));
     wait_until_told_by_signals(echo.id());
     send(echo.id() as i32, Signal::INT);

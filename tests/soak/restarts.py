@@ -9,8 +9,8 @@ KIND is killed with SIGKILL at times selected by a seed: `capture` (of a rendere
 measured on the monotonic clock, from before the kill to the fit time in the first descriptor whose
 trace names the new process. The sink makes no descriptors; its time ends when its entry among the
 stages appears, which it writes when it is ready. Prints a row per KIND and its histogram: the
-number within the target, and the time that the new process had a core and waited for one, which is
-the cost of other programs. Also prints the machine's load. On a shared machine,
+number within the target, the time that the new process ran on a core, and the time that it waited
+for one, which is the cost of other programs. Also prints the machine's load. On a shared machine,
 `chrt --fifo 5 tests/soak/restarts.py` shows the time without this cost. The exit code is 1 if a
 stage did not come back."""
 
@@ -55,8 +55,8 @@ class Rounds:
         return film
 
     def measure(self, kind):
-        """Times of all kills in ms, None for a stage that did not come back; for each new process,
-        the time until then that it had a core and that it waited for one."""
+        """Times of all kills in ms, None for a stage that did not come back. Also, for each new
+        process, how long it ran on a core until it was back, and how long it waited for one."""
         stage, words = kind, ["--source", "rendered"]
         if kind in ("files", "folder"):
             stage = "capture"
@@ -99,7 +99,7 @@ class Rounds:
 
 
 def scheduled(pid):
-    """Time that a process's first thread has had a core and has waited for one, in ms."""
+    """Time that a process's first thread has run on a core, and has waited for one, in ms."""
     try:
         run, waited, _ = Path(f"/proc/{pid}/schedstat").read_text().split()
     except (OSError, ValueError):

@@ -49,7 +49,7 @@ class Traces:
                 self.news.notify_all()
 
     def first(self, what, limit_s):
-        """The next frame that satisfies `what`, and the time when Python had it; None after a
+        """The next frame that satisfies `what`, and the time when Python received it; None after a
         timeout."""
         until = time.monotonic() + limit_s
         with self.news:

@@ -32,8 +32,8 @@ pub(crate) fn run(effort: &Effort) -> Result<()> {
             Case::new(format!("{format:?}"), frames)
         })
         .collect::<Result<Vec<_>>>()?;
-    // The first case's bytes again, segmented by the rope's color instead of its difference from
-    // the table.
+    // The bytes of the first case again, but segmented by the rope's color instead of by difference
+    // from the table.
     let told = film.iter().map(|f| converted(f, PixelFormat::Rgb8));
     let told: Vec<Picture> = told.collect::<Option<_>>().context("RGB stays RGB")?;
     let options = Options::default().mask(Mask::Hsv(pick(&told[0].image(), &[])?.ranges));

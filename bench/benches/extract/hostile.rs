@@ -60,7 +60,7 @@ const PICTURES: [(&str, Draw); 17] = [
     ("ten crossings", ten_crossings),
     ("eight ropes", eight_ropes),
     ("half is rope", half),
-    // The largest area that a mask may cover, and so the longest thinning.
+    // The largest area that a mask may cover, and therefore the longest thinning.
     ("a block of 59%", block),
     ("chess board, 1 px", || chess_board(1)),
     ("chess board, 20 px", || chess_board(20)),
@@ -149,14 +149,14 @@ fn arm() -> Result<Picture> {
     picture(|x, y| depth_in_arm(x, y).clamp(0.0, 1.0))
 }
 
-/// Draws the arm of [`arm`] with light rims: it is black only where it is more than ten pixels
-/// inside its edges.
+/// Draws the same arm as [`arm`], but with light rims. Only pixels more than ten pixels inside its
+/// edges are black.
 fn rimmed_arm() -> Result<Picture> {
     picture(depth_in_arm)
 }
 
-/// Returns a pixel's depth inside an arm with a hand and four fingers that reaches in from a
-/// corner, in pixels.
+/// Returns how far a pixel is inside the edge of an arm, in pixels. The arm reaches in from a
+/// corner and has a hand and four fingers.
 fn depth_in_arm(x: usize, y: usize) -> f64 {
     let within = |half: f64, from: [f64; 2], to: [f64; 2]| {
         let [along, off] = [0, 1].map(|k| (to[k] - from[k], [x, y][k] as f64 - from[k]));
@@ -194,7 +194,7 @@ fn dark_keyboard() -> Result<Picture> {
 }
 
 fn block() -> Result<Picture> {
-    // √0.59 = 0.768 of each side.
+    // The block spans √0.59 = 0.768 of each side.
     let inside = |at: usize, side: usize| {
         let margin = (0.116 * side as f64) as usize;
         (margin..side - margin).contains(&at)

@@ -11,9 +11,9 @@
 //! - "tracked" is an extraction whose extractor has seen the previous frames. A film's first frame
 //!   is left out.
 //!
-//! The frame is read once more, untimed, before each of them. All three then find its bytes where a
-//! stage that runs right after the camera's writer finds them: in the second-level cache, as far as
-//! they fit. Frames are aligned to a cache line, as in the chain.
+//! Before each of them, the frame is read once more, untimed. As much of it as fits is then in the
+//! second-level cache, as for a stage that runs right after the camera's writer. Frames are aligned
+//! to a cache line, as in the chain.
 //!
 //! The cases of a table take turns, film by film, until the table's time is used up. The first turn
 //! is not counted. Figures are medians over frames and turns. "÷ read" is the median of the ratios
@@ -40,8 +40,8 @@ struct Args {
     /// Use a tenth of the time, for a quick estimate
     #[arg(long)]
     quick: bool,
-    /// Folder of photographs: one with an `images` folder in it, or one of such folders [default:
-    /// $LARIAT_MBEST, else none]
+    /// Folder of photographs: it contains `images`, or folders that do [default: $LARIAT_MBEST,
+    /// else none]
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Passed by `cargo bench`

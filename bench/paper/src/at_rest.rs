@@ -14,12 +14,12 @@ use crate::figure::Figure;
 use crate::shapes::POINTS;
 use crate::{Effort, PaperError};
 
-/// Numbers of control points of the descriptors: those of Bezier curves of order 2, 4, 6, 8, 10 and
-/// 12.
+/// Numbers of control points in the compared descriptors, as for Bezier curves of order 2, 4, 6, 8,
+/// 10 and 12.
 const COUNTS: [usize; 6] = [3, 5, 7, 9, 11, 13];
 /// Index of order 8 (nine control points) in [`COUNTS`].
 const NINE: usize = 3;
-/// Initial frames that are left out, in which extractor and filter settle.
+/// Number of initial frames that are left out while the extractor and the filter settle.
 const SETTLING: usize = 20;
 const FRAME_NS: u64 = 1_000_000_000 / 30;
 /// Assumed acceleration of a rope that hardly moves, px/s².
@@ -297,8 +297,8 @@ fn film(seed: u64, effort: &Effort) -> Result<Vec<Vec<[f64; 2]>>, PaperError> {
     Ok(film)
 }
 
-/// Returns the jitter in a film: of the fitted control points, of those filtered with default and
-/// with calm options, and of the curve.
+/// Returns the jitter in a film for four things: the fitted control points, those filtered with
+/// default options, those filtered with calm options, and the curve.
 fn tremble(film: &[Vec<[f64; 2]>], fitter: &mut Fitter) -> Result<[f64; 4], PaperError> {
     let space = fitter.curve_space()?;
     let default = FilterOptions::default();

@@ -12,7 +12,7 @@ use crate::shapes::{POINTS, Shape, Shapes};
 use crate::{PaperError, Picture};
 
 /// Maximum distance between a curve's points and the true points of the same ρ, in rope widths.
-/// Beyond it the order is wrong.
+/// Beyond this, the order counts as wrong.
 const WRONG_WIDTHS: f64 = 2.0;
 /// Ratio of two methods' distances below which they count as equal.
 const ALIKE: f64 = 1.1;
@@ -75,7 +75,7 @@ const SKELETON: &str = "skeleton";
 const KMEANS: &str = "kmeans";
 
 impl Row {
-    /// Returns the median over the pictures of the mean distance.
+    /// Returns the mean distance, as the median over the pictures.
     fn off_px(&self) -> f64 {
         let means = self
             .outcomes

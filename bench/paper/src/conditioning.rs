@@ -1,5 +1,5 @@
 //! Condition number and noise gain by order, and the order at which noise exceeds the model's
-//! error. This shows why order 8 and not 20.
+//! error. This shows why to choose order 8 and not 20.
 
 mod figures;
 
@@ -17,7 +17,7 @@ const ORDERS: std::ops::RangeInclusive<usize> = 1..=24;
 const SIGMAS_PX: [f64; 3] = [0.1, 0.3, 1.0];
 /// Index of the noise that the findings are about.
 const MAIN: usize = 1;
-/// Number of noise samples that check the gain.
+/// Number of noise samples drawn to check the gain.
 const DRAWS: usize = 400;
 
 /// Effect of one order on noise and on the shapes.
@@ -31,23 +31,24 @@ struct Row {
     bspline: Option<[f64; 2]>,
     /// Median distance of the curve from exact points, px.
     model_px: f64,
-    /// The same distance for each kind of rope.
+    /// The same median for each kind of rope.
     kinds_px: Vec<f64>,
 }
 
 impl Row {
-    /// Displacement of the least certain control point by noise, px.
+    /// Returns how far noise displaces the least certain control point, px.
     fn noise_px(&self, sigma_px: f64) -> f64 {
         std::f64::consts::SQRT_2 * self.gain * sigma_px
     }
 
-    /// Mean displacement of the curve by noise, px: `σ √(2 (n + 1) / N)`.
+    /// Returns how far noise displaces the curve on average, px: `σ √(2 (n + 1) / N)`.
     fn curve_noise_px(&self, sigma_px: f64) -> f64 {
         sigma_px * (2.0 * (self.order + 1) as f64 / POINTS as f64).sqrt()
     }
 }
 
-/// Displacement in px of part of a row's curve by noise of the given standard deviation.
+/// Returns the displacement that noise of the given standard deviation causes at a row's order.
+/// Both are in px.
 type NoiseOf = fn(&Row, f64) -> f64;
 
 /// Condition numbers, gains and errors by order.
@@ -262,8 +263,8 @@ mod tests {
             .unwrap()
             .last()
             .noise_gain();
-        // 400 draws of two coordinates: a standard deviation of 2.5 %, for the largest of several
-        // values.
+        // The standard deviation is 2.5 %, from 400 draws of two coordinates. The tolerance is
+        // wider because the gain is the largest of several values.
         assert!((drawn_gain(1).unwrap() / foretold - 1.0).abs() < 0.12);
     }
 }

@@ -38,7 +38,7 @@ impl Csv {
 
 /// One value.
 pub(crate) enum Cell<'a> {
-    /// A text.
+    /// Text.
     Text(&'a str),
     /// A number with six significant digits. NaN is left empty.
     Number(f64),

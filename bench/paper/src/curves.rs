@@ -9,8 +9,8 @@ use crate::shapes::POINTS;
 /// The orders that the paper compares.
 pub(crate) const PAPERS: [usize; 4] = [2, 4, 6, 8];
 
-/// Returns a cubic B-spline with this many control points. With two or three, its degree is the
-/// highest that they allow.
+/// Returns a cubic B-spline with this many control points. With only two or three, the degree is
+/// the highest that this number allows.
 pub(crate) fn bspline(control_points: usize) -> Basis {
     Basis::BSpline {
         degree: 3.min(control_points - 1),

@@ -1,8 +1,8 @@
 //! The families of curves at an equal number of parameters: the paper's, those it allows, and the
 //! rivals it names.
 //!
-//! Each control point counts as two numbers. Each weight of a rational curve counts as one, except
-//! one weight, because only their ratios matter.
+//! Each control point counts as two numbers. Each weight of a rational curve counts as one number,
+//! except for one weight, because only the ratios of the weights matter.
 
 use lariat_fit::{Basis, Fit, Fitter, Options};
 
@@ -10,7 +10,7 @@ use crate::PaperError;
 use crate::curves::{bspline, curve};
 use crate::shapes::POINTS;
 
-/// Parameters of the paper's best order: nine control points of two numbers each.
+/// Number of parameters at the paper's best order: nine control points of two numbers each.
 pub(crate) const PAPERS_NUMBERS: usize = 18;
 
 /// A way to describe a centerline by few numbers.

@@ -27,7 +27,7 @@
 //! numbers. Tests supply numbers for both outcomes.
 //!
 //! - `shapes` holds the ropes that all experiments share, drawn or seen in pictures.
-//! - `family` holds the curves at an equal number of parameters.
+//! - `family` holds the families of curves, to be compared at an equal number of parameters.
 //! - `bench/plot` is the style of all charts (colors, dashes, markers, legends above the plot) and
 //!   of the page (HTML without scripts or external resources).
 //! - `overlay` draws curves over a picture.

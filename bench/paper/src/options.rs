@@ -40,7 +40,8 @@ pub struct Effort {
     pub size_px: [usize; 2],
     /// Number of ropes that are drawn and fitted.
     pub shapes: usize,
-    /// Number of pictures, the first of these ropes, on which the clusterings are compared.
+    /// Number of pictures on which the clusterings are compared. They show the first of these
+    /// ropes.
     pub pictures: usize,
     /// Number of pictures for each kind of light.
     pub lights: usize,
@@ -68,8 +69,8 @@ impl Default for Effort {
 }
 
 impl Effort {
-    /// Returns the least effort that shows everything once, in some seconds: for a first look and
-    /// for tests.
+    /// Returns the least effort that still shows everything once. It takes some seconds and is
+    /// meant for a first look and for tests.
     pub fn least() -> Self {
         Self {
             size_px: [240, 180],
@@ -87,8 +88,8 @@ impl Effort {
 pub enum Ropes<'a> {
     /// Ropes drawn from the seed, with known ground truth.
     Drawn,
-    /// Ropes in pictures. Each picture is read when it is needed; an error is a sentence that says
-    /// why one could not be read.
+    /// Ropes in pictures. Each picture is read when it is needed. If it cannot be read, the error
+    /// is a sentence that says why.
     Pictured(&'a mut dyn Iterator<Item = Result<Picture, String>>),
 }
 

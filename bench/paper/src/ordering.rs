@@ -19,7 +19,7 @@ const RATIOS: [f64; 6] = [1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
 const A_RATIO: usize = 2;
 const BASIS: Basis = Basis::Bezier { order: 8 };
 
-/// The way that steps are uneven.
+/// Pattern of uneven steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Unevenness {
     /// Steps grow along the rope and shrink again, as for a rope that recedes from the camera or a
@@ -120,7 +120,7 @@ pub(crate) struct Ordering {
     /// Unevenness, index into `RHOS`, and errors by ratio.
     steps: Vec<(Unevenness, usize, Vec<Spread>)>,
     /// Disorder, index into `RHOS`, distance of the rope from the curve, and distance of the
-    /// control points from those of the right order.
+    /// control points from those for the right order.
     orders: Vec<(Disorder, usize, Spread, f64)>,
     shapes: usize,
 }

@@ -20,7 +20,8 @@ const HOLDS: f64 = 0.95;
 pub(crate) struct Row {
     shape: String,
     kind: &'static str,
-    /// Distance from the fitted points at their ρ, `√(Q/N)` in the paper, by order from 1 on.
+    /// Distance of the curve from the fitted points at their ρ, by order from 1 on. The paper's
+    /// `√(Q/N)`.
     residual_px: Vec<f64>,
     /// Distance from the reference centerline at the same ρ.
     off_px: Vec<f64>,
@@ -257,7 +258,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// Makes one shape per row of `errors`, which holds the error of each order.
+    /// Makes one shape per row of `errors`. A row holds the error of each order.
     fn orders(errors: &[[f64; 12]]) -> Orders {
         Orders {
             rows: errors

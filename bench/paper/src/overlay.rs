@@ -38,8 +38,8 @@ pub(crate) enum Drawn {
 /// The part of a picture that panels show, in the picture's pixels: left, top, width, height.
 pub(crate) type View = [f64; 4];
 
-/// Returns a view of the whole picture with a margin around it. The margin is `beyond` times the
-/// side.
+/// Returns a view of the whole picture with a margin around it. Along each axis, the margin is
+/// `beyond` times the picture's side.
 pub(crate) fn around(picture: &Picture, beyond: f64) -> View {
     let sides = [picture.width as f64, picture.height as f64];
     let [left, top] = sides.map(|side| -0.5 - beyond * side);

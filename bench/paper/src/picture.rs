@@ -14,7 +14,7 @@ const SHOWN_PX: u32 = 480;
 /// the PNG small.
 const SHADE_STEP: u8 = 6;
 
-/// Share of the darkness that is kept.
+/// Share of each pixel's darkness that a background picture keeps.
 const PALENESS: f32 = 0.55;
 
 /// A picture: red, green and blue of each pixel, row by row, without padding.

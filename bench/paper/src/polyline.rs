@@ -1,6 +1,6 @@
 //! Centerlines as lists of points.
 
-/// Returns the point at a share `u` (0 to 1) of a list of evenly spaced points.
+/// Returns the point at share `u` (0 to 1) along a list of evenly spaced points.
 pub(crate) fn at(points: &[[f64; 2]], u: f64) -> [f64; 2] {
     let last = points.len().saturating_sub(1);
     let place = u.clamp(0.0, 1.0) * last as f64;

@@ -1,4 +1,4 @@
-//! Random numbers from a seed: the same number gives the same report.
+//! Random numbers from a seed: the same seed gives the same report.
 
 use lariat_portable::SplitMix64;
 

@@ -31,8 +31,8 @@ const NEXT_SEED: u64 = 50_000;
 const KEPT_BYTES: usize = 100_000_000;
 /// Period of a gentle rope's motion, s. Each moment of it gives a shape.
 const MOTION_S: f64 = 60.0;
-/// Minimum mean distance from the truth at the same ρ at which a centerline counts as following
-/// another path, in rope widths.
+/// Minimum mean distance from the truth, in rope widths, for a centerline to count as following
+/// another path. Distances are taken at the same ρ.
 const ASTRAY_WIDTHS: f64 = 1.0;
 
 /// A rope.

@@ -95,8 +95,8 @@ impl Chart {
     }
 }
 
-/// Draws charts side by side, `columns` in a row, as one SVG without a fixed size. `figure` names
-/// it in an error.
+/// Draws charts side by side, `columns` in a row, as one SVG without a fixed size. `figure` is the
+/// name of the drawing in errors.
 ///
 /// # Errors
 /// Fails if the plotting library does.

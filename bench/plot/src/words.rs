@@ -63,7 +63,8 @@ pub fn time(us: f64) -> String {
     }
 }
 
-/// Formats a share as whole percents. Says "all" or "none" only if it is exactly that.
+/// Formats a share as a whole percentage. A share between 0 and 1 % becomes "under 1 %", and a
+/// share between 99 and 100 % becomes "over 99 %".
 pub fn percent(share: f64) -> String {
     let whole = 100.0 * share;
     if !share.is_finite() {

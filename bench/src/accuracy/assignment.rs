@@ -1,8 +1,8 @@
 //! Assignment of curves to ropes: the pairing with the largest sum of scores.
 
-/// Returns for each row of `scores` the column paired with it, so that the sum of scores is
-/// largest. No column is paired twice. Every row has the same number of columns. Pairs of score 0
-/// are left unpaired.
+/// Returns, for each row of `scores`, its column in the pairing with the largest sum of scores. No
+/// column is paired twice. Every row has the same number of columns. Pairs of score 0 are left
+/// unpaired.
 ///
 /// Uses the Hungarian method, row by row along shortest augmenting paths (Jonker and Volgenant,
 /// 1987).

@@ -8,19 +8,19 @@ use super::labels::Labels;
 use super::overlap::Overlap;
 use super::spline::Sample;
 
-/// Cause of a disagreement between drawing and label. The first that applies is chosen.
+/// Cause of a disagreement between drawing and label. The first variant that applies is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     /// A labeled pixel far from every curve: a fragment of rope was missed, or a corner was cut.
     Lost,
-    /// Rope in both, but different ropes: the strand order, a wrong connection, or the edge between
-    /// the two.
+    /// Rope in both, but not the same rope: a wrong strand order, a wrong connection, or the edge
+    /// between two ropes.
     Order,
     /// Within a width of a tip: the tip is too early, too late, or not square.
     Tip,
     /// Within a width and a half of a crossing.
     Crossing,
-    /// A bend of the rope with a radius below twice its width.
+    /// A bend with a radius below twice the rope's width.
     Bend,
     /// Along a smooth stretch of rope: a wrong width, or a centerline off center.
     Side,
@@ -57,8 +57,7 @@ pub(super) struct Disagreement {
     pub(super) lacking: [usize; 6],
     /// Pixels drawn as the rope but not labeled, in the order of [`Cause::ALL`].
     pub(super) excess: [usize; 6],
-    /// Length of the curves along which a disagreement of an edge counts as [`Cause::Side`], in
-    /// pixels.
+    /// Total length of curve along which an edge disagreement counts as [`Cause::Side`], in pixels.
     pub(super) side_px: f64,
 }
 
@@ -74,8 +73,8 @@ impl Disagreement {
         self.side_px += other.side_px;
     }
 
-    /// Returns how far the drawn edge is outside the labeled one along smooth stretches, as the
-    /// mean of both edges, in pixels. Negative values are inside.
+    /// Returns how far the drawn edges are outside the labeled ones along smooth stretches, in
+    /// pixels. This is the mean of both edges, and negative if they are inside.
     pub(super) fn edge_bias_px(&self) -> f64 {
         let side = Cause::Side as usize;
         let surplus = self.excess[side] as f64 - self.lacking[side] as f64;

@@ -4,8 +4,8 @@ use super::labels::Labels;
 use super::spline::Sample;
 use super::strip::{self, Ends};
 
-/// Tolerance in pixels: of a labeled pixel's distance from a curve, beyond half a width, and of a
-/// curve's distance from the labels.
+/// Tolerance in pixels. A labeled pixel may be this much farther than half a width from a curve,
+/// and a curve this far from the labels.
 pub(super) const TOLERANCE_PX: f64 = 2.0;
 
 /// Shares from 0 to 1.

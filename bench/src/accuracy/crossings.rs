@@ -1,9 +1,9 @@
 //! The order of the strands at each crossing, compared with human judgment.
 //!
-//! A list names for each crossing its picture, its position and the direction of the upper strand.
-//! If a set has any line in the list, the list has all of its crossings. A detected crossing is
-//! matched to the nearest line within a width and a half. Its order is right if its upper strand is
-//! closer to the listed direction than its lower strand.
+//! A list gives the picture, the position and the upper strand's direction of each crossing. If it
+//! contains one crossing of a set, it contains all of them. A detected crossing is matched to the
+//! nearest listed one within a width and a half. The order is right if the upper strand is closer
+//! to the listed direction than the lower strand is.
 
 use std::fmt::Write;
 use std::fs;
@@ -17,8 +17,8 @@ use super::measure::Measured;
 /// Maximum distance between a detected crossing and its listed position, in widths. At an acute
 /// crossing, both positions are approximate.
 const NEAR: f32 = 1.5;
-/// Distance to each side over which directions are measured, in widths. Directly at an acute
-/// crossing the directions are equal.
+/// Distance to each side over which directions are measured, in widths. Measured directly at an
+/// acute crossing, the directions would be equal.
 const CHORD: f32 = 1.5;
 /// Lower bounds of the confidence bins.
 const BINS: [f32; 3] = [0.0, 0.5, 0.9];
@@ -40,7 +40,7 @@ pub(super) struct LabelledCrossing {
 struct Score {
     right: usize,
     wrong: usize,
-    /// Detected, but their order could not be judged by eye.
+    /// Number of detected crossings whose order could not be judged by eye.
     unsure: usize,
     missed: usize,
     invented: usize,

@@ -9,7 +9,7 @@ use lariat_fit::{Basis, Fitter, Line, SteadySize, Tolerance};
 
 use super::photo;
 
-/// Frames per second assumed for a film whose pictures lack times.
+/// Frames per second assumed for a film whose pictures have no timestamps.
 const FPS: u64 = 30;
 
 /// Errors of a curve fitted to its points.
@@ -122,8 +122,8 @@ pub(super) fn table<'a>(sets: impl IntoIterator<Item = (&'a str, Vec<Fitted>)>) 
     table.to_string()
 }
 
-/// Prints the figures of a film, given as a folder of pictures. Each rope's curve keeps its size
-/// over time.
+/// Prints the figures of a film, given as a folder of pictures. The number of control points of a
+/// rope's curve is kept steady over time.
 ///
 /// # Errors
 /// A picture cannot be read.

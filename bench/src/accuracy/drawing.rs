@@ -48,8 +48,8 @@ pub(super) fn draw(
     drawn
 }
 
-/// Returns the upper of two ropes at the crossing of both that is nearest to `at`, or `None` if
-/// they do not cross.
+/// Returns which of two ropes is on top at their crossing nearest to `at`, or `None` if they do not
+/// cross.
 fn top(crossings: &[Crossing], ropes: (usize, usize), at: [f64; 2]) -> Option<usize> {
     let off = |c: &Crossing| (f64::from(c.at[0]) - at[0]).hypot(f64::from(c.at[1]) - at[1]);
     crossings
@@ -59,7 +59,8 @@ fn top(crossings: &[Crossing], ropes: (usize, usize), at: [f64; 2]) -> Option<us
         .map(|c| c.over)
 }
 
-/// Extends a rope that leaves the image straight ahead, so that its square end is out of sight.
+/// Continues a rope straight ahead where it leaves the image, so that its square end is out of
+/// sight.
 fn beyond_the_border(mut samples: Vec<Sample>, curve: &Curve) -> Vec<Sample> {
     let on = |tip: Sample, inner: Sample| {
         let along = [tip.at[0] - inner.at[0], tip.at[1] - inner.at[1]];

@@ -74,8 +74,8 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// Creates an extractor with default options apart from these two. If they have their defaults
-    /// too, the figures are those of an unconfigured lariat.
+    /// Creates an extractor with default options apart from these two. If these have their default
+    /// values too, the figures are those of an unconfigured lariat.
     pub(super) fn new(method: Method, mask: Mask) -> Result<Self> {
         Ok(Self {
             extractor: Extractor::new(Options::default().method(method).mask(mask.into()))?,
@@ -86,7 +86,7 @@ impl Bench {
     /// Extracts a photograph and compares the result with its label.
     ///
     /// # Errors
-    /// A file cannot be read, or the two differ in size.
+    /// A file cannot be read, or photograph and label differ in size.
     pub(super) fn measure(&mut self, pair: &Pair) -> Result<Measured> {
         let label = Labels::load(&pair.label)?;
         let start = Instant::now();

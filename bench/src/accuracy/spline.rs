@@ -1,6 +1,6 @@
 //! The curve through a centerline's points: a centripetal Catmull-Rom spline (Yuksel, Schaefer and
-//! Keyser, 2011), evaluated about every pixel by the pyramid of Barry and Goldman (1988). Half the
-//! width is a third coordinate with the same knots.
+//! Keyser, 2011), evaluated in steps of at most a pixel by the pyramid of Barry and Goldman (1988).
+//! Half the width is interpolated as a third coordinate with the same knots.
 
 use lariat_extract::Curve;
 

@@ -23,7 +23,7 @@ pub(super) enum Ends {
 }
 
 /// Calls `hit` for the pixels within half a width + `margin_px` of the curve. It is called once for
-/// each segment that has the pixel abreast, so a pixel may occur several times.
+/// each segment that the pixel is next to, so a pixel may occur several times.
 pub(super) fn each(
     (width, height): (usize, usize),
     samples: &[Sample],
@@ -50,7 +50,7 @@ pub(super) fn each(
         let span = |axis: usize, size: usize| {
             let low = a.at[axis].min(b.at[axis]) - reach;
             let high = a.at[axis].max(b.at[axis]) + reach;
-            // Float casts saturate, so coordinates far outside become the border.
+            // Float casts saturate, so even coordinates far outside are clamped to the picture.
             low.ceil().max(0.0) as usize..((high.floor() + 1.0).max(0.0) as usize).min(size)
         };
         for y in span(1, height) {

@@ -20,8 +20,8 @@ const WIDTHS_PX: [f64; 2] = [3.0, 60.0];
 /// Returns for each curve whether it is one whole rope of the label. No two curves are the same
 /// rope.
 ///
-/// A whole curve covers 93 % of the rope's pixels (within half a width + 2 px, at least 4 px). As
-/// much of its length is on the rope (within 1.1 widths, at least 5 px).
+/// A whole curve covers 93 % of the rope's pixels (within half a width + 2 px, at least 4 px). The
+/// same share of its own length is on the rope (within 1.1 widths, at least 5 px).
 pub(super) fn curves(label: &Labels, curves: &[Curve], splines: &[Vec<Sample>]) -> Vec<bool> {
     let lines: Vec<(f64, Vec<[f64; 2]>)> = (curves.iter().zip(splines))
         .map(|(curve, samples)| {

@@ -47,7 +47,7 @@ pub(super) struct Measured {
     pub(super) value: f64,
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Number of rounds that show the noise.
+    /// Number of rounds that the noise is estimated from.
     pub(super) rounds: usize,
     /// True for a figure of lariat, false for one of the machine or a rival.
     pub(super) ours: bool,
@@ -70,9 +70,9 @@ const SINGLE: usize = usize::MAX;
 /// Minimum number of rounds. With fewer, the noise is unknown.
 const LEAST_ROUNDS: usize = 3;
 
-/// Returns the minimum resolvable difference, by the figure's unit. It is 0.5 µs because of the
-/// clock stamps. It is 0.2 % of a core, a tenth of a MB and a ms because of the kernel's
-/// accounting. Every lost frame counts.
+/// Returns the minimum resolvable difference, by the figure's unit. For µs, it is 0.5 because of
+/// the clock stamps. For percent of a core (0.2), MB (0.1) and ms (1), it follows from the kernel's
+/// accounting. For lost frames, it is below 1, so that every one counts.
 fn resolution(figure: &str) -> f64 {
     match figure {
         "lost" => 0.5,
@@ -122,7 +122,7 @@ fn parse(text: &str) -> Result<Summary> {
     if measured.is_empty() {
         bail!("it holds no figure");
     }
-    // A percentile that only a few rounds had enough frames for does not show the noise.
+    // A percentile does not show the noise if only a few rounds had enough frames for it.
     measured.retain(|figure| figure.rounds >= LEAST_ROUNDS);
     if measured.is_empty() {
         bail!(
@@ -229,8 +229,8 @@ fn percentile(
     })
 }
 
-/// Interpolates the distribution at a quantile from the median on. Between known percentiles it is
-/// linear in the logarithm of 1/(1 − q), as in its plots.
+/// Interpolates the distribution at a quantile of at least 0.5. Between known percentiles, times
+/// are linear in the logarithm of 1/(1 − q), as in the plots.
 fn interpolated(spread: &Value, quantile: f64) -> Option<f64> {
     const KNOWN: [(f64, &str); 4] = [(0.5, "p50"), (0.9, "p90"), (0.99, "p99"), (0.999, "p999")];
     let nines = |quantile: f64| -(1.0 - quantile).log10();

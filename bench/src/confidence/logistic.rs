@@ -117,7 +117,7 @@ mod tests {
     }
 
     /// Returns twenty curves with a clue that can only support them, and twenty without. The
-    /// arguments are the numbers of right ones.
+    /// arguments are the numbers of right curves among them.
     fn examples([with, without]: [usize; 2]) -> Vec<Example> {
         let example = |clue: f32, is_right: bool| {
             let mut clues = [0.0; CLUES];

@@ -74,7 +74,7 @@ pub(super) fn uneven(mask: &[u8], width: usize, random: &mut SplitMix64) -> Vec<
     let strength = random.uniform(0.0, 0.9) as f32;
     let waves = Waves::of(random, [width, height], cell_px);
     let uneven = soft.iter().enumerate().map(|(i, &share)| {
-        // Mostly at the edges.
+        // The change is largest at the edges.
         let edge = if share > 0.0 {
             1.0 - 0.7 * (2.0 * share - 1.0).abs()
         } else {

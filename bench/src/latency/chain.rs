@@ -68,7 +68,7 @@ pub(super) fn measure(workplace: &Workplace, setup: &Setup, time: Duration) -> R
     }
     if setup.second {
         let mut command = workplace.lariat(Placement::default());
-        // It outlasts the first chain and is ended with it.
+        // Its time is longer than the first chain's, but it is stopped when the first chain ends.
         command
             .arg("run")
             .args(setup.arguments("beside", time + AROUND));
@@ -175,7 +175,7 @@ pub(super) fn start(workplace: &Workplace, setup: &Setup) -> Result<Outcome> {
         )?;
     }
     let start_ms = begin.elapsed().as_secs_f64() * 1e3;
-    // The reader would share the pages that are counted.
+    // The reader would share the pages that are counted, so it is dropped first.
     drop((reader, domain));
     workplace.sleep(Duration::from_millis(500))?;
     let resident_mb = usage::resident_mb(&usage::family(&[program.id()]));

@@ -87,7 +87,7 @@ impl Figure {
         quantile(&sorted, 0.5)
     }
 
-    /// Returns the least and the greatest round.
+    /// Returns the lowest and the highest value among the rounds.
     pub(super) fn range(&self) -> (f64, f64) {
         let fold = |f: fn(f64, f64) -> f64| self.rounds.iter().copied().reduce(f);
         (

@@ -95,7 +95,7 @@ impl Bell {
                 self.word.store(1, Ordering::Release);
                 let _ = futex::wake(&self.word, futex::Flags::PRIVATE, 1);
             }
-            // It holds at most one signal, so the write does not block.
+            // The eventfd holds at most one signal, so the write does not block.
             Sleep::Eventfd => drop(rustix::io::write(&self.descriptor, &1u64.to_ne_bytes())),
         }
     }
@@ -153,7 +153,7 @@ pub(super) fn wake(how: Sleep, cores: [usize; 2], count: usize) -> Result<Outcom
 
 /// Times how late a thread wakes from a sleep until a given time, as in capture. If a core is
 /// named, the thread runs on it under FIFO. No program on this machine can be more punctual than
-/// that. The rest is due to the kernel, and on a virtual machine to the host.
+/// that. The lateness that remains is due to the kernel, and on a virtual machine also to the host.
 pub(super) fn timer(
     stop: &Stop,
     period: Duration,

@@ -183,7 +183,7 @@ pub(super) fn run(args: &GuardArgs) -> Result<std::process::ExitCode> {
     if let Some(core) = args.core {
         arrangement::pin(core)?;
     }
-    // The last change. The program inherits it.
+    // This is the last change before the program starts. The program inherits it.
     ensure!(
         !args.fifo || arrangement::run_before_others(PRIORITY),
         "FIFO scheduling is not allowed"

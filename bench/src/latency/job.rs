@@ -26,7 +26,7 @@ pub(super) enum What {
     Pass(Pass, [u32; 2]),
     Arithmetic,
     Wake(Sleep, [usize; 2]),
-    /// On this core under FIFO, if one is named.
+    /// Lateness of a timer: on this core under FIFO, if a core is given.
     Timer(Option<usize>),
     Relay(Arrangement, f64),
     Chain(Setup),

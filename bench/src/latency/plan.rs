@@ -31,7 +31,7 @@ pub(super) struct Plan {
     pub(super) items: Vec<Item>,
     /// Size and rate of the comparisons.
     pub(super) base: ([u32; 2], f64),
-    /// Factor on the usual durations.
+    /// Factor that scales the usual durations.
     stretch: f64,
 }
 
@@ -360,7 +360,7 @@ impl Plan {
         &self.items[self.jobs[job].item]
     }
 
-    /// Returns whether the item is not already known to be missing.
+    /// Returns true unless the item is already known to be missing.
     pub(super) fn is_wanted(&self, job: usize) -> bool {
         self.item(job).missing.is_none()
     }

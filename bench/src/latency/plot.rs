@@ -2,7 +2,7 @@
 //! distribution.
 //!
 //! The percentile axis is 1/(1 − q), as in HdrHistogram's own plots. Each decade adds another nine,
-//! so that one event in a thousand gets as much space as every second one.
+//! so that one event in a thousand gets as much space as one in two.
 
 use lariat_plot::{Axis, Chart, LineStyle, Marker, PlotError, Stroke, draw};
 use lariat_sink::Times;

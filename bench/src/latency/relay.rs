@@ -146,8 +146,7 @@ pub(super) fn run(args: &RelayArgs) -> Result<()> {
     }
 }
 
-/// Sends on schedule until it is asked to stop. It does not wait until the other processes have
-/// started.
+/// Sends on schedule until it is asked to stop, without waiting for the other processes to start.
 fn send(args: &RelayArgs, domain: &Domain, stop: &Stop) -> Result<()> {
     let sender = RelaySender::create(domain, 0)?;
     let mut pacer = Pacer::new(Pace::Fps(args.fps))?;

@@ -1,4 +1,5 @@
-//! The chain without control loops, with many, and with many including a stopped and a killed one.
+//! The chain without control loops, with many, and with many while one is stopped and one is
+//! killed.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;

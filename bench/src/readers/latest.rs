@@ -14,7 +14,7 @@ use super::counts::Counts;
 
 /// Messages per second during the measurement.
 const RATE: &str = "1000";
-/// Longer than the measurement, so that no message is too old.
+/// Maximum age of a message: longer than the measurement, so that none is too old.
 const ANY_AGE: Duration = Duration::from_secs(3600);
 
 /// Returns the table.
@@ -125,7 +125,7 @@ fn after_sleeps(reader: &mut Reader, time: Duration) -> Result<Counts> {
     }
 }
 
-/// Does the same in a C program that is built here. Returns its rows, separated by tabs.
+/// Measures the same in a C program that is built here. Returns its rows, separated by tabs.
 fn in_c(place: &Place, time: Duration) -> Result<String> {
     let this = std::env::current_exe().context("this program has no file")?;
     let built = this.parent().map_or_else(PathBuf::new, Path::to_path_buf);

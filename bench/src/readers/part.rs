@@ -39,7 +39,7 @@ pub(super) struct Saw {
     pub(super) frames: u64,
     /// Number of messages missed between the first and the last.
     pub(super) missed: u64,
-    /// Time from fit's stamp until the reader has the message.
+    /// Median time from the fit stage's timestamp until the reader has the message.
     pub(super) p50_us: f64,
     pub(super) p99_us: f64,
 }

@@ -41,7 +41,7 @@ pub(super) fn measure(place: &Place, time: Duration, rounds: usize) -> Result<Ta
                 .chain([count.to_string()]),
         );
     }
-    // Ratios are taken within each round, because both drift.
+    // Ratios are taken within each round, because both times drift.
     let ratios = shares.map(|share| {
         let pairs = ours.iter().zip(&raw);
         let each: Samples = pairs
@@ -85,7 +85,7 @@ fn relay(place: &Place, time: Duration) -> Result<Samples> {
     while end.is_none_or(|end| Instant::now() < end) {
         let message = receiver.next(PATIENCE)?;
         let now_ns = now_ns();
-        // Woken by the last notification of a message that was already taken.
+        // The wake came from a late notification, whose message was already taken.
         let Some([sent_ns, ..]) = message else {
             continue;
         };

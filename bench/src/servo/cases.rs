@@ -35,8 +35,8 @@ const EXTRACT: &str =
 const FIT: &str = "[fit]\ncontrol_points = 9\n";
 /// Name of the B-spline basis.
 const BSPLINE: &str = "bspline";
-/// Time at which a hand appears, s. It is on the way to the target, which most ropes reach after
-/// three.
+/// Time at which a hand appears, s. The rope is then on its way to the target, which most ropes
+/// reach after 3 s.
 const HAND_AT_S: f64 = 2.5;
 
 /// Target shape of the rope.
@@ -160,8 +160,8 @@ impl Case {
         Ok(cases)
     }
 
-    /// Returns whether the case applies to a lifted rope. There, no hand appears, and the features
-    /// are always a Bezier curve's control points without added latency.
+    /// Returns whether the case applies to a lifted rope. With a lifted rope, no hand appears, and
+    /// the features are always a Bezier curve's control points without added latency.
     fn is_in_space(&self) -> bool {
         match self.group {
             Group::AsItIs | Group::FrameRate | Group::Noise | Group::Estimator => true,

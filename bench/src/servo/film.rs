@@ -102,8 +102,8 @@ impl Film {
         at_s >= self.next_s - 0.1 * STEP_S
     }
 
-    /// Adds a shot, which must be later than the previous ones. An image of another size than the
-    /// film's gives no picture.
+    /// Adds a shot, which must be later than the previous ones. An image whose size differs from
+    /// the film's adds no picture.
     pub(super) fn add(&mut self, shot: &Shot) {
         self.errors.push([shot.at_s, shot.error_px]);
         let [width, height] = self.size_px.map(|side| side as u32);

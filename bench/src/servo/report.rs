@@ -95,7 +95,7 @@ impl Group {
         }
     }
 
-    /// Returns the label of its values with their unit.
+    /// Returns the label for the group's values, including their unit.
     pub(super) fn axis(self) -> &'static str {
         match self {
             Self::AsItIs => "",

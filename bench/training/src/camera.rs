@@ -38,8 +38,8 @@ pub(crate) fn expose(canvas: &mut Canvas, random: &mut SplitMix64) -> anyhow::Re
     }
 }
 
-/// Adds light from a lamp at the side, a spot or a dark corner, and the shadow of an object outside
-/// the picture.
+/// Sometimes adds the brightness gradient of a lamp at the side, and the shadow of an object
+/// outside the picture.
 fn light(canvas: &mut Canvas, random: &mut SplitMix64) {
     let side = canvas.side as f32;
     let middle = [0.5 * side; 2];
@@ -90,7 +90,7 @@ fn sharpen(canvas: &mut Canvas, by: f32) {
     }
 }
 
-/// Applies white balance, exposure and a tone curve. Sometimes the camera is gray.
+/// Applies white balance, exposure and a tone curve. Sometimes removes some or all of the color.
 fn develop(canvas: &mut Canvas, random: &mut SplitMix64) {
     let exposure = random.uniform_f32(0.6, 1.25);
     let gain = [(); 3].map(|()| exposure * random.uniform_f32(0.86, 1.15));

@@ -164,8 +164,8 @@ pub(crate) fn shadow(cover: &Field<f32>, by: Vec2, sigma_px: f32) -> Field<f32> 
 }
 
 /// Noise of mean 0 and variance 1 in octaves from `finest_px` to `coarsest_px`. Each octave is
-/// stronger than the next finer one by 2 to the power of `slope`. It is stretched by `aspect` along
-/// an angle.
+/// stronger than the next finer one by a factor of 2 to the power of `slope`. The noise is
+/// stretched by `aspect` along an angle.
 pub(crate) struct Noise {
     pub(crate) finest_px: f32,
     pub(crate) coarsest_px: f32,
@@ -241,7 +241,7 @@ pub(crate) fn spread(random: &mut SplitMix64, low: f32, high: f32) -> f32 {
     low * libm::powf(high / low, random.unit_f32())
 }
 
-/// Returns a random color. Some kinds are more frequent, like the paint of real objects.
+/// Returns a random color. Some families are more frequent, as in the paint of real objects.
 pub(crate) fn color(random: &mut SplitMix64) -> Rgb {
     let kinds = [
         Paint::Any,

@@ -366,7 +366,7 @@ impl Laid {
     }
 
     /// Calls `paint` with every pixel near a rope, the nearest position on the rope, and half the
-    /// width there. At a self-crossing it is called once for each layer, from the lowest.
+    /// width there. At a self-crossing it is called once for each layer, starting with the lowest.
     fn in_layers(
         &mut self,
         path: &Path,
@@ -391,7 +391,7 @@ impl Laid {
                 ]
             };
             let ([left, right], [top, bottom]) = (bounds(at[0]), bounds(at[1]));
-            // At a self-crossing, the layer so far is below.
+            // At a self-crossing, the layer already drawn is the lower one.
             let centre = at.map(|c| c.round() as isize);
             let inside = centre.iter().all(|&c| (0..side).contains(&c));
             let mut over = false;

@@ -47,7 +47,8 @@ fn length(a: Vec2) -> f32 {
     dot(a, a).sqrt()
 }
 
-/// Returns the signed distance from a rectangle around the origin with rounded corners.
+/// Returns the signed distance from a rectangle with rounded corners that is centered on the
+/// origin.
 fn slab(at: Vec2, half: Vec2, round: f32) -> f32 {
     let off = [0, 1].map(|k| at[k].abs() - half[k] + round);
     length(off.map(|d| d.max(0.0))) + off[0].max(off[1]).min(0.0) - round

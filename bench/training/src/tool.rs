@@ -60,8 +60,8 @@ impl Bar {
         }
     }
 
-    /// Returns a position's distance from the body, its position across in half widths, and along
-    /// in pixels.
+    /// Returns a point's signed distance from the body, its coordinate across the body in half
+    /// widths, and its coordinate along it in pixels.
     fn place(&self, at: Vec2) -> (f32, f32, f32) {
         let (mut nearest, mut across, mut along, mut begin) = (f32::MAX, 0.0, 0.0, 0.0);
         for pair in self.middle.windows(2) {

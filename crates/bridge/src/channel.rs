@@ -6,8 +6,8 @@ use lariat_wire::{Channel, Domain, Message, Payload, Receiver, Rig, WireError};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Woken {
     Yes,
-    /// The reader looks when something else wakes it. It does not join a `--lossless` channel,
-    /// whose writer would wait for it.
+    /// The reader checks for messages when something else wakes it. It does not join a `--lossless`
+    /// channel, whose writer would wait for it.
     No,
 }
 

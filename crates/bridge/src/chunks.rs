@@ -1,5 +1,5 @@
-//! Splits a picture, or a datagram that is larger than UDP can carry, into small datagrams. Each
-//! delays what comes behind it by at most 0.1 ms on a link of 100 Mbit/s. Pure.
+//! Splits a picture, or a datagram that is larger than UDP can carry, into small datagrams. Each of
+//! them delays later datagrams by at most 0.1 ms on a link of 100 Mbit/s. The code is pure.
 //!
 //! Each part is `picture (u32), index (u16), number of parts (u16)`, then bytes. If a part is lost
 //! or arrives out of order, its picture is lost, and the next picture wins.
@@ -95,7 +95,7 @@ mod tests {
         }
         // A picture with zero parts is never complete.
         assert_eq!(assembly.take(&[0; 8]), None);
-        // A part beyond the last one is refused, also one beyond what a counter holds.
+        // A part beyond the last one is refused, even if its index is the largest possible one.
         assert_eq!(assembly.take(&[0, 0, 0, 0, 0, 0, 1, 0]), Some(&[][..]));
         assert_eq!(assembly.take(&[0, 0, 0, 0, 1, 0, 1, 0]), None);
         assert_eq!(assembly.take(&[0, 0, 0, 0, 255, 255, 1, 0]), None);

@@ -24,11 +24,11 @@ const DRIFT: f64 = 700e3;
 /// Maximum change of the drift per second, in ns per second: 1 ppm per second, a crystal that warms
 /// by several degrees per second.
 const WANDER: f64 = 1e3;
-/// Span of time. Only the shortest round trip in it is kept.
+/// Length of a time span. Only the shortest round trip in each span is kept.
 const BUCKET_NS: u64 = 250_000_000;
-/// Number of round trips kept, 8 s.
+/// Number of round trips that are kept: those of 8 s.
 const KEPT: usize = 32;
-/// Steps that narrow an interval of drifts to less than 1 ns per second.
+/// Number of steps that narrow an interval of drifts to less than 1 ns per second.
 const HALVINGS: usize = 40;
 
 /// A question and its answer, in nanoseconds of the two clocks.
@@ -133,7 +133,8 @@ impl Clock {
     /// contradict each other.
     fn solve(&self, now: u64) -> Option<Offset> {
         let base = *self.kept.last()?;
-        // Differences of two clocks may have any size; those between differences are small.
+        // A difference between the two clocks may have any size, but two such differences are
+        // nearly equal.
         let ahead = |there: u64, here: u64| i128::from(there) - i128::from(here);
         let zero = ahead(base.got, base.asked);
         let line = |there: u64, here: u64, slack: f64| {

@@ -1,4 +1,5 @@
-//! A sealed datagram: its sender, its kind, its count among its kind, and its content.
+//! A sealed datagram: its sender, its kind, its count among the datagrams of this kind, and its
+//! content.
 //!
 //! ```text
 //!  0  'l' 'b'      2  version 3      3  kind      4  hash of the messages' versions
@@ -6,10 +7,10 @@
 //! 24  content …                                   then a tag of 16 bytes (ChaCha20-Poly1305)
 //! ```
 //!
-//! Numbers are little endian. The tag authenticates head and content. The nonce is kind and count,
-//! under a key that only this sender has, so no nonce occurs twice. Counts only grow, so replays
-//! are detected. To learn whether a sender is alive or a recording is replayed, the receiver has to
-//! ask it.
+//! Numbers are little endian. The tag authenticates head and content. The nonce consists of kind
+//! and count, and the key belongs to this sender alone, so no nonce occurs twice. Counts only grow,
+//! so replays are detected. To learn whether a sender is alive or a recording is replayed, the
+//! receiver has to ask it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

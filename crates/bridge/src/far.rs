@@ -1,7 +1,7 @@
 //! The other side: writes what arrives to the rig's channels here, with its timestamps on this
 //! machine's clock.
 //!
-//! Readers here see the same rig as on the camera's machine. While nothing arrives, its last
+//! Readers here see the same rig as on the camera's machine. While nothing arrives, the last
 //! message ages, and readers notice that by themselves (`Seen::Stale`). The bridge asks the other
 //! side for its time 20 times per second. After [`SILENCE_NS`] without an answer it looks the name
 //! up again and reconnects. The cause may be a cut link, a killed process or an address that moved.
@@ -39,7 +39,7 @@ use written::Written;
 
 /// Interval between two questions.
 const ASK_NS: u64 = 50_000_000;
-/// A question may leave this much earlier, if a message has just come.
+/// A question may leave this much earlier, if a message has just arrived.
 const ASK_EARLY_NS: u64 = 10_000_000;
 /// The bridge reconnects after eight questions without an answer.
 const SILENCE_NS: u64 = 8 * ASK_NS;
@@ -134,7 +134,7 @@ struct Far<'a> {
     outgoing: Arc<Outgoing>,
     upward: Arc<Mutex<Upward>>,
     incoming: Incoming,
-    /// Parts of a datagram that is larger than UDP can carry, and the whole of it.
+    /// Parts of a datagram that is larger than UDP can carry, and the reassembled datagram.
     parts: Assembly,
     whole: Vec<u8>,
     link: Link,
@@ -187,7 +187,7 @@ impl<'a> Far<'a> {
         }
     }
 
-    /// Opens one socket after another. Each is used until nobody answers.
+    /// Opens one socket after another. Each is used until answers stop.
     fn carry(&mut self, place: &Place, stop: &Stop) -> Result<()> {
         let mut announcement = None;
         let mut is_silent = None;
@@ -238,8 +238,9 @@ impl<'a> Far<'a> {
         Ok(())
     }
 
-    /// Asks, and takes what comes, until a signal or a silence. Returns whether there was an
-    /// answer. Calls `every_second` on the first answer, and then once per second.
+    /// Asks questions and handles all datagrams that arrive, until a signal or a silence. Returns
+    /// whether there was an answer. Calls `every_second` on the first answer, and then once per
+    /// second.
     fn listen(
         &mut self,
         (socket, near): (&Socket, SocketAddr),
@@ -358,9 +359,9 @@ impl<'a> Far<'a> {
         None
     }
 
-    /// Becomes the writer of the rig's channels, from the start, so that readers know that there is
-    /// one. The channel of 3-D descriptors is opened only for a rig with a depth camera, to save
-    /// memory.
+    /// Becomes the writer of the rig's channels right at the start, so that readers know that a
+    /// writer exists. The channel of 3-D descriptors is opened only for a rig with a depth camera,
+    /// to save memory.
     fn open_channels(&mut self) {
         self.descriptors.open(self.domain, self.rig);
         if self.is_in_space {

@@ -2,8 +2,9 @@
 //!
 //! A key file holds 64 hexadecimal digits, and only its owner may read it.
 //! `lariat bridge --make-key FILE` writes one. Each process derives a sending key of its own:
-//! HKDF-SHA-256 over its random 64-bit number, its side and the rig. Its counts are thus nonces
-//! that no other process uses, and a datagram of one side is never accepted as the other's.
+//! HKDF-SHA-256 over its random 64-bit number, its side and the rig. Under this key, its
+//! message counts are nonces that no other process uses, and a datagram of one side is never
+//! accepted as the other's.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -140,8 +141,8 @@ impl Seal {
         datagram.extend(tag.expect("a datagram is short enough").as_ref());
     }
 
-    /// Decrypts everything after `head`; `None` if it was not sealed with this key, or changed in
-    /// transit.
+    /// Decrypts everything after `head`; `None` if the datagram was not sealed with this key, or
+    /// was changed in transit.
     pub(crate) fn open<'d>(
         &self,
         number: [u8; 12],

@@ -33,11 +33,11 @@
 //!
 //! # Losses
 //!
-//! The far side is one more stage of the chain: it counts each message that it writes in the
-//! message's trace (`bridged`). Every reader's ledger thus finds what was lost between fit and the
-//! far side, wherever that happened, even while either side was away. The bridge itself counts
-//! exactly what the network lost, from the count in each datagram (`tally`). It reports this when
-//! it ends, when the link is silent, and in the roster once per second.
+//! The far side is one more stage of the chain: it numbers the messages that it writes, in their
+//! traces (`bridged`). Every reader's ledger therefore includes all losses between fit and the far
+//! side, wherever they happened, even while either side was down. The bridge itself counts exactly
+//! what the network lost, from the count in each datagram (`tally`). It reports this when it ends,
+//! when the link is silent, and in the roster once per second.
 //!
 //! | module | task |
 //! |---|---|

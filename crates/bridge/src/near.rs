@@ -1,8 +1,8 @@
 //! The camera's side: sends the rig's messages, answers questions, and takes commands.
 //!
 //! The thread that waits for descriptors packs, seals and sends them itself. The thread that waits
-//! at the socket answers and obeys itself. Nothing waits for a third thread. Nothing is sent while
-//! nobody asks.
+//! at the socket answers questions and executes commands itself. Nothing waits for a third thread.
+//! Nothing is sent while no far side asks.
 
 mod hearing;
 mod pictures;
@@ -44,7 +44,7 @@ const CHECK: Duration = Duration::from_millis(250);
 struct Near {
     outgoing: Outgoing,
     peers: Mutex<Peers>,
-    /// Signaled when the first far side has come.
+    /// Signaled when the first far side has joined.
     first: OwnedFd,
     questions: AtomicU64,
     refusals: Mutex<Refusals>,

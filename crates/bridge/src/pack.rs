@@ -13,11 +13,11 @@
 //! | hidden points | the number of points, then 0 if none is hidden, otherwise 1 and one bit each |
 //! | messages | the number of messages, then each |
 //!
-//! **Everything except the points and widths of the centerline is restored bit for bit.** Those are
-//! restored to 1/131070 of the rope's extent: to 0.008 px for a rope across 1000 px, where
-//! extraction is off by 0.03 px. A cubic with nine control points and 120 points takes 1.1 kB,
-//! which fits into one Ethernet frame. The struct in shared memory, with room for 24 ropes, is 120
-//! times as large.
+//! **Everything except the points and widths of the centerline is restored bit for bit.** These are
+//! restored to within 1/131070 of the rope's extent. For a rope that is 1000 px across, this is
+//! 0.008 px, while the error of extraction is 0.03 px. A cubic with nine control points and 120
+//! points takes 1.1 kB, which fits into one Ethernet frame. The struct in shared memory, with room
+//! for 24 ropes, is 120 times as large.
 
 use lariat_wire::MAX_POINTS;
 use lariat_wire::fields::{self, Message, Place, Value};
@@ -528,7 +528,7 @@ pub(crate) mod tests {
         let sent = descriptors(1, 5);
         let mut bytes = Vec::new();
         pack(&*sent, &mut bytes);
-        // The number of ropes follows the trace and the size.
+        // The number of ropes comes after the trace and the size.
         let mut before = Vec::new();
         pack(&sent.trace, &mut before);
         let at = before.len() + 4;

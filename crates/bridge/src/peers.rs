@@ -3,9 +3,9 @@
 //!
 //! Anybody can write any address as a datagram's sender. So the answer to a question contains a
 //! cookie, a number computed from the asker's address. The bridge sends more only to an asker that
-//! repeats it. The answer is as long as the question, so nobody can make the bridge flood a third
-//! machine. Cookies are recomputed, not stored (HMAC-SHA-256 under a key of this process), and are
-//! valid for one to two minutes.
+//! repeats the cookie. The answer is as long as the question, so nobody can make the bridge flood a
+//! third machine. Cookies are recomputed, not stored (HMAC-SHA-256 under a key of this process),
+//! and are valid for one to two minutes.
 
 use std::net::SocketAddr;
 

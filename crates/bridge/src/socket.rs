@@ -1,5 +1,5 @@
-//! A UDP socket that never waits. A datagram without room is lost, as on the network, and the other
-//! side counts it as lost.
+//! A UDP socket that never waits. A datagram that finds no room is lost, and the other side counts
+//! it like a loss on the network.
 
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
@@ -17,7 +17,7 @@ pub(crate) const LARGEST_DATAGRAM: usize = 65_507;
 /// Size of the receive buffer in bytes, including the kernel's overhead: a few hundred datagrams.
 const ROOM: usize = 1 << 20;
 
-/// Priority in queues that know more than one.
+/// Priority in queues that distinguish priorities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rank {
     /// Descriptors, questions, answers, commands.

@@ -12,13 +12,13 @@ pub(crate) struct Stamps {
 }
 
 impl Stamps {
-    /// Converts all timestamps of a trace. None becomes later than the arrival, `arrived_ns`. Two
-    /// consecutive messages of one frame get the same timestamps, which tell readers that they
-    /// belong together.
+    /// Converts all timestamps of a trace. No timestamp becomes later than the arrival,
+    /// `arrived_ns`. Two consecutive messages of one frame get the same timestamps, so that readers
+    /// recognize that they belong together.
     pub(crate) fn set(&mut self, trace: &mut Trace, offset: &Offset, mut arrived_ns: u64) {
         let there = trace.exposed_ns;
         let mut exposed_ns = offset.here(there).min(arrived_ns);
-        // The offset changes as more is known of the clocks. Two frames stay in order all the same.
+        // The offset changes as more is known about the clocks, but frames must stay in order.
         match self.last {
             Some((last_there, last_here, _)) if there > last_there => {
                 exposed_ns = exposed_ns.max(last_here.saturating_add(1));
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use crate::clock::{Clock, RoundTrip};
 
-    /// Returns an offset of `ahead` ns, known to `doubt` ns.
+    /// Returns an offset of `ahead` ns, known to within `doubt` ns.
     fn offset(ahead: u64, doubt: u64) -> Offset {
         let mut clock = Clock::default();
         let asked = 1_000_000_000;
@@ -123,7 +123,7 @@ mod tests {
         stamps.set(&mut first, &offset(5_000_000_000, 10), u64::MAX);
         stamps.set(&mut second, &offset(5_000_005_000, 10), u64::MAX);
         assert!(second.exposed_ns > first.exposed_ns);
-        // A chain was restarted on a machine that was restarted, too.
+        // Both the machine and its chain were restarted.
         let mut third = trace(5_900_000_000);
         stamps.set(&mut third, &offset(5_000_000_000, 10), u64::MAX);
         assert_eq!(third.exposed_ns, 900_000_000);

@@ -2,14 +2,14 @@
 //! count.
 //!
 //! Each datagram carries the number of datagrams of its kind that its sender has sent, including
-//! this one. If the count advances by more than one, datagrams are lost. A datagram that arrives
-//! after a later one is dropped, and stays lost: nothing goes back in time. Each answer also
-//! reports the number sent, so that losses before a silence are known too.
+//! this one. If the count advances by more than one, the datagrams in between are lost. A datagram
+//! that arrives after a later one is dropped, and stays lost: nothing goes back in time. Each
+//! answer also reports the number sent, so that losses before a silence are known too.
 
 /// The counts of one sender's datagrams of one kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
-    /// Number sent before this receiver came; `None` before anything was heard.
+    /// Number sent before this receiver joined; `None` until a count is known.
     before: Option<u64>,
     /// Highest count received.
     newest: u64,
@@ -20,13 +20,14 @@ pub(crate) struct Tally {
 
 impl Tally {
     /// Records the count of a datagram that arrived. Returns false if the datagram is to be
-    /// dropped: a later one or the same came before, or it was sent before this receiver came.
+    /// dropped: because it or a later one has already arrived, or because it was sent before this
+    /// receiver joined.
     pub(crate) fn receive(&mut self, count: u64) -> bool {
         if count == 0 || count <= self.newest {
             return false;
         }
         self.before.get_or_insert(count - 1);
-        // It was sent before this receiver came.
+        // It was sent before this receiver joined.
         if self.before.is_some_and(|before| count <= before) {
             return false;
         }
@@ -42,7 +43,7 @@ impl Tally {
         self.told = self.told.max(sent);
     }
 
-    /// Returns the number sent since this receiver came, as far as it is known.
+    /// Returns the number sent since this receiver joined, as far as it is known.
     pub(crate) fn sent(&self) -> u64 {
         self.before.map_or(0, |before| self.told - before)
     }

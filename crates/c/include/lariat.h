@@ -33,9 +33,9 @@
 // to be freed, by lariat_close. An open reader allocates when it connects to a chain that has just started,
 // and once in each thread that requests covariances.
 //
-// **Threads.** One thread at a time uses a reader, which may move from one to another. Several threads open
-// one reader each. Functions that take only a descriptor may be called from any thread. lariat_error belongs
-// to the calling thread. A reader does not survive fork: open it in the child.
+// **Threads.** A reader may move between threads, but only one thread may use it at a time. Several threads
+// open one reader each. Functions that take only a descriptor may be called from any thread. lariat_error
+// belongs to the calling thread. A reader does not survive fork: open it in the child.
 //
 // **Errors.** Functions that return int return a negative LARIAT_ERROR_... on failure and leave a message in
 // lariat_error. No function prints, exits, throws, or changes signal handlers.
@@ -191,7 +191,7 @@
 #define LARIAT_PLACE_UNREADABLE 6
 
 // Flag of lariat_writer_open: every frame must reach every reader, and lariat_writer_send waits
-// for that. Needed only if no chain is running yet that was started with `lariat run --lossless`.
+// for that. Needed only if the writer is opened before a chain of `lariat run --lossless`.
 #define LARIAT_LOSSLESS 1
 
 // State of a rope. Only LARIAT_FRESH is the rope as it is.
@@ -220,8 +220,8 @@ typedef enum lariat_seen {
   LARIAT_OTHER_RUN = 10,
   // Its numbers do not describe a rope. A chain of this release never sends such a message.
   LARIAT_UNREADABLE = 11,
-  // A rope or something similar, but the curve does not follow it, it may not be a rope, or its
-  // confidence is less than required. `doubt` says which.
+  // A possible rope. `doubt` gives the reason: the curve does not follow it, it may not be a
+  // rope, or its confidence is less than required.
   LARIAT_UNSURE = 12,
 } lariat_seen;
 
@@ -237,11 +237,11 @@ typedef enum lariat_doubt {
   LARIAT_DOUBT_CONFIDENCE = 3,
 } lariat_doubt;
 
-// A control loop's end of a rig.
+// A control loop's connection to a rig.
 typedef struct lariat_reader lariat_reader;
 
-// The writer of a rig's frames, whose chain was started with `lariat run --source external`. For
-// one thread at a time.
+// The writer of the frames of a rig whose chain was started with `lariat run --source external`.
+// For one thread at a time.
 typedef struct lariat_writer lariat_writer;
 
 // The points that a rope's curve was fitted to, at equal steps of arc length, in the message's unit, unfiltered.
@@ -288,7 +288,7 @@ typedef struct lariat_descriptor {
   double length;
   // Median width of the rope.
   double width;
-  // Time from last sighting to image; 0 unless lost.
+  // Time from the last sighting to this image; 0 unless lost.
   uint64_t age_ns;
   // Number of points covered or outside the image.
   uint32_t hidden;
@@ -296,7 +296,7 @@ typedef struct lariat_descriptor {
   uint32_t filtered;
   // A LARIAT_FIT_…
   uint32_t fit;
-  // Calibrated probability of a rope, whole and in order.
+  // Calibrated probability of a whole, correctly ordered rope.
   float confidence;
   // Control points, `[x, y]`.
   double control_points[LARIAT_MAX_CONTROL_POINTS][2];
@@ -320,9 +320,9 @@ typedef struct lariat_trace {
   uint64_t extracted;
   // Frames sent by fit, including this one.
   uint64_t fitted;
-  // Messages of this channel that a local bridge has written, including this one; 0 without one, and for images.
+  // Messages of this channel that a local bridge has written, including this one; 0 without a bridge, and for images.
   uint64_t bridged;
-  // Exposure time: the driver's timestamp, or when a file's frame was due.
+  // Exposure time: the driver's timestamp, or the due time of a file's frame.
   uint64_t exposed_ns;
   // End of capture, before sending.
   uint64_t captured_ns;
@@ -336,7 +336,7 @@ typedef struct lariat_trace {
   uint64_t fitted_ns;
   // Settings version of the sender: number of changes since the chain's start.
   uint32_t settings;
-  // Restarts of capture, extract and fit modulo 256, one byte each from the lowest.
+  // Restarts of capture, extract and fit modulo 256, one byte each, capture in the lowest.
   uint32_t restarts;
 } lariat_trace;
 
@@ -371,7 +371,7 @@ typedef struct lariat_track {
 
 // A rope and its state.
 typedef struct lariat_rope {
-  // State of the rope, which determines the one of the four pointers that is not NULL.
+  // State of the rope. It determines which of the four pointers is not NULL.
   enum lariat_seen seen;
   // Reason, if LARIAT_UNSURE.
   enum lariat_doubt doubt;
@@ -379,15 +379,14 @@ typedef struct lariat_rope {
   const struct lariat_descriptor *fresh;
   // LARIAT_PARTIAL: the partly covered rope. Otherwise NULL.
   const struct lariat_descriptor *partial;
-  // LARIAT_UNSURE: the rope whose curve misses it, that may not be a rope, or whose confidence
-  // is too low. Otherwise NULL.
+  // LARIAT_UNSURE: the possible rope; `doubt` gives the reason. Otherwise NULL.
   const struct lariat_descriptor *unsure;
   // LARIAT_LOST, LARIAT_STALE: the last known rope. Use it to search or to draw, but not to
   // steer. Otherwise NULL.
   const struct lariat_descriptor *last_known;
   // Identity of the rope; lariat_rope_of_track finds the same rope by it.
   struct lariat_track track;
-  // Age of this shape: the time since its image was taken, and for a lost rope since the last
+  // Age of this shape: the time since its image was taken or, for a lost rope, since the last
   // image that showed it.
   uint64_t age_ns;
   // Exposure time of its image.
@@ -420,11 +419,11 @@ typedef struct lariat_descriptor3 {
   uint32_t filtered;
   // A LARIAT_FIT_…
   uint32_t fit;
-  // Calibrated probability of a rope, whole and in order.
+  // Calibrated probability of a whole, correctly ordered rope.
   float confidence;
   // Always 0.
   uint32_t reserved;
-  // Time from last sighting to image; 0 unless lost.
+  // Time from the last sighting to this image; 0 unless lost.
   uint64_t age_ns;
   // RMS distance of points from the curve at their rho, mm.
   double rms;
@@ -446,7 +445,7 @@ typedef struct lariat_descriptor3 {
   double knots[LARIAT_MAX_CONTROL_POINTS];
   // Fitted centerline points, `[x, y, z]`, mm, at equal steps of arc length in space.
   float points[LARIAT_MAX_POINTS][3];
-  // Standard deviation of each along the line of sight, mm.
+  // Standard deviation of each point along the line of sight, mm.
   float sigmas[LARIAT_MAX_POINTS];
 } lariat_descriptor3;
 
@@ -487,9 +486,9 @@ uint32_t lariat_abi(void);
 // rig must be of the same release.
 const char *lariat_version(void);
 
-// Opens a reader of a rig: "default", or the one that the chain was started with (--rig NAME). The
-// chain need not be running. Up to 24 readers share a rig; a slow, stopped or killed reader
-// disturbs neither the chain nor the others.
+// Opens a reader of a rig: "default", or the name given to the chain (--rig NAME). The chain need
+// not be running. Up to 24 readers share a rig; a slow, stopped or killed reader disturbs neither
+// the chain nor the others.
 //
 // Open a reader of a --lossless chain after the chain has started, and read it as often as frames
 // arrive, because that chain waits for it.
@@ -528,8 +527,8 @@ LARIAT_MUST_USE int lariat_fd(const struct lariat_reader *reader);
 // Returns 0, or an error.
 LARIAT_MUST_USE int lariat_before_poll(struct lariat_reader *reader, int *timeout_ms);
 
-// Lets lariat_wait spin for this time before it sleeps. For a thread with its own core: a message
-// in that time is received some microseconds earlier. The default is 0.
+// Lets lariat_wait spin for this time before it sleeps. A message that arrives in that time is
+// received some microseconds earlier. This is for a thread with its own core. The default is 0.
 //
 // Returns 0, or an error.
 int lariat_look_for(struct lariat_reader *reader, uint64_t time_ns);
@@ -540,16 +539,16 @@ int lariat_look_for(struct lariat_reader *reader, uint64_t time_ns);
 // starts later inherit the short slices.
 void lariat_take_short_slices(void);
 
-// Sets whether a coarse curve can be LARIAT_FRESH or LARIAT_PARTIAL like any other (1), or is
-// LARIAT_UNSURE (0, the default). 1 is for loops that compare descriptors and do not need the
-// curve to follow the rope.
+// Sets whether a rope with a coarse curve can be LARIAT_FRESH or LARIAT_PARTIAL like any other
+// (1), or is LARIAT_UNSURE (0, the default). Use 1 in loops that compare descriptors and do not
+// need the curve to follow the rope.
 //
 // Returns 0, or an error.
 int lariat_accept_coarse(struct lariat_reader *reader, int accept);
 
-// Sets the least confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL; a rope with
-// less is LARIAT_UNSURE. The default is 0.5, below which the curve is more likely wrong than
-// right. 0 accepts any.
+// Sets the minimum confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL. A rope
+// with a lower confidence is LARIAT_UNSURE. The default is 0.5, below which the curve is more
+// likely wrong than right. 0 accepts any confidence.
 //
 // Returns 0, or an error.
 int lariat_min_confidence(struct lariat_reader *reader, float least);
@@ -569,8 +568,8 @@ LARIAT_MUST_USE uint64_t lariat_age_ns(const struct lariat_reader *reader);
 // may differ.
 LARIAT_MUST_USE uint64_t lariat_run(const struct lariat_reader *reader);
 
-// Returns the newest message itself; NULL before the first. It does not contain its age, and is
-// meant for uses of all its data, such as recording.
+// Returns the newest message itself; NULL before the first. It does not contain its age. It is for
+// programs that need all of its data, such as recorders.
 LARIAT_MUST_USE const struct lariat_descriptors *lariat_message(const struct lariat_reader *reader);
 
 // Returns the current time of CLOCK_MONOTONIC, the clock of all times in this interface.
@@ -593,7 +592,8 @@ enum lariat_seen lariat_rope_of_track(const struct lariat_reader *reader,
                                       struct lariat_rope *rope);
 
 // Finds the rope at an index of the message, from 0, to iterate over all of them; their order may
-// change. After the last one it gives LARIAT_NO_ROPE. Returns the same values as lariat_only_rope.
+// change. After the last rope, the result is LARIAT_NO_ROPE. Returns the same values as
+// lariat_only_rope.
 enum lariat_seen lariat_rope_at(const struct lariat_reader *reader,
                                 uint32_t index,
                                 uint64_t max_age_ns,
@@ -602,8 +602,8 @@ enum lariat_seen lariat_rope_at(const struct lariat_reader *reader,
 // Returns a state (a lariat_seen) as text for a log.
 LARIAT_MUST_USE const char *lariat_seen_text(int seen);
 
-// Predicts the rope of this track for the time `t_ns` from its velocities (the chain runs with
-// --filter). `ahead` receives a descriptor like the frame's, with the predicted control points and
+// Predicts the rope of this track for the time `t_ns` from its velocities. The chain must run with
+// --filter. `ahead` receives a descriptor like the frame's, with the predicted control points and
 // covariances. `t_ns` is at most 0.5 s after the image. A lost or stale rope is predicted too,
 // from its last image, so check its state first.
 //
@@ -656,21 +656,21 @@ int lariat_covariance_at(const struct lariat_descriptor *rope, double rho, doubl
 // row. `matrix` has room for the square of `2 * rope->count` numbers, or of `2 *
 // LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile.
 //
-// Returns 1 if the matrix is exact to rounding: that of plain least squares or of its filter.
-// Returns 0 otherwise (ridge, pinned ends, weights, a plane, rational curves): each control
-// point's own covariance is then exact, and the correlations are those of the plain fit. On an
-// error it returns the error and writes nothing.
+// Returns 1 if the matrix is exact up to rounding, as for plain least squares with or without a
+// filter. Returns 0 otherwise (ridge, pinned ends, weights, a plane, rational curves): each
+// control point's own covariance is then exact, and the correlations are those of the plain fit.
+// On an error it returns the error and writes nothing.
 int lariat_covariance(const struct lariat_descriptor *rope, double *matrix);
 
-// Also reads the shapes in space, for lariat_in_space, from a chain with a depth camera. Up to 12
-// readers of a rig can do this.
+// Makes the reader also read the shapes in space, for lariat_in_space, from a chain with a depth
+// camera. Up to 12 readers of a rig can do this.
 //
 // Returns 0, or an error.
 LARIAT_MUST_USE int lariat_follow_in_space(struct lariat_reader *reader);
 
 // Finds the rope of this track in space, in the last frame read. Its lariat_rope tells whether
-// this is its current position, so check that first. Like the pointers of lariat_rope, `*rope`
-// points into shared memory and is valid as long as they are.
+// this is its current position, so check the lariat_rope first. Like the pointers in lariat_rope,
+// `*rope` points into shared memory and is valid as long as they are.
 //
 // Returns 0, or an error; *rope is then NULL. If the position is unknown, the error is
 // LARIAT_ERROR_NO_SPACE, and lariat_error says why.
@@ -714,13 +714,13 @@ int lariat_curvature3_at(const struct lariat_descriptor3 *rope, double rho, doub
 // curve.
 int lariat_jacobian3_at(const struct lariat_descriptor3 *rope, double rho, double *values);
 
-// Returns the number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy", "nv12", or
-// another one listed in docs/messages.md.
+// Finds the number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy", "nv12", or another
+// one listed in docs/messages.md.
 //
 // Returns the number, or an error.
 LARIAT_MUST_USE int lariat_pixel_format(const char *name);
 
-// Opens the writer of a rig's frames: "default", or the rig that the chain was started with (--rig
+// Opens the writer of a rig's frames. The rig is "default", or the name given to the chain (--rig
 // NAME). The chain may be started before or after it, and restarted. `how` is 0 to accept the
 // chain as it is, or LARIAT_LOSSLESS. A rig has one writer; a second one is refused until the
 // first has closed or its process has ended.
@@ -748,12 +748,12 @@ int lariat_writer_loan(struct lariat_writer *writer,
 
 // Sends the frame on loan and wakes the chain.
 //
-// `exposed_ns` is its exposure time (lariat_now_ns), later than that of the previous frame; 0 is
-// the time when its slot was borrowed. `sequence` is the camera's own number of the frame, higher
-// than the previous one; each number left out counts as a frame lost at the source, and 0 is the
-// next number.
+// `exposed_ns` is its exposure time (lariat_now_ns), later than that of the previous frame; 0
+// stands for the time when its slot was borrowed. `sequence` is the camera's own number of the
+// frame, higher than the previous number. Each number left out counts as a frame lost at the
+// source; 0 stands for the next number.
 //
-// On a --lossless rig it waits for slow readers until lariat_writer_stop.
+// On a --lossless rig it waits for slow readers, until lariat_writer_stop is called.
 //
 // Returns 0, or 1 if the frame was lost because of lariat_writer_stop, or an error. On an error
 // the frame is neither sent nor counted.
@@ -762,9 +762,9 @@ int lariat_writer_send(struct lariat_writer *writer,
                        uint64_t exposed_ns,
                        uint64_t sequence);
 
-// Sends a frame without an image, for times when the camera gives none. If it is sent about ten
-// times a second during that time, readers learn that their ropes are lost, and since when. (If a
-// writer sends nothing or is gone, readers report LARIAT_STALE.)
+// Sends a frame without an image, while the camera gives none. If such frames are sent about ten
+// times a second, readers learn that their ropes are lost, and since when. (If a writer sends
+// nothing or is gone, readers report LARIAT_STALE.)
 //
 // Returns the same values as lariat_writer_send.
 LARIAT_MUST_USE int lariat_writer_send_blank(struct lariat_writer *writer);

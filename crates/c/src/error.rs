@@ -158,8 +158,8 @@ impl From<NoPrediction> for Failure {
     }
 }
 
-/// Runs a call from C. Returns its number, or that of the failure, and then stores the message for
-/// `lariat_error`. Panics do not unwind into C.
+/// Runs a call from C and returns its result. On failure, returns the error's number and stores its
+/// message for `lariat_error`. Panics do not unwind into C.
 pub(crate) fn answer(work: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
     let done = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
         let text = cause.downcast_ref::<&str>().copied().map(String::from);
@@ -170,7 +170,7 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
         ))
     });
     done.unwrap_or_else(|failure| {
-        // A message never contains a NUL; if one did, it would be left out.
+        // A message never contains a NUL. If it did, it would be replaced by an empty message.
         LAST.set(CString::new(failure.text).unwrap_or_default());
         failure.code
     })

@@ -92,9 +92,9 @@ pub struct lariat_trace {
     pub extracted: u64,
     /// Frames sent by fit, including this one.
     pub fitted: u64,
-    /// Messages of this channel that a local bridge has written, including this one; 0 without one, and for images.
+    /// Messages of this channel that a local bridge has written, including this one; 0 without a bridge, and for images.
     pub bridged: u64,
-    /// Exposure time: the driver's timestamp, or when a file's frame was due.
+    /// Exposure time: the driver's timestamp, or the due time of a file's frame.
     pub exposed_ns: u64,
     /// End of capture, before sending.
     pub captured_ns: u64,
@@ -108,7 +108,7 @@ pub struct lariat_trace {
     pub fitted_ns: u64,
     /// Settings version of the sender: number of changes since the chain's start.
     pub settings: u32,
-    /// Restarts of capture, extract and fit modulo 256, one byte each from the lowest.
+    /// Restarts of capture, extract and fit modulo 256, one byte each, capture in the lowest.
     pub restarts: u32,
 }
 
@@ -144,7 +144,7 @@ pub struct lariat_descriptor {
     pub length: f64,
     /// Median width of the rope.
     pub width: f64,
-    /// Time from last sighting to image; 0 unless lost.
+    /// Time from the last sighting to this image; 0 unless lost.
     pub age_ns: u64,
     /// Number of points covered or outside the image.
     pub hidden: u32,
@@ -152,7 +152,7 @@ pub struct lariat_descriptor {
     pub filtered: u32,
     /// A LARIAT_FIT_…
     pub fit: u32,
-    /// Calibrated probability of a rope, whole and in order.
+    /// Calibrated probability of a whole, correctly ordered rope.
     pub confidence: f32,
     /// Control points, `[x, y]`.
     pub control_points: [[f64; 2]; LARIAT_MAX_CONTROL_POINTS],
@@ -230,11 +230,11 @@ pub struct lariat_descriptor3 {
     pub filtered: u32,
     /// A LARIAT_FIT_…
     pub fit: u32,
-    /// Calibrated probability of a rope, whole and in order.
+    /// Calibrated probability of a whole, correctly ordered rope.
     pub confidence: f32,
     /// Always 0.
     pub reserved: u32,
-    /// Time from last sighting to image; 0 unless lost.
+    /// Time from the last sighting to this image; 0 unless lost.
     pub age_ns: u64,
     /// RMS distance of points from the curve at their rho, mm.
     pub rms: f64,
@@ -256,7 +256,7 @@ pub struct lariat_descriptor3 {
     pub knots: [f64; LARIAT_MAX_CONTROL_POINTS],
     /// Fitted centerline points, `[x, y, z]`, mm, at equal steps of arc length in space.
     pub points: [[f32; 3]; LARIAT_MAX_POINTS],
-    /// Standard deviation of each along the line of sight, mm.
+    /// Standard deviation of each point along the line of sight, mm.
     pub sigmas: [f32; LARIAT_MAX_POINTS],
 }
 

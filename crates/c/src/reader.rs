@@ -11,7 +11,7 @@ use lariat_wire::{Motion, Reader, now_ns};
 use crate::error::{Failure, LARIAT_ERROR_NAME, answer};
 use crate::message::lariat_descriptors;
 
-/// A control loop's end of a rig.
+/// A control loop's connection to a rig.
 pub struct lariat_reader {
     pub(crate) reader: Reader,
 }
@@ -39,9 +39,9 @@ pub(crate) fn text<'a>(text: *const c_char, what: &str) -> Result<&'a str, Failu
     text.map_err(|_| Failure::new(LARIAT_ERROR_NAME, format!("{what} is no UTF-8")))
 }
 
-/// Opens a reader of a rig: "default", or the one that the chain was started with (--rig NAME). The
-/// chain need not be running. Up to 24 readers share a rig; a slow, stopped or killed reader
-/// disturbs neither the chain nor the others.
+/// Opens a reader of a rig: "default", or the name given to the chain (--rig NAME). The chain need
+/// not be running. Up to 24 readers share a rig; a slow, stopped or killed reader disturbs neither
+/// the chain nor the others.
 ///
 /// Open a reader of a --lossless chain after the chain has started, and read it as often as frames
 /// arrive, because that chain waits for it.
@@ -143,8 +143,8 @@ pub unsafe extern "C" fn lariat_before_poll(
     })
 }
 
-/// Lets lariat_wait spin for this time before it sleeps. For a thread with its own core: a message
-/// in that time is received some microseconds earlier. The default is 0.
+/// Lets lariat_wait spin for this time before it sleeps. A message that arrives in that time is
+/// received some microseconds earlier. This is for a thread with its own core. The default is 0.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
@@ -166,9 +166,9 @@ pub extern "C" fn lariat_take_short_slices() {
     lariat_wire::take_short_slices();
 }
 
-/// Sets whether a coarse curve can be LARIAT_FRESH or LARIAT_PARTIAL like any other (1), or is
-/// LARIAT_UNSURE (0, the default). 1 is for loops that compare descriptors and do not need the
-/// curve to follow the rope.
+/// Sets whether a rope with a coarse curve can be LARIAT_FRESH or LARIAT_PARTIAL like any other
+/// (1), or is LARIAT_UNSURE (0, the default). Use 1 in loops that compare descriptors and do not
+/// need the curve to follow the rope.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
@@ -179,9 +179,9 @@ pub unsafe extern "C" fn lariat_accept_coarse(reader: *mut lariat_reader, accept
     })
 }
 
-/// Sets the least confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL; a rope with
-/// less is LARIAT_UNSURE. The default is 0.5, below which the curve is more likely wrong than
-/// right. 0 accepts any.
+/// Sets the minimum confidence, 0 to 1, of a rope that is LARIAT_FRESH or LARIAT_PARTIAL. A rope
+/// with a lower confidence is LARIAT_UNSURE. The default is 0.5, below which the curve is more
+/// likely wrong than right. 0 accepts any confidence.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
@@ -230,8 +230,8 @@ pub unsafe extern "C" fn lariat_run(reader: *const lariat_reader) -> u64 {
     shown(reader).map_or(0, |shown| shown.reader.frame().run())
 }
 
-/// Returns the newest message itself; NULL before the first. It does not contain its age, and is
-/// meant for uses of all its data, such as recording.
+/// Returns the newest message itself; NULL before the first. It does not contain its age. It is for
+/// programs that need all of its data, such as recorders.
 #[unsafe(no_mangle)]
 #[must_use]
 pub unsafe extern "C" fn lariat_message(reader: *const lariat_reader) -> *const lariat_descriptors {

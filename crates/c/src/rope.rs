@@ -40,8 +40,8 @@ pub enum lariat_seen {
     LARIAT_OTHER_RUN = 10,
     /// Its numbers do not describe a rope. A chain of this release never sends such a message.
     LARIAT_UNREADABLE = 11,
-    /// A rope or something similar, but the curve does not follow it, it may not be a rope, or its
-    /// confidence is less than required. `doubt` says which.
+    /// A possible rope. `doubt` gives the reason: the curve does not follow it, it may not be a
+    /// rope, or its confidence is less than required.
     LARIAT_UNSURE = 12,
 }
 
@@ -79,7 +79,7 @@ pub struct lariat_track {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct lariat_rope {
-    /// State of the rope, which determines the one of the four pointers that is not NULL.
+    /// State of the rope. It determines which of the four pointers is not NULL.
     pub seen: lariat_seen,
     /// Reason, if LARIAT_UNSURE.
     pub doubt: lariat_doubt,
@@ -87,15 +87,14 @@ pub struct lariat_rope {
     pub fresh: *const lariat_descriptor,
     /// LARIAT_PARTIAL: the partly covered rope. Otherwise NULL.
     pub partial: *const lariat_descriptor,
-    /// LARIAT_UNSURE: the rope whose curve misses it, that may not be a rope, or whose confidence
-    /// is too low. Otherwise NULL.
+    /// LARIAT_UNSURE: the possible rope; `doubt` gives the reason. Otherwise NULL.
     pub unsure: *const lariat_descriptor,
     /// LARIAT_LOST, LARIAT_STALE: the last known rope. Use it to search or to draw, but not to
     /// steer. Otherwise NULL.
     pub last_known: *const lariat_descriptor,
     /// Identity of the rope; lariat_rope_of_track finds the same rope by it.
     pub track: lariat_track,
-    /// Age of this shape: the time since its image was taken, and for a lost rope since the last
+    /// Age of this shape: the time since its image was taken or, for a lost rope, since the last
     /// image that showed it.
     pub age_ns: u64,
     /// Exposure time of its image.
@@ -220,7 +219,8 @@ pub unsafe extern "C" fn lariat_rope_of_track(
 }
 
 /// Finds the rope at an index of the message, from 0, to iterate over all of them; their order may
-/// change. After the last one it gives LARIAT_NO_ROPE. Returns the same values as lariat_only_rope.
+/// change. After the last rope, the result is LARIAT_NO_ROPE. Returns the same values as
+/// lariat_only_rope.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_rope_at(
     reader: *const lariat_reader,
@@ -285,8 +285,8 @@ pub extern "C" fn lariat_seen_text(seen: c_int) -> *const c_char {
     text.as_ptr()
 }
 
-/// Predicts the rope of this track for the time `t_ns` from its velocities (the chain runs with
-/// --filter). `ahead` receives a descriptor like the frame's, with the predicted control points and
+/// Predicts the rope of this track for the time `t_ns` from its velocities. The chain must run with
+/// --filter. `ahead` receives a descriptor like the frame's, with the predicted control points and
 /// covariances. `t_ns` is at most 0.5 s after the image. A lost or stale rope is predicted too,
 /// from its last image, so check its state first.
 ///

@@ -35,7 +35,7 @@ fn curve<'a, R: Described<D> + 'a, const D: usize>(
     rope.ok_or_else(|| Failure::null(R::NAME))?.curve()
 }
 
-/// Space for an answer, filled with NaN until there is one.
+/// Space for an answer, filled with NaN until the answer is known.
 pub(crate) fn place<'a>(numbers: *mut f64, count: usize) -> Result<&'a mut [f64], Failure> {
     if numbers.is_null() {
         return Err(Failure::null("the place for the answer"));
@@ -210,10 +210,10 @@ pub unsafe extern "C" fn lariat_covariance_at(
 /// row. `matrix` has room for the square of `2 * rope->count` numbers, or of `2 *
 /// LARIAT_MAX_CONTROL_POINTS` if another program may write the descriptor meanwhile.
 ///
-/// Returns 1 if the matrix is exact to rounding: that of plain least squares or of its filter.
-/// Returns 0 otherwise (ridge, pinned ends, weights, a plane, rational curves): each control
-/// point's own covariance is then exact, and the correlations are those of the plain fit. On an
-/// error it returns the error and writes nothing.
+/// Returns 1 if the matrix is exact up to rounding, as for plain least squares with or without a
+/// filter. Returns 0 otherwise (ridge, pinned ends, weights, a plane, rational curves): each
+/// control point's own covariance is then exact, and the correlations are those of the plain fit.
+/// On an error it returns the error and writes nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lariat_covariance(
     rope: *const lariat_descriptor,

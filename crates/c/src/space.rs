@@ -13,8 +13,8 @@ use crate::reader::{given, lariat_reader, shown};
 use crate::rope::lariat_track;
 use crate::shape::{Described, evaluate, jacobian, points};
 
-/// Also reads the shapes in space, for lariat_in_space, from a chain with a depth camera. Up to 12
-/// readers of a rig can do this.
+/// Makes the reader also read the shapes in space, for lariat_in_space, from a chain with a depth
+/// camera. Up to 12 readers of a rig can do this.
 ///
 /// Returns 0, or an error.
 #[unsafe(no_mangle)]
@@ -27,8 +27,8 @@ pub unsafe extern "C" fn lariat_follow_in_space(reader: *mut lariat_reader) -> c
 }
 
 /// Finds the rope of this track in space, in the last frame read. Its lariat_rope tells whether
-/// this is its current position, so check that first. Like the pointers of lariat_rope, `*rope`
-/// points into shared memory and is valid as long as they are.
+/// this is its current position, so check the lariat_rope first. Like the pointers in lariat_rope,
+/// `*rope` points into shared memory and is valid as long as they are.
 ///
 /// Returns 0, or an error; *rope is then NULL. If the position is unknown, the error is
 /// LARIAT_ERROR_NO_SPACE, and lariat_error says why.

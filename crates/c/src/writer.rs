@@ -12,11 +12,11 @@ use crate::error::{Failure, LARIAT_ERROR_IMAGE, answer};
 use crate::reader::text;
 
 /// Flag of lariat_writer_open: every frame must reach every reader, and lariat_writer_send waits
-/// for that. Needed only if no chain is running yet that was started with `lariat run --lossless`.
+/// for that. Needed only if the writer is opened before a chain of `lariat run --lossless`.
 pub const LARIAT_LOSSLESS: u32 = 1;
 
-/// The writer of a rig's frames, whose chain was started with `lariat run --source external`. For
-/// one thread at a time.
+/// The writer of the frames of a rig whose chain was started with `lariat run --source external`.
+/// For one thread at a time.
 pub struct lariat_writer {
     writer: FrameWriter,
     stop: Arc<AtomicBool>,
@@ -33,8 +33,8 @@ fn given<'a>(writer: *mut lariat_writer) -> Result<&'a mut FrameWriter, Failure>
     Ok(unsafe { &mut *ptr::addr_of_mut!((*writer).writer) })
 }
 
-/// Returns the number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy", "nv12", or
-/// another one listed in docs/messages.md.
+/// Finds the number of a pixel format: "rgb8", "bgr8", "gray8", "yuyv", "uyvy", "nv12", or another
+/// one listed in docs/messages.md.
 ///
 /// Returns the number, or an error.
 #[unsafe(no_mangle)]
@@ -51,7 +51,7 @@ pub unsafe extern "C" fn lariat_pixel_format(name: *const c_char) -> c_int {
     })
 }
 
-/// Opens the writer of a rig's frames: "default", or the rig that the chain was started with (--rig
+/// Opens the writer of a rig's frames. The rig is "default", or the name given to the chain (--rig
 /// NAME). The chain may be started before or after it, and restarted. `how` is 0 to accept the
 /// chain as it is, or LARIAT_LOSSLESS. A rig has one writer; a second one is refused until the
 /// first has closed or its process has ended.
@@ -118,12 +118,12 @@ pub unsafe extern "C" fn lariat_writer_loan(
 
 /// Sends the frame on loan and wakes the chain.
 ///
-/// `exposed_ns` is its exposure time (lariat_now_ns), later than that of the previous frame; 0 is
-/// the time when its slot was borrowed. `sequence` is the camera's own number of the frame, higher
-/// than the previous one; each number left out counts as a frame lost at the source, and 0 is the
-/// next number.
+/// `exposed_ns` is its exposure time (lariat_now_ns), later than that of the previous frame; 0
+/// stands for the time when its slot was borrowed. `sequence` is the camera's own number of the
+/// frame, higher than the previous number. Each number left out counts as a frame lost at the
+/// source; 0 stands for the next number.
 ///
-/// On a --lossless rig it waits for slow readers until lariat_writer_stop.
+/// On a --lossless rig it waits for slow readers, until lariat_writer_stop is called.
 ///
 /// Returns 0, or 1 if the frame was lost because of lariat_writer_stop, or an error. On an error
 /// the frame is neither sent nor counted.
@@ -143,9 +143,9 @@ pub unsafe extern "C" fn lariat_writer_send(
     })
 }
 
-/// Sends a frame without an image, for times when the camera gives none. If it is sent about ten
-/// times a second during that time, readers learn that their ropes are lost, and since when. (If a
-/// writer sends nothing or is gone, readers report LARIAT_STALE.)
+/// Sends a frame without an image, while the camera gives none. If such frames are sent about ten
+/// times a second, readers learn that their ropes are lost, and since when. (If a writer sends
+/// nothing or is gone, readers report LARIAT_STALE.)
 ///
 /// Returns the same values as lariat_writer_send.
 #[unsafe(no_mangle)]

@@ -1,6 +1,6 @@
 #![allow(unsafe_code)] // Functions for C, called on memory that another thread writes.
 //! The number of a rope's control points is read only once. If a writer changes it meanwhile, the
-//! answer is for one of the two numbers, and nothing is written beyond it.
+//! answer fits the old or the new number, and nothing is written beyond that answer.
 
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

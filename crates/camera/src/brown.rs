@@ -28,8 +28,8 @@ pub(crate) struct Brown {
 }
 
 impl Brown {
-    /// Takes up to 14 coefficients; missing ones are 0. Returns `None` if the sensor is tilted so
-    /// far that it sees nothing.
+    /// Takes up to 14 coefficients; missing ones are 0. Returns `None` if the sensor is tilted too
+    /// far to see anything.
     pub(crate) fn new(coefficients: &[f64]) -> Option<Self> {
         let at = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         let angles = [at(12), at(13)];

@@ -137,8 +137,8 @@ impl Camera {
         self.through(pixel, |seen| self.lens.undistort(seen))
     }
 
-    /// Returns the ray through a pixel in the camera's frame, scaled to a depth of 1, and its
-    /// derivative by the pixel. `None` beyond the lens model.
+    /// Returns the ray through a pixel in the camera's frame, scaled to a depth of 1. Also returns
+    /// the derivative of the ray by the pixel. `None` outside the domain of the lens model.
     #[inline]
     pub(crate) fn ray(&self, pixel: [f64; 2]) -> Option<([f64; 3], [[f64; 2]; 2])> {
         let (f, c) = (self.focal_px, self.center_px);
@@ -209,7 +209,7 @@ impl Camera {
     }
 }
 
-/// Scales a pixel coordinate with the whole image, whose edge stays at −½.
+/// Scales a pixel coordinate as the whole image is scaled: the edge of the image stays at −½.
 pub(crate) fn scaled(c: f64, scale: f64) -> f64 {
     (c + 0.5) * scale - 0.5
 }

@@ -18,9 +18,9 @@
 //!    axis is closer than the axis by √(r² − u²) / |ρ × d|. Here ρ is the ray at a depth of one, d
 //!    the rope's direction, and r its radius, half of its width in the color image. The mean of the
 //!    resulting depths of the axis is computed twice, the second time without outliers. Its
-//!    variance comes from the sensor's model and from the spread of the values. A place that the
-//!    rope cannot reach from the others does not count. An example is the table beyond an end that
-//!    the color image puts too far out.
+//!    variance comes from the sensor's model and from the spread of the values. A place does not
+//!    count if the rope cannot reach it from the other places. An example is the table beyond an
+//!    end that the color image puts too far out.
 //! 3. **Bridge.** Depth is interpolated linearly between the measured points where something covers
 //!    the rope (another strand, a hand), or where the sensor's data are missing. Its variance grows
 //!    with the distance.

@@ -4,7 +4,7 @@
 
 use crate::jacobian::{IDENTITY, Place};
 
-/// Distance from the center below which the map is the identity to the last bit.
+/// Distance from the center below which the map is exactly the identity in floating point.
 const MIDDLE: f64 = 1e-9;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +41,8 @@ impl Fisheye {
         }
     }
 
-    /// Maps a place back to the ideal point that is seen there. `None` if that is farther than
-    /// `most` from the center, where the model may not be one-to-one.
+    /// Maps a place back to the ideal point that is seen there. `None` if that point is farther
+    /// than `most` from the center, where the model may not be one-to-one.
     pub(crate) fn straighten(&self, [x, y]: [f64; 2], most: f64) -> Option<[f64; 2]> {
         let seen = libm::hypot(x, y);
         if seen < MIDDLE {

@@ -59,7 +59,7 @@ pub enum HomographyError {
 /// Maximum number of pairs; a chess board has hundreds.
 const MOST: usize = 10_000;
 /// Three points count as collinear if the height of their triangle is less than this share of its
-/// longest side: an error of one pixel could flip it.
+/// longest side. An error of one pixel could flip such a triangle.
 const FLAT: f64 = 0.01;
 /// Maximum number of Levenberg–Marquardt steps.
 const STEPS: usize = 100;

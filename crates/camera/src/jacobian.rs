@@ -7,7 +7,7 @@ pub type Jacobian = [[f64; 2]; 2];
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Place {
-    /// The point, in the unit it was mapped to.
+    /// The mapped point, in the unit of the map's result.
     pub point: [f64; 2],
     /// Its derivative by the original point.
     pub jacobian: Jacobian,

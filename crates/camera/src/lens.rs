@@ -11,24 +11,24 @@
 //! distortion, the disc ends exactly at the fold.
 //!
 //! **Inverse.** Newton's method starts at the distorted point. It shortens each step until it gets
-//! closer and stays in the disc, and converges to the last bits.
+//! closer and stays in the disc, and converges to rounding errors.
 
 use crate::brown::Brown;
 use crate::fisheye::Fisheye;
 use crate::jacobian::{self, IDENTITY, Place, determinant, is_monotone, times};
 
-/// Maximum angle of a ray to the axis. The tangent of a larger one, and so its place on any plane
-/// perpendicular to the axis, is out of proportion to any measurement.
+/// Maximum angle of a ray to the axis. The tangent of a larger angle is out of proportion to any
+/// measurement. So is the place of such a ray on a plane perpendicular to the axis.
 const WIDEST_DEG: f64 = 89.0;
 /// Number of rings in the search for the disc, and of directions on each.
 const RINGS: usize = 712;
 const SPOKES: usize = 64;
-/// Maximum number of Newton steps, and of halvings of a step. Near the fold it takes about 10
-/// steps, elsewhere 3 to 5.
+/// Maximum number of Newton steps, and of halvings of a step. Near the fold, the method takes about
+/// 10 steps; elsewhere, 3 to 5.
 const STEPS: usize = 48;
 const HALVINGS: usize = 24;
-/// Tolerance for the place where the ray of a normalized coordinate is seen: 10⁻⁹ px at a focal
-/// length of 10 000 px.
+/// Tolerance of the inverse: maximum distance of the distorted result from the given point, in
+/// normalized coordinates. 10⁻⁹ px at a focal length of 10 000 px.
 const NEAR: f64 = 1e-13;
 
 /// A lens: its distortion, and how far from its axis it can be used.

@@ -45,7 +45,7 @@
 //! # How it works
 //!
 //! **Lens** (`lens`, `brown`, `fisheye`). These are OpenCV's models, inverted by Newton's method to
-//! 10⁻¹³ in tangents of the angle (OpenCV's own values to 10⁻⁶ px:
+//! 10⁻¹³ in tangents of the angle (they agree with OpenCV's own values to 10⁻⁶ px:
 //! `crates/camera/tests/opencv.py`). Polynomials fold over far from the center. A lens is therefore
 //! used in the largest disc around its axis in which the symmetric part of its derivative is
 //! positive definite. It is provably one-to-one there, and a pixel outside is refused. *Ideal*
@@ -57,17 +57,17 @@
 //! **Plane** (`plane`, `homography`). The plane is a homography whose third coordinate is positive
 //! on the visible side of the horizon. Four pairs give an exact solution. More pairs give the least
 //! squares of distances on the plane, by Levenberg–Marquardt from the linear solution in Hartley's
-//! normalized coordinates. The plane has a file of its own (`plane.toml`) instead of inline
-//! settings, because a command writes it as a whole. The file names the intrinsics whose distortion
-//! was removed, so that another calibration is refused.
+//! normalized coordinates. The plane has its own file (`plane.toml`) instead of inline settings,
+//! because a command writes the file as a whole. The file names the intrinsics whose distortion was
+//! removed, so that another calibration is refused.
 
 //!
 //! **Depth** (`depth`). The module's documentation says how a rope is found in a depth image,
 //! measured only inside its width, and bridged. The test draws ropes at half a meter that are
 //! lifted by up to 12 cm and cross themselves. Their depth images have 0.9 mm of noise, holes and
 //! mixed edge pixels, and are rounded to whole millimeters. The centerlines in the color image are
-//! the true ones. Points are off by 0.24 mm on average, and by at most 0.61 mm in 95 of 100. 93 %
-//! of the depths are within the 95 % interval of their variances
+//! the true ones. Points are off by 0.24 mm on average, and 95 % of them by at most 0.61 mm. 93 %
+//! of the depths are within the 95 % interval given by their variances
 //! (`crates/camera/tests/all/depth.rs`).
 
 //!

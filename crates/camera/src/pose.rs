@@ -19,9 +19,9 @@ pub enum PoseError {
     Translation,
 }
 
-/// Minimum distance of a camera from the frame of a robot or a table, mm. It is the shortest
+/// Minimum distance of a camera from the frame of a robot or a table, mm. This is the shortest
 /// working distance of a lens. Lengths of up to 10 m that are given in meters by mistake are below
-/// it.
+/// this minimum.
 pub const LEAST_MM: f64 = 10.0;
 /// Minimum distance between a depth camera and its color camera, mm, unless they coincide. A
 /// housing is shorter than 1 m, so a distance given in meters by mistake is below this.
@@ -98,7 +98,7 @@ impl Pose {
     }
 
     /// Reads the pose of a file, if there is one. A `translation_mm` shorter than `least_mm` is
-    /// refused as being in meters.
+    /// refused, because it is probably in meters.
     pub(crate) fn read(file: &Node, least_mm: f64) -> Result<Option<Self>, CalibrationError> {
         let rotation = calibration::find(file, &["rotation"]);
         let in_mm = calibration::find(file, &["translationmm"]);

@@ -43,8 +43,8 @@ pub struct SpacePoint {
     pub ray: [f64; 3],
     /// Variance of the depth, mm².
     pub variance: f64,
-    /// Share of that variance that is common to neighboring points: 0 if the point was measured on
-    /// its own, 1 if it was bridged.
+    /// Share of `variance` that is common to neighboring points: 0 if the point was measured
+    /// independently, 1 if it was bridged.
     pub in_common: f64,
     /// True if the point was measured; otherwise it is bridged from measured points.
     pub is_measured: bool,
@@ -52,7 +52,7 @@ pub struct SpacePoint {
     /// light from one side, or a depth image that shows the rope to one side of the pixel or not at
     /// all.
     pub doubt_px: f64,
-    /// Resulting error of the depth, mm, also common to neighboring points.
+    /// Depth error that results from this offset, mm. It is also common to neighboring points.
     pub doubt_mm: f64,
     /// Width of the rope at the point, mm.
     pub width_mm: f64,

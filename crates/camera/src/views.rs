@@ -12,13 +12,13 @@
 //!    rise. The pairing with the best chains determines which rope is which, and its direction. If
 //!    strands touch and a view confuses them, reversing the parts between two contacts improves the
 //!    chain. They are then reversed.
-//! 2. **Measure.** Inverse depth along the rope is a spline. It minimizes the sum of squares of its
-//!    distances from the other curve, measured across that curve, and of its bends (Gauss–Newton;
-//!    the curve between its points is a cubic). If the rope runs along the epipolar line, its
-//!    distance from the curve says almost nothing about its depth, and the spline follows its
-//!    neighbors. Such stretches are bridged, as are covered ones. The weight of bends against
-//!    distances is the one that makes the distances most likely (MacKay, *Bayesian interpolation*,
-//!    1992).
+//! 2. **Measure.** Inverse depth along the rope is a spline. It minimizes the sum of squared
+//!    distances from the other curve, measured across that curve, plus weighted squares of the
+//!    spline's bends (Gauss–Newton; the curve between its points is a cubic). If the rope runs
+//!    along the epipolar line, its distance from the curve says almost nothing about its depth, and
+//!    the spline follows its neighbors. Such stretches are bridged, as are covered ones. The weight
+//!    of bends relative to distances is chosen to make the distances most likely (MacKay, *Bayesian
+//!    interpolation*, 1992).
 //! 3. **Estimate errors.** A depth's variance is the diagonal of the spline's inverse information
 //!    matrix, times the variance of the distances.
 //! 4. **Cut.** At an end that rises or falls, the outline continues beyond the axis and is

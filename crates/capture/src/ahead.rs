@@ -19,11 +19,12 @@ use crate::until::Until;
 use clock::OwnClock;
 use thread::{Room, decode_ahead};
 
-/// Number of decoded frames that wait.
+/// Number of decoded frames that are kept ready.
 const AHEAD: usize = 3;
-/// Number of the thread's own buffers: the waiting ones, one in use and one being decoded.
+/// Number of the thread's own buffers: one for each frame kept ready, one in use, and one being
+/// decoded.
 const OWN: usize = AHEAD + 2;
-/// Number of slots to borrow: the waiting ones and one being decoded.
+/// Number of slots to borrow: one for each frame kept ready, and one being decoded.
 const LENT: usize = AHEAD + 1;
 /// Maximum decoded size of a looped set that is kept.
 pub(crate) const KEPT_BYTES: u64 = 64 << 20;
@@ -105,7 +106,7 @@ pub(crate) trait Decode: Send + 'static {
         None
     }
 
-    /// Reason for an empty pass in which nothing failed.
+    /// Returns the error for a pass that yielded no frame while nothing failed.
     fn nothing(&self) -> SourceError {
         SourceError::NothingDecoded {
             reason: "there is none".to_owned(),
@@ -175,13 +176,14 @@ enum Message {
 /// A source whose frames are decoded ahead.
 pub(crate) struct Ahead {
     plan: Plan,
-    /// `None` once the source is dropped, as is `spare`.
+    /// `None` once the source is dropped; the same holds for `spare`.
     ready: Option<Receiver<Message>>,
     spare: Option<Sender<Buffer>>,
     decoder: Option<JoinHandle<()>>,
     warnings: VecDeque<String>,
     news: VecDeque<String>,
-    /// True if all pictures are held, to be shown again; otherwise only the current one is.
+    /// True if all pictures are held so that they can be shown again. Otherwise only the current
+    /// picture is held.
     keeps: bool,
     held: Vec<Picture>,
     current: usize,

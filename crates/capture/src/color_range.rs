@@ -1,9 +1,9 @@
 //! Expands the limited range of video to full range.
 //!
 //! In limited range (ITU-R BT.601 and BT.709) luma ranges from 16 (black) to 235 (white), and U and
-//! V from 16 to 240. The pipeline uses full range, 0 to 255, as do recordings and pictures. A
-//! limited source is expanded where it is read, so that its colors match those of a picture of the
-//! same scene.
+//! V from 16 to 240. The pipeline uses full range, 0 to 255, as do recordings and pictures.
+//! Limited-range frames are expanded as they are read. Their colors then match those of a picture
+//! of the same scene.
 
 use lariat_message::PixelFormat;
 
@@ -27,8 +27,8 @@ fn luma(level: u8) -> u8 {
 /// Expands a level of U or V to full range: 255 / 224 ≈ 146 / 128 times its distance from 128. The
 /// error is at most 0.8.
 fn chroma(level: u8) -> u8 {
-    // The product exceeds the result by 128 · 146 / 128 − 128 = 18. Subtracting 64 less than that,
-    // half a level, rounds to the nearest level.
+    // The product exceeds the result by 128 · 146 / 128 − 128 = 18. `OFF` is 64 (half a level) less
+    // than that, so that the result is rounded to the nearest level.
     const OFF: u16 = 18 * 128 - 64;
     let expanded = (u16::from(level) * 146).saturating_sub(OFF) >> 7;
     expanded.min(255) as u8

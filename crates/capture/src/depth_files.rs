@@ -1,4 +1,4 @@
-//! Depth images for the pictures of a folder: PNG or TIFF of 16 bits per pixel, paired by name
+//! Depth images for the pictures of a folder: 16-bit PNG or TIFF files, paired by name
 //! ([`depth_pairs`](crate::depth_pairs)).
 
 use std::io::Cursor;
@@ -38,7 +38,7 @@ pub struct DepthFiles {
 
 impl DepthFiles {
     /// Finds the depth images of these pictures. Files and folders come in the given order, and a
-    /// folder's files in natural order. The options choose among the pictures.
+    /// folder's files in natural order. The options select which of the pictures are shown.
     ///
     /// # Errors
     /// A path that does not exist, a folder without pictures, names that contradict each other, or

@@ -2,9 +2,9 @@
 //! order.
 //!
 //! Data sets leave images out or stamp the two kinds with different clocks, so the n-th files of
-//! two folders need not match. A number that differs in every name of a folder identifies its
-//! files. Files with equal numbers belong together. Times need not be equal: the nearest ones
-//! belong together, within three fifths of the depth images' period, as for cameras
+//! two folders need not match. If the number at one place differs between all names of a folder, it
+//! identifies the files. Files with equal numbers belong together. Times need not be equal: the
+//! nearest ones belong together, within three fifths of the depth images' period, as for cameras
 //! ([`Pairing`](crate::pairing::Pairing)).
 
 use std::collections::{HashMap, HashSet};
@@ -79,7 +79,8 @@ impl Numbers {
         self.0.iter().map(|numbers| numbers[place]).collect()
     }
 
-    /// Places with a number in every name that differs between all names, the last place first.
+    /// Places at which every name has a number and no two names have the same number. The last
+    /// place comes first.
     fn places(&self) -> Vec<usize> {
         let count = self.0.iter().map(Vec::len).min().unwrap_or(0);
         let differ = |place: &usize| {

@@ -40,7 +40,7 @@ pub struct FollowOptions {
 #[derive(Debug)]
 struct Waiting {
     path: PathBuf,
-    /// Time of arrival; `None` if the picture was there before.
+    /// Time of arrival; `None` if the picture was there before the folder was watched.
     came_ns: Option<u64>,
 }
 
@@ -128,7 +128,7 @@ impl Follow {
         Ok(follow)
     }
 
-    /// Lists the pictures in the folder. Drops events about the same files up to now.
+    /// Lists the pictures in the folder. Drops pending events about the same files.
     fn list(&mut self) -> std::io::Result<()> {
         let (found, _) = pictures_in(&self.path)?;
         let mut happened = Vec::new();
@@ -255,8 +255,8 @@ impl Follow {
         })
     }
 
-    /// Reports a picture that cannot be decoded. One that was there at the start may still be being
-    /// written; it arrives again when it is closed.
+    /// Reports a picture that cannot be decoded. A picture that was there at the start may still be
+    /// incomplete; it arrives again once its writer closes it.
     fn lose(&mut self, picture: &Waiting, reason: &str) {
         self.warnings.push_back(if picture.came_ns.is_some() {
             self.sequence += 1;
@@ -292,7 +292,7 @@ impl FrameSource for Follow {
                 return Ok(Next::Frame(frame));
             }
             if !self.warnings.is_empty() || self.news.is_some() {
-                // Report them before the wait, which may be long.
+                // Report these messages before the wait, which may be long.
                 return Ok(Next::Nothing);
             }
             let event = Some((self.folder.as_fd(), PollFlags::IN));

@@ -15,9 +15,10 @@ pub(crate) struct Foreign {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Video,
-    /// Several pictures, or one in a format that every ffmpeg reads.
+    /// A numbered sequence of pictures. Also used for a single picture in a format that every
+    /// ffmpeg reads.
     Frames,
-    /// One picture in a format that only recent versions of ffmpeg read.
+    /// One picture. Used for formats that only recent versions of ffmpeg read.
     Picture,
     /// No conversion: lariat reads the file under its own name.
     Recording,

@@ -31,14 +31,15 @@ impl LentSlot {
     /// Lends `memory` under a number.
     ///
     /// # Safety
-    /// The memory must stay valid and in place, and nobody else may read or write it. This ends
-    /// when the source gives the slot back with a frame ([`Frame::slot`](crate::Frame::slot)) or is
-    /// dropped. Every byte of the memory must be initialized.
+    /// The memory must stay valid and in place, and nobody else may read or write it. This
+    /// requirement ends when the source gives the slot back with a frame
+    /// ([`Frame::slot`](crate::Frame::slot)) or is dropped. Every byte of the memory must be
+    /// initialized.
     pub unsafe fn new(index: usize, memory: NonNull<[u8]>) -> Self {
         Self { index, memory }
     }
 
-    /// Gives up the memory. The key goes back with the frame that is in it.
+    /// Gives up the memory. The returned key goes back with the frame that is in the slot.
     pub fn give_back(self) -> SlotKey {
         SlotKey(self.index)
     }

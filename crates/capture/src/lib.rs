@@ -32,12 +32,12 @@
 //! The driver fills buffers while capture sleeps, so no thread is needed. With `USERPTR` the
 //! buffers *are* lent slots; the driver holds four. Otherwise frames are copied from mapped
 //! buffers, or decoded from JPEG. `v4l2/negotiate` states how format, size and rate are chosen.
-//! `S_FMT` never refuses and settings outlive their program, so `v4l2/setup` always sets them and
-//! checks the result.
+//! `S_FMT` never refuses a request, and settings outlive the program that made them. `v4l2/setup`
+//! therefore always sets them and checks the result.
 //!
 //! | event | reaction |
 //! |---|---|
-//! | damaged, short or undecodable frame | its number becomes a gap; reported once a second at most |
+//! | damaged, short or undecodable frame | its number becomes a gap; reported at most once per second |
 //! | failed call | repeated once |
 //! | `POLLERR`, `EIO` | restart after pauses that double from 50 ms to 5 s; after three failures in a row, reopen |
 //! | `ENODEV` | close, wait by inotify for the name, reopen with the same settings |
@@ -51,8 +51,8 @@
 //! A control loop that reads nothing cannot distinguish a missing camera from a missing chain. A
 //! camera therefore yields *blank* frames ([`Frame::blank`]): at once if its stream breaks, after
 //! three silent periods otherwise, then every 100 ms. Extract answers with `Lost` ropes whose age
-//! grows, until `keep_lost_s` has passed. Blank frames are counted but not timed. The first one
-//! comes after the first image.
+//! grows, until `keep_lost_s` has passed. Blank frames are counted but not timed. None comes before
+//! the first image.
 //!
 //! # Known limitations
 //!

@@ -1,9 +1,9 @@
 //! Reads a mask file into one byte per pixel: how likely the pixel is rope, whatever the file's
 //! format.
 //!
-//! A mask may be gray, colored by instance, of 16 bits, or the alpha of a cut-out. This module
-//! converts each to levels, where 0 is background. They may still be small numbers that label
-//! instances.
+//! A mask may be gray, 16-bit, colored by instance, or the alpha channel of a cut-out. This module
+//! converts each of these to levels, where 0 is background. The levels may still be small numbers
+//! that label instances.
 
 use std::path::Path;
 
@@ -144,8 +144,8 @@ impl Samples {
         self.pixels().map(far).collect()
     }
 
-    /// Converts 16-bit values to bytes. Values that all fit stay unchanged. Otherwise the largest
-    /// one determines the number of bits.
+    /// Converts 16-bit values to bytes. If all values fit, they stay unchanged. Otherwise the
+    /// largest value determines the number of bits.
     fn to_bytes(&self, values: &[u16], news: &mut Vec<String>) -> Vec<u8> {
         let largest = values.iter().copied().max().unwrap_or(0);
         if largest <= BYTE {

@@ -51,10 +51,10 @@ pub enum MjpegError {
         "the frame is {what}, which lariat does not decode: ask the camera for another pixel format"
     )]
     Unsupported {
-        /// Its kind.
+        /// The kind of JPEG.
         what: &'static str,
     },
-    /// Its size differs from the negotiated one.
+    /// The frame's size differs from the negotiated size.
     #[error(
         "the frame is {}×{} pixels where {}×{} were agreed on: ask the camera for one of the sizes that it lists",
         found[0], found[1], agreed[0], agreed[1]
@@ -70,9 +70,9 @@ pub enum MjpegError {
         "the frame takes {needed} bytes decoded and only {given} were lent: lend as many as `Mjpeg::largest_frame_bytes` says"
     )]
     Room {
-        /// Bytes that it needs.
+        /// Number of bytes needed.
         needed: usize,
-        /// Bytes that were lent.
+        /// Number of bytes lent.
         given: usize,
     },
 }
@@ -124,9 +124,9 @@ impl Mjpeg {
     ///
     /// # Errors
     /// The frame is empty, cut off, damaged, of a kind that cameras do not send, or not of the
-    /// negotiated size; or `into` is too short. The content of `into` may then be overwritten.
-    /// Damage that leaves a valid code stays undetected, because a JPEG lacks a checksum. So does
-    /// the loss of the last few bytes.
+    /// negotiated size; or `into` is too short. After an error, the content of `into` may be
+    /// overwritten. Damage that leaves a valid code stays undetected, because a JPEG lacks a
+    /// checksum. The loss of the last few bytes also stays undetected.
     pub fn decode(&mut self, jpeg: &[u8], into: &mut [u8]) -> Result<PixelFormat, MjpegError> {
         let head = self.head(jpeg)?;
         let format = head.format();
@@ -135,10 +135,10 @@ impl Mjpeg {
         let into = into
             .get_mut(..needed)
             .ok_or(MjpegError::Room { needed, given })?;
-        // Past an end marker the decoder silently continues with zeros; at the end of the data it
-        // does not. The marker is therefore hidden from it. Its read-ahead must not reach the end
-        // of the data before the last row of blocks, which can happen if a row is short: a block
-        // has at least two bits.
+        // Past an end marker, the decoder silently continues with zeros, but not past the end of
+        // the data. The marker is therefore hidden from the decoder. However, the read-ahead must
+        // not reach the end of the data before the last row of blocks. It could do so if a row is
+        // short, because a block may have only two bits.
         let end = if 2 * head.blocks_a_row() > READ_AHEAD_BITS {
             head.end(jpeg)
         } else {

@@ -126,7 +126,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Returns the complete pictures, and whether one more is cut off.
+    /// Returns the complete pictures, and whether another picture is cut off.
     fn parts(mut self) -> io::Result<(Vec<Part>, bool)> {
         let mut parts = Vec::new();
         while let Some(from) = self.start()? {
@@ -158,8 +158,7 @@ impl<R: Read> Scanner<R> {
         Ok(byte[0])
     }
 
-    /// Skips to the next run of 0xFF bytes and past it. Returns the byte after the run, or `None`
-    /// at the end.
+    /// Skips past the next run of 0xFF bytes. Returns the byte after the run, or `None` at the end.
     fn behind_marker_byte(&mut self) -> io::Result<Option<u8>> {
         self.at += self.reader.skip_until(0xff)? as u64;
         loop {

@@ -5,8 +5,8 @@ use std::cmp::Ordering;
 /// Compares names piece by piece, numbers by their values. Names that differ only in leading zeros
 /// or in case are compared by their bytes. This is a total order.
 ///
-/// Digits after a point that follows digits are a fraction: `1.125` comes before `1.5`, which names
-/// such as `f"{time.time()}.png"` need. Digits with more than one point (`1.2.10`, a date or a
+/// Digits after a point that follows digits are a fraction: `1.125` comes before `1.5`. Names such
+/// as `f"{time.time()}.png"` need this. Digits with more than one point (`1.2.10`, a date or a
 /// version) are whole numbers, each compared by its value.
 pub fn natural_order(a: &[u8], b: &[u8]) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);

@@ -51,7 +51,7 @@ pub enum Source {
 pub struct FileOptions {
     /// The part that is shown.
     pub range: Range,
-    /// True if it starts again after the last frame.
+    /// True if the sequence starts again after its last frame.
     pub looped: bool,
     /// Frames per second, which maps times in the range to frames. Used for files without a rate of
     /// their own.

@@ -6,15 +6,16 @@
 //! `exposed_ns` is the moment when the frame was due, not when it was sent. A chain that falls
 //! behind thus shows up as latency instead of slowing its own clock (coordinated omission).
 //!
-//! Moments more than 0.1 s past are given up, except the newest, and count as frames lost at the
-//! source. Otherwise a source too slow for its pace would stay late for good. `--lossless` gives
-//! none up. With `--fps max`, a frame is due when it is ready.
+//! If the source is more than 0.1 s late, all missed moments except the newest are given up. They
+//! count as frames lost at the source. Otherwise a source too slow for its pace would stay late for
+//! good. With `--lossless`, no moment is given up. With `--fps max`, a frame is due when it is
+//! ready.
 
 use std::str::FromStr;
 
 const NS_PER_S: u64 = 1_000_000_000;
-/// A frame later than this is of no use to a control loop. Delays by a busy kernel or a host that
-/// preempts its cores are mostly shorter, and the source catches up on them.
+/// A frame later than this is of no use to a control loop. Delays caused by a busy kernel, or by a
+/// host that preempts the cores, are mostly shorter. The source catches up after such delays.
 const TOO_LATE_NS: u64 = NS_PER_S / 10;
 
 /// Rate at which frames come.
@@ -22,7 +23,7 @@ const TOO_LATE_NS: u64 = NS_PER_S / 10;
 pub enum Pace {
     /// This many frames per second.
     Fps(f64),
-    /// Each frame as soon as the one before is sent.
+    /// Each frame is due as soon as the previous frame has been sent.
     Max,
 }
 
@@ -84,9 +85,9 @@ impl Pacer {
         })
     }
 
-    /// Skips the due times that a slow source has missed, if the next one is more than 0.1 s in the
-    /// past: all up to `now_ns` except the last. Returns how many were skipped. Without this, a
-    /// source that falls behind once would stay late for good.
+    /// If the next due time is more than 0.1 s in the past, skips all due times up to `now_ns`
+    /// except the last. Returns the number of skipped due times. Without this, a source that falls
+    /// behind once would stay late for good.
     pub fn give_up(&mut self, now_ns: u64) -> u64 {
         let (Some(start_ns), Some(period_ns)) = (self.start_ns, self.period_ns) else {
             return 0;
@@ -118,8 +119,8 @@ impl Pacer {
 
     /// Does the same as [`next_due_ns`](Self::next_due_ns) for frames with a pace of their own: the
     /// next one is due `after_ns` after the first. If `may_give_up`, a frame more than 0.1 s late
-    /// delays all that follow. Returns the due time, and the number of moments missed at the mean
-    /// pace up to then.
+    /// delays all later frames. Returns the due time, and the number of moments that were missed
+    /// until then at the mean pace.
     pub fn own_due_ns(&mut self, now_ns: u64, after_ns: u64, may_give_up: bool) -> (u64, u64) {
         let start_ns = *self.start_ns.get_or_insert(now_ns.saturating_sub(after_ns));
         let due_ns = start_ns.saturating_add(after_ns);

@@ -66,8 +66,9 @@ struct Waiting<F> {
 }
 
 impl<F, I> Pairing<F, I> {
-    /// `within_ns`: maximum interval between a frame and its image. `period_ns`: period of the
-    /// depth camera, if known. The depth camera counts as silent until its first image.
+    /// Creates a pairing. `within_ns` is the maximum interval between a frame and its image.
+    /// `period_ns` is the period of the depth camera, if known. The depth camera counts as silent
+    /// until its first image.
     pub fn new(within_ns: u64, period_ns: Option<u64>) -> Self {
         Self {
             within_ns,
@@ -111,7 +112,7 @@ impl<F, I> Pairing<F, I> {
         self.images.push_back((exposed_ns, image, false));
     }
 
-    /// Reports that the depth camera is silent. No frame waits until its next image.
+    /// Reports that the depth camera is silent. Until its next image, no frame waits.
     pub fn silence(&mut self) {
         self.is_silent = true;
     }

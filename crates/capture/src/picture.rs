@@ -24,7 +24,8 @@ pub(crate) use jpeg::{END_OF_IMAGE, START_OF_IMAGE, START_OF_SCAN, is_in_scan, i
 
 /// Maximum size of a picture. A larger size is more likely a broken header than a camera's picture.
 pub(crate) const LARGEST_BYTES: u64 = 1 << 30;
-/// Number of leading bytes that include a file's size, except in unusual cases.
+/// Number of leading bytes in which the picture's size is looked for first. Files in which it comes
+/// later are unusual.
 const HEAD_BYTES: u64 = 64 << 10;
 
 /// The picture formats that can be shown, worded for use in a sentence.
@@ -34,7 +35,7 @@ const ENDINGS: [&str; 11] = [
     "png", "jpg", "jpeg", "webp", "tif", "tiff", "bmp", "pgm", "ppm", "pbm", "pnm",
 ];
 
-/// Returns whether a file is a picture by its name. Hidden files are not: some systems add a
+/// Returns whether a file's name is that of a picture. Hidden files are not: some systems add a
 /// `._0001.png`, which is not a picture, to each `0001.png`.
 pub fn names_a_picture(path: &Path) -> bool {
     let known = |extension: &std::ffi::OsStr| {

@@ -127,8 +127,8 @@ fn list_folder(folder: &Path, files: &mut Vec<PathBuf>) -> Result<Option<String>
     }))
 }
 
-/// Returns a sentence about the first of these files, by name, that is a picture or video to
-/// convert first, if any.
+/// Returns a sentence about the first of these files that, judging by its name, is a picture or
+/// video that has to be converted. `None` if there is no such file.
 pub fn foreign_example(files: &[PathBuf]) -> Option<String> {
     let known = files
         .iter()

@@ -1,8 +1,9 @@
 //! Formats of raw frames: those of messages, and others that are converted to one of them when
 //! read.
 //!
-//! Formats have lariat's names, and those of ffmpeg, GStreamer and ROS for the same bytes. YUV is
-//! in limited range, as these programs write it, except for ffmpeg's `yuvj…`.
+//! A format is known by lariat's own name and by the names that ffmpeg, GStreamer and ROS use for
+//! the same bytes. YUV is in limited range, as these programs write it, except for ffmpeg's
+//! `yuvj…`.
 
 use lariat_message::PixelFormat;
 

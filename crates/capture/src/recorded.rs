@@ -30,7 +30,7 @@ pub struct RecordingOptions {
     /// Numbers count recorded frames, and times count from the beginning. Within the range, every
     /// n-th *moment* of the source is shown, so that a neighbor does not replace a lost frame.
     pub range: Range,
-    /// True if it starts again after the last frame.
+    /// True if the recording starts again after its last frame.
     pub looped: bool,
 }
 
@@ -166,7 +166,7 @@ impl Opening {
         let size = loop {
             let frame = match messages.next_frame() {
                 Ok(None) => break Size::Raw(0),
-                // Damage is reported when its turn comes.
+                // Damage is reported later, when the frame's turn comes.
                 Err(_) => continue,
                 Ok(Some(frame)) => frame,
             };
@@ -189,8 +189,8 @@ impl Opening {
     }
 }
 
-/// Returns the size of the largest image that follows, in bytes. It reads them all: a large size in
-/// the index is real if images differ in size, but it may also come from a damaged index.
+/// Returns the size of the largest image that follows, in bytes. All images are read, because a
+/// large size in the index may be real or may come from a damaged index.
 fn largest_of(messages: &mut Messages) -> usize {
     let mut largest = 0;
     loop {

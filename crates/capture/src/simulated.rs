@@ -1,9 +1,9 @@
 //! Simulates a rope in real time, held by grippers that take commands, and draws it as a camera
 //! would see it.
 //!
-//! As with a camera, a frame shows what is there at its moment. The simulation runs up to that
-//! moment, and each command takes effect at the time when it was sent. Meanwhile the simulation
-//! stays slightly behind the clock, so that little work remains when the moment comes.
+//! As with a camera, a frame shows the scene at the frame's moment. The simulation runs up to that
+//! moment, and each command takes effect at the time when it was sent. Between frames, the
+//! simulation follows slightly behind the clock, so that little work remains when the moment comes.
 
 mod world;
 
@@ -26,7 +26,7 @@ const LOOK_NS: u64 = 4_000_000;
 /// Lag behind the clock between frames. A command thus arrives before the simulation reaches the
 /// time when it was sent.
 const BEHIND_NS: u64 = 3_000_000;
-/// Maximum lead of a command's time over the clock. A command that claims more counts as sent now.
+/// Maximum lead of a command's time over the clock. A command with a later time counts as sent now.
 const FARTHEST_NS: u64 = 1_000_000_000;
 /// Maximum number of commands kept; older ones are dropped.
 const MOST_COMMANDS: usize = 64;
@@ -66,7 +66,7 @@ impl Default for SimulatedOptions {
     }
 }
 
-/// Opens a simulated rope that moves by the commands it is sent. Without commands it rests.
+/// Opens a simulated rope that is moved by commands. Without commands it rests.
 ///
 /// # Errors
 /// An option is out of range.

@@ -68,16 +68,16 @@ pub enum Next {
 /// unless the pixels are already in a slot.
 ///
 /// A source that fills memory ahead of need (a thread that draws or decodes, a camera's driver)
-/// borrows slots from the sender. It gets as many as it [asks for](Self::slots_wanted). It gives a
-/// slot back with each frame that is in one, and is lent another in return. Dropping the source
+/// borrows slots from the sender. It gets as many as it [asks for](Self::slots_wanted). With each
+/// frame that is in a slot, it gives the slot back and is lent another. Dropping the source
 /// releases all slots: it joins its thread or stops its driver.
 pub trait FrameSource: Send {
     /// Kind of this source.
     fn kind(&self) -> SourceKind;
 
-    /// Maximum number of bytes in a frame of this source. 0 if that is unknown before the first
-    /// frame. It is then known once that frame is ready, and the frame has to be
-    /// [written](Self::write).
+    /// Maximum number of bytes in a frame of this source. 0 if the number is unknown before the
+    /// first frame. In that case it is known once the first frame is ready, and that frame has to
+    /// be [written](Self::write).
     fn largest_frame_bytes(&self) -> usize;
 
     /// Returns whether [`truth`](Self::truth) has an answer.
@@ -99,10 +99,10 @@ pub trait FrameSource: Send {
     /// Lends the source a slot. The slot's number differs from those of all slots that it holds.
     fn lend(&mut self, _slot: LentSlot) {}
 
-    /// Continues after the frame with this number, the last one of another source with the same
-    /// settings. Call it before the first frame or slot. Returns `false` if the source starts from
-    /// the beginning: a live one has nothing to skip, and a looped one does not know how many
-    /// rounds to skip.
+    /// Continues after the frame with this number, which is the last frame of another source with
+    /// the same settings. Call it before the first frame or slot. Returns `false` if the source
+    /// starts from the beginning: a live one has nothing to skip, and a looped one does not know
+    /// how many rounds to skip.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -176,7 +176,7 @@ pub trait FrameSource: Send {
     }
 
     /// Returns a sentence about something worth knowing that is not an error, such as a camera that
-    /// is back. Call it in the same way.
+    /// is back. Call it in the same way as [`take_warning`](Self::take_warning).
     fn take_news(&mut self) -> Option<String> {
         None
     }
@@ -244,7 +244,7 @@ pub enum SourceError {
     /// A picture that cannot be decoded.
     #[error("{reason}")]
     Picture {
-        /// Which one, and why.
+        /// A sentence that names the picture and the reason.
         reason: String,
     },
     /// A video named together with other paths.
@@ -320,7 +320,7 @@ pub enum SourceError {
 
 impl SourceError {
     /// Returns whether the camera is absent or in use, perhaps by a killed program that has not
-    /// ended yet. It may come back.
+    /// ended yet. In both cases it may come back.
     pub fn is_of_an_absent_camera(&self) -> bool {
         use CameraError::{Absent, Busy, Gone};
         matches!(

@@ -87,7 +87,8 @@ fn write_nv12(layout: &Layout, [y, u, v]: Planes, pixels: &mut [u8]) {
     }
 }
 
-/// `pairs`: number of horizontal pixel pairs that share a color sample.
+/// Writes the planes as YUYV. `pairs` is the number of horizontal pixel pairs that share a color
+/// sample.
 fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pairs: usize, pixels: &mut [u8]) {
     let (width, stride) = (layout.width as usize, layout.stride as usize);
     let chroma_width = width.div_ceil(2 * pairs);
@@ -105,7 +106,7 @@ fn write_yuyv(layout: &Layout, [y, u, v]: Planes, pairs: usize, pixels: &mut [u8
 
 /// Converts YUV to RGB by ITU-R BT.601, in 16-bit fixed point.
 pub(crate) fn write_rgb(range: ColorRange, [y, u, v]: Planes, pixels: &mut [u8]) {
-    // Factors of Y; of V for red; of U and V for green; of U for blue.
+    // Factors of Y for all colors, of V for red, of U and V for green, and of U for blue.
     let ([luma, red, green_u, green_v, blue], black) = if range == ColorRange::Full {
         ([65536, 91881, 22554, 46802, 116_130], 0)
     } else {

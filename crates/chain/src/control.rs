@@ -186,8 +186,8 @@ impl Control {
         self.asking.len() < MOST_CLIENTS
     }
 
-    /// Descriptors that become readable when [`next_request`](Self::next_request) has something to
-    /// do.
+    /// Returns the descriptors that become readable when [`next_request`](Self::next_request) has
+    /// something to do.
     pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         let listener = self.has_room().then(|| self.listener.as_fd());
         let clients = self.asking.iter().map(|client| client.stream.as_fd());

@@ -47,8 +47,8 @@ pub use crate::wrong_use;
 pub fn is_wrong_use(error: &anyhow::Error) -> bool {
     let names =
         |cause: &WireError| matches!(cause, WireError::RigName(_) | WireError::DomainName(_));
-    // An error that serves as context is in the chain under another type. Only the outer error can
-    // be downcast to it.
+    // In the iterator of causes, an error that was added as context has another type. Only `error`
+    // itself can be downcast to it.
     let has_context = error.downcast_ref::<WrongUse>().is_some();
     let is_one = |cause: &(dyn std::error::Error + 'static)| {
         cause.is::<WrongUse>() || cause.is::<Problems>() || cause.downcast_ref().is_some_and(names)

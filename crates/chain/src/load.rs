@@ -29,7 +29,7 @@ impl Load {
         self.average > (self.cores as f64 - 1.0).max(0.5)
     }
 
-    /// Warns if the machine is loaded, in a sentence without a full stop.
+    /// Returns a warning if the machine is loaded: a sentence without a full stop.
     pub fn warning(self) -> Option<String> {
         let warning = || format!("{self}: figures will be worse than lariat's own");
         self.is_busy().then(warning)

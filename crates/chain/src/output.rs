@@ -13,9 +13,9 @@
 //! A **closed pipe** (`| head`) ends the command in order, with exit code 1 because something was
 //! not printed. Only a chain reports it. Rust ignores SIGPIPE, so the write fails and nothing is
 //! interrupted: cameras get their controls back, and shared memory is cleaned up. Any other failure
-//! to write standard output is reported, and the exit code is 1. A chain continues while a full
-//! disk swallows its live line, because its robot needs it, and reports the failure at its end. If
-//! nobody reads standard error, messages are discarded (the macros in `lib.rs`).
+//! to write standard output is reported, and the exit code is 1. A full disk that swallows the live
+//! line does not stop a chain, because a robot depends on the chain. The chain reports the failure
+//! at its end. If nobody reads standard error, messages are discarded (the macros in `lib.rs`).
 
 mod folder;
 mod stdout;
@@ -267,8 +267,8 @@ pub fn of_the_system(cause: &io::Error) -> io::Error {
     code.map_or_else(|| cause.kind().into(), io::Error::from_raw_os_error)
 }
 
-/// A file that is renamed to its destination when it is complete. If dropped before, it leaves
-/// nothing behind, except what was written into a device or a pipe.
+/// A file that is renamed to its destination when it is complete. If it is dropped earlier, nothing
+/// is left behind, except data already written into a device or a pipe.
 pub struct Growing {
     body: Body,
     output: Output,

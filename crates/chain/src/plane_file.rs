@@ -121,9 +121,8 @@ fn length(vector: [f64; 3]) -> f64 {
 
 /// Checks the scale of a homography.
 ///
-/// # Errors
-/// Returns an error if the images show less of the table than those of any camera. The homography
-/// is probably in meters.
+/// # Errors Returns an error if the images show less of the table than any camera's images do. The
+/// homography is probably in meters.
 fn check_scale(plane: &Plane, camera: Option<&Camera>, size: [u32; 2]) -> Result<()> {
     // Another check reports if camera and plane do not fit the frames.
     let Ok(mapping) = Mapping::new(camera, Some(plane), size) else {

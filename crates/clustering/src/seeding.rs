@@ -3,9 +3,9 @@
 //! center.
 //!
 //! The pixels are grouped into blocks. A new center is the nearest only for pixels around it. A
-//! block is skipped if its box is farther from the new center than its farthest pixel is from its
-//! nearest center. All K centers therefore cost about as much as ln K passes over the pixels, not
-//! K.
+//! block is skipped if the block's box is farther from the new center than any of its pixels is
+//! from the nearest earlier center. All K centers therefore cost about as much as ln K passes over
+//! the pixels, not K.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 

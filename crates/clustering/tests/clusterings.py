@@ -1,5 +1,5 @@
 """Reference clusterings by MiniSom, scikit-learn and scikit-fuzzy, for
-src/clustering/references.rs.
+crates/clustering/src/references.rs.
 
     python3 crates/clustering/tests/clusterings.py > crates/clustering/tests/clusterings.json
 
@@ -8,7 +8,7 @@ pixels are those within 4.5 px of a curve that crosses itself. All three begin f
 centers, chosen among the pixels: each is the farthest of ten candidates from those before it. They
 end by the default criteria that our modules name. The results are:
 
-    som        the quantization error, of 10,000 samples drawn by splitmix64
+    som        the quantization error after 10,000 samples drawn by splitmix64
     mixture    lower_bound_ and n_iter_, from the means, weights and variances of the pixels nearest to each center,
                where a pixel belongs in equal parts to equidistant centers
     fuzzy      J of the last centers with their own memberships, px^2, and the rounds, from the memberships to the first

@@ -10,7 +10,7 @@ pub struct Observation<'a> {
     pub features: &'a [f64],
     /// Accuracy of each point.
     pub weights: Weights<'a>,
-    /// Time at which the image was exposed, ns, by the same clock as `now_ns`.
+    /// Time at which the image was exposed, ns, on the same clock as `now_ns`.
     pub exposed_ns: u64,
     /// True if part of the rope is covered. The servo does not learn from such a shape. It steers
     /// at half the speed, or holds ([`Options::hold_on_partial`](crate::Options::hold_on_partial)).
@@ -55,8 +55,8 @@ pub struct Command<const A: usize = 3> {
     pub velocities: [[f64; A]; 2],
     /// The servo's state.
     pub doing: Doing,
-    /// Distance of the last observed shape from the target, px: root mean square by the
-    /// [`Metric`](crate::Metric). `None` before the first one.
+    /// Distance of the last observed shape from the target, px: root mean square, as the
+    /// [`Metric`](crate::Metric) defines it. `None` before the first one.
     pub error_px: Option<f64>,
     /// Condition number of `W^½J`, with θ measured by the robot's lever: the ratio of the rope's
     /// responses to the best and to the worst motion of the grippers. Infinite if a motion has no

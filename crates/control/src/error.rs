@@ -18,7 +18,7 @@ pub enum ServoError {
         /// The maximum allowed.
         most: f64,
     },
-    /// No input may move.
+    /// The speed limits of all inputs are 0.
     #[error("every speed limit is 0, so that nothing can be moved: allow one coordinate to move")]
     NothingMoves,
     /// A workspace's minimum is not below its maximum.

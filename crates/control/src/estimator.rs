@@ -55,7 +55,7 @@ impl Learner {
 }
 
 /// Largest plausible change of `J`, px per px. A larger one means that the whole shape jumped
-/// during a step of some px.
+/// during a step of a few px.
 const MOST_CHANGE: f64 = 100.0;
 
 /// Zero for all inputs.
@@ -110,7 +110,7 @@ mod tests {
         way
     }
 
-    /// The error along each input falls by 1 − γ whenever it moves.
+    /// The error along each input falls by a factor of 1 − γ whenever the input moves.
     #[test]
     fn broydens_rule_converges_on_a_linear_map_as_its_share_says() {
         let truth = truth(&mut SplitMix64::new(1));

@@ -1,7 +1,7 @@
 //! Finds the first Jacobian. Each input moves a short way out and back while the others stand
-//! still. Its column is the slope of the shape over the input, by least squares over all images of
-//! that time (the exploratory motions of K. Hosoda, M. Asada, IROS 1994; H. Sutanto, R. Sharma, V.
-//! Varma, ICRA 1997).
+//! still. Its column is the slope of the shape over the input, by least squares over all images
+//! taken during its motion (the exploratory motions of K. Hosoda, M. Asada, IROS 1994; H. Sutanto,
+//! R. Sharma, V. Varma, ICRA 1997).
 //!
 //! Each image is assigned the input's position at its exposure, so neither delay nor a hold does
 //! harm. A rope lags by the same amount out and back, in opposite directions, so the slope is
@@ -15,11 +15,11 @@ use crate::pairs::Frame;
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES};
 
 /// Time that an input rests at home, s, so that the next motion begins with a rope at rest. The
-/// rest also lasts until an image has been exposed after it.
+/// rest is extended until an image has been exposed after this time.
 const REST_S: f64 = 0.05;
 
-/// An input turns around within the first share of its reach, and is home within the second. The
-/// slope uses its actual position.
+/// An input turns around once it is within `OUT` times its reach of the far end, and counts as home
+/// within `HOME` times its reach. The slope uses the input's actual position.
 const OUT: f64 = 0.1;
 const HOME: f64 = 0.04;
 

@@ -18,7 +18,7 @@ use crate::estimator::NONE;
 use crate::jacobian::square;
 use crate::{Coordinates, INPUTS};
 
-/// Initial variance, and the maximum: a rope moves about as much as its gripper.
+/// Initial and maximum variance: a rope moves about as much as its gripper.
 const MOST_VARIANCE: f64 = 1.0;
 
 /// Uncertainty of `J`.
@@ -67,7 +67,7 @@ impl Kalman {
         gain
     }
 
-    /// Adds to each variance, up to the initial one.
+    /// Adds `variance` to each variance, up to the maximum.
     fn drift(&mut self, variance: f64) {
         for i in 0..INPUTS {
             self.p[i][i] += variance;

@@ -20,7 +20,7 @@ use crate::weighing::Weighing;
 use crate::{Coordinates, Features, INPUTS};
 
 /// Ratio of singular values below which damping grows. Otherwise, the law would command a motion
-/// with this ratio twenty times as fast as the others, based on a `J` that is accurate to some
+/// with this ratio twenty times as fast as the others, based on a `J` that is accurate to a few
 /// hundredths.
 const SINGULAR: f64 = 0.05;
 
@@ -86,7 +86,7 @@ impl Law {
             velocity: [0.0; INPUTS],
             condition: f64::INFINITY,
         };
-        // The shape does not respond, or the numbers overflow.
+        // False if the shape does not respond, or if numbers overflow.
         let answers = greatest > 1e-12 && greatest.is_finite();
         if !answers {
             return nothing;

@@ -60,7 +60,7 @@
 //!
 //! A [`SpaceServo`] has six coordinates per gripper, and shapes with three per point, in mm instead
 //! of px. Turns are rates about three axes of the gripper ([`Tool`]): two across the rope, and the
-//! rope itself. The limit of the last turn is 0 if the rope may twist. Covariances are
+//! rope itself. Set the speed limit of the last turn to 0 if the rope may twist. Covariances are
 //! [3×3](Weights::Covariances3).
 //!
 //! # Delay
@@ -68,7 +68,7 @@
 //! A shape belongs to the moment of its exposure. The servo remembers where the grippers were. It
 //! learns from differences `δs` and `δr` between the same two exposures, so delay does not corrupt
 //! `J`. It steers by the shape predicted for now, `s + J (r(now) − r(exposed))`: a Smith predictor
-//! (O. Smith 1957) for the integrator that a velocity-driven rope is.
+//! (O. Smith 1957) for a velocity-driven rope, which acts as an integrator.
 //!
 //! # Steps
 //!
@@ -76,9 +76,9 @@
 //! 2. `history` gives the grippers' place at the exposure.
 //! 3. `explore` finds the first `J`; `pairs` and `estimator` update it.
 //! 4. `metric` and `weighing` define `W`.
-//! 5. `law` and `eigen` solve, without inputs that a border blocks.
-//! 6. `limits` scales the velocity in its direction, then applies acceleration, borders, and the
-//!    grippers' distance.
+//! 5. `law` and `eigen` solve for the velocity, leaving out inputs that a border blocks.
+//! 6. `limits` scales the velocity without changing its direction, then applies the limits of
+//!    acceleration, borders, and the grippers' distance.
 //! 7. `servo` and `progress` set the state. Without progress the servo explores again.
 //!
 //! # Known limitations

@@ -3,8 +3,8 @@
 use crate::robot::Robot;
 use crate::{Coordinates, INPUTS, dimensions};
 
-/// A gripper moves towards a border at most as fast as would reach it in this time, s. Commands
-/// that come at least this often do not cross it.
+/// A gripper moves towards a border no faster than would take it there in this time, s. If commands
+/// come at least this often, it does not cross the border.
 const BORDER_S: f64 = 0.1;
 
 /// Limits of all coordinates, px-like.
@@ -109,7 +109,7 @@ impl Limits {
     }
 
     /// Limits a wish to what may be commanded. `share` is the allowed share of the full speed, and
-    /// `before` is the last command, `dt_s` ago.
+    /// `before` is the last command, given `dt_s` ago.
     pub(crate) fn keep(
         &self,
         wish: &Coordinates,
@@ -166,7 +166,8 @@ impl Limits {
         std::array::from_fn(|i| before[i] + share * (wish[i] - before[i]))
     }
 
-    /// Range of velocities that do not lead outside. Outside, only velocities that lead back.
+    /// Range of velocities that do not lead outside. Outside the workspace, the range contains only
+    /// velocities that lead back.
     fn room(&self, input: usize, r: &Coordinates) -> (f64, f64) {
         let low = (self.least[input] - r[input]) / BORDER_S;
         let high = (self.most[input] - r[input]) / BORDER_S;
@@ -194,7 +195,7 @@ impl Limits {
         x * u + y * v + z * w
     }
 
-    /// Distance of the grippers, and the direction from the first to the second.
+    /// Distance between the grippers, and the direction from the first to the second.
     fn apart(&self, r: &Coordinates) -> (f64, [f64; 3]) {
         let way = self.way_between(r);
         let [x, y, z] = way;

@@ -14,8 +14,9 @@ pub struct Options<const A: usize = 3> {
     /// Distance of two shapes. Default: that of points.
     pub metric: Metric,
     /// λ, 1/s: an error that can be corrected decays as `e^−λt`, as far as the speed limits allow.
-    /// From 10⁻³ to 100. With `look_ahead`, the accuracy of `J` and the lag of the rope limit it.
-    /// Without, the whole delay T does: 0.37/T is the maximum without overshoot. Default: 2.
+    /// From 10⁻³ to 100. With `look_ahead`, the accuracy of `J` and the lag of the rope limit λ.
+    /// Without `look_ahead`, the whole delay T limits it: 0.37/T is the maximum without overshoot.
+    /// Default: 2.
     pub gain: f64,
     /// μ as a share of the shape's response to the best motion. It grows automatically when the
     /// response to the worst motion is nearly zero. From 0 to 1. Default: 0.05.
@@ -33,8 +34,8 @@ pub struct Options<const A: usize = 3> {
     /// Default: yes.
     pub look_ahead: bool,
     /// Allow the target in reverse order: of the two directions, the servo chooses the one nearer
-    /// to the first observed shape. Not for Fourier series, nor for knots or a metric that are not
-    /// symmetric. Default: yes.
+    /// to the first observed shape. Disable this for Fourier series, and for knots or a metric that
+    /// are not symmetric. Default: yes.
     pub either_way: bool,
     /// Hold while part of the rope is covered. Otherwise, steer by the visible part at half the
     /// speed. Default: no.
@@ -108,7 +109,7 @@ pub enum Estimator {
         share: f64,
     },
     /// A Kalman filter on the entries of `J`, modeled as a random walk. It tracks how accurately
-    /// each motion's response is known, and weights by the noise.
+    /// each motion's response is known, and weights each pair of images by its noise.
     Kalman {
         /// Standard deviation of an entry's change after the grippers have moved by 100 px, px per
         /// px. From 0 to 10.
@@ -162,14 +163,14 @@ setters! {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Exploring {
-    /// Reach of the motions, px; a turn reaches as far at the robot's lever. Choose it far above
-    /// the noise and well below the rope's length. From 10⁻² to 10³. Default: 13.
+    /// Reach of the motions, px; a turn moves the end of the robot's lever this far. Choose it far
+    /// above the noise and well below the rope's length. From 10⁻² to 10³. Default: 13.
     pub reach_px: f64,
     /// Speed of the motions, px/s; never above the robot's limits. From 10⁻² to 10⁵. Default: 100.
     pub speed_px_s: f64,
     /// Explore again when the error has not fallen by a twentieth for this long, s. The time is up
-    /// to four times as long if the limits leave less of the law's wish. From 0.1 to 10³. Default:
-    /// 1.
+    /// to four times as long if the robot's limits reduce the velocity that the law requests. From
+    /// 0.1 to 10³. Default: 1.
     pub stalled_s: f64,
     /// Maximum number of repeated explorations. Default: 4.
     pub again: u32,

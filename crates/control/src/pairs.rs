@@ -9,7 +9,7 @@ use crate::{Coordinates, Features};
 
 /// Minimum motion of the grippers, in standard deviations of the noise of `δs`. Noise then changes
 /// `J` by a third of the response of a rope that moves as much as its grippers. With half of
-/// Broyden's step, it changes `J` by half of that.
+/// Broyden's step, the change is half of that.
 const STEP_BY_NOISE: f64 = 3.0;
 
 /// A shape, and the grippers' positions when its image was exposed.
@@ -17,7 +17,7 @@ const STEP_BY_NOISE: f64 = 3.0;
 pub(crate) struct Frame {
     pub(crate) features: Features,
     pub(crate) r: Coordinates,
-    /// Time of `r`, by the clock of the commands.
+    /// Time of `r`, on the clock of the commands.
     pub(crate) at_ns: u64,
     /// Mean square distance caused by noise, px².
     pub(crate) noise_px2: f64,

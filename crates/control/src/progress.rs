@@ -6,8 +6,8 @@ use crate::options::Exploring;
 /// Minimum share by which the error must fall to count as progress.
 const PROGRESS: f64 = 0.05;
 
-/// Minimum share of the time that counts, however little of a command the limits leave. A gripper
-/// may be stuck at a border forever.
+/// Minimum weight of elapsed time, even if the robot's limits leave a smaller share of the law's
+/// wish. Without this minimum, a gripper that is stuck at a border would never count as stalled.
 const LEAST_SHARE: f64 = 0.25;
 
 /// The smallest error so far, and the time since it fell.

@@ -32,8 +32,8 @@ pub struct Robot<const A: usize = 3> {
     /// The lever that converts a turn of 1 rad to px. Choose the size of a bend of the rope. From 1
     /// to 10⁴. Default: 100.
     pub lever_px: f64,
-    /// Delay between a command and the robot's motion, s, plus that of the rope if it is known to
-    /// lag. From 0 to 1. Default: 0.
+    /// Delay between a command and the robot's motion, s, plus the rope's lag if that is known.
+    /// From 0 to 1. Default: 0.
     pub delay_s: f64,
 }
 

@@ -28,7 +28,7 @@ const PARTIAL_SHARE: f64 = 0.5;
 /// Drives a rope's shape to a target: call [`see`](Self::see) for each image, or
 /// [`hold`](Self::hold) if there is no usable one.
 ///
-/// Times are ns of any monotonic clock, the same as that of the images' exposures.
+/// Times are in ns on any monotonic clock. The images' exposure times must be on the same clock.
 #[derive(Debug, Clone)]
 pub struct Servo<const A: usize = 3> {
     options: Options<A>,
@@ -53,7 +53,7 @@ pub struct Servo<const A: usize = 3> {
 }
 
 /// A servo for ropes in 3-D. Coordinates of a gripper are x, y and z in mm, then three turns in
-/// rad. Lengths in px are in mm instead.
+/// rad. Lengths documented in px are in mm.
 pub type SpaceServo = Servo<6>;
 
 #[derive(Debug, Clone, Copy, PartialEq)]

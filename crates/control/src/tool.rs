@@ -9,8 +9,8 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// Creates the axes of a gripper from which the rope leaves in this direction, of any length
-    /// but 0. The first axis across is horizontal.
+    /// Creates the axes of a gripper that the rope leaves in this direction. The vector may have
+    /// any length except 0. The first axis across the rope is horizontal.
     pub fn new(along: [f64; 3]) -> Self {
         let along = unit(along).unwrap_or([1.0, 0.0, 0.0]);
         let level = unit(cross([0.0, 0.0, 1.0], along)).unwrap_or([1.0, 0.0, 0.0]);
@@ -32,7 +32,7 @@ impl Tool {
         [x, y, z, about(0), about(1), about(2)]
     }
 
-    /// Turns the axes at this velocity of the servo for `seconds`.
+    /// Turns the axes for `seconds` at this velocity, as commanded by the servo.
     pub fn turn(&mut self, velocity: &[f64; 6], seconds: f64) {
         let [.., x, y, z] = self.twist(velocity);
         let about = [x, y, z].map(|turn| turn * seconds);
@@ -55,7 +55,7 @@ impl Tool {
     }
 }
 
-/// Maximum turn per step. Each step is accurate to a hundred thousandth of itself.
+/// Maximum turn per step. The relative error of each step is at most 10⁻⁵.
 const STEP_RAD: f64 = 0.01;
 /// Maximum number of steps per call: a whole turn.
 const MOST_STEPS: f64 = 628.0;
@@ -104,7 +104,8 @@ mod tests {
                 assert!((dot(*a, *b) - unit).abs() < 1e-9, "{tool:?}");
             }
         }
-        // A vertical direction also has a horizontal axis, and an invalid one stays finite.
+        // A vertical direction also has a horizontal axis, and an invalid direction gives finite
+        // axes.
         for along in [[0.0, 0.0, 2.0], [0.0; 3], [f64::NAN; 3]] {
             assert!(
                 Tool::new(along)

@@ -15,8 +15,8 @@ use crate::command::{Weights, Why};
 use crate::eigen::{Eigen, eigen};
 use crate::{Coordinates, Features, INPUTS, MAX_FEATURES, MAX_POINTS, Metric};
 
-/// Maximum ratio of two points' weights. An underestimated variance, or a single visible point,
-/// must not steer alone.
+/// Maximum ratio of two points' weights. A point whose variance is underestimated, or a single
+/// visible point, must not determine the motion alone.
 const MOST_RATIO: f64 = 100.0;
 
 /// Largest valid variance, px².

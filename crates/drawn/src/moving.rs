@@ -33,7 +33,7 @@ pub enum Story {
     Writhing,
     /// Two ropes of one color writhe over each other.
     Two,
-    /// One rope writhes, and disappears now and then for up to 25 frames.
+    /// One rope writhes. Now and then it disappears for up to 25 frames.
     Vanishing,
     /// A gripper moves along the writhing rope.
     Gripper,
@@ -51,7 +51,7 @@ pub enum Story {
     Clutter,
     /// The same as [`Clutter`](Story::Clutter), filmed by a moving camera.
     Handheld,
-    /// The same as [`Handheld`](Story::Handheld), and now and then a hand passes over the rope.
+    /// The same as [`Handheld`](Story::Handheld), but now and then a hand passes over the rope.
     Passing,
     /// Now and then, a hand comes over the writhing rope, rests, and leaves.
     Resting,
@@ -75,8 +75,8 @@ impl Story {
         Self::Resting,
     ];
 
-    /// Returns whether the ground is more than a plain table, so that only prior knowledge of the
-    /// ropes separates them from it.
+    /// Returns whether the ground is more than a plain table. In that case, only prior knowledge of
+    /// the ropes separates them from the ground.
     pub const fn is_cluttered(self) -> bool {
         matches!(self, Self::Clutter | Self::Handheld | Self::Passing)
     }
@@ -130,7 +130,8 @@ pub struct Film {
     line: Vec<[f64; 2]>,
     clean: Vec<u8>,
     frame: u64,
-    /// Number of frames left in the current event, and until the next one begins.
+    /// Number of frames left in the current event, and number of frames until the next event
+    /// begins.
     event: [u64; 2],
 }
 
@@ -355,7 +356,7 @@ impl Film {
         }
     }
 
-    /// Replaces a frame by one without a scene.
+    /// Replaces a frame by a frame without a scene.
     fn spoil(&mut self, rgb: &mut [u8]) {
         match self.random.next_u64() % 3 {
             0 => rgb.fill(0),

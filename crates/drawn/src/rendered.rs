@@ -36,8 +36,8 @@ pub struct RenderOptions {
     pub table_rgb: [u8; 3],
     /// Standard deviation of the camera's noise, in steps of a byte, 0 to 4.
     pub noise: f64,
-    /// Time between two frames of the rope's motion, in seconds. It does not affect how fast frames
-    /// are sent.
+    /// Time between two frames of the rope's motion, in seconds. This does not affect the rate at
+    /// which frames are sent.
     pub frame_interval_s: f64,
     /// Number of frames; `None`: unlimited.
     pub frames: Option<u64>,
@@ -66,7 +66,7 @@ impl Default for RenderOptions {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("the rendered rope needs {what}")]
 pub struct RenderError {
-    /// What is required, and what was requested.
+    /// The requirement, and the requested value.
     what: String,
 }
 

@@ -49,8 +49,8 @@ pub struct TrueRope {
     pub width_px: f64,
     /// True if the rope has no ends.
     pub closed: bool,
-    /// True if the rope leaves the image at its first and at its last point, which is then on a
-    /// line through the centers of the outermost pixels.
+    /// True for the first and for the last point if the rope leaves the image there. Such a point
+    /// is on a line through the centers of the outermost pixels.
     pub border: [bool; 2],
 }
 
@@ -70,9 +70,9 @@ pub struct TrueCrossing {
 /// A place where two strands run side by side in contact without crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueTouch {
-    /// For each strand: its rope, the normalized arc length of the middle of the stretch, and half
-    /// of the stretch's length in pixels. At the ends of the stretch, more than half a width of
-    /// table is visible between the strands.
+    /// For each strand: index of its rope, normalized arc length of the middle of the contact, and
+    /// half of the contact's length in pixels. At both ends of the contact, more than half a width
+    /// of table is visible between the strands.
     pub strands: [(usize, f64, f64); 2],
 }
 
@@ -173,8 +173,8 @@ pub fn draw(class: Class, seed: u64, width: usize, height: usize) -> Result<Stil
     })
 }
 
-/// Surface of a composed picture without ropes, three bytes per pixel, and a rope color that
-/// differs from the table's.
+/// Surface of a composed picture without ropes, three bytes per pixel. Also returns a rope color
+/// that differs from the table's color.
 pub(crate) fn surface(class: Class, seed: u64, [width, height]: [usize; 2]) -> (Vec<u8>, [u8; 3]) {
     let stream = |part: u64| SplitMix64::of_stream(seed, 0x5CE0 + 16 * class as u64 + part);
     let mut look = style::Style::of(class, seed, 1, 1.0, &mut stream(1));

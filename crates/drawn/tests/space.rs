@@ -1,5 +1,5 @@
 //! Ropes in 3-D are the same on every machine, two cameras see them where geometry predicts, and
-//! they have the requested shape.
+//! the ropes have the requested shape.
 
 use lariat_drawn::SpaceScene;
 use lariat_drawn::space::{DepthSensor, Eye, LiftOptions, LiftedRope, depth, picture};
@@ -90,7 +90,8 @@ fn a_depth_image_without_faults_has_the_ropes_surface() {
         let seen = eye().see(rope.points[i]);
         let at = eye().pixel(seen).map(|c| c.round() as usize);
         let measured = f64::from(units[at[1] * SIZE[0] + at[0]]) * 0.1;
-        // The surface is nearer by a radius, more along a slope, and less off the axis.
+        // The surface is nearer than the axis by a radius. The difference is larger on a slope and
+        // smaller to the side of the axis.
         let nearer = seen[2] - measured;
         assert!((2.5..6.5).contains(&nearer), "{i}: {nearer} mm");
     }

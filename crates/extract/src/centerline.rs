@@ -1,5 +1,5 @@
-//! The fourth step: from a strand to samples along the middle of the rope, between pixels. The
-//! samples run from tip to tip, and each has the rope's width there.
+//! The fourth step: turns a strand into samples along the middle of the rope, with subpixel
+//! accuracy. The samples run from tip to tip, and each stores the rope's width at its place.
 
 mod centerliner;
 pub(crate) mod connector;

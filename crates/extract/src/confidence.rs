@@ -4,7 +4,7 @@
 //! At two dozen places along the curve, the image is read across it. The findings there and the
 //! shape of the curve become numbers between 0 and 1 ([`Evidence`]). A logistic function of their
 //! weighted sum is the probability of being right. The weights are fitted to drawn pictures
-//! ([`weights`]). It takes microseconds and no memory.
+//! ([`weights`]). The judgement takes microseconds and no memory.
 
 mod across;
 pub(crate) mod remainder;
@@ -76,15 +76,15 @@ enum Clue {
     GoesOn,
     /// Share of tips that point at the flank of a strand, or are within one.
     Met,
-    /// How clearly a tip continues at another tip beyond a gap.
+    /// Evidence that a tip continues at another tip beyond a gap.
     Torn,
     /// Share of ends at the picture's border.
     Border,
     /// The number of crossings.
     Crossings,
-    /// The part of the mask next to it that no curve runs through.
+    /// The part of the mask next to the curve that no curve runs through.
     LeftOut,
-    /// 1 if it is a part of a rope that was longer before.
+    /// 1 if the curve is a part of a rope that was longer before.
     Partial,
     /// 1 if the curve may be something else.
     Doubted,
@@ -176,10 +176,10 @@ pub(crate) struct Context<'a> {
     pub(crate) sees_covers: bool,
     /// The network's output for each pixel, if the network made the mask.
     pub(crate) likely: Option<&'a GrayPlane>,
-    /// The part of the mask next to it that no curve runs through, from
+    /// The part of the mask next to the curve that no curve runs through, from
     /// [`Remainder::beside`](remainder::Remainder::beside).
     pub(crate) left_out: f32,
-    /// Number of its crossings.
+    /// Number of the curve's crossings.
     pub(crate) crossings: usize,
 }
 
@@ -264,7 +264,8 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     let contrast = middle(&|across| across.edges[0].min(across.edges[1]));
     let relief =
         middle(&|across| across.relief[0]).abs() + 0.5 * middle(&|across| across.relief[1].abs());
-    // A twisted rope alternates between two colors: of three neighbors, the nearest two are alike.
+    // A twisted rope alternates between two colors, so the two most similar of three neighbors are
+    // compared.
     let along = |of: &dyn Fn(&Across) -> [f32; 3]| {
         let mut values = [0.0; PLACES];
         let mut steps = 0;
@@ -273,7 +274,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
             values[steps] = apart(0, 1).min(apart(1, 2)).min(apart(0, 2));
             steps += 1;
         }
-        // The upper quartile, because a rope is alike all along.
+        // The upper quartile, because a rope looks alike along its whole length.
         quantile(&mut values[..steps], 0.75)
     };
     clues[Clue::Unlike as usize] = of(along(&|across| across.inside), contrast + 4.0);
@@ -294,7 +295,7 @@ fn colors(image: &Image, curve: &Curve, clues: &mut [f32; CLUES]) -> f32 {
     of(relief, 6.0)
 }
 
-/// The curve's points that are read, without the hidden ones.
+/// The curve's points that are read: all that are not hidden.
 fn places(curve: &Curve) -> impl Iterator<Item = usize> {
     let points = curve.points.len();
     let seen = (0..PLACES).map(move |k| (2 * k + 1) * points / (2 * PLACES));
@@ -335,7 +336,7 @@ fn is_straight(curve: &Curve) -> bool {
     vec2::distance(from, to) > 0.995 * curve.length_px
 }
 
-/// The curve's resemblance to a circle: its turn and its deviation from the circle of least squares
+/// The curve's resemblance to a circle: its turn and its deviation from the least-squares circle
 /// (Kåsa, 1976).
 fn roundness(curve: &Curve) -> f32 {
     let share = 1.0 / curve.points.len().max(1) as f32;

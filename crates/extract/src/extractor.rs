@@ -50,8 +50,8 @@ pub enum Step {
     Skeleton,
     /// Finds ends, crossings and the strands between them, and resolves crossings into ropes.
     Graph,
-    /// Finds subpixel centers and widths, or puts a clustering's centers in order. Yields equal arc
-    /// lengths and tracks.
+    /// Finds subpixel centers and widths, or puts a clustering's centers in order. Yields tracked
+    /// points at equal steps of arc length.
     Points,
 }
 
@@ -59,7 +59,7 @@ pub enum Step {
 #[derive(Debug, Default)]
 struct Clock {
     now_ns: u64,
-    /// As announced by the caller.
+    /// Time of the next image, as announced by the caller.
     next_ns: Option<u64>,
 }
 
@@ -72,17 +72,17 @@ pub struct Extractor {
     /// The last image, to recognize it if it comes again.
     still: Still,
     unpacker: Unpacker,
-    /// First, the last image's ropes are followed.
+    /// Follows the ropes of the last image into this one.
     follower: Follower,
-    /// If they cannot be, the image gets a mask, or a second one from the network.
+    /// Makes the image's mask if following fails, and a second mask from the network if needed.
     masker: Masker,
     answer: Answer,
-    /// A mask is traced, whole or cut, to hypotheses: the best one, and another that is compared
-    /// with it.
+    /// Traces a mask, whole or cut, to hypotheses: the best one (`found`), and another that is
+    /// compared with it.
     tracer: Tracer,
     found: Hypothesis,
     other: Hypothesis,
-    /// The best hypothesis is judged, and its curves become tracks.
+    /// The judgement of the best hypothesis, whose curves then become tracks.
     judgement: Judgement,
     tracker: Tracker,
     crosser: Crosser,
@@ -140,8 +140,9 @@ impl Extractor {
         self.extract_observed(image, &mut |_| {})
     }
 
-    /// Sets the time when the next image was taken, in nanoseconds of any clock. Ropes out of sight
-    /// age by it. Without this call, the image counts as taken 1/30 s after the last.
+    /// Sets the time when the next image was taken, in nanoseconds of any clock. The age of ropes
+    /// out of sight is measured by it. Without this call, the image counts as taken 1/30 s after
+    /// the last.
     pub fn at(&mut self, exposed_ns: u64) -> &mut Self {
         self.clock.next_ns = Some(exposed_ns);
         self
@@ -406,8 +407,8 @@ impl Extractor {
         }
     }
 
-    /// The sentence of a notice for this extractor's user, without the remedy that its mask already
-    /// is.
+    /// The sentence of a notice for this extractor's user. It leaves out a remedy that the
+    /// extractor's mask already provides.
     pub fn sentence(&self, notice: Notice) -> String {
         notice.sentence(&self.options.mask)
     }
@@ -419,7 +420,8 @@ impl Extractor {
         let pixels = warm_up::picture(width, height);
         if let Some(image) = warm_up::image(&pixels, width, height) {
             let wanted = std::mem::replace(&mut self.options.mask, Mask::Auto);
-            // Twice, because the state kept from the first frame is compared with the second.
+            // Extract twice, because the state kept from the first frame is compared with the
+            // second.
             self.extract(&image);
             self.still.forget();
             self.extract(&image);
@@ -462,9 +464,9 @@ impl Extractor {
     }
 
     /// Continues where another extractor stopped. Its last image had `size` \[width, height\] and
-    /// these curves, and was exposed at a moment of the same clock. Ropes keep their numbers and
-    /// directions, and lost ropes continue to age. The other's numbers ([`tracks`](Self::tracks))
-    /// are not given again. The next image gets a full extraction.
+    /// these curves, and was exposed at `exposed_ns` of the same clock. Ropes keep their numbers
+    /// and directions, and lost ropes continue to age. Numbers that the other extractor has given
+    /// ([`tracks`](Self::tracks)) are not given again. The next image gets a full extraction.
     ///
     /// It relearns the rest, such as the ropes' colors and the length of a covered rope.
     pub fn resume(&mut self, size: [usize; 2], exposed_ns: u64, curves: &[Curve], tracks: u32) {
@@ -492,7 +494,7 @@ impl Extractor {
     }
 
     /// The evidence behind the confidence of each curve, in the curves' order, for calibration. It
-    /// is of the last image with a full extraction, without lost ropes.
+    /// belongs to the last image with a full extraction, without lost ropes.
     pub fn evidence(&self) -> &[Evidence] {
         &self.judgement.evidence
     }

@@ -22,13 +22,13 @@ use known::KnownRopes;
 /// Time until the next full extraction, at first and at most, in nanoseconds. It doubles each time
 /// that a full extraction on schedule finds nothing new.
 const LOOK_NS: (u64, u64) = (1_000_000_000, 4_000_000_000);
-/// Time for which ropes are followed that cannot be followed for long, in nanoseconds. They do not
-/// move far in it. With a fast camera, there is not enough time for a full extraction of each
-/// image, so this skips some.
+/// Following time, in nanoseconds, for ropes that cannot be followed for long. They do not move far
+/// in this time. A fast camera leaves no time for a full extraction of each image, so this skips
+/// some.
 const BRIEF_NS: u64 = 7_000_000;
 /// Number of consecutive frames in which ropes must be seen completely before they are followed.
 const SETTLED: u32 = 3;
-/// Same for the ropes of a given mask.
+/// As `SETTLED`, for the ropes of a given mask.
 const TOLD: u32 = 1;
 
 /// State of the ropes that can be followed.
@@ -43,20 +43,20 @@ pub(crate) struct Follower {
     crossings: usize,
     /// Number of consecutive full extractions in which these ropes were seen whole.
     whole_frames: u32,
-    /// Same, but parts between their tips may be hidden.
+    /// As `whole_frames`, but parts between the tips may be hidden.
     held_frames: u32,
     /// Number of consecutive full extractions in which all ropes were seen, and nothing else.
     plain_frames: u32,
     /// Time of the last full extraction, in nanoseconds.
     anchored_ns: u64,
-    /// Time for which ropes are followed from there, in nanoseconds.
+    /// Time for which ropes are followed after that extraction, in nanoseconds.
     wait_ns: u64,
     /// True if they are followed for `BRIEF_NS` only.
     is_brief: bool,
     /// Time of the last image.
     last_ns: u64,
-    /// True if the caller ever tried to follow ropes. If it gives a mask for each image, nothing
-    /// needs to be learned.
+    /// True if the caller ever tried to follow ropes. If it never did and gives a mask for each
+    /// image, nothing needs to be learned.
     is_wanted: bool,
 }
 
@@ -106,7 +106,8 @@ impl Follower {
     }
 
     /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
-    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
+    /// with them. Returns false if the image needs a full extraction. `curves` and `crossings` are
+    /// then meaningless.
     pub(crate) fn follow(
         &mut self,
         image: &Image,

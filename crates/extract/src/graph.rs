@@ -1,5 +1,5 @@
-//! The third step: from the skeleton to strands. A strand is one rope's edges in order, through its
-//! crossings and overlaps.
+//! The third step: turns the skeleton into strands. A strand is one rope's edges in order, through
+//! its crossings and overlaps.
 
 mod arm;
 mod double_crossing;

@@ -1,5 +1,5 @@
-//! Decides whether a rope that crosses itself is knotted, from its crossing sequence: what remains
-//! when its ends are pulled apart.
+//! Decides from its crossing sequence whether a rope that crosses itself is knotted: whether a knot
+//! remains when its ends are pulled apart.
 //!
 //! The picture of an open rope is a *knotoid* diagram (V. Turaev, "Knotoids", 2012): a line with
 //! two ends that can be anywhere, also within a loop. In the model of pulling, each end is gripped
@@ -28,8 +28,8 @@ use std::fmt;
 
 /// Minimum probability at which an answer is given: one in ten may be wrong.
 const LEAST: f32 = 0.9;
-/// Number of crossings that are tried both ways, the least confident ones (64 diagrams). The others
-/// must be as seen.
+/// Number of least confident crossings that are tried both ways (64 diagrams). All others are taken
+/// as seen.
 const MOST_UNSURE: usize = 6;
 /// Width of a bump, in widths of the rope: halfway between one strand and two.
 const BUMP: f32 = 1.5;

@@ -3,7 +3,7 @@
 //! A pure library without I/O, clock or threads. [`Extractor::extract`] takes an [`Image`] in the
 //! camera's own pixel format and returns a [`Scene`]. For each rope, the scene has N points at
 //! equal steps of arc length along the middle of the rope, between pixels, and the width at each
-//! point. It also has the crossings, with the rope on top.
+//! point. It also has the crossings, each with the rope that is on top.
 //!
 //! ```
 //! use lariat_extract::{Extractor, Image, Options, PixelFormat};
@@ -54,10 +54,11 @@
 //! points.
 //!
 //! **Following.** Most images of a moving rope need none of these steps, because the rope is
-//! followed from the previous image. On a plain table this takes one chord across the rope at each
-//! point (`following/chords`), on other backgrounds its two edges (`following/contours`). A missing
-//! or changed chord, a jumping tip, a new object, or strands about to cross lead to a full
-//! extraction. [`Scene::followed`] tells which of the two produced a scene.
+//! followed from the previous image. On a plain table, this takes one chord across the rope at each
+//! point (`following/chords`). On other backgrounds, it takes the rope's two edges
+//! (`following/contours`). A missing or changed chord, a jumping tip, a new object, or strands
+//! about to cross lead to a full extraction. [`Scene::followed`] tells which of the two produced a
+//! scene.
 //!
 //! **Doubt.** [`Scene::notice`] names the most important probable fault: a pattern, a rope too
 //! similar to the table, a shadow, a pen. If the automatic mask is doubtful, the network is used.
@@ -69,7 +70,7 @@
 //! Any bytes are accepted, without a panic and in bounded time and memory. A mask is rejected if it
 //! covers more than 60 % of the image, has more than one run for each 16 pixels, or has a skeleton
 //! of more than 131,072 pixels. At most [`Options::ropes`] curves and 32 crossings are reported.
-//! Memory is reused, so a warm extractor allocates nothing. Results are the same to the bit on all
+//! Memory is reused, so a warm extractor allocates nothing. Results are equal bit for bit on all
 //! machines and vector sets (`lariat-portable`).
 //!
 //! At worst, a picture without a rope takes 5 to 27 times as long as one with one rope. Eight

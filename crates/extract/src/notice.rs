@@ -28,7 +28,7 @@ pub enum Notice {
     TooWide,
     /// Only the shadow of a rope was found, and it was rejected.
     OwnShadow,
-    /// Something that looks like the shadow of a rope may be a parallel rope. It is
+    /// Something that looks like the shadow of a rope may be a parallel rope. Its status is
     /// [`Status::Doubtful`](crate::Status).
     MaybeShadow,
     /// Something straight and short, unlike the rope next to it, may be a pen. It is reported as a

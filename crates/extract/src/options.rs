@@ -28,7 +28,8 @@ pub enum Mask {
     /// On a background that is not plain, it uses a network.
     #[default]
     Auto,
-    /// Takes pixels inside any of the ranges as rope: several ranges for ropes of several colors.
+    /// Treats pixels inside any of the ranges as rope. Give several ranges for ropes of several
+    /// colors.
     Hsv(Vec<HsvRange>),
     /// Uses a network to find ropes on any background.
     Network,
@@ -56,14 +57,14 @@ pub struct Options {
     /// Maximum number of reported curves, 1 to 64. The most confident and longest are kept: those
     /// with the largest confidence × length.
     pub ropes: usize,
-    /// Curves of lower [confidence](crate::Curve::confidence) get the notice
-    /// [`Notice::Unsure`](crate::Notice::Unsure), 0 to 1. They are reported all the same.
+    /// Minimum [confidence](crate::Curve::confidence), 0 to 1. Curves below it get the notice
+    /// [`Notice::Unsure`](crate::Notice::Unsure). They are still reported.
     pub min_confidence: f32,
     /// In the first frame, the end nearest to this position (in pixels) becomes the first point.
     /// With `None`, it is the end nearest to the top left.
     pub start: Option<[f32; 2]>,
-    /// Positions on the desired ropes, in pixels. Only ropes found there in the first place are
-    /// reported; if empty, all are.
+    /// Positions on the desired ropes, in pixels. Only ropes that were first found at one of them
+    /// are reported. If empty, all ropes are.
     pub at: Vec<[f32; 2]>,
     /// Time for which a rope out of sight is still reported, as `Status::Lost`.
     pub keep_lost: Duration,

@@ -24,7 +24,7 @@ const DOUBT: f32 = 0.4;
 /// Distance in widths that a rope's end may have moved, in addition to the ropes' movement.
 const ENDS_WIDTHS: f32 = 1.5;
 /// Minimum share of the skeleton that must be where ropes were, for the past to be trusted. A
-/// smaller share means a cut or a jump, and its traces are chance.
+/// smaller share means a cut or a jump, and any match is then chance.
 const LEAST_SHARE: f32 = 0.5;
 /// Number of skeleton pixels sampled for that share.
 const ASKED: usize = 64;
@@ -92,7 +92,7 @@ impl FormerPlaces {
     }
 }
 
-/// Movement of a place on a rope of the past, as a fragment of the rope shows.
+/// Movement of a place on a rope of the past, as shown by a fragment of that rope.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Move {
     /// The rope's index in the past.
@@ -113,10 +113,10 @@ pub(crate) struct Past {
     widest_half_px: f32,
 }
 
-/// The knowledge about a rope besides its shape.
+/// Properties of a rope besides its shape.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct State {
-    /// True if it was seen in the last image, and for more than a moment.
+    /// True if the rope was seen in the last image, and had been seen for more than a moment.
     pub(crate) live: bool,
     /// True if both of its ends were in the image.
     pub(crate) whole: bool,

@@ -95,8 +95,8 @@ pub fn pick(image: &Image, points: &[[f32; 2]]) -> Result<Picked, PickError> {
     let mut unpacker = Unpacker::default();
     let image = &unpacker.unpack(image);
     let last = [image.width() - 1, image.height() - 1];
-    // Half a pixel beyond the outermost centers still belongs to the outermost pixels. False for
-    // NaN.
+    // Half a pixel beyond the outermost centers still belongs to the outermost pixels. The test is
+    // false for NaN.
     let is_inside = |c: f32, last: usize| c >= -0.5 && c <= last as f32 + 0.5;
     for &at in points {
         if !(is_inside(at[0], last[0]) && is_inside(at[1], last[1])) {

@@ -59,8 +59,8 @@ pub struct Curve {
     /// Arc length from tip to tip (once around, when closed), in pixels.
     pub length_px: f32,
     /// Probability that the curve is a rope, whole and in order, 0 to 1: of curves at 0.9, nine in
-    /// ten are right. A lost curve keeps the value of the image where it was last seen, a followed
-    /// curve that of its last full extraction.
+    /// ten are right. A lost curve keeps the value of the image where it was last seen. A followed
+    /// curve keeps the value of its last full extraction.
     pub confidence: f32,
     /// Time since the rope was last seen, in nanoseconds; 0 unless it is lost.
     pub age_ns: u64,
@@ -111,8 +111,8 @@ pub struct Scene<'a> {
     pub curves: &'a [Curve],
     /// Crossings of the ropes, at most 32.
     pub crossings: &'a [Crossing],
-    /// The most important probable fault of these curves: a curve may not be a rope, is unsure, or
-    /// there were too many curves. If no curve is visible, the fault of the table for the automatic
+    /// The most important probable fault: a curve that may not be a rope, an uncertain curve, or
+    /// too many curves. If no curve is visible, it is the fault of the table for the automatic
     /// mask.
     pub notice: Option<Notice>,
     /// True if the ropes were followed from the previous image, reading this image only around

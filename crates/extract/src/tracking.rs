@@ -1,5 +1,5 @@
-//! From the lines of one image to persistent ropes. Compares the prior with what this image shows.
-//! Each curve gets its rope's number and direction, and the rope's hidden parts.
+//! Turns the lines of one image into persistent ropes by comparing them with the prior. Each curve
+//! gets its rope's number and direction, and the rope's hidden parts.
 
 mod complete;
 mod matching;

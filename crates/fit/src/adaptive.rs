@@ -19,7 +19,7 @@ pub(crate) struct Adaptive<const D: usize> {
     basis: Basis,
     /// `B`, N × m, row by row.
     b: Vec<f64>,
-    /// `R⁻¹` of `B` on the even grid above the ridge's rows, m × m, row by row.
+    /// `R⁻¹` from the QR of `B` on the even grid with the ridge's rows below it, m × m, row by row.
     r_inverse: Vec<f64>,
     /// `λDᵀD`, m × m, row by row.
     ridge: Option<Vec<f64>>,
@@ -91,7 +91,7 @@ impl<const D: usize> Adaptive<D> {
             };
             (fit, variance)
         };
-        // The normal equations have the square of the problem's own condition number.
+        // The condition number of the normal equations is the square of the problem's own.
         self.condition = fit.condition.sqrt();
         Ok(Residuals {
             weighted_sum: fit.sum_w_r2,

@@ -1,6 +1,6 @@
 //! Normalized arc lengths measured along the points: `ρᵢ` is the length of the chords up to point
-//! `i` divided by that of all (the paper's equations 1 and 2, and the usual chord-length
-//! parametrization).
+//! `i` divided by the length of all chords (the paper's equations 1 and 2, and the usual
+//! chord-length parametrization).
 //!
 //! They are distinct, which is one of the conditions of a stable descriptor: points at the same `ρ`
 //! would repeat a row of `B`.
@@ -11,7 +11,7 @@ use crate::fitter::MAX_COORDINATE_PX;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArcLengthError {
-    /// Two neighbors coincide, or are so close that their arc lengths are the same number.
+    /// Two neighbors coincide, or are so close that their computed arc lengths are equal.
     #[error(
         "points {first} and {second} are at the same place, so arc length does not tell them apart: leave one \
          of them out"
@@ -46,8 +46,8 @@ pub enum ArcLengthError {
 }
 
 /// Writes the normalized cumulative chord length of each point to `out`: 0 at the first, 1 at the
-/// last. On a closed curve the chord from the last point back to the first counts as well, and 1
-/// would be the first point again. After an error, the contents of `out` are unspecified.
+/// last. On a closed curve, the chord from the last point back to the first counts as well, so that
+/// 1 would be the first point again. After an error, the contents of `out` are unspecified.
 ///
 /// # Errors
 /// Fails if neighbors or all points coincide (as for a single point), or if a coordinate is not a

@@ -1,4 +1,4 @@
-//! The families of curves, which define the functions that control points weight.
+//! Families of curves. Each family defines the basis functions that control points weight.
 
 use std::fmt;
 
@@ -13,10 +13,10 @@ pub enum Knots {
     /// Even steps.
     Uniform,
     /// Denser where a rope bends, as determined from its curve. A [`SteadySize`](crate::SteadySize)
-    /// computes these knots for its rope. A fitter created with them begins with even ones.
+    /// computes these knots for its rope. A fitter created with `Placed` begins with even knots.
     Placed,
-    /// Averages of the points' ρ, with the same number of points between any two knots (Piegl and
-    /// Tiller, *The NURBS Book*, equations 9.68 and 9.69).
+    /// Averages of the points' ρ, with the same number of points between neighboring knots (Piegl
+    /// and Tiller, *The NURBS Book*, equations 9.68 and 9.69).
     Averaged,
 }
 
@@ -158,7 +158,7 @@ impl Basis {
     }
 
     /// The `i`-th of `points` values of ρ in even steps. They range from 0 to 1 or, for a closed
-    /// curve, to one step before 1, which equals 0.
+    /// curve, to one step before 1, because ρ = 1 is the same point as ρ = 0.
     pub const fn even_rho(self, i: usize, points: usize) -> f64 {
         if self.is_closed() {
             i as f64 / points as f64

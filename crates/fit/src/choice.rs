@@ -20,7 +20,7 @@ const PATIENCE_NS: u64 = 1_000_000_000;
 /// A centerline to be fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct Line<'a, const D: usize = 2> {
-    /// Points in order, evenly spaced by arc length unless that is measured.
+    /// Points in order, evenly spaced by arc length unless the fitter measures arc length.
     pub points: &'a [[f64; D]],
     /// Weight of each point, if the fitter was made for weights.
     pub weights: Option<&'a [f64]>,
@@ -71,7 +71,7 @@ impl SteadySize {
         }
     }
 
-    /// Resets it for another rope.
+    /// Resets the size for another rope.
     pub fn forget(&mut self) {
         *self = Self::of(self.place);
     }
@@ -197,8 +197,8 @@ where
         <[f64; D]>::fit_at(self, size, line)
     }
 
-    /// Returns whether the curve of the last fit, which must be of these points, is within the
-    /// tolerance of the visible ones.
+    /// Returns whether the last fit's curve is within the tolerance of the visible points. The last
+    /// fit must have been to these points.
     pub fn lies_on(&mut self, line: &Line<D>, tolerance: Tolerance) -> bool {
         <[f64; D]>::lies_on(self, line, tolerance)
     }
@@ -210,9 +210,9 @@ impl<const D: usize> Fitter<D> {
         self.choosable
     }
 
-    /// Creates a size of the largest curves with knots where this rope bends. Returns `None` if the
-    /// fitter does not choose sizes or cannot have such knots, or if the tolerance would have to
-    /// grow by more than `enough`.
+    /// Creates a size that has the maximum number of control points and knots where this rope
+    /// bends. Returns `None` if the fitter does not choose sizes or cannot have such knots, or if
+    /// the tolerance would have to grow by more than `enough`.
     fn place(
         &mut self,
         place: usize,
@@ -289,8 +289,8 @@ impl<const D: usize> Fitter<D> {
             || self.lies_at(self.shown, line, tolerance)
     }
 
-    /// Factor by which the tolerance would have to grow for the last fit, which must be of these
-    /// points.
+    /// Factor by which the tolerance would have to grow to accept the last fit, which must have
+    /// been to these points.
     fn excess(&mut self, line: &Line<D>, tolerance: Tolerance) -> f64 {
         self.measure(self.shown, line);
         tolerance.excess(&mut self.squared, line.hidden)

@@ -28,7 +28,7 @@ pub struct OwnedCurve<const D: usize = 2> {
 }
 
 impl<const D: usize> OwnedCurve<D> {
-    /// Borrows it as a curve.
+    /// Borrows this data as a curve.
     ///
     /// # Errors
     /// Fails if the public fields are not a valid curve. Values returned by this crate never fail.

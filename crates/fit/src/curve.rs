@@ -56,9 +56,9 @@ impl<'a, const D: usize> Curve<'a, D> {
     /// Creates the curve of these control points.
     ///
     /// `weights` are for rational curves, one positive number per control point; other bases have
-    /// none. `knots` are for B-splines: the full clamped vector from 0 to 1, of
-    /// `control_points + degree + 1` numbers. They may be empty if they are even
-    /// ([`Knots::Uniform`]), and must be for all other bases.
+    /// none. `knots` are for B-splines: the full clamped vector from 0 to 1, of `control_points +
+    /// degree + 1` numbers. `knots` may be empty if the knots are even ([`Knots::Uniform`]), and
+    /// must be empty for all other bases.
     ///
     /// # Errors
     /// Fails if the numbers of control points, weights or knots do not match the basis, if a number
@@ -130,7 +130,7 @@ impl<'a, const D: usize> Curve<'a, D> {
     /// `values`, one number for each: `∂f(ρ)/∂sⱼ`, the same for every axis. These are the values of
     /// the basis functions. For a rational curve, they are the rational ones, `wⱼ Bⱼ / Σ w B`.
     ///
-    /// If `values` is shorter, only the first ones are written.
+    /// If `values` is too short, only the first entries are written.
     pub fn jacobian(&self, rho: f64, values: &mut [f64]) {
         let mut all = [0.0; MAX_CONTROL_POINTS];
         let all = &mut all[..self.control_points.len()];
@@ -153,7 +153,7 @@ impl<'a, const D: usize> Curve<'a, D> {
     /// weight to `values`, one vector for each: `∂f(ρ)/∂wⱼ = Bⱼ (pⱼ − f) / Σ w B`, or zeros if the
     /// basis has no weights.
     ///
-    /// If `values` is shorter, only the first ones are written.
+    /// If `values` is too short, only the first entries are written.
     pub fn weight_jacobian(&self, rho: f64, values: &mut [[f64; D]]) {
         let count = self.control_points.len().min(values.len());
         values[..count].fill([0.0; D]);

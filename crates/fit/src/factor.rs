@@ -35,8 +35,9 @@ impl Qr {
     /// `(AᵀA)⁻¹Aᵀ = R⁻¹Qᵀ`.
     ///
     /// `Y = R⁻¹` is solved from the left (`Y R = I`, as `Rᵀ Yᵀ = I`), so `Y R` is the identity up
-    /// to ε cond(A). Solved from the right (`R X = Qᵀ`), `X A` would be so only up to ε cond(A)²,
-    /// and a product with `X` would not recover a curve's own control points at high order.
+    /// to ε cond(A). If `R X = Qᵀ` were solved instead, `X A` would be the identity only up to ε
+    /// cond(A)², and a product with `X` would not recover a curve's own control points at high
+    /// order.
     pub(crate) fn pseudoinverse(&self) -> Mat<f64> {
         let count = self.r.ncols();
         let mut y_transposed = Mat::identity(count, count);

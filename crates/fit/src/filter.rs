@@ -10,17 +10,17 @@
 //! **Acceleration acts on the curve**, not on the control points: white acceleration of equal
 //! strength in every direction of the space of curves, `Q ∝ (BᵀB)⁻¹`. With equal strength for each
 //! control point (`Q ∝ I`), the result would depend on the basis. A change of shape that moves
-//! control points far outside the curve by a hundred pixels, and the curve by one, would appear a
-//! hundred times less likely than any other. The filter would be more confident of the curve than
-//! the measurement is, lag behind the change, and treat it as a jump. In the curve's space, a fit
-//! of evenly weighted points also has `R ∝ (BᵀB)⁻¹`. Every change of shape is then smoothed with
-//! the same gain, that of a filter for one point, and none lags behind another. A part that is
-//! hidden in one shape continues with the velocity observed before.
+//! control points far outside the curve by a hundred pixels, but the curve by only one, would
+//! appear a hundred times less likely than any other. The filter would be more confident of the
+//! curve than the measurement is, lag behind the change, and treat it as a jump. In the curve's
+//! space, a fit of evenly weighted points also has `R ∝ (BᵀB)⁻¹`. Every change of shape is then
+//! smoothed with the same gain, that of a filter for one point, and none lags behind another. A
+//! part that is hidden in one shape continues with the velocity observed before.
 //!
 //! **Numerical accuracy.** All computations use curve coordinates ([`CurveSpace`]), where `Q` and
-//! the usual `R` are multiples of the identity. In control points, their condition number is the
-//! square of `B`'s (2·10⁴ at order 8, far more at higher orders), and rounding would dominate a
-//! prediction.
+//! the usual `R` are multiples of the identity. In control points, the condition number of `Q` and
+//! `R` is the square of `B`'s (2·10⁴ at order 8, far more at higher orders), and rounding would
+//! dominate a prediction.
 
 mod error;
 mod options;
@@ -41,12 +41,13 @@ use space::transform;
 use state::State;
 use vectorized::{Foretell, ReadCovariance, TakeIn};
 
-/// Control points of this size or larger are refused. They may be far outside a curve that is in
-/// the picture, at high orders by as much as the condition number of `B`.
+/// Control points of this size or larger are refused. The control points of a curve in the picture
+/// may be far outside it. At high orders, they are farther by a factor of up to the condition
+/// number of `B`.
 const MAX_CONTROL_POINT_PX: f64 = 1e12;
 
-/// Larger variances and covariances are refused. A direction with this variance is unknown,
-/// whatever the picture.
+/// Variances and covariances above this are refused. A direction with this variance is unknown,
+/// whatever the size of the picture.
 const MAX_VARIANCE_PX2: f64 = 1e18;
 
 /// Minimum uncertainty of a shape, px. Points are transmitted as `f32`, whose step is 0.0005 px at
@@ -54,9 +55,9 @@ const MAX_VARIANCE_PX2: f64 = 1e18;
 /// covariance of zero (as many control points as points) positive definite.
 const LEAST_NOISE_PX: f64 = 1e-4;
 
-/// Maximum condition number of `B` at which a covariance is accurate enough. In curve coordinates
-/// its rounding errors grow by the square of that number, and may be a hundredth of the variances
-/// there.
+/// Maximum condition number of `B` at which a covariance is accurate enough. In curve coordinates,
+/// its rounding errors grow by the square of that number. They may reach a hundredth of the
+/// variances there.
 fn covariance_limit() -> f64 {
     (0.01 / f64::EPSILON).sqrt()
 }
@@ -151,8 +152,8 @@ where
         <[f64; D]>::take_in(self, t_ns, space, control_points, noise)
     }
 
-    /// Predicts the rope at time `t_ns`: at the last shape, ahead of it, or a little before it. The
-    /// result is valid until the next call.
+    /// Predicts the rope at time `t_ns`: at the time of the last shape, after it, or a little
+    /// before it. The result is valid until the next call.
     ///
     /// For a time before the last shape, the acceleration between the two times is treated as
     /// unknown, although later shapes contain information about it. The covariance is therefore

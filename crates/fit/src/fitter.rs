@@ -28,7 +28,7 @@ pub const MAX_COORDINATE_PX: f64 = 1e9;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Fit<const D: usize = 2> {
-    /// Family of curves, with the size that was chosen if any.
+    /// Family of curves, with the chosen size if there was a choice.
     pub basis: Basis,
     /// The descriptor `s`, in the points' unit. Names and docs say px, but any unit works.
     pub control_points: Vec<[f64; D]>,
@@ -47,8 +47,8 @@ pub struct Fit<const D: usize = 2> {
     /// 2-norm condition number of the solved problem: the maximum amplification of a relative error
     /// of the points in the control points.
     pub condition: f64,
-    /// `C`, m × m, of the control points' covariance `σ² C ⊗ I`. Without ridge, pins or weights, it
-    /// is `(BᵀB)⁻¹`.
+    /// The m × m factor `C` of the control points' covariance `σ² C ⊗ I`. Without ridge, pins or
+    /// weights, it is `(BᵀB)⁻¹`.
     pub covariance_factor: Mat<f64>,
 }
 
@@ -72,7 +72,7 @@ pub struct Fitter<const D: usize = 2> {
     pub(crate) choosable: usize,
     /// Index of the size whose knots, condition and covariance are in `fit`.
     pub(crate) shown: usize,
-    /// Scratch memory for points, for mirror-symmetric bases and for others.
+    /// Scratch memory for points: one for mirror-symmetric bases, one for others.
     points: [Points<D>; 2],
     /// Scratch memory for points in `f64` if they are given in `f32`.
     room: Vec<[f64; D]>,
@@ -87,7 +87,7 @@ pub struct Fitter<const D: usize = 2> {
 pub(crate) struct Size<const D: usize> {
     pub(crate) linear: Linear<D>,
     way: Way<D>,
-    /// Set once it has been requested.
+    /// Created on the first request.
     space: Option<CurveSpace>,
 }
 
@@ -221,8 +221,8 @@ where
     /// Fits the curve nearest to `points` by least squares. Does not allocate. The result is valid
     /// until the next fit.
     ///
-    /// `points` are pixels, ordered along the curve, and evenly spaced by arc length unless that is
-    /// measured.
+    /// `points` are in pixels, and ordered along the curve. They are evenly spaced by arc length,
+    /// unless the fitter measures arc length.
     ///
     /// # Errors
     /// Fails if the number of points is not the fitter's, or if one is not a position in a picture.
@@ -247,10 +247,10 @@ where
         Ok(&self.fit)
     }
 
-    /// Computes only the control points, by equation 8 of the paper, in less than half of the time.
-    /// The residuals of the last fit ([`Fitter::last`]) are then NaN. If this shortcut is
-    /// unavailable (another solver, weights, a size to be chosen, rational curves), it is a
-    /// complete fit.
+    /// Computes only the control points, by equation 8 of the paper, in less than half the time of
+    /// a complete fit. The residuals of the last fit ([`Fitter::last`]) are then NaN. If this
+    /// shortcut is unavailable (another solver, weights, a size to be chosen, rational curves),
+    /// this does a complete fit.
     ///
     /// # Errors
     /// Fails as [`Fitter::fit`] does.
@@ -442,7 +442,7 @@ impl<const D: usize> Fitter<D> {
         })
     }
 
-    /// Sets everything in `fit` except the curve and its residuals to that of this size.
+    /// Sets everything in `fit` except the curve and its residuals to the values of this size.
     pub(crate) fn show(&mut self, size: usize) {
         let Size { linear, way, .. } = &mut self.sizes[size];
         let fit = &mut self.fit;
@@ -491,8 +491,8 @@ impl<const D: usize> Fitter<D> {
         &self.options
     }
 
-    /// The last fit; before the first, zeros with the condition number and covariance, which do not
-    /// depend on points.
+    /// The last fit. Before the first fit it contains zeros, except for the condition number and
+    /// the covariance, which do not depend on points.
     pub fn last(&self) -> &Fit<D> {
         &self.fit
     }
@@ -553,7 +553,7 @@ impl<const D: usize> Fitter<D> {
 
     /// `P`, m × N, such that `P` times the points are the control points, the same for every axis.
     /// It is the constant Jacobian `∂s/∂c̄` of the descriptor with respect to the points. If there
-    /// is a choice of sizes, it is that of the last chosen one.
+    /// is a choice of sizes, it is that of the last chosen size.
     pub fn matrix(&self) -> MatRef<'_, f64> {
         self.sizes[self.shown].linear.matrix.transpose()
     }

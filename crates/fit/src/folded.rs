@@ -7,7 +7,7 @@
 use crate::solve::Halves;
 use faer::MatRef;
 
-/// Points per block, so that loops over them are whole pairs of vectors on every machine.
+/// Points per block. On every machine, this is a whole number of vector pairs.
 pub(crate) const BLOCK: usize = 16;
 
 /// `count` rounded up to whole blocks.
@@ -171,7 +171,7 @@ impl Rows {
                 out[last - j][axis] = 0.5 * (e[axis] - o[axis]);
             }
         }
-        // The middle one of an odd number has no difference.
+        // With an odd number, the middle one has no difference.
         for e in middle {
             for axis in 0..D {
                 out[last / 2][axis] = 0.5 * e[axis];
@@ -179,7 +179,8 @@ impl Rows {
         }
     }
 
-    /// Folds control points into negated halves, so that adding their curve subtracts it.
+    /// Folds control points into negated halves. Adding the curve of the result subtracts the
+    /// original curve.
     #[inline(always)]
     pub(crate) fn fold_negated<const D: usize>(
         &self,

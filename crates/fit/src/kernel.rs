@@ -12,7 +12,7 @@ use crate::folded::{BLOCK, Points, Rows};
 use lariat_portable::{Simd, WithSimd};
 
 /// Loads points. Returns whether the absolute value of every coordinate is below `bound`; `false`
-/// for NaN. The last bit is not reliable.
+/// for NaN. The result is unreliable for values within rounding of `bound`.
 pub(crate) struct Load<'a, const D: usize> {
     pub(crate) points: &'a [[f64; D]],
     pub(crate) bound: f64,
@@ -73,7 +73,7 @@ fn fold_block<const D: usize>(
     let (mut sums, mut differences) = ([[0.0; BLOCK]; D], [[0.0; BLOCK]; D]);
     for axis in 0..D {
         for i in 0..BLOCK {
-            // The middle point of an odd number meets itself: sum 2c, difference 0.
+            // With an odd number, the middle point is paired with itself: sum 2c, difference 0.
             let (c, m) = (c[i][axis], m[BLOCK - 1 - i][axis]);
             sums[axis][i] = c + m;
             differences[axis][i] = c - m;
@@ -288,8 +288,8 @@ pub(crate) struct SquaredResiduals {
 }
 
 /// Subtracts the curve from the points. `even` and `odd` are the control points' halves, negated.
-/// With `u` the sum and `v` the difference of two mirrored points' residuals, the residuals are
-/// `(u ± v)/2`; not folded, they are `u`.
+/// With `u` the sum and `v` the difference of two mirrored points' residuals, the residuals are `(u
+/// ± v)/2`. If the points are not folded, they are `u`.
 pub(crate) struct Residuals<'a, const D: usize> {
     pub(crate) rows: &'a Rows,
     pub(crate) points: &'a Points<D>,
@@ -380,7 +380,8 @@ impl<const D: usize> Residuals<'_, D> {
         }
     }
 
-    /// Squared residual of the middle point of an odd number, which the loop has counted twice.
+    /// Squared residual of the middle one of an odd number of points. The loop has counted it
+    /// twice.
     #[inline(always)]
     fn middle_squared(&self) -> f64 {
         let middle = self.points.count / 2;
@@ -401,7 +402,7 @@ impl<const D: usize> Residuals<'_, D> {
 /// Two vectors at a time, so that a coefficient is loaded once for both.
 type Pair<S> = [<S as Simd>::f64s; 2];
 
-/// `points + Σⱼ negated[j] · rows[j]`, each axis, for the pair of vectors from the `k`th of a
+/// `points + Σⱼ negated[j] · rows[j]`, for each axis, for the pair of vectors from the `k`-th of a
 /// block.
 #[inline(always)]
 fn minus_curve<S: Simd, const D: usize>(

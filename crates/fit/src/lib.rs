@@ -47,16 +47,16 @@
 //! conditions:
 //!
 //! 1. At least as many points as control points, `N ≥ n + 1`.
-//! 2. As many *different* values of ρ among them. A B-spline also needs one for each function where
-//!    it is not 0 (Schoenberg and Whitney 1953). Even steps satisfy this. With measured arc length,
-//!    repeated points are refused.
+//! 2. As many *different* values of ρ among them. A B-spline also needs, for each basis function, a
+//!    ρ where that function is not 0 (Schoenberg and Whitney 1953). Even steps satisfy this. With
+//!    measured arc length, repeated points are refused.
 //! 3. A condition number of `B` below the solver's limit, so that rounding moves the control points
 //!    by less than a millionth.
 //!
 //! The first two guarantee that the descriptor exists and is unique, the third that it can be
 //! computed. The effect of *noise* is measured by another number, the noise gain: the largest
-//! standard deviation of a control point for noise of 1 in the points. For 120 points (`cargo run
-//! --release -p lariat-fit --example conditions`):
+//! standard deviation of a control point for noise of standard deviation 1 in the points. For 120
+//! points (`cargo run --release -p lariat-fit --example conditions`):
 //!
 //! | control points | Bezier: condition, noise gain | cubic B-spline | Fourier |
 //! |---:|---|---|---|
@@ -81,7 +81,7 @@
 //! factorizes in the scalar type `scalar::Real`, one number at a time, so results have the same
 //! bits on every machine. The fit uses its own product, because a general one is several times
 //! slower at these sizes (9 × 120). The ridge is on second differences of the control points. A
-//! ridge on the points themselves would change the shape of a moved rope.
+//! ridge on the control points themselves would change the curve's shape when the rope moves.
 //!
 //! # Modules
 //!
@@ -105,10 +105,10 @@
 //! control points (with 4, a Bezier curve), or a series of 1 to 15 harmonics. All sizes are
 //! computed at the start, and each rope keeps its own, so a frame costs one fit. A size is chosen
 //! at half of the tolerance. It changes only if the curve has not fitted for a second of exposure
-//! time. A rope that 32 even pieces cannot follow gets its own knots, which allocates. Quality is
-//! measured between visible points and the curve at their ρ. With `robust`, hidden points have
-//! weight 0 unless the visible ones do not determine the curve. With `filter`, each rope has its
-//! own filter while it is seen.
+//! time. A rope that a spline of 32 control points on even knots cannot follow gets its own knots,
+//! which allocates. Quality is measured between visible points and the curve at their ρ. With
+//! `robust`, hidden points have weight 0 unless the visible ones do not determine the curve. With
+//! `filter`, each rope has its own filter while it is seen.
 //!
 //! # Known limitations
 //!

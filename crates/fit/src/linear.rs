@@ -17,8 +17,8 @@ pub(crate) struct Linear<const D: usize> {
     pub(crate) basis: Basis,
     /// Clamped knots of a B-spline on the even grid; otherwise empty.
     pub(crate) knots: Vec<f64>,
-    /// 2-norm condition number of the solved matrix: `B`, without the pinned columns, above the
-    /// ridge's rows.
+    /// 2-norm condition number of the solved matrix: `B` without the pinned columns, with the
+    /// ridge's rows below.
     pub(crate) condition: f64,
     /// `P` transposed, column-major N × m: its columns are the rows of `P`.
     pub(crate) matrix: Mat<f64>,

@@ -3,8 +3,8 @@
 
 use faer::{Mat, MatRef};
 
-/// Product of two matrices. Sums are in the order of the inner index, so that they do not depend on
-/// the machine's vectors, unlike in faer's own product.
+/// Product of two matrices. Unlike in faer's own product, sums are in the order of the inner index,
+/// so they do not depend on the machine's vectors.
 pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     let mut product = Mat::zeros(left.nrows(), right.ncols());
     for j in 0..right.ncols() {

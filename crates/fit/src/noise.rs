@@ -27,8 +27,8 @@
 //! ridge and pins).
 //!
 //! A fit whose algebra changes with its points (weights, measured ρ, rational) has another `P` each
-//! time. In that case `A` is that of the even fit, and each control point's covariance is scaled by
-//! the ratio of that point's factors in `C`.
+//! time. In that case `A` is that of the even fit, and each control point's covariance is
+//! multiplied by the ratio of its variance factors `Cⱼⱼ` in the two fits.
 
 use crate::basis::MAX_CONTROL_POINTS;
 use crate::options::MAX_POINTS;
@@ -41,14 +41,14 @@ pub type Square<const D: usize> = [[f64; D]; D];
 /// Scratch memory for the sums over a line's points.
 #[derive(Debug, Clone)]
 pub(crate) struct Propagation<const D: usize> {
-    /// `T` and `V` of one control point.
+    /// Rows of `T` and `V` for one control point.
     t: Vec<f64>,
     v: Vec<[f64; D]>,
-    /// `BᵀR` of the same control point.
+    /// Row of `BᵀR` for the same control point.
     u: Vec<f64>,
     /// `‖(I − H)Rᵢ‖²`.
     freedom: Vec<f64>,
-    /// Points of the even fit's curve, then its directions in the middle between each and the next.
+    /// Points of the even fit's curve; later, its directions midway between neighboring points.
     curve: Vec<[f64; D]>,
     /// Directions of the curve at the chords of the old points, and at the new points.
     chords: Vec<[f64; D]>,
@@ -182,9 +182,9 @@ impl<const D: usize> Propagation<D> {
         (0..D).map(|axis| square[axis][axis]).sum::<f64>() - between(along, square, along)
     }
 
-    /// Computes the directions of the curve. Those of the noisy chords are unsuitable. With 0.3 px
-    /// of noise and steps of 5 px they turn by three times as much from one to the next as a rope
-    /// does, and the effect of turns is squared.
+    /// Computes the directions of the curve. The directions of the noisy chords are unsuitable.
+    /// With 0.3 px of noise and steps of 5 px, consecutive chords turn three times as much as the
+    /// rope, and the effect of turns is squared.
     fn straighten(&mut self, fit: &EvenFit, line: &Resampler<D>) {
         let (count, closed) = line.shape();
         let points = line.points();
@@ -208,8 +208,8 @@ impl<const D: usize> Propagation<D> {
             let way = std::array::from_fn(|axis| next[axis] - self.curve[k][axis]);
             self.curve[k] = direction(way, line.chords[k]);
         }
-        // Interpolates at a place along the line, in steps from the first new point, between the
-        // middles of two steps.
+        // Interpolates between the middles of two steps. The place along the line is given in steps
+        // from the first new point.
         let turns = &self.curve[..steps];
         let at = |place: f64, chord: [f64; D]| {
             let place = if closed {

@@ -81,22 +81,21 @@ pub struct Options {
     /// Family of curves and its size. Default: a Bezier curve of order 8, the best of the paper's
     /// four.
     pub basis: Basis,
-    /// Choose the number of control points: the fewest, at most those of `basis`, that keep the
+    /// Choose the number of control points: the fewest, up to the number in `basis`, that keep the
     /// curve within a [`Tolerance`](crate::Tolerance) of its points.
     /// [`Fitter::fit_within`](crate::Fitter::fit_within) chooses for each fit, and
     /// [`Fitter::fit`](crate::Fitter::fit) does so with the default tolerance.
     /// [`SteadySize`](crate::SteadySize) keeps the size of a moving rope. Default: no.
     pub choose_size: bool,
-    /// Number of points `N` of a centerline, from 2 to [`MAX_POINTS`] and no fewer than control
-    /// points. Default: 120, as in the paper.
+    /// Number of points `N` of a centerline, from 2 to [`MAX_POINTS`], and at least the number of
+    /// control points. Default: 120, as in the paper.
     pub points: usize,
     /// Method of solving. Default: [`Solver::Pinv`].
     pub solver: Solver,
     /// `λ ≥ 0` in the objective `Σ |cᵢ − f(ρᵢ)|² + λ Σ |sⱼ₋₁ − 2sⱼ + sⱼ₊₁|²`. The second
     /// differences of the control points regularize high orders. Unlike their plain squares, they
-    /// are 0 for every evenly spaced straight line, so a moved rope still has a moved descriptor.
-    /// For a Fourier series they are the coefficients times the square of their harmonic. Default:
-    /// 0.
+    /// are 0 for every evenly spaced straight line, so moving a rope only moves its descriptor. For
+    /// a Fourier series they are the coefficients times the square of their harmonic. Default: 0.
     pub ridge: f64,
     /// Make the curve begin and end exactly at the first and the last point. Default: no.
     pub pin_ends: bool,
@@ -145,7 +144,8 @@ impl Options {
 
     /// The fewest control points, up to the maximum, that keep the curve within a tolerance of its
     /// `points` points. The curve is a cubic Bezier curve or a uniform cubic B-spline or, if
-    /// closed, a Fourier series. Their noise gain hardly grows with the number of control points.
+    /// closed, a Fourier series. The noise gain of these curves hardly grows with the number of
+    /// control points.
     pub fn auto(points: usize, closed: bool) -> Self {
         let most = MAX_CONTROL_POINTS.min(points);
         let family = if closed {

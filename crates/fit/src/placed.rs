@@ -86,7 +86,7 @@ fn thicken(density: &mut [f64], squared: &[f64]) {
         *density *= (here + FLOOR).sqrt().sqrt().sqrt();
     }
     let mut even = smoothed(density, 1);
-    // Clipping lowers the mean, so it is repeated.
+    // Clipping lowers the mean, so normalizing and clipping are repeated.
     for _ in 0..4 {
         let mean = even.iter().sum::<f64>() / even.len() as f64;
         even.iter_mut().for_each(|d| *d = (*d / mean).min(CLOSEST));
@@ -149,13 +149,13 @@ fn squared_distances<const D: usize>(knots: &[f64], points: &[[f64; D]]) -> Opti
     Some(rows.iter().zip(points).map(distance).collect())
 }
 
-/// Solves a positive definite banded system in place by LDLᵀ. `matrix` has each row from its
+/// Solves a positive definite banded system in place by LDLᵀ. `matrix` holds each row from its
 /// diagonal on.
 fn solve<const D: usize>(matrix: &mut [[f64; BAND]], right: &mut [[f64; D]]) -> Option<()> {
     let count = matrix.len();
     for j in 0..count {
         let row = matrix[j];
-        // Condition numbers are small, so a 0 here is a function without a point.
+        // Condition numbers are small, so a 0 here means a basis function without points.
         if row[0].is_nan() || row[0] <= 1e-9 {
             return None;
         }

@@ -33,9 +33,9 @@ pub const MAX_WEIGHT: f64 = 100.0;
 /// the noise has changed. If five are not enough, those weights do not help.
 const WARM_STEPS: usize = 5;
 
-/// Maximum number of steps from the linearized start. It may be far off if the noise is large, or
-/// if no rational curve fits the points. A rope's curve of order 4 then takes four or five steps,
-/// and rarely more than twenty.
+/// Maximum number of steps from the linearized start. That start may be far off if the noise is
+/// large, or if no rational curve fits the points. A rope's curve of order 4 then takes four or
+/// five steps, and rarely more than twenty.
 const COLD_STEPS: usize = 25;
 
 /// A rational Bezier curve fitted to a centerline.
@@ -51,14 +51,14 @@ pub struct RationalFit<'a, const D: usize> {
     /// Largest of these distances, px.
     pub max_px: f64,
     /// Number of given minus fitted numbers: `D (N − free control points)`, minus `n` weights if
-    /// `converged`. The squared residuals divided by it are the variance of one coordinate's
-    /// residual.
+    /// `converged`. The squared residuals divided by this number are the variance of one
+    /// coordinate's residual.
     pub degrees_of_freedom: usize,
     /// True if the weights were determined from the points. If false, all weights are 1 and the
     /// curve is the best polynomial: there were too few points, or no weights between
     /// 1/[`MAX_WEIGHT`] and [`MAX_WEIGHT`] were found within the allowed steps. If the polynomial
-    /// itself passes through the points up to rounding (a straight line, a point), the answer is
-    /// weights of 1, and `converged` is true after no steps.
+    /// itself passes through the points up to rounding (a straight line, a point), the weights are
+    /// 1, and `converged` is true after 0 steps.
     pub converged: bool,
     /// Number of descent steps, including those of a failed warm start, but not the up to 8 rounds
     /// of the linearized start.
@@ -73,7 +73,7 @@ pub struct RationalFitter<const D: usize> {
     control_points: Vec<[f64; D]>,
     covariance: covariance::Covariance,
     joint: joint::Joint,
-    /// True if the next search starts from these weights.
+    /// True if the next search starts from the last weights.
     warm: bool,
     /// Variance of a coordinate of the last fit if its weights were determined, px².
     variance: Option<f64>,
@@ -96,10 +96,11 @@ where
 
     /// Fits the rational curve with the highest posterior probability given `points` (ordered along
     /// the curve, evenly spaced by arc length). Its squared residuals are never larger than the
-    /// polynomial's. Does not allocate. Takes at most 30 steps besides the linearized start. It
-    /// starts from the last fit's weights if that converged.
+    /// polynomial's. Does not allocate. Takes at most 30 steps in addition to the linearized start.
+    /// It starts from the last fit's weights if that fit converged.
     ///
-    /// Points that are not finite give control points that are not, and `converged: false`.
+    /// If points are not finite, the control points are not finite either, and `converged` is
+    /// false.
     ///
     /// # Panics
     /// If the number of points is not the one that the fitter was made for.
@@ -111,8 +112,8 @@ where
     /// square with `(n+1) (D+1)` rows: the coordinates of the first control point, of the second
     /// and so on, then the log-weights. It is a first-order approximation and includes the prior of
     /// the weights. If the noise is so large that the curve is far from linear in the weights, it
-    /// is only an indication. After a fit that did not converge, the weights are 1 and known.
-    /// Computed on request. Does not allocate.
+    /// is only an indication. After a fit that did not converge, the weights are 1 and treated as
+    /// known. Computed on request. Does not allocate.
     pub fn joint_covariance_factor(&mut self) -> MatRef<'_, f64> {
         <[f64; D]>::joint_factor(self)
     }
@@ -171,9 +172,10 @@ impl<const D: usize> RationalFitter<D> {
         self.warm = false;
     }
 
-    /// `C`, `(n+1) × (n+1)`. At the last fit's weights, treated as known, the covariance of the
-    /// control points is `σ² C ⊗ I`, for independent noise of variance `σ²` in every coordinate.
-    /// The uncertainty of the weights is not included. Computed on request. Does not allocate.
+    /// The `(n+1) × (n+1)` covariance factor `C`. If the last fit's weights are treated as known,
+    /// the covariance of the control points is `σ² C ⊗ I`, for independent noise of variance `σ²`
+    /// in every coordinate. The uncertainty of the weights is not included. Computed on request.
+    /// Does not allocate.
     pub fn covariance_factor(&mut self) -> MatRef<'_, f64> {
         let count = self.design.count;
         let factor = self.covariance.at(&self.design, &self.descent.projection);

@@ -76,7 +76,7 @@ where
     [f64; D]: Point<D>,
 {
     /// Resamples the line through these points with the same number of points at equal steps. The
-    /// first point stays, and so does an open line's last.
+    /// first point stays in place, and so does the last point of an open line.
     ///
     /// # Errors
     /// Fails if there are too few or too many points, or if two neighbors coincide.
@@ -173,7 +173,7 @@ impl<const D: usize> Resampler<D> {
         beyond.sum()
     }
 
-    /// The last new points.
+    /// The new points of the last line.
     pub(crate) fn points(&self) -> &[[f64; D]] {
         &self.points[..self.count]
     }
@@ -282,8 +282,8 @@ fn tangent(before: Option<f64>, step: f64) -> [f64; 3] {
     }
 }
 
-/// Slope of a parabola at one end of an interval, given that at the other: twice the chord's, minus
-/// the other.
+/// Slope of a parabola at one end of an interval, given the slope at the other end: twice the
+/// chord's slope, minus the given slope.
 fn beside(other: [f64; 4], step: f64) -> [f64; 4] {
     let chord = [0.0, -2.0 / step, 2.0 / step, 0.0];
     std::array::from_fn(|at| chord[at] - other[at])

@@ -27,17 +27,17 @@ pub(crate) const MAX_ROUNDS: usize = 5;
 const SETTLED: f64 = 0.01;
 
 /// The `g` beyond which a pull fades. With Gaussian noise in three dimensions, one point in 10⁷ is
-/// beyond it.
+/// beyond this distance.
 const GROSS: f64 = 6.0;
 
 /// If no point is farther than this many `σ` from the curve of least squares, that curve is the
 /// start. With 120 points of Gaussian noise in two dimensions, one rope in 25 has a point beyond
-/// it.
+/// this distance.
 const SUSPECT: f64 = 4.0;
 
 /// The start from medians is used if its median distance is below this share of that of least
-/// squares. If the curve is merely too stiff for its points, it has no such start, and least
-/// squares is better.
+/// squares. If the curve is merely too stiff for its points, the medians do not give such a start,
+/// and least squares is better.
 const BETTER: f64 = 0.5;
 
 /// Constants of Gaussian noise in `D` dimensions, whose length in units of its standard deviation
@@ -104,8 +104,8 @@ impl Room {
         }
     }
 
-    /// The median of the roots of `squared` over nonzero weights; for an even number, the upper
-    /// one.
+    /// The median of the roots of `squared` over points of nonzero weight. For an even number of
+    /// points, this is the upper of the two middle values.
     fn median_distance(&mut self, squared: &[f64]) -> f64 {
         self.bits.clear();
         for (squared, &weight) in squared.iter().zip(&self.given) {
@@ -120,9 +120,9 @@ impl Room {
         f64::from_bits(*self.bits.select_nth_unstable(middle).1).sqrt()
     }
 
-    /// Writes the weights of the next round. Weights fall in proportion to distances beyond
-    /// `bound_px`, and even more beyond `gross` times that. Returns whether they equal the previous
-    /// ones, `weights`, within [`SETTLED`].
+    /// Writes the weights of the next round. Weights are inversely proportional to distances beyond
+    /// `bound_px`, and fall even faster beyond `gross` times that. Returns whether they equal the
+    /// previous ones, `weights`, within [`SETTLED`].
     #[inline(always)]
     fn reweigh(&mut self, squared: &[f64], weights: &[f64], bound_px: f64, gross: f64) -> bool {
         let mut moved = 0u64;

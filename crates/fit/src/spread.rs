@@ -4,9 +4,9 @@
 //! [`Fitter::propagate`] tracks each pixel through the resampling exactly, in time proportional to
 //! N m times the number of a point's neighbors. This module takes the points at equal steps as they
 //! are. An error along the curve only makes a point slide on the curve, so it is left out for each
-//! point. It has an effect at the ends, between which everything is stretched, and through the
-//! length between them. If the direction turns by `Δtₖ`, an error lengthens the curve by `Δtₖ`
-//! times the error, and all later points slide.
+//! point. It matters only at the ends, between which everything is stretched, and for the length
+//! between them. If the direction turns by `Δtₖ`, an error lengthens the curve by `Δtₖ` times the
+//! error, and all later points slide.
 //!
 //! Let `tₖ` be the direction at point `k`, and `Nₖ = I − tₖtₖᵀ`. `Sₖ` is the ellipsoid of
 //! independent errors there, and `Dₖ` that of errors shared by all points that a control point
@@ -56,10 +56,11 @@ pub(crate) struct Points<const D: usize> {
     across: [[Vec<f64>; D]; D],
     /// Ellipsoid of shared errors across the line.
     in_common: [[Vec<f64>; D]; D],
-    /// The line's direction, times the distance to the last point, and to the first.
+    /// The line's direction times the distance to the last point; in `second`, times the distance
+    /// to the first.
     first: [Vec<f64>; D],
     second: [Vec<f64>; D],
-    /// The line's direction, times the distance by which it may slide.
+    /// The line's direction times the distance by which the point may slide.
     slide: [Vec<f64>; D],
     /// A row of `P`.
     row: Vec<f64>,
@@ -143,8 +144,8 @@ where
     [f64; D]: Point<D>,
 {
     /// Computes the covariances of the last fit's control points if its `points`, at equal steps,
-    /// have these errors. If residuals are larger than the points' own ellipsoids, these are
-    /// enlarged. Shared errors do not appear in residuals. Does not allocate.
+    /// have these errors. If residuals are larger than the points' own ellipsoids, the ellipsoids
+    /// are enlarged. Shared errors do not appear in residuals. Does not allocate.
     ///
     /// Writes nothing if the numbers of points differ from the fitter's.
     pub fn spread(

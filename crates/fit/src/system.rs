@@ -124,7 +124,8 @@ impl Estimator {
     }
 }
 
-/// `P` of the bases that are not regressions: points of the centerline itself, and the mean of all.
+/// `P` of the bases that are not regressions: points of the centerline itself, and the mean of all
+/// points.
 pub(crate) fn selection(basis: Basis, points: usize) -> Option<Mat<f64>> {
     match basis {
         Basis::FeaturePoints { count } => {

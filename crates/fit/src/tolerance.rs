@@ -3,15 +3,16 @@
 /// One in this many points may be farther from the curve than `most`.
 const STRAY: usize = 20;
 
-/// Maximum distances of a curve from its points, in their unit. Distances are those of points from
-/// the curve at their own ρ, which are never less than those from its nearest point. If they are
-/// small, the nearest distances are too, and the curve is also at the right place at each ρ.
+/// Maximum distances of a curve from its points, in their unit. Each distance is measured between a
+/// point and the curve at the point's own ρ. It is never less than the distance to the curve's
+/// nearest point. If all are small, the curve is thus near its points, and also at the right place
+/// at each ρ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// Maximum distance of 95 of 100 points. Default: 2 px.
     pub most: f64,
-    /// Maximum distance of all points. Default: 8 px, half the width of a rope of 16 px, an eighth
-    /// of whose width is 2 px.
+    /// Maximum distance of all points. Default: 8 px. This is half the width of a rope of 16 px,
+    /// for which `most` is an eighth of the width.
     pub all: f64,
     /// Standard deviation of the points themselves, if they are less accurate than the curve has to
     /// be. This part of a distance is not the curve's error. Default: 0.

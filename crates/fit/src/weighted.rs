@@ -47,11 +47,12 @@ pub(crate) struct WeightedFit {
     /// as points of weight 1. Without ridge and pins, it is the number of points with nonzero
     /// weight minus the number of control points.
     pub(crate) degrees_of_freedom: f64,
-    /// Estimate of the 2-norm condition number of `BᵀWB + K`, with pinned ends of weight 1, mostly
-    /// within a factor of 2. Its root is comparable to the condition number of `B`.
+    /// Estimate of the 2-norm condition number of `BᵀWB + K`, with weight 1 at pinned ends. Mostly
+    /// accurate to a factor of 2. Its root is comparable to the condition number of `B`.
     pub(crate) condition: f64,
-    /// Largest standard deviation of a point of the curve, seen or hidden, for noise of 1 in the
-    /// points of the largest weight. With a ridge, it includes what the ridge leaves undetermined.
+    /// Largest standard deviation of a point of the curve, seen or hidden, for noise of standard
+    /// deviation 1 in the points of the largest weight. With a ridge, it includes what the ridge
+    /// leaves undetermined.
     pub(crate) noise_gain: f64,
 }
 
@@ -67,7 +68,7 @@ pub enum WeightedError {
         /// Its weight.
         weight: f64,
     },
-    /// Fewer points have a weight than there are control points.
+    /// Fewer points have a nonzero weight than there are control points.
     #[error(
         "only {seen} points are seen, and they cannot fix {control_points} control points: wait until more of \
          the curve is seen, or choose fewer control points"
@@ -150,7 +151,7 @@ pub(crate) struct Weighted<const D: usize> {
     coefficients: Vec<[f64; D]>,
     control_points: Vec<[f64; D]>,
     pub(crate) y: Vec<[f64; D]>,
-    /// `y` of least squares, while another start is tried.
+    /// `y` of least squares, kept while another start is tried.
     pub(crate) y_least: Vec<[f64; D]>,
     ends: Ends,
     covariance: Vec<f64>,

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-/// The values that a number of a message may have.
+/// The values of an enumeration.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Codes {
@@ -211,7 +211,7 @@ codes! {
 }
 
 codes! {
-    /// Basis functions that a descriptor's control points weigh.
+    /// Basis functions that are weighted by a descriptor's control points.
     Basis {
         /// Bernstein polynomials of this `degree`.
         Bezier = 1 "bezier",

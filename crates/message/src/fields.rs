@@ -9,13 +9,13 @@ pub trait Message {
     /// The fields and their offsets.
     fn layout(&self) -> &'static Layout;
 
-    /// Shows every field; lists are limited to their valid entries.
+    /// Passes every field to `see`; lists are limited to their valid entries.
     fn visit<'a>(&'a self, see: &mut dyn FnMut(&'static Field, Value<'a>));
 
-    /// Lends every field; lists are lent whole. Sets reserved fields to 0.
+    /// Passes every field to `see` for writing; lists are passed whole. Sets reserved fields to 0.
     fn visit_mut(&mut self, see: &mut dyn FnMut(&'static Field, Place<'_>));
 
-    /// Collects the fields that [`visit`](Self::visit) shows.
+    /// Collects the fields that [`visit`](Self::visit) passes to its closure.
     fn fields(&self) -> Vec<(&'static Field, Value<'_>)> {
         let mut fields = Vec::new();
         self.visit(&mut |field, value| fields.push((field, value)));

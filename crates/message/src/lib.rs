@@ -28,6 +28,6 @@ pub use clock::now_ns;
 pub use codes::{Axes, Basis, FitQuality, PixelFormat, Place, SourceKind, Status, Unit};
 pub use message::*;
 
-/// Confidence below which a rope's curve is more likely wrong than right, so that nothing should
-/// steer by it. Readers use it by default, and commands and pages mark ropes below it.
+/// Confidence below which a rope's curve is more likely wrong than right, and should not be used
+/// for steering. It is the default threshold of readers. Commands and pages mark ropes below it.
 pub const MIN_CONFIDENCE: f32 = 0.5;

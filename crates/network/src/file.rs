@@ -11,7 +11,7 @@ use crc32fast::hash as crc32;
 const MAGIC: &[u8; 8] = b"LARIATN1";
 const VERSION: u32 = 1;
 
-/// Why bytes were rejected as a network.
+/// Reason why bytes were rejected as a network.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum NetworkError {
     /// The file does not begin with the magic bytes.

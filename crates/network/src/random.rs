@@ -16,7 +16,7 @@ impl Network {
                 (0..layer.weights()).map(|_| (random.below(255) as i32 - 127) as i8),
             );
             // A sum of n products has a standard deviation of 73·√n times the activations' size,
-            // where 73 is that of the weights.
+            // where 73 is the standard deviation of the weights.
             let products = (layer.weights() / outs) as f32;
             let scale = 1.0 / (73.0 * products.sqrt());
             Numbers {

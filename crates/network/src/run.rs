@@ -1,10 +1,10 @@
 //! Runs a picture through the layers.
 //!
 //! Each layer computes all its rows before the next begins. There are two exceptions, whose outputs
-//! are large and used at once. The first layer's rows are kept in a ring of four, and the second
-//! layer reads them there. The last two layers compute one row at a time, which becomes rows of the
-//! maps. The memory in use is therefore little more than the two skips and fits in the second-level
-//! cache.
+//! are large and used immediately. The first layer's rows are kept in a ring of four, and the
+//! second layer reads them there. The last two layers compute one row at a time, which becomes rows
+//! of the maps. The memory in use is therefore little more than the two skips and fits in the
+//! second-level cache.
 
 use lariat_portable::{Convolution, ConvolutionKernels, Plane};
 

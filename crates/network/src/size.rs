@@ -26,7 +26,7 @@ pub struct Maps<'a> {
     pub stride: usize,
 }
 
-/// Why a picture or a map was refused.
+/// Reason why a picture or a map was refused.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum SizeError {
     /// A side is zero or too long.

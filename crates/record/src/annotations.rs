@@ -97,8 +97,8 @@ fn put_thickness(to: &mut Encoder, thickness_px: f64) {
     thickness_px.put(to);
 }
 
-/// Shifts points by half a pixel: Foxglove counts from the corner of the top-left pixel, lariat
-/// from its center.
+/// Shifts points by half a pixel: Foxglove's origin is the corner of the top-left pixel, lariat's
+/// is the center of that pixel.
 fn put_points(to: &mut Encoder, points: impl ExactSizeIterator<Item = [f64; 2]>) {
     to.byte_count(points.len());
     points.for_each(|p| p.map(|c| c + 0.5).put(to));

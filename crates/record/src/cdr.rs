@@ -28,9 +28,9 @@ pub enum CdrError {
     /// A list has more entries than the message can contain.
     #[error("it holds a list of {count} entries where at most {most} are known")]
     TooMany {
-        /// The number that the list claims.
+        /// The number of entries that the list claims to have.
         count: u32,
-        /// The number allowed.
+        /// The maximum number of entries.
         most: u32,
     },
     /// Lists that belong together have different lengths.
@@ -83,7 +83,7 @@ impl<'a> Encoder<'a> {
         self.0.push(0);
     }
 
-    /// Writes the number of bytes, or entries of another list, that will be [added](Self::raw).
+    /// Writes the length of a list whose entries or bytes will be [added](Self::raw).
     pub fn byte_count(&mut self, count: usize) {
         (count as u32).put(self);
     }

@@ -1,4 +1,4 @@
-//! Converts images in encodings that frames do not have to formats that they have.
+//! Converts images from encodings that frames do not support to formats that they support.
 //!
 //! The encodings are those of `sensor_msgs/image_encodings` and a few that drivers use. Nothing
 //! that extraction would use is lost. Alpha is dropped, 16 bits are rounded to 8 as in picture
@@ -58,9 +58,9 @@ pub struct Converted {
 /// Storage of pixels.
 #[derive(Debug, Clone, Copy)]
 enum Stored {
-    /// Bytes per pixel, and the positions of those that are kept.
+    /// Bytes per pixel, and the positions of the bytes that are kept.
     Bytes(usize, &'static [usize]),
-    /// 16-bit numbers per pixel, and the positions of those that are kept.
+    /// 16-bit numbers per pixel, and the positions of the numbers that are kept.
     Words(usize, &'static [usize]),
     /// 16-bit gray in another machine's byte order.
     TurnedGray,
@@ -192,8 +192,8 @@ struct Planes<'a> {
 }
 
 impl<'a> Planes<'a> {
-    /// Splits an image into planes. Writers disagree on `step`: either it is the luma's, or it is
-    /// ignored and rows have no padding.
+    /// Splits an image into planes. Writers disagree on the meaning of `step`. Either it is the
+    /// stride of the luma, or it is meaningless and rows have no padding.
     fn of(image: &ImageRecord<'a>, chroma: Chroma) -> Option<Self> {
         let tight = Self::with_step(image, chroma, (image.width as usize).next_multiple_of(2));
         let odd = || Self::with_step(image, chroma, image.width as usize);
@@ -360,7 +360,7 @@ mod tests {
                 ],
             ),
         ] {
-            // A step that includes the chroma is ignored.
+            // A `step` that includes the chroma is ignored.
             for step in [4, 6, 12] {
                 let data = with(chroma);
                 let right = (PixelFormat::Nv12, 4, nv12.clone());

@@ -2,8 +2,8 @@
 //! of ROS 1.
 //!
 //! Only two protocol buffer messages (<https://protobuf.dev/programming-guides/encoding>) are
-//! needed. They have a handful of fields, whose numbers Foxglove's schemas fix, and are read in
-//! place. JSON encodes bytes in base64.
+//! needed. Both have only a handful of fields, with field numbers fixed by Foxglove's schemas, and
+//! are read in place. JSON encodes bytes in base64.
 
 use std::borrow::Cow;
 
@@ -281,7 +281,7 @@ fn protobuf_picture(bytes: &[u8]) -> Result<CompressedImageRecord<'_>, CdrError>
     Ok(picture)
 }
 
-/// Fields of both messages. Each has some of these.
+/// Fields of both messages. Each message has some of them.
 #[derive(Deserialize)]
 #[serde(default)]
 struct Json<'a> {

@@ -69,7 +69,8 @@ pub(crate) fn stamp(from: &mut Decoder) -> Result<u64, CdrError> {
 /// without the padding between them in memory.
 ///
 /// `stamp_ns` is the exposure, in nanoseconds of Unix time, and `rig` is the frame of reference.
-/// Returns `false` and writes nothing if the header does not match the bytes, or has no image.
+/// Returns `false` and writes nothing if the header does not match the bytes, or if the frame has
+/// no image.
 pub fn encode_image(
     header: &FrameHeader,
     bytes: &[u8],

@@ -25,7 +25,8 @@
 //! metadata (`lariat`: `monotonic_to_wall_ns`, version, machine). Attached are `lariat.toml`, and
 //! `calibration.yaml` and `plane.toml` if the settings name such files.
 //!
-//! `Losses` has the chain's losses, counted as in sink, and the recorder's own ([`Drops`]).
+//! `Losses` contains the chain's losses, counted as in sink, and the recorder's own losses
+//! ([`Drops`]).
 //!
 //! # Recording
 //!
@@ -37,17 +38,18 @@
 //! ```
 //!
 //! - **The chain does not wait.** The recorder (`src/record`) is a separate process. Only
-//!   `descriptors` wake it, when a frame's work is done; for the rest it polls (`looks`). A full
-//!   queue drops and counts messages, with a reserve for small ones. With `--lossless` every
-//!   message wakes the recorder, which waits for room.
+//!   `descriptors` wake the recorder, when a frame's work is done; it polls the other channels
+//!   (`looks`). If the queue is full, messages are dropped and counted. Part of the queue is
+//!   reserved for small messages. With `--lossless` every message wakes the recorder, which waits
+//!   for room.
 //! - **A file is never broken.** Chunks (512 KiB, or a second) are built in memory and written at
 //!   once. Room for each message, the open chunk and the index is reserved beforehand (`space`), so
 //!   a file on a full disk still closes with its index. A failed write is undone to the last whole
 //!   chunk (`staged`).
 //! - **An old recording** is replaced only with `--force`, once the new one has a chunk with
 //!   messages (`place`). Other files are never replaced.
-//! - **The ring** keeps encoded messages, bounded in time and bytes. After a request it writes them
-//!   and keeps them, so two files may overlap.
+//! - **The ring** keeps encoded messages, bounded in time and bytes. On request, the ring writes
+//!   these messages but also keeps them, so two files may overlap.
 //!
 //! Compression is off by default: lz4 gains nothing on noisy images.
 //!
@@ -56,9 +58,9 @@
 //! Files are read in parts. The index at the end locates everything (`summary`). If it is missing
 //! or damaged, a scan from record to record replaces it (`scan`). Lengths are checked before use,
 //! and so are the sizes of unpacked chunks. A chunk with a wrong checksum is reported and skipped.
-//! A cursor unpacks chunks into memory that it reuses, and lends each message until the next. A
-//! range selects frames by time, with all messages about them, from the message indexes without
-//! unpacking.
+//! A cursor unpacks chunks into memory that it reuses. A message that it returns is valid until the
+//! next is requested. A range selects frames by time, and all messages about these frames. It is
+//! resolved from the message indexes, without unpacking.
 //!
 //! # Known limitations
 //!

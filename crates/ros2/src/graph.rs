@@ -21,9 +21,9 @@ use crate::args::{Args, Names};
 use crate::parameters;
 
 /// Timer slack of the transport's threads. RustDDS has one timer per writer (housekeeping, and a
-/// heartbeat each second if reliable) and some for other tasks. Timers within this time of each
-/// other expire in one wakeup and then stay together. Retransmission uses a timer too, so reliable
-/// delivery keeps exact timers. Publishing and discovery do not wait for a timer.
+/// heartbeat each second if reliable) and some for other tasks. Timers that differ by less than
+/// this time expire in one wakeup and then stay together. Retransmission uses a timer too, so exact
+/// timers are kept for reliable delivery. Publishing and discovery do not wait for a timer.
 const TIMER_SLACK_NS: u64 = 100_000_000;
 /// Messages that a reliable publisher keeps for retransmission: two seconds at 30 fps.
 const KEPT: usize = 64;
@@ -48,7 +48,7 @@ pub(crate) struct Topic {
     name: String,
     /// True after a message that is too large has been reported.
     said: bool,
-    /// Messages that were too large or found no free space.
+    /// Number of messages that were too large or for which no space was free.
     unsent: u64,
 }
 
@@ -244,7 +244,7 @@ impl Drop for Graph {
     fn drop(&mut self) {
         self.node = None;
         if let Some(spinner) = self.spinner.take() {
-            // It has already reported its error, if there was one.
+            // The thread has already reported its error, if there was one.
             let _ = spinner.join();
         }
     }

@@ -79,7 +79,8 @@ struct Feeds {
     camera_info: Option<Feed<CameraInfo>>,
 }
 
-/// A subscribed topic with messages `M`, or with values made from them at once.
+/// A subscribed topic. `M` is its type of message, or of the values that are made from its messages
+/// on receipt.
 struct Feed<M> {
     subscription: Subscription<M>,
     name: String,
@@ -225,7 +226,7 @@ impl Drop for Incoming {
     fn drop(&mut self) {
         self.end = None;
         if let Some(thread) = self.thread.take() {
-            // It has already reported its error, if there was one.
+            // The thread has already reported its error, if there was one.
             let _ = thread.join();
         }
     }
@@ -398,7 +399,7 @@ struct Streams<'a> {
 }
 
 impl Streams<'_> {
-    /// This function and the ones below handle one message, if one waits, and return whether they
+    /// This function and the ones below handle one waiting message, if any, and return whether they
     /// did.
     fn poll_image(
         &mut self,

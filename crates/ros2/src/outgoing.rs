@@ -200,7 +200,7 @@ impl<'a> Outgoing<'a> {
         self.say_unit(message, shapes);
         self.paths.make(graph, message)?;
         let exposed_ns = message.trace.exposed_ns;
-        // For an image that came with a stamp, exactly that stamp.
+        // If the image came with a stamp, exactly that stamp is published.
         let original_ns = self.incoming.originals().of(exposed_ns);
         let stamp_ns = original_ns.unwrap_or_else(|| self.clock.wall_ns(exposed_ns));
         // Descriptors for control loops come first; images, which take milliseconds, come last.

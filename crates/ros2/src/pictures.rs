@@ -1,7 +1,7 @@
 //! A frame as JPEG, with or without the ropes drawn on it: `sensor_msgs/CompressedImage`.
 //!
-//! Compressed, because RustDDS takes tens of milliseconds to send an image of 1 MB, and cannot send
-//! one of 10 MB.
+//! Images are compressed, because RustDDS takes tens of milliseconds to send 1 MB and cannot send
+//! 10 MB.
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;

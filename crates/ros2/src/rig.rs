@@ -36,13 +36,13 @@ pub(crate) enum Space {
 ///
 /// Descriptors wake this process once per frame, when the frame is complete. The other messages of
 /// the frame were sent before and are read then. A reader must not outlive its writer, because it
-/// would keep the channel as it was, so it is closed too.
+/// would keep the old channel alive. It is therefore closed when its writer ends.
 pub(crate) struct Channels<'d> {
     domain: &'d Domain,
     rig: &'d Rig,
     descriptors: Option<Receiver<Descriptors>>,
     descriptors3: Option<Receiver<Descriptors3>>,
-    /// True if the rig has a depth camera, whatever is read.
+    /// True if the rig has a depth camera, whichever channels are read.
     is_in_space: bool,
     centerlines: Option<Receiver<Centerlines>>,
     frames: Option<Receiver<[u8]>>,
@@ -166,9 +166,9 @@ impl<'d> Channels<'d> {
     }
 }
 
-/// Returns the waiting message of this frame and discards earlier ones. If the first remaining
-/// message is of a later frame, it is lost, together with its frame's other messages; the same
-/// happens to an image after an overflow.
+/// Returns the waiting message of this frame and discards earlier ones. If the next message is of a
+/// later frame, that message is lost, and so are the other messages of its frame. The same happens
+/// to an image after an overflow.
 fn until<P: Payload + ?Sized>(
     reader: &Receiver<P>,
     sequence: u64,
@@ -183,7 +183,7 @@ fn until<P: Payload + ?Sized>(
     Ok(None)
 }
 
-/// Reads from a reader. One that fails is closed, and opened again at the next check.
+/// Reads from a reader. A reader that fails is closed, and opened again at the next check.
 fn take<P: Payload + ?Sized, T>(
     reader: &mut Option<Receiver<P>>,
     read: impl FnOnce(&Receiver<P>) -> Result<Option<T>, WireError>,

@@ -39,8 +39,8 @@ impl SpacePose {
     }
 }
 
-/// Operations of a robot on a pose. `D` is the number of position coordinates, `V` that of velocity
-/// coordinates: those of the position, then turns in rad/s.
+/// Operations of a robot on a pose. `D` is the number of position coordinates. `V` is the number of
+/// velocity coordinates: one per position coordinate, then turns in rad/s.
 pub(crate) trait Grip<const D: usize, const V: usize>: Copy {
     fn place(&mut self) -> &mut [f64; D];
 
@@ -152,7 +152,7 @@ impl<const D: usize, const V: usize, P: Grip<D, V>> Robot<D, V, P> {
         }
     }
 
-    /// Moves for the duration of a step. `too_long_px`: excess length of a rope that is taut.
+    /// Moves for the duration of a step. `too_long_px` is the excess length of a taut rope.
     pub(crate) fn step(&mut self, step_s: f64, too_long_px: f64) {
         self.silent_s += step_s;
         if self.silent_s > self.limits.watchdog_s {
@@ -214,7 +214,7 @@ impl Limits {
         let share = if speed_px_s.is_finite() {
             self.speed_px_s / speed_px_s.max(self.speed_px_s)
         } else {
-            // This is also the case if the square of a number overflows, as with no real command.
+            // Also reached if the square of a number overflows, which no real command causes.
             0.0
         };
         let turn = |v: f64| if v.is_nan() { 0.0 } else { v };

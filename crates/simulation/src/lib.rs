@@ -38,20 +38,20 @@
 //! (XPBD: Macklin et al. 2016, and *Small Steps* 2019), with one iteration per step. The
 //! constraints of a chain, alternately stretch and bend, couple at most four rows. The system is
 //! therefore solved exactly, by a banded LDLᵀ, instead of constraint by constraint. The stiffness
-//! is then the requested one whatever the step, and the rope between two clamps is an elastica that
-//! hardly stretches. Bending is that of discrete elastic rods, 2 tan(φ/2). Coulomb friction is a
-//! drag of μg over the speed, implicit in each mass's inverse mass. It can only remove energy, and
-//! it holds the rope below 10⁻³ px/s. One pixel is a millimeter; stiffness and friction are those
-//! of a cable on a smooth table. There is no self-contact. Tests check that the energy does not
-//! grow in any step while the grippers rest, and that the length stays within 2 % in the fastest
-//! motion. They also check a digest of the results: sums have one order, roots are IEEE's, and
-//! sines are libm's.
+//! is then the requested one whatever the step size, and the rope between two clamps is an elastica
+//! that hardly stretches. Bending is that of discrete elastic rods, 2 tan(φ/2). Coulomb friction is
+//! a drag with the coefficient μg divided by the speed, implicit in each node's inverse mass. It
+//! can only remove energy, and it holds the rope below 10⁻³ px/s. One pixel is a millimeter;
+//! stiffness and friction are those of a cable on a smooth table. There is no self-contact. Tests
+//! check that the energy does not grow in any step while the grippers rest, and that the length
+//! stays within 2 % in the fastest motion. They also check a digest of the results: sums have one
+//! order, roots are IEEE's, and sines are libm's.
 //!
 //! **In 3-D** (`space`), the same chain has three coordinates, and each node bends about three
 //! axes. The band is 11 wide instead of 5, and a step takes about five times as long. Gravity pulls
-//! the rope down. The table is a stiff damped spring, implicit like friction, which there depends
-//! on the contact pressure. The rope has no torsional stiffness. The code for commands and clamps
-//! is the same as in the plane (`held`, `gripper`, `rod`).
+//! the rope down. The table is a stiff damped spring, implicit like friction. In 3-D, friction
+//! depends on the contact pressure. The rope has no torsional stiffness. The code for commands and
+//! clamps is the same as in the plane (`held`, `gripper`, `rod`).
 //!
 //! **The robot** (`gripper`) clamps three nodes of an end, which fixes position and direction. It
 //! limits velocities, stays in its workspace, stops 0.25 s after the last command, and does not

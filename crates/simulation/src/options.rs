@@ -6,7 +6,7 @@ pub const MAX_GRIPPERS: usize = 2;
 /// Parameters of the rope, the table and the robot. One pixel corresponds to one millimeter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Selects the start.
+    /// Seed that selects the rope's start position.
     pub seed: u64,
     /// Number of grippers that hold the rope: 1 or 2.
     pub grippers: usize,

@@ -13,18 +13,19 @@
 //! Along a chain, this system is banded. It is solved exactly (as in Deul et al., *Direct
 //! Position-Based Solver for Stiff Rods*, 2018) and not constraint by constraint. A pull therefore
 //! acts on the other end at once, however stiff the rope is. Bending is that of discrete elastic
-//! rods (Bergou et al. 2008): 2 tan(φ/2) for the angle φ between two segments. It is about the one
-//! axis of the plane, or about the three axes of 3-D space, where it is their curvature binormal. A
-//! rope in 3-D has no torsional stiffness.
+//! rods (Bergou et al. 2008): 2 tan(φ/2) for the angle φ between two segments. In the plane,
+//! bending is about a single axis. In 3-D it is about three axes: its components are those of the
+//! curvature binormal. A rope in 3-D has no torsional stiffness.
 //!
-//! Coulomb friction is a drag with the coefficient μp over the speed, where p is the contact
+//! Coulomb friction is a drag with the coefficient μp divided by the speed, where p is the contact
 //! pressure on the table per mass. It is implicit like everything else: it is part of W, the
 //! inverse of the resistance in a step. Below [`CREEP_PX_S`], the coefficient is constant. A rope
 //! at rest is thus held by a drag so strong that it creeps by less than a pixel in a quarter of an
 //! hour.
 //!
 //! In the plane, the whole weight of the rope presses on the table. In 3-D, gravity pulls the rope
-//! down, and the table below is a stiff damped spring. It is implicit, too: a part of W along z.
+//! down, and the table below is a stiff damped spring. This spring is implicit, too: a part of W
+//! along z.
 //!
 //! There is no self-contact: strands pass through each other.
 
@@ -35,7 +36,7 @@ use crate::vector::{dot, length, minus, push};
 pub(crate) const GRAVITY_PX_S2: f64 = 9810.0;
 /// Speed below which friction no longer grows.
 const CREEP_PX_S: f64 = 1e-3;
-/// Speed at which a pull travels along the rope. At this speed, the rope stretches by a millionth
+/// Speed at which a pull travels along the rope. With this value, the rope stretches by a millionth
 /// under its own friction.
 const SOUND_PX_S: f64 = 1e6;
 /// Minimum value of 1 + cos φ, because segments folded onto each other have no direction to unfold
@@ -56,7 +57,7 @@ pub(crate) struct Material {
     pub(crate) bending_px4_s2: f64,
     /// Coefficient of friction with the table.
     pub(crate) friction: f64,
-    /// Share of its speed that it loses per second in addition to friction.
+    /// Share of its speed that the rope loses per second in addition to friction.
     pub(crate) damping_per_s: f64,
     /// Height of the centerline of a rope on the table, in 3-D.
     pub(crate) lies_at_px: f64,
@@ -102,7 +103,7 @@ struct Mobility {
 }
 
 /// A chain of nodes of equal mass. `BAND`: width of the system's band, which is 2 (1 + bends) +
-/// bends for `bends` at a node: 5 in the plane, 11 in 3-D.
+/// bends, where `bends` is the number of bending axes of a node: 5 in the plane, 11 in 3-D.
 #[derive(Debug, Clone)]
 pub(crate) struct Rod<const D: usize, const BAND: usize> {
     material: Material,
@@ -169,7 +170,7 @@ impl<const D: usize, const BAND: usize> Rod<D, BAND> {
             .sqrt()
     }
 
-    /// Makes one time step. `held`: positions of the held nodes at its end.
+    /// Makes one time step. `held` gives the positions of the held nodes at the end of the step.
     pub(crate) fn step(&mut self, step_s: f64, held: impl IntoIterator<Item = (usize, [f64; D])>) {
         self.predict(step_s);
         for (node, at) in held {

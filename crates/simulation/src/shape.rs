@@ -5,8 +5,8 @@ use crate::held::HELD;
 use crate::vector::distance;
 use lariat_portable::SplitMix64;
 
-/// Returns the rope's heading at the start of a seed, its offset from the middle as a share of the
-/// picture, and a random generator for the rest.
+/// Returns the start position of a seed: the rope's heading, its offset from the middle as a share
+/// of the picture, and a random generator for everything else.
 pub(crate) fn bow(seed: u64) -> (impl Fn(f64) -> f64, [f64; 2], SplitMix64) {
     let mut random = SplitMix64::of_stream(seed, 1);
     let bow = random.uniform(0.6, 0.85);
@@ -20,8 +20,8 @@ pub(crate) fn bow(seed: u64) -> (impl Fn(f64) -> f64, [f64; 2], SplitMix64) {
     (heading, aside, random)
 }
 
-/// Lays the nodes of a rope with its middle at `middle`. Its heading in radians is a function of
-/// the share of its free part; the parts in the jaws are straight.
+/// Lays the nodes of a rope with its middle at `middle`. `heading` gives the rope's heading in
+/// radians at a share, 0 to 1, of its free part. The parts in the jaws are straight.
 pub(crate) fn lay(
     nodes: usize,
     segment_px: f64,

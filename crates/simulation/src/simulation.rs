@@ -14,8 +14,8 @@ use crate::shape::{bow, lay, poses};
 pub struct Simulation(Held<2, 3, 5, Pose>);
 
 impl Simulation {
-    /// Makes the rope at rest at the start of its seed: gently bent, without loops, in the middle
-    /// of the picture.
+    /// Makes the rope at rest in the start position of its seed: gently bent, without loops, in the
+    /// middle of the picture.
     ///
     /// # Errors
     /// Returns an error if an option is out of its range.
@@ -36,7 +36,7 @@ impl Simulation {
 
     /// Sets the velocities of the grippers: x and y in px/s, the angle in rad/s. A gripper without
     /// a velocity stops. The robot keeps to its limits whatever the command, and stops by itself if
-    /// no command comes for the time of its watchdog.
+    /// no command comes within the time of its watchdog.
     pub fn command(&mut self, velocities: &[[f64; 3]]) {
         self.0.robot.command(velocities);
     }
@@ -61,7 +61,7 @@ impl Simulation {
         self.0.robot.velocities()
     }
 
-    /// Returns how far the jaws hold the rope, ahead of a gripper's position, in pixels.
+    /// Returns the length of rope in the jaws, measured ahead from a gripper's position, in pixels.
     pub fn jaw_px(&self) -> f64 {
         self.0.jaw_px()
     }

@@ -22,8 +22,8 @@ const START_MM: [f64; 2] = [60.0, 90.0];
 pub struct SpaceSimulation(Held<3, 6, 11, SpacePose>);
 
 impl SpaceSimulation {
-    /// Makes the rope at rest at the start of its seed: gently bent, without loops, its ends held
-    /// above the middle of the table.
+    /// Makes the rope at rest in the start position of its seed: gently bent, without loops, its
+    /// ends held above the middle of the table.
     ///
     /// # Errors
     /// Returns an error if an option is out of its range.
@@ -78,7 +78,8 @@ impl SpaceSimulation {
         self.0.robot.poses()
     }
 
-    /// Returns how far the jaws hold the rope, ahead of a gripper's position, in millimeters.
+    /// Returns the length of rope in the jaws, measured ahead from a gripper's position, in
+    /// millimeters.
     pub fn jaw_mm(&self) -> f64 {
         self.0.jaw_px()
     }

@@ -1,4 +1,5 @@
-//! Target shapes for the rope. The rope has taken each of them, so they can be reached.
+//! Target shapes for the rope. The rope has taken each of these shapes, so all of them can be
+//! reached.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::str::FromStr;

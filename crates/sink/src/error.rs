@@ -87,7 +87,7 @@ impl Heap {
     }
 }
 
-/// One kind of curve compared with the truth.
+/// Comparison of one kind of curve with the truth.
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
     /// Distances to the rope, at any position along it.
@@ -165,9 +165,9 @@ impl Comparison {
 /// All comparisons with the truth.
 #[derive(Debug, Clone)]
 pub(crate) struct Compared {
-    /// Centerlines compared with the truth.
+    /// Comparison of centerlines with the truth.
     pub(crate) centerline: Comparison,
-    /// Fitted curves compared with the truth.
+    /// Comparison of fitted curves with the truth.
     pub(crate) curve: Comparison,
     /// Number of fitted curves that this version cannot draw.
     pub(crate) unknown_basis: u64,

@@ -26,9 +26,9 @@
 //! `lost.bridge` + `lost.fit` + `lost.sink`. If the stages run by hand, without a chain that passes
 //! the counts on, frames skipped for lack of a mask are in `lost.capture`. Frames in progress when
 //! the chain stopped are accounted for, too. Each stage reports at its end what it sent, and the
-//! chain passes this to the sink on its standard input. The difference to the last message is lost
-//! on its link. If a stage did not live to report, its share counts as lost on the link before it,
-//! and the sum is still exact.
+//! chain passes this to the sink on its standard input. Messages that the stages sent after the
+//! last received one count as lost on their links. If a stage did not live to report, its share
+//! counts as lost on the link before it, and the sum is still exact.
 
 use crate::saved::{LARGEST_COUNT, RestoreError, Saved, Saving, sound};
 use crate::{AtRestart, FinalCounts, Lost};
@@ -76,7 +76,7 @@ pub struct Ledger {
     received: u64,
     /// The bridge's counter; 0 if the last message came without a bridge.
     bridged: u64,
-    /// Messages that fit sent and no bridge wrote on this machine.
+    /// Messages that fit sent but no bridge wrote on this machine.
     over_bridge: u64,
     /// Messages from fit that were lost with the last sink.
     with_sink: u64,

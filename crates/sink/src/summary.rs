@@ -39,7 +39,7 @@ pub struct Frames {
     pub with_curve: u64,
     /// Frames lost on each link.
     pub lost: Lost,
-    /// Losses during a restart of a stage. Part of `lost`.
+    /// Losses during a restart of a stage, which `lost` includes.
     pub at_restart: AtRestart,
 }
 
@@ -73,33 +73,35 @@ impl Depth {
 /// Frames lost after a stage while that stage or another was restarted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct AtRestart {
-    /// Sent by capture, never by extract.
+    /// Frames sent by capture but never by extract.
     pub capture: u64,
-    /// Sent by extract, never by fit.
+    /// Frames sent by extract but never by fit.
     pub extract: u64,
-    /// Sent by fit, never received here.
+    /// Frames sent by fit but never received here.
     pub fit: u64,
 }
 
 /// Frames lost, by link.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Lost {
-    /// Numbered by the source, never sent by capture.
+    /// Frames numbered by the source but never sent by capture.
     pub source: u64,
-    /// Sent by capture, never by extract, except those in `mask`.
+    /// Frames sent by capture but never by extract, except those in `mask`.
     pub capture: u64,
-    /// Skipped by extract because the frame's external mask was late. Known at the end of the
-    /// chain; until then these frames are in `capture`.
+    /// Frames that extract skipped because their external masks were late. The number is known at
+    /// the end of the chain; until then these frames are in `capture`.
     pub mask: u64,
-    /// Sent by extract, never by fit.
+    /// Frames sent by extract but never by fit.
     pub extract: u64,
-    /// Only on another machine: sent by fit, never written by the bridge there.
+    /// Frames sent by fit but never written by the bridge on this machine, if the chain runs on
+    /// another machine.
     pub bridge: u64,
-    /// Sent by fit (on another machine: written by the bridge there), but never received here
-    /// although a sink was running.
+    /// Frames sent by fit but never received here, although a sink was running. If the chain runs
+    /// on another machine, frames count as sent here once the bridge on this machine has written
+    /// them.
     pub fit: u64,
-    /// Sent by fit while no sink was running, until another one continued. Includes messages that
-    /// the last sink received but could not save.
+    /// Frames sent by fit while no sink was running, until another one continued. Includes messages
+    /// that the last sink received but could not save.
     pub sink: u64,
 }
 
@@ -110,7 +112,7 @@ impl Lost {
     }
 }
 
-/// Work and waits of a frame.
+/// Latencies of frames: the total, the work of each stage, and the waits between stages.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Latencies {
     /// Exposed → received.
@@ -134,11 +136,11 @@ pub struct Latencies {
 pub struct Spread {
     /// The median.
     pub p50: Option<f64>,
-    /// 90 % of the times are not longer.
+    /// Time that 90 % of the times do not exceed.
     pub p90: Option<f64>,
-    /// 99 % of the times are not longer.
+    /// Time that 99 % of the times do not exceed.
     pub p99: Option<f64>,
-    /// 99.9 % of the times are not longer.
+    /// Time that 99.9 % of the times do not exceed.
     pub p999: Option<f64>,
     /// The longest time.
     pub max: Option<f64>,
@@ -160,9 +162,10 @@ pub struct Errors {
 pub struct Distances {
     /// The mean.
     pub mean: Option<f64>,
-    /// 95 % of the distances are not larger.
+    /// Distance that 95 % of the distances do not exceed.
     pub p95: Option<f64>,
-    /// 99.9 % of the distances are not larger. A single frame cannot change this figure.
+    /// Distance that 99.9 % of the distances do not exceed. A single frame cannot change this
+    /// figure.
     pub p999: Option<f64>,
     /// The largest distance.
     pub max: Option<f64>,

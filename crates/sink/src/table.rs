@@ -9,8 +9,8 @@ use crate::step::Step;
 use crate::summary::{Distances, Summary};
 use std::fmt::{Formatter, Result, Write};
 
-/// Characters that the columns of figures and the bar share. The table of latencies is as wide as a
-/// usual terminal.
+/// Total width of the columns of figures and the bar, in characters. With it, the table of
+/// latencies is as wide as a usual terminal.
 const FIGURES_AND_BAR: usize = 5 * 7 + BAR;
 /// Width of the bar that stands for the total, if no figure has a unit.
 const BAR: usize = 12;

@@ -207,8 +207,9 @@ impl Tally {
         Ok(())
     }
 
-    /// Continues where a sink that is gone stopped. Messages that fit sent until the next received
-    /// one count as lost with that sink. The next message may have waited, so it is not timed.
+    /// Continues from the counts of a sink that has ended. All messages that fit sent before the
+    /// next received message count as lost with that sink. The next received message may have
+    /// waited, so it is not timed.
     #[must_use]
     pub fn resumed(mut self) -> Self {
         self.counts.ledger.resume();

@@ -10,16 +10,17 @@ use crate::error::{Compared, Frame};
 use crate::polyline::{Point, Polylines};
 use lariat_message::{Centerlines, Descriptors, MAX_CURVES, Status, Trace, Unit};
 
-/// Number of frames whose truth waits: a quarter of a second at 1000 frames/s. The truth is known
-/// when the frame is taken, and the chain may be many frames behind.
+/// Number of frames whose truth is kept until it is compared: a quarter of a second at 1000
+/// frames/s. The truth is known when the frame is taken, and the chain may be many frames behind.
 const KNOWN: usize = 256;
 
-/// Number of frames whose measurements wait. Their truth was sent before them, so it is read at
-/// most a little later.
+/// Number of frames whose measurements are kept until the truth is read. The truth was sent before
+/// them, so it is read at most a little later.
 const MEASURED: usize = 32;
 
-/// Number of points at which a fitted curve is compared with the truth, evenly spaced in ρ. With
-/// four for each control point that a curve can have, it cannot leave the rope between them.
+/// Number of points at which a fitted curve is compared with the truth, evenly spaced in ρ. There
+/// are four for each control point that a curve can have, so the curve cannot leave the rope
+/// between two of them.
 const SAMPLES: usize = 128;
 
 /// Returns true if the curve is visible in its frame: it is not lost, and this version knows its

@@ -25,7 +25,7 @@ use screen::{Key, Screen};
 #[derive(Debug, Parser)]
 #[command(name = "lariat top", bin_name = "lariat top", version)]
 struct Args {
-    /// Camera chain to begin with (default: `default`, or the first there is); r or Tab goes to the next
+    /// Camera chain to begin with (default: `default`, or the first one found); r or Tab goes to the next
     #[arg(long, value_name = "NAME")]
     rig: Option<Rig>,
 }

@@ -28,7 +28,8 @@ pub(super) enum Key {
 /// A terminal in raw mode, on its alternate screen. A panic restores it before its message is
 /// printed.
 pub(super) struct Screen {
-    /// Not dropped: the drop would report errors to a terminal that is gone, and panic.
+    /// Never dropped, because its destructor would report errors to a terminal that is gone, and
+    /// panic.
     terminal: ManuallyDrop<Terminal<CrosstermBackend<Stdout>>>,
     /// Input of keys.
     keys: OwnedFd,

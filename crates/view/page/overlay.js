@@ -6,7 +6,8 @@ const HIDDEN = "#9aa4b0";
 const GRID = "#5de0ff";
 const CASING = "rgb(8 9 11 / 55%)";
 /**
- * Size of an ellipse in standard deviations, and its magnification: most are a tenth of a pixel.
+ * Size of an ellipse in standard deviations, and its magnification: most ellipses are a tenth of a
+ * pixel.
  */
 const SIGMAS = 3;
 const LARGER = 10;

@@ -120,7 +120,7 @@ export class Stage {
     return [(x - view.x) / view.scale, (y - view.y) / view.scale];
   }
 
-  /** Moves the view, and shows as little as possible of the room around the picture. */
+  /** Moves the view, and shows as little as possible of the space around the picture. */
   #moveTo(middle) {
     const [width, height] = this.#size();
     const { scale } = this.#view();

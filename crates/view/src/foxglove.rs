@@ -4,8 +4,8 @@
 //!
 //! In [the protocol](https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md), the server
 //! advertises channels and the client subscribes to some. Messages are binary. Clients cannot write
-//! anything. Newest wins: a client gets the next moment when it has taken the last, and only
-//! channels that it has subscribed to are encoded.
+//! anything. Newest wins: a client gets the next moment when it has received the previous one, and
+//! only channels that it has subscribed to are encoded.
 
 use std::io::{Read, Write};
 use std::os::fd::AsFd;
@@ -64,7 +64,7 @@ impl Channel {
         match self {
             Self::Recorded(topic) => {
                 let schema = topic.schema();
-                // A recording has one kind of image under this topic; here there are both.
+                // In a recording, this topic has one kind of image. Here it has both.
                 let more = if topic == Topic::Picture {
                     "/compressed"
                 } else {

@@ -66,7 +66,7 @@ struct RigState {
 
 impl<'d> Gatherer<'d> {
     /// Creates a gatherer that starts with `rig`, or by default with the rig `default` or the first
-    /// there is.
+    /// one found.
     pub fn new(domain: &'d Domain, rig: Option<Rig>) -> Self {
         Self {
             domain,
@@ -126,7 +126,7 @@ impl<'d> Gatherer<'d> {
         stage_of(&self.members, self.rig.as_ref()?.as_str(), name)
     }
 
-    /// Returns the frames lost since watching of the rig began.
+    /// Returns the frames lost since the gatherer began to watch the rig.
     pub(crate) fn losses(&self, now_ns: u64) -> lariat_record::Losses {
         let lost = self.look.ledger.as_ref().map(Ledger::lost);
         let lost = lost.unwrap_or_default();
@@ -140,7 +140,7 @@ impl<'d> Gatherer<'d> {
         }
     }
 
-    /// Returns the times from exposure to fit of the frames since `since_ns`, in µs.
+    /// Returns the time from exposure to fit of each frame since `since_ns`, in µs.
     pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
         self.look.recent.fitted_us(since_ns)
     }
@@ -370,8 +370,8 @@ impl RigState {
             });
     }
 
-    /// Measures the frames per second of capture, extract and fit: their own counters, over the
-    /// time between two of fit's timestamps.
+    /// Measures the frames per second of capture, extract and fit: the increase of each counter,
+    /// divided by the time between two of fit's timestamps.
     fn rates(&mut self, trace: &Trace) {
         let Some(from) = &self.rate_from else {
             self.rate_from = Some(*trace);
@@ -388,8 +388,8 @@ impl RigState {
         }
     }
 
-    /// Returns where a rope of a frame is in 3-D, from the newest message. A position that is a
-    /// frame or two away is just as good to look at.
+    /// Returns where a rope of a frame is in 3-D, from the newest message. For display, a position
+    /// from a frame or two away is just as good.
     fn place_of(&self, track: u32, trace: &Trace) -> Option<InSpace> {
         let newest = self.newest_in_space.as_deref()?;
         let apart_ns = newest.trace.exposed_ns.abs_diff(trace.exposed_ns);

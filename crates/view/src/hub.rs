@@ -54,7 +54,7 @@ struct State {
     /// The rig that is read.
     rig: Option<Rig>,
     newest: Option<Arc<Moment>>,
-    /// The newest status, and its number, which goes up with each.
+    /// The newest status, and its number, which increases with each status.
     status: Option<(u64, Arc<str>)>,
     is_over: bool,
 }
@@ -255,13 +255,13 @@ impl Watcher {
         self.hub.state().rig.clone()
     }
 
-    /// Returns the newest moment, if its number is above this one.
+    /// Returns the newest moment, if its number is greater than this.
     pub(crate) fn moment_after(&self, number: u64) -> Option<Arc<Moment>> {
         let state = self.hub.state();
         state.newest.clone().filter(|newest| newest.number > number)
     }
 
-    /// Returns the newest status and its number, if that is above this one.
+    /// Returns the newest status and its number, if that number is greater than this.
     pub(crate) fn status_after(&self, number: u64) -> Option<(u64, Arc<str>)> {
         let state = self.hub.state();
         state.status.clone().filter(|(newest, _)| *newest > number)
@@ -324,7 +324,7 @@ impl Sources {
         }
     }
 
-    /// Becomes a reader where there is a writer. A reader that came first would make the channel,
+    /// Becomes a reader where there is a writer. A reader that came first would create the channel,
     /// and a chain that asks for another delivery would be refused.
     fn open(&mut self, domain: &Domain, rig: &Rig, lossless: bool) -> Result<(), WireError> {
         if (self.frames.is_some() && self.centerlines.is_some()) || now_ns() < self.due_ns {

@@ -12,14 +12,14 @@
 //! and its thread sleeps. Pictures are encoded at low priority (`worker`), once for all clients
 //! that want the same size. Short messages are sent at normal priority.
 //!
-//! **It is safe.** Without `--listen` it answers only processes of its own user on this machine.
-//! With `--listen` it answers whoever has the token in the address. The headers `Host` and `Origin`
-//! reveal requests that a browser sends from another site's page, which are refused (`guard`). The
-//! server also refuses what is too large, too slow or too much (`server` has the limits). Each
-//! client has its own thread, and delays only itself.
+//! **It is safe.** Without `--listen`, the server answers only processes of its own user on this
+//! machine. With `--listen`, it answers whoever has the token in the address. The headers `Host`
+//! and `Origin` reveal requests that a browser sends from another site's page, which are refused
+//! (`guard`). The server also refuses what is too large, too slow or too much (`server` has the
+//! limits). Each client has its own thread, and delays only itself.
 //!
-//! **The page** is in `page/`, as a browser loads it, and part of the program (`page`). The module
-//! documentation of `live` describes the protocol between page and server.
+//! **The page** is in `page/`, in the form that a browser loads. The program contains these files
+//! (`page`). The module documentation of `live` describes the protocol between page and server.
 //!
 //! This crate also gathers the figures for `lariat top` ([`Gatherer`], [`View`]).
 

@@ -79,7 +79,7 @@ enum Said {
     Other,
 }
 
-/// A request of a page that takes long.
+/// A request of a page that takes a long time to answer.
 enum Task {
     /// Shows a moment, this many pixels wide.
     Show(Arc<Moment>, u32),

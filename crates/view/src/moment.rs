@@ -33,7 +33,7 @@ pub(crate) struct Moment {
     pub(crate) image: Option<Image>,
     pub(crate) centerlines: Option<Box<Centerlines>>,
     pub(crate) descriptors: Box<Descriptors>,
-    /// Frames lost up to this one, since watching of the rig began.
+    /// Frames lost before this one, since the server began to watch the rig.
     pub(crate) losses: Losses,
     /// Doubt of the extraction, if the page itself has asked for it.
     pub(crate) notice: Option<String>,

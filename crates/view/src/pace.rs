@@ -1,17 +1,17 @@
-//! Decides when to look at the rig next: once per frame, after its last step, without being woken.
+//! Decides when to poll the rig next: once per frame, after its last step, without being woken.
 
 use std::time::Duration;
 
 use lariat_wire::Trace;
 
 /// Delay after the time when the next fit should be done, predicted from the last frame. It is
-/// longer than most frames need, so that the look does not interfere.
+/// longer than most frames need, so that the poll does not interfere.
 const AFTER_NS: u64 = 2_000_000;
-/// Shortest interval between two looks; no screen shows more.
+/// Shortest interval between two polls; no screen shows more frames.
 const SHORTEST_NS: u64 = 15_000_000;
-/// Longest interval between two looks, for a rig that is idle.
+/// Longest interval between two polls, for a rig that is idle.
 const LONGEST_NS: u64 = 50_000_000;
-/// Base of the delay before another look for a late frame; it doubles with each miss.
+/// Base of the delay before another poll for a late frame; the delay doubles with each miss.
 const AGAIN_NS: u64 = 4_000_000;
 
 /// The pace of frames, measured from their traces.
@@ -20,12 +20,12 @@ pub(crate) struct Pace {
     /// Counter of the last frame, and when it was fitted.
     last: Option<(u64, u64)>,
     period_ns: u64,
-    /// Number of looks since something came.
+    /// Number of polls since something arrived.
     misses: u32,
 }
 
 impl Pace {
-    /// Records that a look found this trace to be the newest.
+    /// Records that a poll found this trace to be the newest.
     pub(crate) fn saw(&mut self, trace: &Trace) {
         let now = (trace.fitted, trace.fitted_ns);
         if self.last == Some(now) {
@@ -42,14 +42,14 @@ impl Pace {
         self.misses = 0;
     }
 
-    /// Returns the time until the next look.
+    /// Returns the time until the next poll.
     pub(crate) fn wait(&self, now_ns: u64) -> Duration {
         let rest_ns = match self.last {
             None => LONGEST_NS,
             Some(_) if self.misses > 0 => (AGAIN_NS << self.misses.min(8)).min(LONGEST_NS),
             Some((_, at_ns)) => {
                 let due_ns = at_ns + self.period_ns.min(LONGEST_NS) + AFTER_NS;
-                // A chain that is faster than any screen is looked at only every few frames.
+                // A chain that is faster than any screen is polled only every few frames.
                 let least_ns = match self.period_ns {
                     ..SHORTEST_NS => SHORTEST_NS,
                     _ => AGAIN_NS,

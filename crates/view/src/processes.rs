@@ -10,17 +10,17 @@ use super::view::StageRow;
 /// The stages in the order of the pipeline; others come after them.
 const ORDER: [&str; 4] = lariat_chain::settings::STAGES;
 
-/// Looks at the processes of a rig about once per second.
+/// Measures the processes of a rig about once per second.
 #[derive(Debug, Default)]
 pub(crate) struct Processes {
-    /// Time of the last look.
+    /// Time of the last measurement.
     then_ns: u64,
     /// CPU time of each stage until then, by process and name.
     before: HashMap<(u32, String), u64>,
 }
 
 impl Processes {
-    /// Returns the rig's processes. Their CPU use is measured since the last look.
+    /// Returns the rig's processes. Their CPU use is that since the last measurement.
     pub(crate) fn look(&mut self, members: &[Member], rig: &str, now_ns: u64) -> Vec<StageRow> {
         let mut of_rig: Vec<&Member> = members.iter().filter(|one| one.rig == rig).collect();
         of_rig.sort_by_key(|one| {

@@ -17,8 +17,8 @@ const STEPS: [Step; 6] = [
     Step::Fit,
 ];
 
-/// Maximum number of frames kept: a minute of ten looks per second, each with everything that
-/// waits.
+/// Maximum number of frames that are kept. It suffices for a minute of ten reads per second, each
+/// of which takes all waiting frames.
 const MOST: usize = 8192;
 
 /// The frames of the last seconds.
@@ -42,7 +42,7 @@ impl Recent {
         }
     }
 
-    /// Returns the times from exposure to fit of the frames since `since_ns`, in µs.
+    /// Returns the time from exposure to fit of each frame since `since_ns`, in µs.
     pub(crate) fn fitted_us(&self, since_ns: u64) -> Vec<f64> {
         let frames = self.0.iter().filter(|(at_ns, _)| *at_ns >= since_ns);
         let whole = frames.filter_map(|(_, steps)| steps[0]);

@@ -21,7 +21,8 @@ use crate::peer::Peer;
 use crate::session::Session;
 use crate::{foxglove, live, page};
 
-/// Maximum number of connections. A browser has some for the page's files and one that stays.
+/// Maximum number of connections. A browser uses a few for the page's files, and one that stays
+/// open.
 const MOST_CLIENTS: usize = 32;
 /// Number of connections at which other users of the machine are refused, to keep room for the
 /// page's owner.
@@ -34,7 +35,7 @@ const STACK: usize = 512 << 10;
 /// Content of a page.
 #[derive(Debug, Clone)]
 pub enum Shown {
-    /// A rig; with `None` it is `default`, or the first there is.
+    /// A rig; `None` selects `default`, or the first one found.
     Rig(Option<Rig>),
     /// A recording.
     Recording {
@@ -186,7 +187,7 @@ impl Server {
         if stream.set_nonblocking(true).is_err() {
             return;
         }
-        // A picture must not wait for the next one.
+        // Send a picture at once, instead of waiting for more data.
         let _ = stream.set_nodelay(true);
         let place = Place(self.shared.clone());
         let clients = self.shared.clients.fetch_add(1, Ordering::Relaxed);

@@ -41,8 +41,8 @@ struct Status<'a> {
     limit: Option<String>,
     lost: Lost,
     histogram: Histogram,
-    /// Median and 99th percentile of each of the last seconds in µs, the newest last; null where no
-    /// frame came.
+    /// Median and 99th percentile for each of the last seconds, in µs, the newest last; null for a
+    /// second without frames.
     strip: Vec<Option<[f64; 2]>>,
     notices: Vec<String>,
 }
@@ -99,7 +99,7 @@ pub(crate) struct Reporter {
 }
 
 impl Reporter {
-    /// Notes that something of the rig cannot be read, though there are descriptors.
+    /// Notes that part of the rig cannot be read, although there are descriptors.
     pub(crate) fn note(&mut self, error: &WireError) {
         self.trouble = Some(error.to_string());
     }

@@ -40,8 +40,8 @@ pub(crate) enum Wish {
         /// Changes, as `lariat set` takes them.
         changes: Vec<String>,
     },
-    /// Finds the colors at these points of a moment; without points, those of the ropes that stand
-    /// out.
+    /// Finds the colors at these points of a moment; without points, finds the colors of the ropes
+    /// that stand out.
     Pick {
         /// Number of the moment.
         number: u64,

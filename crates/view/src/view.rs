@@ -16,14 +16,14 @@ pub struct View {
     pub obstacle: Option<String>,
     /// True if the rig's writers wait for slow readers.
     pub is_lossless: bool,
-    /// Shared memory of the rig's channels, 10⁶ bytes.
+    /// Shared memory of the rig's channels, in 10⁶ bytes.
     pub shared_mb: Option<f64>,
     /// Maximum error of the rig's timestamps in µs, if a bridge brings it from a machine with its
     /// own clock.
     pub clock_bound_us: Option<f64>,
     /// Processes of the rig, in the order of the pipeline.
     pub stages: Vec<StageRow>,
-    /// Number of last seconds that `steps` covers.
+    /// Number of most recent seconds that `steps` covers.
     pub window_s: u64,
     /// Duration of each step in the frames of these seconds.
     pub steps: Vec<StepRow>,
@@ -42,7 +42,7 @@ pub struct StageRow {
     pub pid: u32,
     /// CPU use, in percent of one core.
     pub cpu_percent: Option<f64>,
-    /// Memory without what is shared, 10⁶ bytes.
+    /// Memory without shared memory, in 10⁶ bytes.
     pub own_mb: Option<f64>,
     /// Frames sent per second.
     pub frames_per_s: Option<f64>,
@@ -63,7 +63,7 @@ pub struct StepRow {
     pub max: f64,
 }
 
-/// Frames lost since watching of the rig began.
+/// Frames lost since the program began to watch the rig.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Frames that the source numbered but never sent.
@@ -101,7 +101,7 @@ pub struct Shape {
 /// A rope to be drawn and described.
 #[derive(Debug, Clone, Default)]
 pub struct Rope {
-    /// Number of the rope, which it keeps.
+    /// Number of the rope, which stays the same in all frames.
     pub track: u32,
     /// Status of the rope; `None` if this release does not know it.
     pub status: Option<Status>,

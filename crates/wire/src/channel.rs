@@ -46,8 +46,8 @@ pub const FRAMES: Channel<[u8]> = Channel::new("frames", 3, 0, 4);
 /// carries the frame's trace.
 pub const MASKS: Channel<[u8]> = Channel::new("masks", 3, 0, 4);
 /// Depth images that accompany frames. Each is a `Gray16` of the depth camera's own size and
-/// carries the frame's trace. Nearly as many of them may wait as centerlines, because fit reads
-/// each depth image when its frame arrives.
+/// carries the frame's trace. Nearly as many depth images as centerlines may wait, because fit
+/// reads each depth image only when its frame arrives.
 pub const DEPTH: Channel<[u8]> = Channel::new("depth", 6, 0, 3);
 /// Output of extract. After a delay of three frames, extract sends those three at once in addition
 /// to the messages that already wait.
@@ -93,7 +93,7 @@ pub(crate) struct Any {
     pub(crate) name: &'static str,
     /// Versioned names of its message types.
     pub(crate) types: fn() -> String,
-    /// Finds the processes at its ends by its full name on a rig.
+    /// Finds the processes at the channel's ends, by the channel's full name on a rig.
     pub(crate) ends: fn(&Domain, &ServiceName) -> Option<ChannelEnds>,
 }
 
@@ -242,8 +242,9 @@ impl<P: Payload + ?Sized> Channel<P> {
             .map_err(|cause| self.explain(domain, &service_name, cause, overflow()))
     }
 
-    /// Returns the delivery for a rig's channel. `lossless` sets it; `None` takes that of the open
-    /// channel, or `NewestWins` if it is not open. `stop` belongs to a lossless delivery.
+    /// Returns the delivery for a rig's channel. `lossless` sets it; `None` takes the delivery of
+    /// the open channel, or `NewestWins` if the channel is not open. `stop` becomes part of a
+    /// lossless delivery.
     pub(crate) fn delivery(
         &self,
         domain: &Domain,

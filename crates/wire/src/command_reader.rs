@@ -26,8 +26,8 @@ impl fmt::Debug for CommandReader {
 }
 
 impl CommandReader {
-    /// Opens a reader of a rig's commands. It is never woken and checks for commands when it needs
-    /// them.
+    /// Opens a reader of a rig's commands. The reader is never woken: call [`next`](Self::next)
+    /// when the robot needs commands.
     ///
     /// # Errors
     /// Shared memory is missing, the controller is of another release or another user, or the rig

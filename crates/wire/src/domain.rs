@@ -1,9 +1,9 @@
 //! The place of a machine's channels, and the names of its camera chains.
 //!
 //! Processes see each other if they are in the same domain. The environment variable
-//! `LARIAT_DOMAIN` names it (1 to 16 of a–z, 0–9, `-`, `_`). Without that variable it is the user's
-//! own domain, named after the user ID. A domain has the prefix `lariat_<name>_` in `/dev/shm` and
-//! the folder `/tmp/lariat-<name>`.
+//! `LARIAT_DOMAIN` names it (1 to 16 of a–z, 0–9, `-`, `_`). Without that variable, a process joins
+//! the user's own domain, named after the user ID. A domain has the prefix `lariat_<name>_` in
+//! `/dev/shm` and the folder `/tmp/lariat-<name>`.
 //!
 //! `XDG_RUNTIME_DIR` is not used: two shells of a user, one with the variable and one without it,
 //! would be in different domains. It is also emptied under a running chain when its user logs out.
@@ -137,7 +137,7 @@ impl Domain {
     }
 }
 
-/// A leaving process also removes what killed processes left.
+/// A leaving process also removes what killed processes left behind.
 impl Drop for Domain {
     fn drop(&mut self) {
         self.sweep();

@@ -5,10 +5,10 @@
 //! Every process of a domain shares the lock on its folder `living`. A process that obtains this
 //! lock exclusively knows that all other processes of the domain have ended. It then removes
 //! everything in the domain, whatever its state. The lock on the domain's own folder is held by the
-//! one process that creates or removes anything: node, services, ports. Anything half created or
-//! half removed that this process finds was left by a dead one, and it finishes the work (`tidy`).
-//! Sending and receiving need no lock: a port is entered in its service's list only once everything
-//! that it needs exists.
+//! one process that creates or removes anything: node, services, ports. If this process finds
+//! anything half created or half removed, a dead process left it, and this process finishes the
+//! work (`tidy`). Sending and receiving need no lock: a port is entered in its service's list only
+//! once everything that it needs exists.
 //!
 //! A process that is stopped while it holds the lock makes the others wait for [`PATIENCE`]. They
 //! then report which process it is.
@@ -141,8 +141,8 @@ impl<T> Drop for Held<T> {
     }
 }
 
-/// The right to create and remove, held by one process at a time. A thread that has it must not
-/// request it again.
+/// The right to create and remove, held by one process at a time. A thread that holds the right
+/// must not request it again.
 #[derive(Debug)]
 pub(crate) struct Passing {
     _lock: File,

@@ -113,7 +113,7 @@ pub enum WireError {
         /// Maximum number of readers.
         most: usize,
     },
-    /// One side wants every message delivered, the other the newest.
+    /// One side wants every message delivered, the other only the newest.
     #[error(
         "{channel} is open {theirs}, and this process was started {ours}: start all stages of a rig with --lossless, or none"
     )]
@@ -185,7 +185,7 @@ pub enum WriteError {
         *ahead_ns / 1_000_000_000
     )]
     Future {
-        /// Time from now until then.
+        /// Time from now until the exposure.
         ahead_ns: u64,
     },
     /// The exposure time is not after that of the last image.
@@ -194,7 +194,7 @@ pub enum WriteError {
         *behind_ns as f64 / 1e6
     )]
     Backwards {
-        /// Time from the last image back to this one; 0 if they are equal.
+        /// Time from the last image back to this one; 0 if both times are equal.
         behind_ns: u64,
     },
     /// The sequence number does not increase.

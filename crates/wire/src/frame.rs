@@ -58,7 +58,7 @@ impl<'a> Frame<'a> {
     /// The rope of an image that has exactly one. If there are several, visible or lost, the result
     /// is [`Absent::Several`]. Then choose one of [`ropes`](Self::ropes) and request its track.
     ///
-    /// `max_age` is the maximum age of the image. In an older one, the rope is
+    /// `max_age` is the maximum age of the image. If the image is older, the rope is
     /// [`Stale`](Seen::Stale).
     pub fn only_rope(&self, max_age: Duration) -> Seen<'a> {
         let mut ropes = self.described();
@@ -114,7 +114,7 @@ impl<'a> Frame<'a> {
 #[derive(Debug)]
 pub struct KeptFrame {
     message: Option<Box<Descriptors>>,
-    /// `None` if the reader does not follow in space.
+    /// `None` if the reader does not follow shapes in space.
     space: Option<Option<Box<Descriptors3>>>,
     moment: Moment,
     is_new: bool,
@@ -122,7 +122,8 @@ pub struct KeptFrame {
 
 /// Unused messages. A new one must be cleared completely, which takes longer than copying one rope.
 static SPARE: Mutex<Vec<Box<Descriptors>>> = Mutex::new(Vec::new());
-/// Limit of spare messages: a loop keeps the last frame while it reads the next.
+/// Maximum number of spare messages. A loop needs few: it keeps the last frame while it reads the
+/// next.
 const MOST_SPARE: usize = 4;
 
 impl Frame<'_> {

@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use crate::{Domain, FRAMES, Message, Receiver, Rig, WireError};
 
 /// Reads the frames of a rig, as the chain's own extract does. It reads the newest frame and may
-/// skip some. In a `--lossless` chain it reads every one, and the chain waits for it.
+/// skip some. In a `--lossless` chain, it reads every frame, and the chain waits for it.
 ///
-/// It may be opened before the chain runs, and outlives it. Four readers, including extract, share
-/// a rig's frames. A reader belongs to one thread at a time.
+/// It may be opened before the chain runs, and outlives it. At most four readers, including
+/// extract, share a rig's frames. A reader belongs to one thread at a time.
 pub struct FrameReader {
     // Fields drop in order: the message before its channel, the channel before the domain.
     held: Option<Message<[u8]>>,
@@ -48,7 +48,7 @@ impl FrameReader {
     /// `--lossless`. `None` follows the running chain; without one, it means not lossless.
     ///
     /// # Errors
-    /// As for [`open`](Self::open). Also if the chain is open with the other setting of `lossless`.
+    /// As for [`open`](Self::open), or the chain is open with the other setting of `lossless`.
     pub fn open_in(domain: Domain, rig: &Rig, lossless: Option<bool>) -> Result<Self, WireError> {
         let delivery = FRAMES.delivery(&domain, rig, lossless, &Arc::default())?;
         let receiver = Receiver::create(&domain, rig, &FRAMES, Some(&delivery))?;
@@ -97,7 +97,7 @@ impl FrameReader {
         self.receiver.before_poll()
     }
 
-    /// Returns whether it receives every frame, because the writer waits for it.
+    /// Returns whether this reader receives every frame, because the writer waits for slow readers.
     pub fn is_lossless(&self) -> bool {
         self.has_each
     }

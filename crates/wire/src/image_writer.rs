@@ -3,10 +3,10 @@
 //! shared memory, with a header and stamps, so that the chain can count and time them.
 //!
 //! A writer of images accepts the channel as it is, lossless or not. Its slots fit the largest
-//! image yet, and are replaced when a larger one comes. Arrays in Python are views of a slot and
-//! are counted. While one exists, the writer's memory stays mapped: closing waits for the last
-//! view, and larger slots are refused, as with `mmap`. Frames in Python are copies, as messages
-//! are.
+//! image to date, and are replaced when a larger image comes. Arrays in Python are views of a slot
+//! and are counted. While a view exists, the writer's memory stays mapped: closing waits for the
+//! last view, and larger slots are refused, as with `mmap`. Frames in Python are copies, like
+//! messages.
 
 mod beside;
 
@@ -50,7 +50,8 @@ impl fmt::Debug for Waiting {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
     /// Exposure time on the clock of [`now_ns`]. `None` means the time at which the slot was
-    /// borrowed. That is correct for an image taken afterwards, and too recent for an older one.
+    /// borrowed. This is correct for an image taken afterwards, and too recent for an image taken
+    /// earlier.
     pub exposed_ns: Option<u64>,
     /// The camera's own number for the image, from 1. A gap counts as frames lost at the source.
     /// `None` means one more than the last.
@@ -102,7 +103,7 @@ impl Images {
 
     fn make_room(&mut self, bytes: usize) -> Result<&Writer<[u8]>, WireError> {
         self.on_loan = None;
-        // Drop a writer that is too small first, because the channel allows only one.
+        // First drop a writer that is too small, because the channel allows only one writer.
         let large_enough = self.writer.take().filter(|(largest, _)| *largest >= bytes);
         let writer = match large_enough {
             Some(writer) => writer,
@@ -166,9 +167,9 @@ impl Images {
 /// ```
 ///
 /// It may be opened before the chain runs, and outlives it. Frames are counted like a camera's: the
-/// stamps tell the chain what was lost, and where. If its process ends or is killed, the channel is
-/// free for another writer. Until then readers report older and older ropes
-/// ([`Seen::Stale`](crate::Seen::Stale)). A writer belongs to one thread at a time.
+/// stamps tell the chain how many frames were lost, and where. If its process ends or is killed,
+/// the channel is free for another writer. Until another writer starts, readers report ropes of
+/// growing age ([`Seen::Stale`](crate::Seen::Stale)). A writer belongs to one thread at a time.
 pub struct FrameWriter {
     images: Images,
     /// Header of the frame on loan; its trace holds the time of the loan.
@@ -198,7 +199,7 @@ impl FrameWriter {
     /// Opens the writer in a given domain, with a given behavior towards slow readers.
     ///
     /// # Errors
-    /// As for [`open`](Self::open). Also if the chain is open with the other setting of `lossless`.
+    /// As for [`open`](Self::open), or the chain is open with the other setting of `lossless`.
     pub fn open_in(domain: Domain, rig: &Rig, waiting: Waiting) -> Result<Self, WriteError> {
         let images = Images::open(domain, rig, &FRAMES, waiting).map_err(|cause| match cause {
             WireError::SecondWriter { channel } => WriteError::FramesTaken { channel },
@@ -214,8 +215,8 @@ impl FrameWriter {
     /// Borrows the slot of the next frame, with rows without gaps. It still holds the pixels of an
     /// earlier frame. A slot that was borrowed and not sent is returned.
     ///
-    /// Slots are as large as the largest frame yet, and there is one for each frame that can be in
-    /// flight. The first frame of a larger size therefore takes some milliseconds longer.
+    /// Slots are as large as the largest frame to date, and there is one slot for each frame that
+    /// can be in flight. The first frame of a larger size therefore takes some milliseconds longer.
     ///
     /// # Errors
     /// The size is invalid, or `/dev/shm` lacks the space.
@@ -260,7 +261,8 @@ impl FrameWriter {
     }
 
     /// Header of the frame sent last, as its readers see it, for a [`MaskWriter`] in the same
-    /// process. Call it before the next loan; after that it is the header of the frame on loan.
+    /// process. Call this before the next loan. After a loan, it returns the header of the frame on
+    /// loan.
     pub fn last_sent(&self) -> &FrameHeader {
         &self.header
     }
@@ -282,7 +284,8 @@ impl FrameWriter {
         self.images.has_room(bytes)
     }
 
-    /// Returns whether it waits for slow readers, so that each of them receives every frame.
+    /// Returns whether this writer waits for slow readers, so that each of them receives every
+    /// frame.
     pub fn is_lossless(&self) -> bool {
         self.images.is_lossless()
     }

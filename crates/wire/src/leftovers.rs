@@ -8,7 +8,7 @@
 //! A domain's files are left over if all of these hold:
 //!
 //! - Its folder with the transport's locks exists here. In a container that shares only the host's
-//!   `/dev/shm`, the folder is missing and nothing can be known.
+//!   `/dev/shm`, the folder is missing and nothing can be determined.
 //! - None of the locks is held.
 //! - No process has its shared memory mapped, as far as this user can see.
 //! - No file is so new that its process may be about to take a lock.
@@ -36,13 +36,13 @@ const SETTLED_AFTER: Duration = Duration::from_secs(2);
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leftover {
     /// Name of the domain. `None` is the place that older releases shared with other programs on
-    /// iceoryx2; there the folder alone also counts as left over.
+    /// iceoryx2; in that place, lariat's folder also counts as left over if no files remain.
     pub domain: Option<String>,
     /// Common prefix of its files in shared memory.
     pub prefix: String,
     /// Number of files.
     pub files: usize,
-    /// Their size in bytes.
+    /// Total size of the files in bytes.
     pub bytes: u64,
 }
 
@@ -293,7 +293,7 @@ fn shared_files() -> impl Iterator<Item = (Option<String>, DirEntry)> {
     })
 }
 
-/// The domain of a file in `/dev/shm`; `Some(None)` is the one that all users shared. The
+/// The domain of a file in `/dev/shm`; `Some(None)` is the place that all users once shared. The
 /// transport's own name parts follow the prefix; the first one has 40 hexadecimal digits.
 fn domain_of(name: &str) -> Option<Option<&str>> {
     let is_hash = |word: &str| word.len() == 40 && word.bytes().all(|c| c.is_ascii_hexdigit());

@@ -1,5 +1,5 @@
-//! Creates and opens services. Only one process of lariat at a time does so: it holds the pass of
-//! the [`door`](crate::door).
+//! Creates and opens services. Only one process of lariat does so at a time: the one that holds the
+//! pass of the [`door`](crate::door).
 
 use std::time::{Duration, Instant};
 

@@ -1,5 +1,5 @@
-//! Reserves shared memory before use. Otherwise a full `/dev/shm` shows as SIGBUS at the first
-//! access to a page, in the middle of a frame.
+//! Reserves shared memory before use. Otherwise a full `/dev/shm` causes SIGBUS at the first access
+//! to a page, in the middle of a frame.
 
 use std::fs::{self, DirEntry};
 use std::io;
@@ -18,7 +18,7 @@ pub(crate) fn require_shared_memory() -> Result<(), WireError> {
     require_space("lariat", 0)
 }
 
-/// Checks that `bytes` more fit.
+/// Checks that another `bytes` bytes fit.
 pub(crate) fn require_space(channel: &str, bytes: u64) -> Result<(), WireError> {
     let shm = statvfs(SHM).map_err(|cause| WireError::NoSharedMemory(cause.to_string()))?;
     let available = shm.f_bavail * shm.f_frsize;

@@ -69,7 +69,7 @@ fn require_closed(folder: &Path) -> Result<(), WireError> {
         cause: cause.into(),
     };
     let Ok(data) = fs::symlink_metadata(folder) else {
-        // The process that enters creates it.
+        // The entering process will create the folder.
         return Ok(());
     };
     if !data.is_dir() {

@@ -72,7 +72,7 @@ pub(crate) fn with_slow_readers(
 
 /// Removes what killed processes left.
 fn remove_the_dead(config: &Config) {
-    // If another process is joining or leaving, it does this, or the next check does.
+    // If another process is joining or leaving, that process does this, or the next check does.
     if let Some(passing) = Passing::at_once(&root_of(config)) {
         tidy::finish(config, &passing);
     }

@@ -19,7 +19,7 @@ pub(crate) use run::WriterId;
 /// Reads the shapes of a rig's ropes, for a control loop.
 ///
 /// It may be opened before the chain runs, and survives restarts of the chain. Until the next
-/// message arrives, the latest result gets older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24
+/// message arrives, the latest shapes get older ([`Seen::Stale`](crate::Seen::Stale)). Up to 24
 /// readers share a rig; a slow, stopped or killed reader disturbs neither the chain nor the others.
 /// A reader belongs to one thread at a time; several threads open one each.
 ///
@@ -95,8 +95,8 @@ impl Reader {
     }
 
     /// Also reads the shapes in space, for [`Rope::in_space`](crate::Rope::in_space), from a chain
-    /// with a depth camera. If the chain has none, each rope reports that. Up to 12 readers of a
-    /// rig can do this.
+    /// with a depth camera. If the chain has no depth camera, each rope reports that. Up to 12
+    /// readers of a rig can do this.
     ///
     /// # Errors
     /// As for [`open`](Self::open).
@@ -151,12 +151,13 @@ impl Reader {
     }
 
     /// Prepares for your own `poll`, `epoll` or `select` on [this reader's
-    /// descriptor](AsFd::as_fd). Call it before each one and sleep no longer than the returned
-    /// time; `None` is unlimited, and zero means that a message waits.
+    /// descriptor](AsFd::as_fd). Call this before each of these calls, and sleep no longer than the
+    /// returned time; `None` is unlimited, and zero means that a message waits.
     ///
     /// It drains the notifications, because the descriptor would stay readable otherwise. For 0.1 s
-    /// after a notification the sleep is limited, because the transport may lose one in that time.
-    /// After the sleep, however it ended, [`latest`](Self::latest) returns the new state.
+    /// after a notification the sleep is limited, because the transport may lose a notification in
+    /// that time. After the sleep, however it ended, [`latest`](Self::latest) returns the new
+    /// state.
     ///
     /// ```no_run
     /// use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -202,7 +203,7 @@ impl Reader {
     }
 
     /// Sets the minimum [confidence](crate::Rope::confidence), 0 to 1, of a rope that is
-    /// [`Fresh`](crate::Seen::Fresh) or `Partial`. A rope with less is
+    /// [`Fresh`](crate::Seen::Fresh) or `Partial`. A rope with less confidence is
     /// [`Unsure`](crate::Seen::Unsure). The default is [`MIN_CONFIDENCE`](Self::MIN_CONFIDENCE); 0
     /// accepts any.
     pub fn min_confidence(&mut self, least: f32) {
@@ -254,7 +255,7 @@ impl Reader {
     }
 }
 
-/// The descriptors in space. Those of a frame are sent before those in the image.
+/// The descriptors in space. For each frame, they are sent before the descriptors in the image.
 struct Space {
     // Fields drop in order: the message before its channel.
     held: Option<Message<Descriptors3>>,

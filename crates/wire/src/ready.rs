@@ -7,8 +7,8 @@
 //!
 //! In iceoryx2 0.10, a notification that arrives during draining can be lost and block all later
 //! ones until the next draining. The first sleep after a notification is therefore limited to 100
-//! ms. If that sleep ends without a notification, none is on its way that could be lost, and later
-//! sleeps are unlimited. A rig without frames never wakes.
+//! ms. If that sleep ends without a notification, no notification is in flight that could be lost,
+//! and later sleeps are unlimited. In a rig without frames, readers never wake.
 //!
 //! After sending, capture yields its core. The kernel puts a woken reader on the core of the
 //! process that woke it, where the work on the next frame would delay it.
@@ -26,8 +26,8 @@
 //! whatever the overflow setting. A lossless writer that sees more readers than are connected
 //! therefore calls before it borrows the next slot. It waits until all have answered, but at most 2
 //! s, because only a reader that sleeps can answer. For this reason, sink listens to all its
-//! channels in a lossless chain. Otherwise only `descriptors` wakes it, once per frame, and it
-//! checks the other two then.
+//! channels in a lossless chain. In other chains, only `descriptors` wakes sink, once per frame,
+//! and sink then checks the other two channels.
 
 use std::cell::Cell;
 use std::os::fd::BorrowedFd;
@@ -49,11 +49,11 @@ use crate::{Domain, WireError, making, umask};
 ///
 /// In iceoryx2 0.10, a notification that arrives while its listener drains can be drained too and
 /// yet leave the listener marked as notified. Every later notification then counts as already sent,
-/// and none arrives. Readers check for messages after draining, so this needs a late notification
-/// whose message was already read. Draining again repairs it. A reader therefore drains until
-/// nothing is left, and limits the first sleep after a notification to this duration. If that sleep
-/// ends in silence, none is on its way that could be lost, and later sleeps are unlimited. A rig
-/// without frames does nothing at all.
+/// and none arrives. Readers check for messages after draining, so this happens only if a
+/// notification is late and its message was already read. Draining again repairs it. A reader
+/// therefore drains until nothing is left, and limits the first sleep after a notification to this
+/// duration. If that sleep ends in silence, no notification is in flight that could be lost, and
+/// later sleeps are unlimited. In a rig without frames, readers do nothing at all.
 const TRUSTED_AFTER: Duration = Duration::from_millis(100);
 
 /// A message was sent.

@@ -57,8 +57,8 @@ impl Receiver<Descriptors> {
     }
 
     /// Creates a reader of descriptors that wants only the newest one, so that a single message
-    /// waits for it. On a lossless channel, the writer would then wait after every message, so the
-    /// usual number may wait there.
+    /// waits for it. On a lossless channel, the writer would then wait after every message, so
+    /// there the usual number of messages may wait.
     pub(crate) fn newest_descriptors(domain: &Domain, rig: &Rig) -> Result<Self, WireError> {
         let ear = Ear::new(domain, &DESCRIPTORS.on(rig), DESCRIPTORS.readers)?;
         Self::new(domain, rig, &DESCRIPTORS, None, Some(ear), Waiting::Newest)
@@ -134,7 +134,8 @@ impl<P: Payload + ?Sized> Receiver<P> {
         })
     }
 
-    /// Returns whether it receives every message, because the writer waits for it.
+    /// Returns whether this reader receives every message, because the writer waits for slow
+    /// readers.
     pub(crate) fn is_lossless(&self) -> bool {
         !self.service.static_config().has_safe_overflow()
     }
@@ -202,9 +203,9 @@ impl<P: Payload + ?Sized> Receiver<P> {
         Ok(self.ear.as_ref().and_then(Ear::longest_sleep))
     }
 
-    /// Descriptor that becomes readable when a message arrives. It is for your own `poll`, with a
-    /// timeout of at most 100 ms, after a [`sleep`](Self::sleep) with an expired deadline has
-    /// drained it. `None` for a reader that is never woken.
+    /// Descriptor that becomes readable when a message arrives. Use it in your own `poll`, with a
+    /// timeout of at most 100 ms. Before the `poll`, drain it by a [`sleep`](Self::sleep) with an
+    /// expired deadline. `None` for a reader that is never woken.
     pub fn descriptor(&self) -> Option<BorrowedFd<'_>> {
         self.ear.as_ref().map(Ear::descriptor)
     }

@@ -118,7 +118,7 @@ pub enum NoSpace {
         "the chain says nothing of space for this frame: it needs a depth camera (lariat run --calibration FILE --depth FILE)"
     )]
     NoDepth,
-    /// The message gives a reason, or its numbers do not describe a curve.
+    /// The message gives the reason, or its numbers do not describe a curve.
     #[error(transparent)]
     NoShape(#[from] NoShape),
 }
@@ -253,12 +253,12 @@ impl<'a> Rope<'a> {
     }
 
     /// Predicts the rope at the time `t_ns` (of `CLOCK_MONOTONIC`, as [`now_ns`](crate::now_ns))
-    /// from its velocities. The covariance grows by the possible acceleration until then
+    /// from its velocities. The covariance grows by the acceleration that is possible until then
     /// ([`Reader::expect_motion`](crate::Reader::expect_motion)).
     ///
     /// # Errors
-    /// The rope has no curve, or its velocities are not known (yet). Also if the time is before the
-    /// image or more than [`FARTHEST`] after it.
+    /// The rope has no curve, its velocities are not known (yet), or the time is before the image
+    /// or more than [`FARTHEST`] after it.
     pub fn predict(&self, t_ns: u64) -> Result<Prediction<'a>, NoPrediction> {
         let shape = self.shape()?;
         let velocities = self.velocities().ok_or(NoPrediction::NotFiltered)?;

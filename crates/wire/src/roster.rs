@@ -15,12 +15,12 @@ use crate::WireError;
 use crate::domain::{Domain, Rig, config_here, root_of};
 use iceoryx2::config::Config;
 
-/// Start of every entry, so that other files are left alone.
+/// Every entry starts with this text, so that other files are left alone.
 const HEAD: &str = "lariat ";
 pub(crate) const FOLDER: &str = "lariat-roster";
 /// Maximum size of an entry. Settings take a few kilobytes.
 const LONGEST_ENTRY: u64 = 1 << 20;
-/// Suffix of an entry that is being written. It is renamed when it is complete.
+/// Suffix of an entry that is being written. The file is renamed when the entry is complete.
 const UNFINISHED: &str = "new";
 
 /// A process that runs on a rig.
@@ -40,7 +40,7 @@ pub struct Member {
     pub settings: String,
 }
 
-/// A process's entry. It exists until this is dropped or the process ends.
+/// A process's entry. It exists until this value is dropped or the process ends.
 #[derive(Debug)]
 pub struct Announcement {
     path: PathBuf,
@@ -69,7 +69,7 @@ impl Domain {
     /// Announces that this process is `stage` on `rig`, with these settings.
     ///
     /// # Errors
-    /// The entry cannot be written. Nothing else depends on it.
+    /// The entry cannot be written. Nothing else depends on the entry.
     pub fn announce(&self, rig: &Rig, stage: &str, settings: &str) -> io::Result<Announcement> {
         announce(&folder_of(self.config()), rig, stage, settings)
     }

@@ -11,9 +11,9 @@ use crate::{CenterlinePoints, Descriptor, FitQuality, NoShape, Shape, Status};
 
 /// State of a rope.
 ///
-/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, on its curve, and in an image no older
-/// than requested. Every other case must be named before it gives a shape, so that no invalid shape
-/// is mistaken for a valid one:
+/// Only [`Fresh`](Self::Fresh) is the rope as it is: whole, followed by its curve, and in an image
+/// no older than requested. Every other case must be named before it gives a shape, so that no
+/// invalid shape is mistaken for a valid one:
 ///
 /// ```
 /// # use lariat_wire::Seen;
@@ -183,7 +183,8 @@ pub enum Absent {
     /// The track belongs to an earlier run of the chain; choose a rope again.
     #[error("the chain was restarted, and numbers ropes again: choose the rope again")]
     OtherRun,
-    /// Its numbers do not describe a rope. A chain of this release never sends such a message.
+    /// The message's numbers do not describe a rope. A chain of this release never sends such a
+    /// message.
     #[error("the message makes no sense: use the same release of lariat for every process")]
     Unreadable,
 }

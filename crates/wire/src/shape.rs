@@ -74,8 +74,8 @@ impl<'a> Shape<'a, 2> {
         )
     }
 
-    /// The same basis functions with the same number of other control points, and their
-    /// covariances.
+    /// A shape with the same basis functions, but with these control points (the same number) and
+    /// their covariances.
     pub(crate) fn moved(self, control_points: &'a [[f64; 2]], covariances: &'a [[f64; 3]]) -> Self {
         Self {
             control_points,

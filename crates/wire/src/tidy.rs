@@ -1,5 +1,5 @@
-//! Removes what dead processes left in a domain, in whatever state, while others live in it. If no
-//! process lives in it, everything is removed.
+//! Removes what dead processes left in a domain, in whatever state, while other processes live in
+//! it. If no process lives in it, everything is removed.
 //!
 //! Callers hold the pass of the [`door`](crate::door), so no other process creates or removes
 //! anything meanwhile. The transport's own cleanup handles a process that was killed in normal
@@ -34,7 +34,7 @@ use crate::roster;
 const READABLE: u32 = 0o400;
 /// Permissions of a service, node or tag file until it is complete.
 const HALF_WRITTEN: u32 = 0o600;
-/// Suffixes of the files that a node's monitor has in addition to its own.
+/// Suffixes of the files that a node's monitor has in addition to its main file.
 const OWNER_LOCK: &str = "_owner_lock";
 const CONTEXT: &str = "_context";
 
@@ -99,7 +99,7 @@ fn remove_below(folder: &Path) {
     for path in files(folder) {
         if path.symlink_metadata().is_ok_and(|data| data.is_dir()) {
             remove_below(&path);
-            // A locked folder stays, and is empty.
+            // A locked folder is emptied, but not removed.
         } else {
             let _ = fs::remove_file(path);
         }
@@ -124,8 +124,8 @@ fn living_nodes(config: &Config) -> BTreeSet<u128> {
     living
 }
 
-/// Makes the transport remove what dead nodes left, after each has been made to look as if it had
-/// died in normal operation.
+/// Makes each dead node look as if it had died in normal operation, then lets the transport remove
+/// what the node left.
 fn remove_dead_nodes(config: &Config, domain: &Paths) {
     let living = living_nodes(config);
     let found = domain.nodes();
@@ -201,9 +201,9 @@ pub(crate) fn shared_memory(config: &Config) -> Vec<PathBuf> {
 }
 
 /// Removes the file in which the transport counts nodes while it creates one. It has mode 0666, and
-/// any user who changes it keeps all processes from joining the domain. It is not needed: a node's
-/// ID contains the process ID and the time, and the lock allows only one process at a time to
-/// create a node.
+/// any user can change it and thereby keep all processes from joining the domain. It is not needed:
+/// a node's ID contains the process ID and the time, and the lock allows only one process at a time
+/// to create a node.
 pub(crate) fn remove_counter(config: &Config, _passing: &Passing) {
     let ending = config.global.node.global_mgmt_suffix.to_string();
     for path in shared_memory(config) {

@@ -5,12 +5,13 @@
 //! sets 0177, binds, and restores the previous value. It uses the umask for nothing else. Files
 //! that another thread creates in between get wrong permissions, and a child process started in
 //! between keeps 0177. If two threads create listeners at once, each in its own domain, the process
-//! may even keep 0177 for good.
+//! may even keep 0177 permanently.
 //!
-//! A listener is therefore created in a thread that does not share its umask, which Linux permits
-//! to any process. Sandboxes such as containers may forbid it. Then only one thread at a time
-//! creates a listener: the umask is restored, but for microseconds the whole process has 0177. The
-//! same happens if a program uses iceoryx2 directly alongside lariat.
+//! A listener is therefore created in a thread that does not share its umask. Linux permits this to
+//! any process, but sandboxes such as containers may forbid it. In that case, only one thread at a
+//! time creates a listener. The umask is then always restored, but the whole process has the umask
+//! 0177 for some microseconds. The same happens if a program uses iceoryx2 directly alongside
+//! lariat.
 
 use std::panic;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -71,7 +72,7 @@ mod tests {
 
     #[test]
     fn in_a_sandbox_threads_that_make_listeners_leave_the_umask_as_it_was() {
-        // In a separate process, so that other tests keep their umask.
+        // Runs in a separate process, so that other tests keep their umask.
         let maker = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", "umask::tests::maker", "--include-ignored"])
             .output()

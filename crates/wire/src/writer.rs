@@ -62,8 +62,8 @@ impl<P: Payload + ?Sized> fmt::Debug for Writer<P> {
 macro_rules! message_writer {
     ($message:ty) => {
         impl Writer<$message> {
-            /// Creates the writer of a rig's channel. Fails if the channel has a writer, or if
-            /// `/dev/shm` lacks the space for its slots.
+            /// Creates the writer of a rig's channel. Fails if the channel already has a writer, or
+            /// if `/dev/shm` lacks the space for its slots.
             pub fn create(
                 domain: &Domain,
                 rig: &Rig,
@@ -80,8 +80,8 @@ macro_rules! message_writer {
                 Self::finish(domain, rig, channel, delivery, service, publisher, None)
             }
 
-            /// Borrows a slot. It still holds an earlier message: fields that are not written keep
-            /// their old values.
+            /// Borrows a slot. The slot still holds an earlier message: fields that are not written
+            /// keep their old values.
             pub fn slot(&self) -> Result<Slot<'_, $message>, WireError> {
                 self.gather()?;
                 let sample = self
@@ -271,7 +271,7 @@ impl<P: Payload + ?Sized> Writer<P> {
     }
 
     /// Delivers the newest message to readers that joined after it was sent. Otherwise they receive
-    /// it with the next one.
+    /// it together with the next message.
     pub fn welcome(&self) -> Result<(), WireError> {
         self.publisher
             .update_connections()
@@ -279,7 +279,7 @@ impl<P: Payload + ?Sized> Writer<P> {
     }
 
     /// Waits until every reader that joined since the last call has connected. Does nothing unless
-    /// lossless.
+    /// the writer is lossless.
     fn gather(&self) -> Result<(), WireError> {
         let Some(Gathering {
             ear,

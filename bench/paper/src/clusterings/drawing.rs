@@ -104,8 +104,8 @@ impl Clusterings {
         panels
     }
 
-    /// Returns the picture to show: the first on which methods differ in their order, otherwise the
-    /// first.
+    /// Returns the picture to show: the first one on which only some methods have the right order,
+    /// otherwise the first one.
     fn shown(&self, shapes: &Shapes) -> Option<usize> {
         if shapes.pictures.is_empty() || self.rows.is_empty() {
             return None;

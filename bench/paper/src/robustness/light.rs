@@ -1,4 +1,4 @@
-//! Light, noise and blur in the picture itself, through the extractor.
+//! Light, noise and blur in the picture itself, and their effect on the extracted curve.
 
 use lariat_drawn::scenes::Class;
 use lariat_fit::Basis;
@@ -24,7 +24,7 @@ const KINDS: [(Class, &str); 9] = [
     (Class::Texture, "texture"),
     (Class::Shadow, "shadow"),
 ];
-/// Minimum distance at which a curve counts as following another path than the rope, in rope
+/// Minimum distance at which a curve counts as following a path other than the rope's, in rope
 /// widths.
 const ASTRAY_WIDTHS: f64 = 1.0;
 

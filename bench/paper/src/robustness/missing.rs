@@ -76,7 +76,7 @@ impl Loss {
         let mut left = vec![true; POINTS];
         match self {
             Self::Gap => {
-                // Never at an end: points missing beyond an end cannot be noticed.
+                // The gap is never at an end, because points missing there cannot be noticed.
                 let from = 1 + below(random, POINTS - missing - 1);
                 left[from..from + missing].fill(false);
             }
@@ -220,8 +220,8 @@ impl Missing {
     }
 }
 
-/// Returns the distance between the curve through the remaining points and `whole`, the one through
-/// all points.
+/// Returns the distance between the curve through the remaining points and `whole`, the curve
+/// through all points.
 fn moved_px(
     fitter: &mut Fitter,
     way: Way,

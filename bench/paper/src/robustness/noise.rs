@@ -24,13 +24,13 @@ const FAMILIES: [Family; 5] = [
     Family::FeaturePoints,
 ];
 
-/// One family: spreads over the shapes, by noise.
+/// Results of one family: spreads over the shapes, by noise level.
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     family: Family,
     /// Distance between the rope and the curve.
     off_px: Vec<Spread>,
-    /// Distance at the same ρ between the curve and the one without noise.
+    /// Distance at the same ρ between the curves with and without noise.
     moved_px: Vec<Spread>,
 }
 

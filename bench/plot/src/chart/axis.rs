@@ -11,7 +11,7 @@ enum Scale {
         step: f64,
     },
     Log,
-    /// 1/(1 − q) of a quantile q.
+    /// Places a quantile q at 1/(1 − q), logarithmically.
     Nines,
     Names(Vec<String>),
 }
@@ -67,7 +67,8 @@ impl Axis {
         if high <= 0.0 {
             return Self::log(label, [0.1, 10.0]);
         }
-        // Extended to the next of 1, 2 or 5 in each decade, and to at least one decade.
+        // Both ends are extended to the next 1, 2 or 5 times a power of ten. The axis spans at
+        // least one decade.
         let down = |x: f64| nice(x, &[1.0, 2.0, 5.0], false);
         let up = |x: f64| nice(x, &[1.0, 2.0, 5.0, 10.0], true);
         let (low, high) = (down(low / 1.05), up(high * 1.05));
@@ -173,8 +174,8 @@ impl Axis {
         }
     }
 
-    /// Returns the numbers between ticks that get a faint line: only for logarithmic axes of few
-    /// decades.
+    /// Returns the numbers between ticks that get a faint line: only for logarithmic axes that span
+    /// few decades.
     pub(super) fn minor(&self) -> Vec<f64> {
         if self.scale != Scale::Log || self.high() - self.low() > 5.5 {
             return Vec::new();

@@ -46,8 +46,8 @@ pub(super) fn write(path: &Path, still: &Still, scene: &Scene) -> Result<()> {
     canvas.canvas.picture.save(path).with_context(unwritten)
 }
 
-/// Returns a color that runs from blue over green to yellow on the first curve, and from magenta
-/// over red to orange on the next.
+/// Returns a color that runs from blue through green to yellow on the first curve, and from magenta
+/// through red to orange on the next.
 fn ramp(curve: usize, rho: f32) -> [u8; 3] {
     let stops: [[f32; 3]; 3] = if curve.is_multiple_of(2) {
         [[0.0, 80.0, 255.0], [0.0, 255.0, 120.0], [255.0, 255.0, 0.0]]

@@ -61,7 +61,8 @@ fn marked(text: String, is_met: bool) -> String {
     if is_met { text + " " } else { text + "!" }
 }
 
-/// Returns the number of right crossings and the number of all, among those above [`FLATTEST_DEG`].
+/// Returns the number of right crossings and the number of all crossings, counting only those above
+/// [`FLATTEST_DEG`].
 fn share(
     scores: &[&Score],
     is_right: impl Fn(&lariat_drawn::scenes::CrossingScore) -> bool,

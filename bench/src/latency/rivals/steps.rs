@@ -87,8 +87,8 @@ impl CaptureStep {
         self.source.largest_frame_bytes()
     }
 
-    /// Writes the next frame's pixels and returns when the frame is due. Returns `None` when the
-    /// time is over or a signal arrived.
+    /// Writes the next frame's pixels, waits until the frame is due, and returns its header.
+    /// Returns `None` when the time is over or a signal arrived.
     pub(super) fn next(&mut self, pixels: &mut [u8], stop: &Stop) -> Result<Option<FrameHeader>> {
         let Some(frame) = self.source.next()? else {
             return Ok(None);

@@ -46,8 +46,8 @@ struct Frame {
     pixels: Vec<u8>,
 }
 
-/// A link with buffers in circulation: sent full, returned empty. A message that finds no space is
-/// dropped, and its missing number is counted.
+/// A link whose buffers circulate: they are sent full and returned empty. A message that finds no
+/// space is dropped, and its missing number is counted.
 struct Link<T> {
     full: (Sender<T>, Receiver<T>),
     empty: (Sender<T>, Receiver<T>),

@@ -9,7 +9,7 @@ use lariat_wire::{Rope, Shape};
 use super::{DRAWN_POINTS, ends};
 use crate::servo::film::Sketch;
 
-/// Heights of the side view and of the table in it, px. One pixel is 1 mm.
+/// Height of the side view, and height of the table within it, px. One pixel is 1 mm.
 const SIDE_PX: usize = 200;
 const TABLE_PX: usize = 16;
 const AIR: u8 = 246;

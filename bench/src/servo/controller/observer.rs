@@ -62,10 +62,11 @@ pub(super) struct Observer {
     whole: Whole,
 }
 
-/// Maximum relative change of length of a completely visible rope. A rope does not stretch, so more
-/// than its ends is covered, or it is confused with another.
+/// Maximum relative change in length for a rope to count as completely visible. A rope does not
+/// stretch, so a larger change means that more than its ends is covered, or that it is confused
+/// with another.
 const STRETCHED: f64 = 0.03;
-/// Number of first observations whose median is the rope's length.
+/// Number of initial observations. Their median length is taken as the rope's length.
 const FIRST_SIGHTS: usize = 15;
 
 /// Length of the rope when all of it is visible.
@@ -127,7 +128,7 @@ impl Observer {
         self.target.as_flattened()
     }
 
-    /// Returns the metric for the distance of two shapes.
+    /// Returns the metric for the distance between two shapes.
     pub(super) fn metric(&self) -> Result<Metric> {
         if self.rows.is_empty() {
             return Ok(Metric::default());

@@ -32,7 +32,7 @@ pub(super) fn gif(pictures: &[(f64, RgbImage)]) -> Result<Vec<u8>> {
     // Each picture has its own palette.
     let mut encoder = Encoder::new(&mut bytes, width, height, &[])?;
     encoder.set_repeat(Repeat::Infinite)?;
-    // The value for which each pixel was last drawn.
+    // The value with which each pixel was last drawn.
     let mut shown: Vec<Option<[u8; 3]>> = vec![None; first.pixels().len()];
     for (i, (at_s, picture)) in pictures.iter().enumerate() {
         let delay = match pictures.get(i + 1) {

@@ -71,7 +71,7 @@ fn filmed(count: u64, noise: Option<f64>) -> (Film, Vec<Vec<u8>>) {
             .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
         let control_points: Vec<[f64; 2]> = seen.iter().step_by(17).copied().collect();
         let sketch = Sketch {
-            // Temporarily not seen.
+            // The rope is not seen in one shot.
             seen: (i != 2).then(|| seen.clone()).into_iter().collect(),
             control_points,
             grippers: vec![gripper(0), gripper(119)],

@@ -72,7 +72,7 @@ fn sweep(study: &Study, group: Group, values: &[(f64, &Row)]) -> Result<String, 
     let base = study.base().map(Summary::of);
     let numbers = values.iter().map(|&(value, _)| value);
     let x = if group.harder() == Harder::Upwards {
-        // From none to much.
+        // The axis includes 0.
         over_values(group.axis(), numbers.chain([0.0]))
     } else {
         over_values(group.axis(), numbers)

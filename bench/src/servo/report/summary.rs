@@ -11,7 +11,7 @@ pub(super) struct Summary {
     pub(super) ropes: usize,
     /// Number of ropes at the target at the end.
     pub(super) reached: usize,
-    /// Times until half of all ropes and nine tenths had reached the target. Infinite if fewer did.
+    /// Times until half and nine tenths of all ropes had reached the target. Infinite if fewer did.
     pub(super) time_s: Quantiles,
     /// Maximum distance beyond [`REACHED_PX`] after the target was first reached.
     pub(super) overshoot_px: Quantiles,
@@ -59,10 +59,10 @@ impl Summary {
         self.reached as f64 / self.ropes.max(1) as f64
     }
 
-    /// Returns whether the row is clearly worse than another: its share of ropes that reach the
-    /// target is lower by more than 5 percentage points, they take more than a quarter longer, or
-    /// they end farther away by more than a quarter and half a pixel. Smaller differences may be
-    /// chance.
+    /// Returns whether the row is clearly worse than another. It is if its share of ropes at the
+    /// target is more than 5 percentage points lower, or if its median time is more than a quarter
+    /// longer. It also is if its median final error is larger by more than a quarter and by more
+    /// than half a pixel. Smaller differences may be chance.
     pub(super) fn is_worse_than(&self, other: &Self) -> bool {
         self.is_rarer_than(other) || self.is_slower_than(other) || self.is_farther_than(other)
     }

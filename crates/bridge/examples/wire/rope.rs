@@ -74,8 +74,8 @@ pub(crate) fn write_many(message: &mut Descriptors, count: u64, now_ns: u64) {
     }
 }
 
-/// Stamps a message. The variance of the residuals, which no bridge changes, also holds the time.
-/// From it, a reader on the same machine knows the time to the nanosecond.
+/// Stamps a message. The time is also stored in the variance of the residuals, which no bridge
+/// changes. From there, a reader on the same machine gets the time to the nanosecond.
 pub(crate) fn stamp(message: &mut Descriptors, now_ns: u64) {
     let trace = &mut message.trace;
     (

@@ -1,5 +1,5 @@
-//! Sends the commands of a controller here to the robot, each at once, with its timestamps on the
-//! robot's clock.
+//! Sends the commands of a controller on this machine to the robot, each at once, with its
+//! timestamps on the robot's clock.
 
 use std::os::fd::AsFd;
 use std::sync::{Mutex, PoisonError};

@@ -18,9 +18,9 @@ const ASKED: usize = 32;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Took {
     Yes,
-    /// The answer was not taken: it belongs to no open question, or another process sent it.
+    /// The answer was not accepted: it belongs to no open question, or another process sent it.
     No,
-    /// The answer was taken, but another process has answered, too.
+    /// The answer was accepted, but another process has answered, too.
     Both,
 }
 
@@ -90,7 +90,7 @@ impl Link {
             sent: answer.answered_ns,
             heard,
         });
-        // Messages sent before the near side hears this side are for others.
+        // Messages sent before the near side received a question from this side were for others.
         let told = if answer.is_heard {
             &answer.sent[..]
         } else {
@@ -117,8 +117,8 @@ impl Link {
         });
     }
 
-    /// Counts a datagram. Returns its sender's clock if it is to be taken: it is from the process
-    /// that answers, and newer than those before.
+    /// Counts a datagram. Returns its sender's clock if the datagram is to be accepted: if it comes
+    /// from the process that answers, and is newer than all datagrams before it.
     pub(super) fn receive(&mut self, datagram: &Datagram) -> Option<Offset> {
         let at = Kind::COUNTED
             .iter()
@@ -160,7 +160,7 @@ impl Link {
         Some(self.near()?.1.bound_ns(now_ns) * 1e-3)
     }
 
-    /// Describes what became of messages, and how well the clock is known.
+    /// Describes how many messages arrived or were lost, and how well the clock is known.
     pub(super) fn sentence(&self, now_ns: u64) -> String {
         let [[sent, received], ..] = self.totals();
         let clock = match self.bound_us(now_ns) {

@@ -1,5 +1,5 @@
 //! Handles what far sides send. The thread that receives a question or a command also answers or
-//! obeys it. Each µs of delay before an answer adds 1 µs of doubt about the clock.
+//! executes it. Each µs of delay before an answer adds 1 µs of doubt about the clock.
 
 use std::net::SocketAddr;
 use std::os::fd::AsFd;
@@ -13,10 +13,10 @@ use crate::datagram::{Datagram, Incoming, Kind, Refused};
 use crate::say;
 use crate::socket::{Socket, sleep};
 
-/// Interval between two checks of whether the controller still has the robot.
+/// Interval at which the thread checks whether the controller still controls the robot.
 const LOOK_NS: u64 = 250_000_000;
 
-/// Handles datagrams until told to stop. Returns what became of commands.
+/// Handles datagrams until told to stop. Returns counts of the commands by outcome.
 pub(super) fn run(
     near: &Near,
     socket: &Socket,

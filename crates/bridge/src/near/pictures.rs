@@ -96,7 +96,7 @@ impl<'n> Pictures<'n> {
         })
     }
 
-    /// Sends frames and masks for as long as anybody wants some.
+    /// Sends frames and masks for as long as anybody wants any.
     fn send(&mut self, rig: &Rig, stop: &Stop, sent: &mut [u64; 2]) -> Result<()> {
         let domain = Domain::open()?;
         let mut frames = Read::new(&FRAMES, Woken::No);

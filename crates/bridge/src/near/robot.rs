@@ -9,10 +9,10 @@ use crate::pack::unpack;
 use crate::say;
 use crate::tally::Tally;
 
-/// A controller that is silent for this long releases the robot. Another one may take over, on
-/// either side.
+/// A controller that is silent for this long releases the robot. Another controller may then take
+/// over, on either side.
 const LETS_GO_NS: u64 = 1_000_000_000;
-/// Number of controllers remembered, so that no command of theirs is taken twice.
+/// Number of controllers that are remembered, so that none of their commands is executed twice.
 const CONTROLLERS: usize = 16;
 /// Minimum time between two reports of dropped commands.
 const SAY_NS: u64 = 1_000_000_000;
@@ -30,14 +30,14 @@ pub(super) struct Robot {
     /// This process's random number, which each command repeats.
     process: u64,
     most_age_ns: u64,
-    /// Known controllers, the most recently obeyed first.
+    /// Known controllers, starting with the one whose command was accepted last.
     controllers: Vec<Controller>,
     done: Done,
     said_ns: u64,
     said: Option<String>,
 }
 
-/// Writer of the rig's channel of commands, open while a controller has the robot.
+/// Writer of the rig's channel of commands, open while a controller controls the robot.
 pub(super) struct Gives {
     // Before the domain, so that it is dropped first.
     writer: Option<Writer<Command>>,
@@ -70,13 +70,13 @@ impl Gives {
         Ok(())
     }
 
-    /// Leaves the channel to another writer.
+    /// Closes the channel, so that another writer can open it.
     pub(super) fn let_go(&mut self) {
         self.writer = None;
     }
 }
 
-/// Counts of commands that were given, dropped, lost or refused.
+/// Counts of commands that were passed on, dropped, lost or refused.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Done {
     given: u64,
@@ -100,7 +100,7 @@ impl fmt::Display for Done {
     }
 }
 
-/// A command to give, or why it is not given.
+/// A command to pass on to the rig, or the reason why it is not passed on.
 #[derive(Debug, PartialEq)]
 enum Judged {
     Give(Command),
@@ -121,7 +121,7 @@ impl Robot {
         }
     }
 
-    /// Gives a command, if it is valid and new.
+    /// Passes a command on to the rig, if it is valid and new.
     pub(super) fn obey(&mut self, gives: &mut Gives, process: u64, count: u64, says: &[u8]) {
         match self.judge(process, count, says, now_ns()) {
             Judged::Give(command) => {
@@ -136,7 +136,7 @@ impl Robot {
         }
     }
 
-    /// Returns what became of all commands.
+    /// Returns counts of all commands by outcome.
     pub(super) fn done(&self) -> Done {
         let lost = self.controllers.iter().map(|one| one.tally.lost());
         Done {
@@ -145,7 +145,7 @@ impl Robot {
         }
     }
 
-    /// Returns whether a controller has the robot.
+    /// Returns whether a controller controls the robot.
     pub(super) fn is_held(&self, now_ns: u64) -> bool {
         let newest = self.controllers.first();
         newest.is_some_and(|one| now_ns.saturating_sub(one.heard_ns) <= LETS_GO_NS)
@@ -303,7 +303,7 @@ mod tests {
             Judged::Give(_)
         ));
         // Another controller may take over when the first has released the robot. Old commands of
-        // either are not taken for new ones.
+        // either are not treated as new.
         let later = NOW + LETS_GO_NS + 1;
         let mut old = command(later);
         assert_eq!(judge(&mut robot, (1, 10, 5), &old, later), Judged::Refused);

@@ -54,7 +54,7 @@ fn who_has_descriptors_far_away_has_where_they_are_in_space() {
                 panic!("a rope is seen");
             };
             match rope.in_space() {
-                // It is of the same frame, and no other.
+                // It belongs to the same frame and to no other.
                 Ok(shape) => {
                     assert_eq!(shape.point_at(0.5), [50.0, 0.0, sequence]);
                     came += 1;

@@ -1,4 +1,4 @@
-//! Only a side with the key is heard, and what makes no sense is refused.
+//! Datagrams are accepted only from a side with the key, and invalid ones are refused.
 
 use std::net::UdpSocket;
 use std::path::PathBuf;

@@ -219,8 +219,8 @@ impl Drop for Relayed {
     }
 }
 
-/// The end of a chain. Its thread sends a rope 100 times per second, from when somebody reads it
-/// until this is dropped.
+/// The end of a chain. Its thread sends a rope 100 times per second, from the moment when somebody
+/// reads it until this value is dropped.
 pub(crate) struct Chain {
     wanted: Arc<AtomicBool>,
     thread: Option<JoinHandle<u64>>,

@@ -20,7 +20,7 @@ impl<'a> Found<'a> {
         sided(self.scope[0], names, self.side)
     }
 
-    /// Returns an entry of its own map or of an enclosing one.
+    /// Returns an entry of its own map or of an enclosing map.
     pub(super) fn any(&self, names: &[&str]) -> Option<(&'a str, &'a Node)> {
         self.own(names)
             .or_else(|| self.scope.iter().find_map(|map| find(map, names)))

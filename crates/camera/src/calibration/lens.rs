@@ -11,8 +11,8 @@ use crate::lens::Lens;
 enum Model {
     /// Brown and Conrady's polynomial, as in OpenCV.
     Brown,
-    /// The same polynomial with an order of coefficients or a direction that OpenCV lacks. It is
-    /// accepted only without distortion.
+    /// The same polynomial, with its coefficients in another order or applied in the opposite
+    /// direction, which OpenCV does not have. It is accepted only if there is no distortion.
     BrownVariant,
     /// Kannala and Brandt's polynomial in the angle.
     Fisheye,
@@ -221,7 +221,7 @@ fn brown(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
 }
 
 /// Reads fisheye coefficients. Drivers whose messages always have five coefficients write a 0 after
-/// the four.
+/// the four fisheye coefficients.
 fn fisheye(key: &str, numbers: &[f64]) -> Result<Lens, CalibrationError> {
     let (first, rest) = numbers.split_at(numbers.len().min(4));
     match (<[f64; 4]>::try_from(first), rest.iter().all(|c| *c == 0.0)) {

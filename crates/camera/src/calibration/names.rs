@@ -1,6 +1,6 @@
 //! Names in calibration files, squeezed: in lower case and without underscores, hyphens and spaces.
 
-/// Removes from a name what differs between files: case, underscores, hyphens and spaces.
+/// Removes differences in case, underscores, hyphens and spaces from a name.
 pub(super) fn squeezed(key: &str) -> impl Iterator<Item = char> {
     let letters = key.chars().filter(|c| !matches!(c, '_' | '-' | ' '));
     letters.map(|c| c.to_ascii_lowercase())
@@ -61,7 +61,7 @@ pub(super) const MODEL: [&str; 8] = [
     "projectionmodel",
     "lenstype",
 ];
-/// Keys of a lens model with other possible contents, such as a product name.
+/// Keys that may contain a lens model or something else, such as a product name.
 pub(super) const LOOSE_MODEL: [&str; 2] = ["type", "model"];
 /// Keys of a flag for a fisheye lens.
 pub(super) const FISHEYE_FLAG: [&str; 3] = ["fisheyemodel", "fisheye", "isfisheye"];

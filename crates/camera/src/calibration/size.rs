@@ -1,4 +1,4 @@
-//! Reads the images' size, and the part of the sensor that they show.
+//! Reads the size of the images, and the part of the sensor that the images show.
 
 use super::cameras::Found;
 use super::names::{HEIGHT, SIZE, WIDTH};

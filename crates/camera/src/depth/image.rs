@@ -34,8 +34,8 @@ pub struct DepthImageError {
     stride: usize,
 }
 
-/// A number whose sum with an integer, below 4 million in absolute value, is a float whose lowest
-/// bits are that integer.
+/// If an integer below 4 million in absolute value is added to this number, the lowest bits of the
+/// resulting float are that integer.
 const WHOLE: f32 = 12_582_912.0;
 /// Offset of a pixel outside of the image: past the end of all bytes.
 pub(super) const NOWHERE: u32 = u32::MAX;

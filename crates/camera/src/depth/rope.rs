@@ -21,8 +21,8 @@ use thiserror::Error;
 
 /// Maximum slope of a rope, in mm ahead per mm to the side of the ray.
 const STEEPEST: f64 = 4.0;
-/// The places that are read are centered on the rope to within this share of its half width. If
-/// they are farther off, the centerline may be off by `ASIDE` times the excess.
+/// The places that are read must be centered on the rope to within this share of its half width. If
+/// they are off by more, the centerline may be off by `ASIDE` times the excess.
 const NOT_ASIDE: f64 = 0.15;
 const ASIDE: f64 = 2.0;
 /// Maximum relative difference between a rope's radius and its median.
@@ -89,7 +89,8 @@ pub struct RopeDepth {
     sights: Vec<Sight>,
     axes: Vec<Axis>,
     anchors: Vec<(usize, f64)>,
-    /// The best chain up to each anchor: its number of anchors, and the anchor before this one.
+    /// The best chain that ends at each anchor: its number of anchors, and the anchor before its
+    /// last.
     chain: Vec<(usize, usize)>,
     row: Vec<f64>,
     /// Points around which the depth image is read.

@@ -1,5 +1,5 @@
-//! Parses `ost.txt` and `ost.ini` of ROS's `camera_calibration`: sections in brackets, and below
-//! each name its numbers.
+//! Parses `ost.txt` and `ost.ini` of ROS's `camera_calibration`: sections in brackets, and names
+//! with their numbers on the lines below.
 
 use super::Node;
 use crate::calibration::{self, CalibrationError};

@@ -1,5 +1,5 @@
-//! Parses OpenCV's XML: elements become maps, elements named `_` lists, and words between them
-//! numbers.
+//! Parses OpenCV's XML: elements become maps, elements named `_` become lists, and words between
+//! elements become numbers.
 
 use super::{DEEPEST, Node};
 use crate::calibration::CalibrationError;

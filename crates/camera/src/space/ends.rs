@@ -11,7 +11,8 @@ use super::{SpacePoint, between, dot};
 const BACK_RADII: f64 = 4.0;
 /// Maximum length that is cut off, in radii. A rope that rises more steeply hides its own end.
 const MOST_RADII: f64 = 3.0;
-/// Length of rope over which points are moved, as a multiple of the length that is cut off.
+/// Length of the part of the rope in which points are moved, as a multiple of the length that is
+/// cut off.
 const OVER: f64 = 3.0;
 
 /// Moves the visible ends to where the axis ends. `before` is working memory.
@@ -39,7 +40,7 @@ fn cut(places: &mut [SpacePoint], at: impl Fn(usize) -> usize, before: &mut Vec<
     let sine = (1.0 - along * along).max(0.01).sqrt();
     let length = (radius * along.abs() / sine).min(MOST_RADII * radius);
     let reach = OVER * length;
-    // The points that are moved, which are also the path along which they move.
+    // The points that are moved. They also define the path along which they move.
     before.clear();
     let mut arc = 0.0;
     for i in 0..count {

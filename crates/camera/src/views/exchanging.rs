@@ -1,19 +1,19 @@
-//! Corrects strands that a view confuses where they touch. The other view shows which strand
-//! continues as which.
+//! Corrects strands that a view confuses where they touch. The other view shows how the strands
+//! continue.
 //!
-//! If strands run along each other in one view, the view may see one crossing too many or too few.
-//! Beyond such a contact the rope is then traced wrongly until it returns there: that part is
-//! traversed in the opposite direction. If strands touch twice, as in a twist, each may instead be
-//! in the other's place between the contacts. Such a curve matches the other view less well.
-//! Reversing its parts at one or two contacts is therefore tried, to see if the match improves.
+//! If strands run along each other in one view, one crossing too many or too few may be seen there.
+//! From such a contact on, the rope is then traced in the opposite direction until it returns to
+//! the contact. If strands touch twice, as in a twist, each may instead be in the other's place
+//! between the contacts. Such a curve matches the other view less well. Reversing its parts at one
+//! or two contacts is therefore tried, to see if the match improves.
 
 use super::curve::Curve;
 use super::matching::{Matching, ROWS};
 use super::pair::ViewPair;
 
-/// Parts are reversed if that reduces the score's deficit from 1, its maximum, to at most this
-/// share, and raises the score by at least `BETTER`. For 72 drawn ropes, the share is at most 0.2
-/// where that is right, and at least 0.65 elsewhere.
+/// Parts are reversed only if the score then rises by at least `BETTER`, and its deficit (1 minus
+/// the score) shrinks to at most this share. For 72 drawn ropes, the share is at most 0.2 where
+/// reversing is right, and at least 0.65 elsewhere.
 const LACKING: f64 = 0.4;
 const BETTER: f64 = 0.01;
 /// Strands touch if their axes are closer than this, in mean widths, and if at least `LEAST_LOOP`
@@ -23,13 +23,15 @@ const LEAST_LOOP: f64 = 3.0;
 /// Maximum number of contacts of a curve.
 const MOST_CONTACTS: usize = 6;
 
-/// The two places of a curve at a contact: the numbers of the points before them.
+/// The two places of a curve that touch at a contact, as the numbers of the points before these
+/// places.
 type Contact = [usize; 2];
 
 /// Working memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Exchanging {
-    /// For each point, the squared distance to the nearest other strand, in widths, and its point.
+    /// For each point, the squared distance to the nearest other strand, in widths, and the nearest
+    /// point of that strand.
     near: Vec<(f64, usize)>,
     contacts: Vec<Contact>,
 }
@@ -149,7 +151,7 @@ fn turn(curve: &mut Curve, contacts: [Option<Contact>; 2]) {
     }
 }
 
-/// Returns where a contact is after the curve was reversed at another.
+/// Returns where a contact is after the curve was reversed at another contact.
 fn after([from, to]: Contact, other: Contact) -> Contact {
     let mut moved = other.map(|at| match (from..=to).contains(&at) {
         true => from + to - at,

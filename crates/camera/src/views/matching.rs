@@ -5,21 +5,21 @@ use super::curve::Curve;
 use super::pair::ViewPair;
 use crate::space::length;
 
-/// Number of points of a rope that are used to see how well it matches another.
+/// Number of points of a rope that are used to estimate how well it matches another rope.
 pub(super) const ROWS: usize = 30;
-/// Error of a place across the other curve, px. Along the epipolar line, it is divided by the sine
-/// of their angle, which is limited to `FLATTEST`.
+/// Error of a place across the other curve, px. Along the epipolar line, the error is this divided
+/// by the sine of the angle between the line and the curve. The sine is at least `FLATTEST`.
 const OFF_PX: f64 = 1.5;
 const FLATTEST: f64 = 0.05;
-/// A chain does not end where that sine is less than this.
+/// A chain does not end where the sine of that angle is less than this.
 const FLAT: f64 = 0.2;
 /// Maximum number of places for one point.
 const MOST_PLACES: usize = 12;
 /// Maximum slope of a rope, in mm ahead per mm to the side; and cost of a slope of 1, in points.
 pub(super) const STEEPEST: f64 = 4.0;
 const RUGGED: f64 = 0.05;
-/// The lengths of rope that the views see may differ by this share, in addition to its rise,
-/// because ropes are seen at an angle.
+/// Maximum relative difference between the lengths of rope that the two views see, in addition to
+/// the rope's rise. They differ because ropes are seen at an angle.
 const UNLIKE: f64 = 0.3;
 /// Maximum ratio of a rope's angular widths in the two views.
 const WIDER: f64 = 2.0;

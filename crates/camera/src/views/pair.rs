@@ -5,7 +5,7 @@ use crate::pose::Pose;
 use crate::space::dot;
 use thiserror::Error;
 
-/// Minimum distance between the cameras, mm. Closer cameras see the same.
+/// Minimum distance between the cameras, mm. Closer cameras see the same image.
 const LEAST_BASELINE_MM: f64 = 1.0;
 
 /// Why numbers do not describe a pair of cameras.
@@ -35,7 +35,7 @@ pub struct ViewPair {
 }
 
 /// Epipolar geometry of a point in the first view. At depth `1 / w` along its ray, it is seen in
-/// the second view at `way + w shift`, divided by the third coordinate of that.
+/// the second view at `way + w shift`, divided by the third coordinate of this vector.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Epipolar {
     /// The ray in the second camera's frame.

@@ -1,11 +1,11 @@
 //! Pairs the ropes of two views. The pair with the best chain comes first, and each rope is used
 //! once.
 //!
-//! A chain has at most as many points as have a place on the other curve. This limit is quickly
-//! known for every pair. The pair with the highest limit is examined first. If its chain is better
-//! than the limits of all others, no other pair has to be examined. If ropes cross so often that
-//! this still takes more than a frame's time, the remaining ropes get no partner. Otherwise they
-//! might get a wrong one.
+//! A chain has at most as many points as there are points with a place on the other curve. This
+//! limit is quickly known for every pair. The pair with the highest limit is examined first. If its
+//! chain is better than the limits of all others, no other pair has to be examined. If ropes cross
+//! so often that this still takes more than a frame's time, the remaining ropes get no partner.
+//! Otherwise they might get a wrong one.
 
 use super::curve::Curve;
 use super::matching::{Matching, ROWS};
@@ -32,7 +32,7 @@ pub struct Partner {
 struct Candidate {
     first: usize,
     partner: Partner,
-    /// Score of its better chain, or the upper limit of that until it is examined.
+    /// Score of the pair's better chain. Until the pair is examined, the upper limit of that score.
     score: f64,
     is_looked_at: bool,
 }

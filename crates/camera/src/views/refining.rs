@@ -6,15 +6,16 @@ use super::pair::{Epipolar, ViewPair};
 use super::smooth::{Knot, Smooth};
 use crate::space::{SpacePoint, length};
 
-/// Number of points of a closed rope that are repeated before its first and after its last.
+/// Number of points of a closed rope that are repeated before its first and after its last point.
 const LAP: usize = 16;
 /// Number of Gauss–Newton steps; the steps at which the bending is estimated; and the first step at
 /// which outliers have less weight.
 const STEPS: usize = 4;
 const ASKED_AT: [usize; 2] = [1, 3];
 const ROBUST_FROM: usize = 2;
-/// Candidates for the bending: the difference between a point's depth and the middle of its
-/// neighbors', mm, for steps of `BENDS_AT_MM`. It grows with the step to the power of 3/2.
+/// Candidates for the bending: the difference between a point's depth and the mean depth of its two
+/// neighbors, mm, for steps of `BENDS_AT_MM`. The difference grows with the step to the power of
+/// 3/2.
 const BENDS_MM: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 const BENDS_AT_MM: f64 = 5.0;
 /// Minimum standard deviation of the curves' distances, px. Distances above `ROBUST` standard
@@ -24,19 +25,20 @@ const ROBUST: f64 = 2.0;
 const FARTHEST_PX: f64 = 6.0;
 /// A point more than this many pixels beyond the other curve's end is not on it.
 const BEYOND_PX: f64 = 1.5;
-/// Test for points beyond the end of the chain of matches. They are on the other curve if they
-/// advance there by this share of the expected distance, minus `LAG` points.
+/// Test for points beyond the end of the chain of matches. They count as on the other curve if they
+/// advance along it by at least this share of the expected distance, minus `LAG` points.
 const GOES_ON: f64 = 0.4;
 const LAG: f64 = 0.25;
 /// Weight of hidden points; and standard deviation of an end's place along the epipolar line, px.
 const HIDDEN: f64 = 0.1;
 const END_PX: f64 = 1.5;
-/// Error of depth that was not measured, in mm per mm from a measured point, because the bending of
-/// a rope varies. It is four times as large if there is a measured point on one side only.
+/// Error of a depth that was not measured, in mm per mm of distance from a measured point. Its
+/// cause is that the bending of a rope varies. The error is four times as large if there is a
+/// measured point on one side only.
 const ASTRAY: f64 = 0.12;
 /// Offset of a whole centerline from its rope's axis, as a share of the rope's width, due to light
-/// from one side. For drawn ropes of 3 to 15 px, it is half of the error of their depths, in
-/// pixels.
+/// from one side. For drawn ropes of 3 to 15 px, this offset is half of the error of their depths,
+/// in pixels.
 const BESIDE: f64 = 0.004;
 /// Minimum sine of the angle between the epipolar line and the other curve at a measured point.
 const FLATTEST: f64 = 0.2;
@@ -53,18 +55,18 @@ struct Axis {
     /// For a point beyond the chain of matches: where the chain ends on the other curve, and how
     /// much farther this point should be.
     beyond: Option<(f64, f64)>,
-    /// Change of its distance from the other curve, px, per unit of inverse depth, and per pixel of
-    /// the first view.
+    /// Change of the point's distance from the other curve, px: `slope` per unit of inverse depth,
+    /// and `by_pixel` per pixel of the first view.
     slope: f64,
     by_pixel: [f64; 2],
-    /// Shift of the whole curves, px, that changes its inverse depth by one unit.
+    /// Shift of the whole curves, px, that changes the point's inverse depth by one unit.
     shift_px: f64,
     is_measured: bool,
     is_steep: bool,
 }
 
 impl Axis {
-    /// Returns true if the point has advanced less from the chain's end than it should.
+    /// Returns true if the point has advanced less from the chain's end than expected.
     fn lags(&self, u: f64, second: &Curve) -> bool {
         self.beyond.is_some_and(|(end, more)| {
             let gone = second.between(end, u);
@@ -294,8 +296,8 @@ impl Refining {
             let sight = &first.sights[axis.point];
             let depth = 1.0 / inverse;
             let square = depth * depth;
-            // Share of its depth that comes from its own distance. The first view's pixel accounts
-            // for half of that.
+            // Share of the point's depth that comes from the distance measured at this point. The
+            // first view's pixel accounts for half of this share.
             let own = (knot.info * inverse_information).min(1.0);
             let rest = 1.0 - 0.5 * own;
             let by_pixel = axis.by_pixel.map(|by| match axis.slope == 0.0 {
@@ -327,8 +329,8 @@ impl Refining {
     }
 }
 
-/// Raises the variances of points that were not measured, by their distance from measured ones. On
-/// a closed rope, these are on both sides.
+/// Raises the variances of points that were not measured, depending on their distance from measured
+/// points. On a closed rope, there are measured points on both sides.
 fn doubt_bridges(first: &Curve, places: &mut [SpacePoint]) {
     let count = places.len();
     let measured = |i: &usize| places[*i].is_measured;

@@ -9,8 +9,8 @@ use super::refining::Refining;
 use crate::space::{SeenRope, SpacePoint, cut_ends};
 use thiserror::Error;
 
-/// Every n-th point of a rope is matched, or fewer if that takes more than `MOST_STEPS` steps from
-/// one place to another.
+/// Every n-th point of a rope is matched. Fewer points are matched if that would take more than
+/// `MOST_STEPS` steps from one place to another.
 const EVERY: usize = 3;
 const MOST_STEPS: usize = 100_000;
 /// Maximum number of steps per frame in the search for confused strands.

@@ -1,4 +1,4 @@
-//! Finds the smoothest sequence of numbers near measured ones, which minimizes `Σ info (x −
+//! Finds the smooth sequence of numbers near measured numbers that minimizes `Σ info (x −
 //! measured)² + λ Σ (second differences)²`.
 //!
 //! The matrix has five diagonals. It is factored into `L D Lᵀ`, with two diagonals below the main
@@ -8,8 +8,8 @@
 /// A number of the sequence.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Knot {
-    /// Information on this number alone: the inverse of its variance, and that inverse times the
-    /// number.
+    /// Information from the measurement of this number alone: the inverse of its variance, and this
+    /// inverse times the measured value.
     pub info: f64,
     pub weighted: f64,
 }

@@ -136,7 +136,7 @@ fn errors(scene: &Scene, places: &[SpacePoint]) -> Vec<f64> {
         .collect()
 }
 
-/// Ropes on the table, lifted and high, without a crossing, with one and with two.
+/// Ropes on the table, lifted, and lifted high, with zero to two crossings.
 fn scenes(radius_mm: f64) -> impl Iterator<Item = (u64, Scene)> {
     (0..12).map(move |seed| {
         let options = LiftOptions {

@@ -94,7 +94,7 @@ fn pair(eyes: [Eye; 2]) -> ViewPair {
     ViewPair::new(camera(&eyes[0]), camera(&eyes[1]), pose, [200.0, 1500.0]).expect("a pair")
 }
 
-/// Ropes on the table, lifted and high, without a crossing, with one and with two. Each is drawn
+/// Ropes on the table, lifted, and lifted high, with zero to two crossings. Each rope is drawn
 /// once.
 fn scenes() -> impl Iterator<Item = (u64, Scene)> {
     static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| (0..18).map(scene).collect());
@@ -214,7 +214,7 @@ fn strands_that_one_view_takes_for_each_other_are_told_by_the_other() {
     assert!(tried > 12);
 }
 
-/// The points after which a line first crosses itself.
+/// The two points after which a line crosses itself for the first time.
 fn crossing(points: &[[f32; 2]]) -> Option<[usize; 2]> {
     let side = |a: [f32; 2], b: [f32; 2], c: [f32; 2]| {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0

@@ -12,7 +12,7 @@ pub(super) struct Room {
     pub(super) spare: Receiver<Buffer>,
     /// Size of each buffer, in bytes.
     pub(super) bytes: usize,
-    /// Buffer of a frame that was lost.
+    /// Buffer left over from a lost frame.
     pub(super) left: Option<Buffer>,
 }
 

@@ -14,7 +14,7 @@ const HUFFMAN_TABLES: u8 = 0xC4;
 pub(super) struct Head {
     /// Width and height, in pixels.
     pub(super) size: [u32; 2],
-    /// True if it has color.
+    /// True if the image has color.
     color: bool,
     /// True if it contains Huffman tables.
     pub(super) has_tables: bool,

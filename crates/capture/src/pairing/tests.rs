@@ -6,7 +6,7 @@ use super::*;
 const MS: u64 = 1_000_000;
 const LONG: u64 = 1_000_000 * MS;
 
-/// Pairs frames and images that are named by their times, in ms.
+/// Creates a pairing of frames and images that are named by their times, in ms.
 fn pairing(period_ms: Option<u64>) -> Pairing<u64, u64> {
     Pairing::new(20 * MS, period_ms.map(|ms| ms * MS))
 }

@@ -1,4 +1,5 @@
-//! Recognizes a picture file's format by its first bytes, and whether it contains several pictures.
+//! Recognizes a picture file's format by its first bytes, and detects whether the file contains
+//! several pictures.
 
 use std::path::Path;
 
@@ -60,8 +61,8 @@ pub(crate) fn stranger(path: &Path, head: &[u8]) -> String {
     }
 }
 
-/// Refuses a file with several pictures, because the decoder would silently show only the first, or
-/// with samples that are not brightness. The error is a sentence.
+/// Refuses a file with several pictures, because the decoder would silently show only the first.
+/// Also refuses a file whose samples are not brightness. The error is a sentence.
 pub(super) fn check(path: &Path, file: &[u8], format: ImageFormat) -> Result<(), String> {
     let shown = path.display();
     let unpack = format!(

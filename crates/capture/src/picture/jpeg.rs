@@ -21,7 +21,7 @@ pub(super) enum End {
 }
 
 impl End {
-    /// Skips the segments up to the end of the image. Previews are inside segments, and what some
+    /// Skips the segments up to the end of the image. Previews are inside segments. Data that some
     /// cameras append comes after the end.
     pub(super) fn of(file: &[u8]) -> Self {
         let mut at = 2;

@@ -9,7 +9,7 @@ use crate::bits::{self, Bits};
 pub(super) fn see_bits(bits: &mut Bits, color: ColorType, full: &[u8]) -> Option<String> {
     match color {
         ColorType::L16 | ColorType::Rgb16 => bits.see(bits::largest(full)),
-        // Alpha is white where the picture is opaque, which says nothing about the bits.
+        // Alpha is at its maximum where the picture is opaque, which says nothing about the bits.
         ColorType::La16 => bits.see(largest_color::<2>(full)),
         ColorType::Rgba16 => bits.see(largest_color::<4>(full)),
         _ => None,

@@ -3,7 +3,7 @@
 //!
 //! zune-jpeg 0.5 silently decodes them to stripes (its issues 419, 422 and 448). A scan of one
 //! channel is coded like a gray picture of the channel's size (ITU-T T.81, A.2.2). zune-jpeg
-//! decodes such pictures correctly, so each scan is converted to one.
+//! decodes gray pictures correctly, so each scan is converted to one.
 
 use crate::color_range::ColorRange;
 use crate::mjpeg::Mjpeg;

@@ -1,7 +1,7 @@
 //! Reads the directories of a TIFF file (TIFF 6.0, and BigTIFF with its longer numbers): the number
 //! of pictures and the kind of their samples. `image` decodes the pictures but reports neither.
 
-/// Maximum number of directories read. A broken file may list them in a circle.
+/// Maximum number of directories read. In a broken file, they may form a circle.
 const MOST: usize = 1 << 12;
 
 const NEW_SUBFILE_TYPE: u64 = 254;

@@ -6,7 +6,7 @@ use lariat_message::{Centerlines, FrameHeader, Trace};
 use lariat_record::{Entry, Frame, Messages, Pixels, RecordingError};
 
 /// Maximum number of frames read ahead. If a truth has not come by then, the recording lacks it:
-/// the recorder collects both within one wakeup of each other.
+/// the recorder collects a frame and its truth at most one wakeup apart.
 const FRAMES: usize = 4;
 /// Maximum number of truths that wait for their frame.
 const TRUTHS: usize = 16;
@@ -98,7 +98,7 @@ impl Lookahead {
         self.truths.push_back(room);
     }
 
-    /// Reads on until the truth of this frame has come, or can no longer come.
+    /// Reads ahead until the truth of this frame has come, or can no longer come.
     pub(super) fn look_for_truth(&mut self, frame: &FrameHeader, messages: &mut Messages) {
         self.asked = frame.trace;
         while self.has_truth && !self.is_settled() && self.frames.len() < FRAMES {

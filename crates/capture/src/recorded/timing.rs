@@ -2,9 +2,9 @@
 //! have produced these.
 //!
 //! Stamps jump where several sessions are in one recording or where a clock was set, which can also
-//! make them run backward. Some drivers give every frame the same stamp. Shown by such stamps, a
-//! recording would stall or play all at once. Each implausible step is therefore replaced, and each
-//! kind of fault is reported once.
+//! make them run backward. Some drivers give every frame the same stamp. If it were played by such
+//! stamps, a recording would stall or play all at once. Each implausible step is therefore
+//! replaced, and each kind of fault is reported once.
 
 use lariat_message::{FrameHeader, Trace};
 
@@ -16,8 +16,8 @@ const MOST_LOST: u64 = u32::MAX as u64;
 /// Longest step that is waited for. Ten seconds is the limit for keeping a user's attention on a
 /// program that does not respond (J. Nielsen, *Usability Engineering*, 1993, section 5.5).
 const LONGEST_NS: u64 = 10_000_000_000;
-/// Maximum excess of a step by the stamps over the step by the recorder's clock. Queues between the
-/// camera and the recorder are shorter.
+/// Maximum excess of the step between two stamps over the step between the same frames on the
+/// recorder's clock. Queues between the camera and the recorder delay frames by less.
 const MOST_AHEAD_NS: u64 = 1_000_000_000;
 /// Period if no other is known, that of a common camera: a thirtieth of a second.
 const USUAL_NS: u64 = 1_000_000_000 / 30;
@@ -36,11 +36,11 @@ pub(super) struct Timing {
 #[derive(Debug, Clone, Copy)]
 struct Last {
     sequence: u64,
-    /// Number of the source's frames since the first one.
+    /// Number of frames of the source since the first frame of the pass.
     steps: u64,
     exposed_ns: u64,
     log_time_ns: u64,
-    /// Time since the first one.
+    /// Time since the first frame of the pass.
     after_ns: u64,
 }
 

@@ -98,7 +98,7 @@ pub(super) enum Encoding {
     Jpeg,
 }
 
-/// Opens the camera, the first time and again.
+/// Opens the camera, and reopens it after a failure.
 pub(super) trait Port: Send {
     type Driver: Driver;
 

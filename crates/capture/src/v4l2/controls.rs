@@ -83,7 +83,7 @@ pub struct Control {
     pub items: Vec<(i64, String)>,
     /// True if it can never be set.
     pub read_only: bool,
-    /// True if it is ineffective now, because another control does its work.
+    /// True if setting the control has no effect now, because another control does its work.
     pub inactive: bool,
     is_64_bit: bool,
 }

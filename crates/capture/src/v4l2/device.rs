@@ -244,7 +244,7 @@ fn the_cameras() -> String {
     }
 }
 
-/// Says what a node is if not a camera, and what to name instead.
+/// Says what a node is, since it is not a camera, and what to name instead.
 fn what_instead(path: &Path, about: &About) -> String {
     let what = match about.role {
         Role::Metadata => "it gives the pictures' metadata, not the pictures",

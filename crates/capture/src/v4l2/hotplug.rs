@@ -17,7 +17,7 @@ pub(super) struct Hotplug {
 }
 
 /// Events that announce a device: its node is created or moved in, and then made accessible to
-/// other users than root (`ATTRIB`).
+/// users other than root (`ATTRIB`).
 const EVENTS: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::MOVED_TO)
     .union(WatchFlags::ATTRIB);
@@ -36,7 +36,7 @@ impl Hotplug {
         Ok(hotplug)
     }
 
-    /// Discards past events; any new one wakes.
+    /// Discards past events, so that only new ones wake the caller.
     pub(super) fn drain(&self) {
         let mut buffer = [MaybeUninit::uninit(); 1024];
         let mut events = Reader::new(&self.inotify, &mut buffer);

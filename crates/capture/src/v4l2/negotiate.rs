@@ -15,7 +15,7 @@
 //! 5. The size nearest to [`DEFAULT_SIZE`], then the rate.
 //!
 //! For example, a camera whose USB connection carries only 10 uncompressed frames of 1280×720 per
-//! second is read compressed at that size, at 30.
+//! second is read at that size in a compressed format, at 30 frames per second.
 
 use std::fmt;
 
@@ -52,7 +52,7 @@ pub const DEFAULT_SIZE: [u32; 2] = [640, 480];
 /// Maximum width and height of a frame, px.
 const LARGEST: u32 = 8192;
 
-/// Rates whose ratio differs from 1 by at most this count as equal.
+/// Two rates count as equal if their ratio differs from 1 by at most this much.
 const SAME_RATE: f64 = 0.02;
 
 /// Content of a camera's frames.
@@ -75,7 +75,7 @@ impl Wanted {
     }
 }
 
-/// A request to a camera. Whatever is not requested is chosen.
+/// A request to a camera. Lariat chooses whatever is not requested.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Request {
     /// Width and height, px.

@@ -103,7 +103,7 @@ pub enum Rates {
     Untold,
     /// Only these.
     Listed(Vec<Interval>),
-    /// All rates between two.
+    /// All rates between two limits.
     Between {
         /// Interval of the fastest rate.
         shortest: Interval,
@@ -178,7 +178,7 @@ impl SizeRange {
 pub struct SizeOffer {
     /// The size or sizes.
     pub range: SizeRange,
-    /// The rates. For several sizes, those of the one nearest to the request.
+    /// The rates. For several sizes, the rates of the size nearest to the request.
     pub rates: Rates,
 }
 

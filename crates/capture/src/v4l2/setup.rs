@@ -148,8 +148,8 @@ impl Device {
         Ok(self.answer(&format))
     }
 
-    /// The present format, changed to the choice. If that format is already set, the row length is
-    /// kept, in case another program has chosen longer rows on purpose.
+    /// Returns the present format, changed to the chosen one. If that format is already set, the
+    /// row length is kept, in case another program has chosen longer rows on purpose.
     fn with(&self, present: &sys::Format, choice: &Choice) -> sys::Format {
         let [width, height] = choice.size;
         let FourCc(pixelformat) = choice.code;

@@ -8,7 +8,8 @@
 const STALL_PERIODS: u64 = 3;
 /// Time that a camera may take to start.
 const FIRST_FRAME_NS: u64 = 3_000_000_000;
-/// Longest interval between two frames that counts as the camera's pace, unless its own is longer.
+/// Longest interval between two frames that counts as the camera's pace, unless the interval that
+/// the camera reports is longer.
 const LONGEST_PAUSE_NS: u64 = 500_000_000;
 /// Period if the driver does not report it.
 const UNTOLD_NS: u64 = 200_000_000;
@@ -71,7 +72,7 @@ impl Silence {
         }
     }
 
-    /// Handles a new frame. Returns the time without one if that was reported.
+    /// Handles a new frame. Returns how long the camera was silent, if the silence was reported.
     pub(super) fn end(&mut self, now_ns: u64) -> Option<u64> {
         let pause_ns = now_ns.saturating_sub(self.since_ns);
         if self.has_begun {

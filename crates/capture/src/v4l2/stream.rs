@@ -32,7 +32,7 @@ pub(super) struct Stream<D: Driver> {
     mended: Mended,
 }
 
-/// The number of calls that needed a second attempt since the last query, and the last of them.
+/// The number of calls that needed a second attempt since the last query, and the latest such call.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mended {
     pub(super) count: u64,
@@ -172,7 +172,7 @@ impl<D: Driver> Stream<D> {
         &bytes[begin..bytes.len().min(begin + filled.bytes)]
     }
 
-    /// Takes the slot that contains a dequeued frame, moved to the slot's start.
+    /// Takes the slot that contains a dequeued frame. The frame is moved to the slot's start.
     pub(super) fn take_slot(&mut self, filled: &Filled) -> Option<LentSlot> {
         let Buffers::Lent(places) = &mut self.buffers else {
             return None;
@@ -212,7 +212,7 @@ impl<D: Driver> Stream<D> {
         })
     }
 
-    /// Lends a slot to the driver; returns the slot if that is refused.
+    /// Lends a slot to the driver. Returns the slot if the driver refuses it.
     pub(super) fn lend(
         &mut self,
         slot: LentSlot,

@@ -1,5 +1,5 @@
-//! The rope's centerline does not suffer from a camera's JPEG, here compressed to half the bytes of
-//! quality 90.
+//! A camera's JPEG compression hardly moves the rope's centerline. The frames here take half the
+//! bytes of quality 90.
 
 use crate::jpeg;
 

@@ -247,7 +247,7 @@ fn pictures_of_many_sizes_fit_in_the_largest() {
     }
 }
 
-/// Cuts a file to a part of its bytes.
+/// Truncates a file to this percentage of its bytes.
 fn truncate(path: &Path, percent: usize) {
     let bytes = fs::read(path).unwrap();
     fs::write(path, &bytes[..bytes.len() * percent / 100]).unwrap();

@@ -1,5 +1,5 @@
 //! The simulated rope rests without commands. Commands move it from the time when they were sent,
-//! and its truth is what is drawn.
+//! and its truth matches the drawing.
 
 use std::sync::{Arc, Mutex};
 

@@ -244,7 +244,7 @@ impl Child {
         self.ready
     }
 
-    /// Returns the resources that the stage runs without.
+    /// Returns the requested resources that the stage lacks.
     pub(super) fn lacks(&self) -> Lacks {
         self.lacks
     }
@@ -400,8 +400,8 @@ impl Child {
         }
     }
 
-    /// Asks the stage to process what is waiting and then end. A stopped process (SIGSTOP) is
-    /// continued so that it can, as systemd does.
+    /// Asks the stage to process what is waiting and then end. A process that was paused with
+    /// SIGSTOP is continued, so that it can do so. systemd does the same.
     pub(super) fn tell_to_stop(&mut self) {
         self.told_to_stop |= self.ending.is_none();
         match &mut self.host {

@@ -70,7 +70,7 @@ use watch::Watch;
 /// Interval at which the chain checks whether a stage makes progress.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
-/// Runs the chain until its source ends, a signal arrives, or a stage falls for good.
+/// Runs the chain until its source ends, a signal arrives, or a stage falls and is not restarted.
 ///
 /// `flags` are those of `lariat run`. They go to every stage together with `words`, and each stage
 /// uses what concerns it. `settings` are the settings that result from them.
@@ -145,7 +145,7 @@ struct Chain {
     /// Parts that were told to end so that they restart.
     renewed: [bool; Part::ALL.len()],
     watched: [Watched; Part::ALL.len()],
-    /// When the chain was complete.
+    /// Time at which the chain was complete.
     began: Option<Instant>,
     control: Option<Control>,
     file: Option<Watch>,
@@ -154,7 +154,7 @@ struct Chain {
     /// Set once the user was warned that the executable was replaced.
     is_outdated: bool,
     status_notifier: StatusNotifier,
-    /// The first part that fell for good.
+    /// The first part that fell and was not restarted.
     fallen: Option<Part>,
     /// True if nothing is restarted any more.
     is_stopping: bool,
@@ -298,7 +298,8 @@ impl Chain {
         }
     }
 
-    /// Supervises the chain until the source ends, a stage falls for good, or a signal arrives.
+    /// Supervises the chain until the source ends, a stage falls and is not restarted, or a signal
+    /// arrives.
     fn watch(&mut self, stop: &Stop) -> anyhow::Result<()> {
         // Without a capture stage, the chain ends when extract has received all frames that were
         // requested.
@@ -453,7 +454,7 @@ impl Chain {
         verdict
     }
 
-    /// Handles a part that has fallen for good.
+    /// Handles a part that has fallen and is not restarted.
     fn give_up(&mut self, part: Part, ending: Option<Ending>) {
         match ending {
             // The robot needs the chain, so it continues without a recording.

@@ -29,7 +29,8 @@ pub(super) enum Verdict {
 }
 
 impl Restarts {
-    /// Decides about a part that ended in this way. `is_done` is true if its work was done.
+    /// Decides what to do about a part that ended with `ending`. `is_done` is true if its work was
+    /// done.
     pub(super) fn judge(
         &mut self,
         run: &Run,

@@ -21,7 +21,7 @@ const LOSSLESS_PATIENCE: Duration = Duration::from_secs(6);
 const STOP_TIMEOUT: Duration = Duration::from_secs(20);
 /// Factor by which the elapsed time may exceed [`STOP_TIMEOUT`], for a stage that shares its core.
 const STARVED: u32 = 10;
-/// Time limit for the recorder, which must write everything that waits to a disk that may be slow.
+/// Time limit for the recorder, which must write all waiting messages, possibly to a slow disk.
 const RECORDER_STOP_TIMEOUT: Duration = Duration::from_secs(60);
 /// Time limit for a killed process to disappear. The kernel may delay its end for a disk or a
 /// camera.

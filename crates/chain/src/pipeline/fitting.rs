@@ -109,7 +109,7 @@ impl CurveFitter {
     }
 
     /// Repeats the precomputation for another number of points. This happens if extract was started
-    /// with other settings, because its number counts.
+    /// with other settings, because extract's number of points applies.
     fn recount(&mut self, count: usize) -> Result<()> {
         self.fitter = RopeFitter::new(&self.settings, count)?;
         self.make_filters()

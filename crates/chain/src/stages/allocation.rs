@@ -70,7 +70,8 @@ fn measure_a_loan() {
 #[test]
 fn no_stage_allocates_per_frame_once_warm() {
     let domain = format!("a{}", std::process::id());
-    // SAFETY: Only the standard library accesses the environment of this process, and it locks it.
+    // SAFETY: Only the standard library accesses the environment of this process, and does so under
+    // a lock.
     unsafe { std::env::set_var("LARIAT_DOMAIN", &domain) };
     lariat_test_support::watch(count);
     measure_a_loan();

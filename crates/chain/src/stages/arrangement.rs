@@ -14,9 +14,9 @@
 //! granted, all four stages share one core: the last isolated one, or the last one. `lariat bench`
 //! measures four processes in each arrangement. The reasons for these choices:
 //!
-//! - A wake on one core costs about half of a wake across cores, and a message finds its data in
-//!   the cache. One core is therefore best wherever the stages are sure to get it. Overlapping work
-//!   gains less.
+//! - A wake on one core costs about half as much as a wake across cores, and a message finds its
+//!   data in the cache. One core is therefore best wherever the stages are sure to get it.
+//!   Overlapping work gains less.
 //! - Without FIFO, a pinned stage waits behind any other program on its core and cannot move. If
 //!   the waker's core is idle, the kernel places the woken thread there anyway, which is as good as
 //!   pinning on an idle machine. Therefore nothing is pinned by default, and `--realtime` pins only
@@ -83,7 +83,7 @@ pub struct Lacks {
 }
 
 impl Lacks {
-    /// Returns what is missing in either.
+    /// Returns the resources that at least one of the two lacks.
     pub fn and(self, other: Self) -> Self {
         Self {
             priority: self.priority || other.priority,
@@ -125,7 +125,7 @@ impl Lacks {
     }
 }
 
-/// A single sentence.
+/// Writes the missing resources as a single sentence.
 impl fmt::Display for Lacks {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let limit = |resource| match getrlimit(resource).current {
@@ -221,9 +221,9 @@ pub fn keep_apart(wanted: &Arrangement) {
     }
 }
 
-/// Moves this realtime thread to the core of all stages, where a wake costs half of one across
-/// cores. Returns true on success. Without the priority, other programs on that core would delay
-/// the thread.
+/// Moves this realtime thread to the core that all stages share, where a wake costs half as much as
+/// a wake across cores. Returns true on success. Without the priority, other programs on that core
+/// would delay the thread.
 pub fn join_stages() -> bool {
     chosen_core().is_none_or(|core| pin(core).is_ok())
 }
@@ -335,7 +335,8 @@ pub fn run_before_others(priority: u8) -> bool {
 #[derive(Debug)]
 pub struct Rest {
     is_needed: bool,
-    /// A longer wait included a sleep; a shorter one was only spinning.
+    /// Longest wait without a sleep: a longer wait included a sleep, and a shorter one was only
+    /// spinning.
     looks_ns: u64,
     awake_since_ns: u64,
 }
@@ -369,7 +370,8 @@ impl Rest {
         }
     }
 
-    /// Rests if it is time. The stage has work to do; `now_ns` is the current time.
+    /// Sleeps for a moment if a rest is due. The stage has work to do; `now_ns` is the current
+    /// time.
     pub fn if_due(&mut self, now_ns: u64) {
         let run_ns = now_ns.saturating_sub(self.awake_since_ns);
         if self.is_needed && u128::from(run_ns) > LONGEST_RUN.as_nanos() {

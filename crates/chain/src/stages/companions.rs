@@ -122,7 +122,7 @@ impl Companions {
         self.late
     }
 
-    /// Waits for the frame's companion. Returns true if it is held now.
+    /// Waits for the frame's companion. Returns true if it arrived and is in `held`.
     fn wait_for(&mut self, frame: &Trace, stop: &Stop) -> Result<bool, WireError> {
         let age = Duration::from_nanos(now_ns().saturating_sub(frame.captured_ns));
         let deadline = Instant::now() + self.deadline.saturating_sub(age);

@@ -18,8 +18,8 @@ use super::status::{Sent, Taken};
 use crate::settings::Settings;
 use crate::stop::Stop;
 
-/// Minimum silence before a warning. A camera may pause for an exposure in the dark, and a program
-/// for garbage collection.
+/// Minimum silence before a warning. A camera may pause for a long exposure in the dark, and a
+/// program may pause for garbage collection.
 const SHORTEST_SILENCE: Duration = Duration::from_secs(2);
 /// A slow source counts as silent after this many of its periods.
 const PERIODS: u32 = 3;

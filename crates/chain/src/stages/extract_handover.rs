@@ -44,8 +44,8 @@ pub(crate) fn ropes_seen(handover: &Handover) -> usize {
         .count()
 }
 
-/// Writes the state. The message is copied while it exists; the rest happens after it was sent, so
-/// that sending is not delayed.
+/// Writes the state. Only copying the message happens before it is sent. Encoding and writing
+/// follow afterwards, so that sending is not delayed.
 pub(super) struct HandoverWriter {
     last: Box<Centerlines>,
     message: Vec<u8>,

@@ -59,7 +59,8 @@ pub fn run(settings: &Settings, supervision: Supervision) -> anyhow::Result<()> 
                 space.fitter = fitter;
             }
         }
-        // Sent before the descriptors, so that they are there when the descriptors arrive.
+        // The 3-D descriptors are sent first, so that readers already have them when the
+        // descriptors arrive.
         if let Some(space) = &mut space {
             space.answer(&message, started_ns, sent.count + 1, &station)?;
         }

@@ -213,12 +213,12 @@ impl Station {
         change.made
     }
 
-    /// Returns the rest that a realtime stage must take.
+    /// Returns the [`Rest`] that keeps a realtime stage from occupying its core.
     pub fn rest(&self) -> Rest {
         Rest::new(&self.arrangement)
     }
 
-    /// Opens a reader that is woken as the settings say.
+    /// Opens a reader that waits for messages in the way that the settings select.
     pub fn reader<P: Payload + ?Sized>(
         &self,
         channel: &Channel<P>,

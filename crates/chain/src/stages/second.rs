@@ -2,9 +2,9 @@
 //! frame.
 //!
 //! The other rig runs independently and is unaware that this rig reads its channel. A frame's
-//! partner is known once a view has arrived that is later than the frame, or at most half a period
-//! earlier. Until then, fit waits up to a deadline after the frame's capture. If nothing arrives by
-//! then, later frames do not wait until something arrives again.
+//! partner is known once fit has a view that is later than the frame, or at most half a period
+//! earlier. Fit waits for such a view up to a deadline after the frame's capture. After a missed
+//! deadline, fit does not wait for any frame until a view arrives again.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -131,7 +131,7 @@ impl SecondView {
 
     fn take(&mut self, message: &Centerlines) {
         self.is_silent = false;
-        // A frame without an image.
+        // Ignore a frame without an image.
         if message.width == 0 {
             return;
         }

@@ -301,8 +301,8 @@ impl LiveLine {
         self.stale = 0;
     }
 
-    /// Returns when to update the line. If frames stop, the line is updated until it shows this,
-    /// and then not until the next frame arrives.
+    /// Returns when to update the line. After frames stop, the line is updated until its figures
+    /// are empty. The next frame starts the updates again.
     fn due(&self) -> Option<Instant> {
         // The line's figures cover the last second, so two seconds without a frame leave them
         // empty.
@@ -355,8 +355,7 @@ impl LiveLine {
 
     /// Prints the report.
     ///
-    /// # Errors
-    /// Returns an error if anything could not be written, now or before.
+    /// # Errors Returns an error if anything could not be written, now or earlier.
     fn end(mut self, report: &Report) -> anyhow::Result<()> {
         self.say(format_args!("{report}\n"));
         match self.fault {

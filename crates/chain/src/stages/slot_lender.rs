@@ -1,6 +1,6 @@
 #![allow(unsafe_code)] // A source's thread or driver fills slots of shared memory.
-//! A source and the slots of shared memory for its frames. Slots are lent in advance if the source
-//! fills them itself, otherwise taken when a frame is ready.
+//! A source and the slots of shared memory for its frames. If the source fills slots itself, they
+//! are lent in advance. Otherwise a slot is taken when a frame is ready.
 
 use std::ptr::NonNull;
 
@@ -67,15 +67,15 @@ impl<'w> SlotLender<'w> {
     fn lend_one(&mut self, index: usize, mut slot: Slot<'w, [u8]>) {
         let memory = NonNull::from(&mut *slot);
         self.lent[index] = Some(slot);
-        // SAFETY: The memory belongs to the writer, whose borrow outlives the source, and does not
-        // move. It belongs to nobody else until the slot is sent or dropped. Here it is only kept
-        // until the source has returned it or is gone; the source is the first field that is
-        // dropped. The memory always contains initialized bytes.
+        // SAFETY: The memory belongs to the writer and does not move, and the borrow of the writer
+        // outlives the source. Nobody else uses the memory until the slot is sent or dropped. This
+        // struct only keeps the slot until the source has returned it or is gone; the source is the
+        // first field that is dropped. The memory always contains initialized bytes.
         self.source.lend(unsafe { LentSlot::new(index, memory) });
     }
 
-    /// Returns the slot of the frame that is ready: the source's own, or a new one into which it is
-    /// written now.
+    /// Returns the slot of the frame that is ready: the slot that the source filled, or a new slot
+    /// into which the frame is written now.
     pub(super) fn slot_of(&mut self, frame: &Frame) -> anyhow::Result<Slot<'w, [u8]>> {
         match frame.slot {
             Some(key) => self.take_back(key),

@@ -69,7 +69,7 @@ pub enum Word {
     Depthless(u64),
     /// Counts of the depth camera's images.
     Depths(DepthCounts),
-    /// The external writer's counters before the first frame and at the last.
+    /// The external writer's counters before the first frame and in the last one.
     Taken(Taken),
     /// The last message: totals of sent messages.
     Sent(Sent),

@@ -28,7 +28,7 @@ pub(super) struct Memory {
     /// The largest log-density in the tile.
     most: Vec<f32>,
     candidates: Vec<Candidate>,
-    /// One register per candidate, and then four per candidate.
+    /// One register of densities per candidate, and four registers of moments.
     densities: Vec<f32>,
     moments: Vec<f32>,
 }

@@ -7,8 +7,8 @@ use crate::INPUTS;
 use crate::error::ServoError;
 use crate::estimator::NONE;
 
-/// Variance of a Jacobian that the caller provides. It is accurate to a fifth, as for a rope that
-/// is held slightly differently.
+/// Variance of a Jacobian that the caller provides. Its entries are assumed accurate to a fifth, as
+/// for a rope that is held slightly differently.
 const KNOWN_VARIANCE: f64 = 0.04;
 
 impl<const A: usize> Servo<A> {
@@ -49,9 +49,9 @@ impl<const A: usize> Servo<A> {
         Some(self.limits.spread_row(&row))
     }
 
-    /// Sets `∂s/∂r` from another run with the same rope, held alike. There is one row for each
-    /// coordinate of the shape, as returned by [`jacobian`](Self::jacobian). The servo then steers
-    /// from the first image on.
+    /// Sets `∂s/∂r` from another run with the same rope, held in the same way. There is one row for
+    /// each coordinate of the shape, as returned by [`jacobian`](Self::jacobian). The servo then
+    /// steers from the first image on.
     ///
     /// # Errors
     /// Fails if the number of rows is not the number of the target's coordinates, or if an entry is

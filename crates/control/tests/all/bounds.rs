@@ -176,7 +176,7 @@ proptest! {
     }
 }
 
-/// A servo with limits a hundredth of another's moves in the same direction.
+/// A servo whose limits are a hundredth of another servo's moves in the same direction.
 #[test]
 fn a_saturated_velocity_keeps_its_direction() {
     let commands = [1.0, 100.0].map(|times: f64| {

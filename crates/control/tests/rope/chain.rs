@@ -216,9 +216,9 @@ pub(crate) const NEAR_PX: f64 = 5.0;
 /// Result of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Outcome {
-    /// Time since which the rope has stayed near the target.
+    /// Time when the rope came near the target for good.
     pub(crate) reached_s: Option<f64>,
-    /// Time since which the rope has been at rest at its target.
+    /// Time when the rope came to rest at its target.
     pub(crate) arrived_s: Option<f64>,
     /// Time of the last exploration.
     pub(crate) explored_s: f64,

@@ -75,8 +75,8 @@ fn so_do_few_images_that_come_late() {
     }
 }
 
-/// Derivatives of the control points by the grippers' poses, from central differences: the rope is
-/// at rest, and each gripper moves by a fixed amount either way.
+/// Derivatives of the control points with respect to the grippers' poses, from central differences:
+/// the rope is at rest, and each gripper moves by a fixed amount either way.
 fn by_differences(simulation: &Simulation, order: usize) -> Vec<[[f64; 3]; 2]> {
     const MOVED_PX: f64 = 5.0;
     let mut fitter = fitter(order);

@@ -92,7 +92,7 @@ impl Fit {
         }
     }
 
-    /// Adds to the control points the effect of noise in every point.
+    /// Adds the effect of noise in every point to the control points.
     fn disturb(&self, shape: &mut [f64], noise_px: f64, random: &mut SplitMix64) {
         let noise: Vec<[f64; 2]> = self.inverse[0]
             .iter()

@@ -6,8 +6,8 @@ use crate::rendered::portable::sin_turns;
 use crate::rendered::table::{lit_table, to_byte};
 use crate::scenes::{self, Class};
 
-/// Range of a moving camera to either side, as a share of the picture's shorter side, and the
-/// periods of its motion.
+/// Range of a moving camera to either side, as a share of the picture's shorter side; and the
+/// periods of the camera's motion.
 const SWAY: f64 = 0.07;
 const PERIODS_S: [f64; 2] = [4.7, 3.6];
 
@@ -24,12 +24,12 @@ const ROPES: [[u8; 3]; 8] = [
     [200, 60, 150],
 ];
 const CLEAREST: usize = 3;
-/// Stride of the sampled pixels, and the inverse of the share of samples that may resemble the
+/// Stride of the sampled pixels; and the inverse of the share of the samples that may resemble the
 /// rope.
 const EVERY: usize = 7;
 const ALIKE: usize = 20;
 
-/// A surface, as large as everything that the camera sees of it.
+/// A surface. Its size is that of everything that the camera sees during the film.
 #[derive(Debug)]
 pub(super) struct Ground {
     rgb: Vec<u8>,
@@ -117,7 +117,7 @@ fn margin(story: Story, size: [usize; 2]) -> usize {
     }
 }
 
-/// Distance of a color from all but a few of a picture's pixels.
+/// Minimum distance of a color from the colors of a picture's pixels, except for a few outliers.
 fn clearance(rgb: &[u8], color: [u8; 3]) -> u32 {
     let off = |pixel: &[u8]| -> u32 {
         (pixel.iter().zip(color))

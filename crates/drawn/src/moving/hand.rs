@@ -5,20 +5,20 @@ use crate::rendered::portable::smoothstep;
 
 /// Skin colors: light and dark.
 const SKINS: [[f64; 3]; 2] = [[206.0, 158.0, 132.0], [120.0, 86.0, 66.0]];
-/// Period of the passes, and duration of one.
+/// Period of the passes, and duration of a pass.
 const EVERY_S: f64 = 6.0;
 const PASSES_S: f64 = 3.0;
 
-/// Period of the visits at which the hand rests; durations of coming in, which is also that of
-/// leaving, and of resting.
+/// Period of the visits at which the hand rests; time that the hand takes to come in, and again to
+/// leave; and time for which it rests.
 const RESTS_EVERY_S: f64 = 5.0;
 const COMES_S: f64 = 0.4;
 const STAYS_S: f64 = 2.5;
 /// Resting places, in turn, as shares of the picture's sides.
 const RESTS: [[f64; 2]; 3] = [[0.5, 0.45], [0.36, 0.6], [0.64, 0.55]];
 
-/// Visits in a film from another source: number of frames from one visit to the next, number of
-/// these without a hand, and number of frames to come in and to leave.
+/// Visits in a film from another source: period of the visits in frames, number of these frames
+/// without a hand, and number of frames that the hand takes to come in and again to leave.
 const VISITS_EVERY: u64 = 120;
 const AWAY: u64 = 25;
 const COMES: f64 = 8.0;

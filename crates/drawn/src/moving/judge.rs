@@ -39,18 +39,18 @@ pub struct Verdict {
     pub flips: u64,
     /// Number of times that a rope's track number changed.
     pub swaps: u64,
-    /// Number of curves that are on their rope but not in its order: strands exchanged, loops left
-    /// out.
+    /// Number of curves that are on their rope but do not follow it in order, because strands are
+    /// exchanged or loops left out.
     pub exchanged: u64,
     /// Number of curves reported as visible that are not on a rope.
     pub invented: u64,
-    /// Number of completely visible ropes not reported as `Ok`, and of partly hidden ones reported
-    /// as `Ok`.
+    /// Number of completely visible ropes not reported as `Ok`, plus number of partly hidden ropes
+    /// reported as `Ok`.
     pub misjudged: u64,
-    /// Number of points of curves on their rope that were hidden but not marked, or marked but
-    /// visible.
+    /// Number of wrongly marked points on curves that are on their rope: hidden but not marked, or
+    /// marked but visible.
     pub mismarked: u64,
-    /// Number of points that were checked for such marks.
+    /// Number of points whose marks were checked.
     pub marked: u64,
 }
 

@@ -1,4 +1,4 @@
-//! A writhing rope. Its heading is that of a ring, more or less closed, plus bending modes that
+//! A writhing rope. Its heading is that of a more or less closed ring, plus bending modes that
 //! swing at different rates.
 //!
 //! The centerline is the integral of the heading. Its length never changes, and equal steps along

@@ -30,7 +30,7 @@ const LANES: usize = 8;
 const OFFSETS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// An image of three bytes per pixel, without padding, at least [`LANES`] pixels wide. Its values
-/// are as [`to_byte`] makes them, so pixels outside the drawing are written back unchanged.
+/// are in the range of [`to_byte`], so pixels outside the drawing are written back unchanged.
 pub(crate) struct Canvas<'a> {
     pub(crate) pixels: &'a mut [u8],
     pub(crate) width: usize,
@@ -52,8 +52,8 @@ pub(crate) struct Brush {
     reach_px: f32,
     /// Radius of the corners at the ends.
     corner_px: f32,
-    /// Inverses of the half width, of the width of the shadow, and of the twist's pitch from strand
-    /// to strand along the rope.
+    /// Inverses of three lengths: half the width, the width of the shadow, and the pitch of the
+    /// twist (from strand to strand, along the rope).
     per_half: f32,
     per_shadow: f32,
     per_pitch: f32,
@@ -76,8 +76,8 @@ impl WithSimd for Drawing<'_, '_> {
     }
 }
 
-/// A point of the centerline, with the direction of the plane through it that is normal to the
-/// line.
+/// A point of the centerline, with the normal vector of the plane that cuts the line there at a
+/// right angle.
 #[derive(Clone, Copy)]
 struct Gate {
     at: [f32; 2],
@@ -104,7 +104,7 @@ struct Slab {
     step_px: f32,
     /// True if the rope's end may be inside.
     is_at_tip: bool,
-    /// Distances beyond the gates within which pixels belong to the slab: [0, 0] except at the
+    /// Distances beyond the two gates up to which pixels belong to the slab: [0, 0] except at the
     /// tips.
     overhang_px: [f32; 2],
     /// Component of the lamp's direction across the rope.
@@ -203,8 +203,8 @@ impl Brush {
         }
     }
 
-    /// Draws shadow, then rope, in the pixels from column `first` on that are in the slab. There is
-    /// no branch, so that the compiler can vectorize it.
+    /// Draws first the shadow and then the rope, in those pixels from column `first` on that are in
+    /// the slab. There is no branch, so that the compiler can vectorize it.
     #[inline(always)]
     fn draw_pixels<const IS_AT_TIP: bool>(
         &self,

@@ -55,8 +55,8 @@ pub(super) struct Motion {
     rest: [f64; MODES],
     /// Degree to which the loop is closed; swings about ½ and saturates outside [0, 1].
     closing: Wave,
-    /// Shape of each mode for each segment, followed by the heading that the complete loop adds, in
-    /// turns.
+    /// For each segment, the shape of each mode, followed by the heading that the complete loop
+    /// adds. In turns.
     basis: Vec<[f64; MODES + 1]>,
     /// Mean position of the centroid.
     centre_px: [f64; 2],

@@ -23,8 +23,8 @@ pub(crate) fn to_byte(value: f32) -> u8 {
 /// From this value on, floats have no fraction, and their lowest bits are those of the integer.
 const FRACTIONLESS: f32 = (1 << 23) as f32;
 
-/// Whole part of a number from 0 to 2²². A conversion to an integer gives the same result, but
-/// handles numbers out of range lane by lane.
+/// Whole part of a number from 0 to 2²². A conversion to an integer gives the same result but is
+/// slower: it treats numbers out of range separately in each lane.
 #[inline(always)]
 pub(crate) fn whole_part(value: f32) -> f32 {
     let nearest = (value + FRACTIONLESS) - FRACTIONLESS;

@@ -53,8 +53,8 @@ pub(crate) fn fill(
 /// Calls back for each self-crossing of the line, with the earlier and the later position in
 /// segments.
 ///
-/// Two segments at a distance D cannot meet before the line has advanced by D minus their own
-/// lengths, so most pairs are skipped.
+/// If two segments are a distance D apart, the line must advance by D minus their lengths before it
+/// can meet the first segment. Most pairs are therefore skipped.
 fn find_crossings(line: &[[f64; 2]], length_px: f64, mut found: impl FnMut([f64; 2], f64, f64)) {
     let segments = line.len() - 1;
     let step_px = length_px / segments as f64;

@@ -89,7 +89,8 @@ fn blur(picture: &mut [[f32; 3]], [width, height]: [usize; 2], sigma_px: f32) {
     let sum: f32 = kernel.iter().sum();
     kernel.iter_mut().for_each(|weight| *weight /= sum);
     let reach = kernel.len() / 2;
-    // A row, extended on both sides by the reach of the blur with its first and its last pixel.
+    // A row that is extended on both sides by the reach of the blur, with copies of its first and
+    // its last pixel.
     let mut row = vec![[0.0; 3]; width + 2 * reach];
     for blurred in picture.chunks_exact_mut(width) {
         let (first, last) = (blurred[0], blurred[width - 1]);
@@ -144,8 +145,8 @@ fn moved(picture: &[[f32; 3]], [width, height]: [usize; 2], by: [f32; 2]) -> Vec
         .collect()
 }
 
-/// Averages the picture while it moves, from half of `by` backward to half of it forward, so that
-/// the truth is at the middle of the motion.
+/// Averages the picture while it moves from −`by`/2 to +`by`/2, so that the truth is at the middle
+/// of the motion.
 fn smear(picture: &mut [[f32; 3]], size: [usize; 2], by: [f32; 2]) {
     // Each step is less than half a pixel.
     let steps = ((by[0] * by[0] + by[1] * by[1]).sqrt() / 0.4)

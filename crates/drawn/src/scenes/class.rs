@@ -45,7 +45,8 @@ pub enum Class {
     /// Two strands (of one rope or of two) run side by side in contact for 1 to 4 widths and part
     /// again without crossing.
     Touch,
-    /// A tip next to a strand, or pointing at it, 0.3 to 2 widths from its edge (at least 1.5 px).
+    /// A tip next to a strand, or pointing at a strand, 0.3 to 2 widths (at least 1.5 px) from the
+    /// strand's edge.
     EndsNear,
     /// A tip that touches a strand's edge, or overlaps it by up to 0.3 widths.
     EndsTouching,
@@ -77,8 +78,8 @@ pub enum Class {
     /// A rope of two colors, twisted.
     Twisted,
     /// One to three ropes with a soft shadow on a plain surface. Seeds 4k to 4k + 3 have the usual
-    /// noise, noise of 8 to 14 levels, of 14 to 20 levels, and the same amount as grain of a pixel
-    /// or two.
+    /// noise, noise of 8 to 14 levels, noise of 14 to 20 levels, and noise of 8 to 20 levels as
+    /// grain of a pixel or two.
     OnNoise,
     /// The ropes of [`OnNoise`](Class::OnNoise) on a texture: for seeds 4k to 4k + 3 wood, cloth,
     /// print, gravel.
@@ -88,7 +89,7 @@ pub enum Class {
     /// A rope pulled tight through the image, straight or slightly bent, on such surfaces: for
     /// seeds 4k to 4k + 3 plain, a texture, and twice a desk.
     Taut,
-    /// The picture of a figure-eight knot with four crossings above 20°. The knot is drawn together
+    /// The picture of a figure-eight knot with four crossings above 20°. The knot is tightened
     /// until 2.5 to 5 widths of rope are left between two crossings. Half of the pictures are
     /// knots; in the others, chance decides which strands are on top.
     Eights,
@@ -103,8 +104,8 @@ pub enum Class {
     Covered,
     /// The picture was stored as a JPEG of quality 30, with color at half the resolution.
     Jpeg,
-    /// A bend of the rope, by up to 90°, is outside the picture: by one to 3.5 widths, over up to
-    /// 14 widths.
+    /// A bend of the rope, by up to 90°, is outside the picture. It extends 1 to 3.5 widths beyond
+    /// the border, over up to 14 widths of rope.
     Returning,
 }
 

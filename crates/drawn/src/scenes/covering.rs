@@ -57,7 +57,8 @@ impl Covering {
         })
     }
 
-    /// Returns whether it hides a short stretch around this position and no other part of the rope.
+    /// Returns whether the covering hides a short stretch around this position and no other part of
+    /// the rope.
     fn is_apt(&self, layout: &Layout, along_px: f64) -> bool {
         let (line, width_px): (&Line, f64) = (&layout.lines[0], layout.width_px);
         // The rope's half width, plus a rim in which the table is visible.
@@ -99,7 +100,8 @@ impl Covering {
         across_px.min(length_px * share.min(1.0 - share))
     }
 
-    /// Draws it over the ropes, and reduces `seen`, the visible share of each pixel.
+    /// Draws the covering over the ropes, and reduces `seen`, the share of each pixel in which rope
+    /// is visible.
     pub(super) fn paint(
         &self,
         painted: &mut Painted,

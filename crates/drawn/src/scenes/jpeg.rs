@@ -131,7 +131,7 @@ impl Plane {
     }
 }
 
-/// Frequencies of a block, or with `back` the block of some frequencies.
+/// Returns the frequencies of a block or, with `back`, the block with these frequencies.
 fn transform(
     waves: &[[f32; SIDE]; SIDE],
     block: &[[f32; SIDE]; SIDE],

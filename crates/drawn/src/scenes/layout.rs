@@ -43,8 +43,8 @@ pub(super) struct Layout {
     pub(super) covering: Option<Covering>,
 }
 
-/// Two strands side by side in contact: lines, middles of the stretches, and half the lengths of
-/// these.
+/// Two strands side by side in contact: their lines, and the middle and half the length of the
+/// contact on each.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
     pub(super) lines: [usize; 2],
@@ -124,7 +124,7 @@ fn free(
             shape::open(random, room, swing)
         };
         if rules.ropes > 1 {
-            // Only a part of the line, so that several ropes have room.
+            // Uses only a part of the line, so that several ropes have room.
             let length_px = line.length_px() * random.uniform(0.45, 0.8);
             let from_px = random.uniform(0.0, line.length_px() - length_px);
             line = line.cut(from_px, from_px + length_px);
@@ -230,7 +230,8 @@ fn ending(class: Class, random: &mut SplitMix64, size_px: Vec2, width_px: f64) -
         return (lines.iter().all(fits) && meetings(&lines, 0.0).meetings.is_empty())
             .then(|| uncrossed_layout(lines, width_px));
     }
-    // A rope with one crossing, cut off shortly before its second passage.
+    // A rope with one crossing, which is cut off shortly before it passes the crossing for the
+    // second time.
     let rules = crossed(1);
     let swing = random.uniform(0.2, 0.6);
     let line = shape::open(random, room, swing);

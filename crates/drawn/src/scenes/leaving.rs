@@ -6,7 +6,8 @@ use super::rules::{Rules, bends_enough, crossings_as_asked};
 use super::shape::{self, Room};
 use lariat_portable::SplitMix64;
 
-/// Makes a rope with one or both ends outside the image. It leaves the image once at each of them.
+/// Makes a rope with one or both ends outside the image. It leaves the image once at each of these
+/// ends.
 pub(super) fn leaving(
     rules: &Rules,
     random: &mut SplitMix64,
@@ -35,8 +36,8 @@ pub(super) fn taut(
     (layout.border == [[true; 2]]).then_some(layout)
 }
 
-/// Makes a rope with a bend outside the image, by up to three and a half widths; its visible parts
-/// point there.
+/// Makes a rope with a bend up to three and a half widths outside the image. Its visible parts
+/// point to the bend.
 pub(super) fn returning(
     rules: &Rules,
     random: &mut SplitMix64,

@@ -107,7 +107,7 @@ impl Line {
         [self.points[i], self.points[next]]
     }
 
-    /// Point at an arc length; beyond a tip, the tip.
+    /// Point at an arc length. For an arc length beyond a tip, the tip itself.
     pub(super) fn at(&self, along_px: f64) -> Vec2 {
         let mut position = along_px / self.step_px;
         if self.closed {
@@ -176,7 +176,7 @@ pub(super) struct Meeting {
     /// Arc length on each line.
     pub(super) along_px: [f64; 2],
     pub(super) at: Vec2,
-    /// Sine of half the angle between the lines, and of the angle.
+    /// Sines of half the angle between the lines and of the whole angle.
     pub(super) sin_half: f64,
     pub(super) sin: f64,
 }

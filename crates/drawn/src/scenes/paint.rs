@@ -9,8 +9,9 @@ use super::layout::{Layout, Top};
 use super::line::{Line, dot, minus};
 use super::style::{Coat, Style};
 
-/// Number of samples per pixel, at the first 16 points of Hammersley's sequence. Each of 16 rows
-/// and columns has one, so an edge along the pixels is as exact as any other, to 1/32 px.
+/// Number of samples per pixel. They are at the first 16 points of Hammersley's sequence. Each of
+/// 16 rows and 16 columns contains one sample, so an edge along the pixels is as exact as any other
+/// edge, to 1/32 px.
 const SAMPLES: usize = 16;
 /// Number of rows drawn at a time.
 const STRIP: usize = 8;
@@ -29,7 +30,7 @@ struct Hit {
 
 const NONE: u32 = u32::MAX;
 
-/// Ropes without a background: light times coverage of each pixel, and the coverage.
+/// Ropes without a background: for each pixel, light times coverage, and the coverage itself.
 pub(super) struct Painted {
     pub(super) light: Vec<[f32; 3]>,
     pub(super) cover: Vec<f32>,
@@ -125,8 +126,8 @@ fn sample(at: [f64; 2], k: usize) -> [f64; 2] {
     ]
 }
 
-/// Returns whether strand `a` covers strand `b`: as at their nearest crossing, or otherwise if it
-/// was laid later.
+/// Returns whether strand `a` covers strand `b`. Their nearest crossing decides. Without a
+/// crossing, the strand that was laid later is on top.
 fn is_over(tops: &[Top], a: Hit, b: Hit) -> bool {
     let mut nearest_px = f64::INFINITY;
     let mut is_over = true;
@@ -187,8 +188,8 @@ impl Slab {
         let from = minus(at, self.points[0]);
         let across_px = dot(from, self.normal).abs();
         let along_px = from[0] * self.normal[1] - from[1] * self.normal[0];
-        // Planes tilt by the turn of one step: at radii of 1.5 widths, that is less than a third of
-        // a step at the edge.
+        // The planes tilt by the turn of one step. At radii of at least 1.5 widths, this shifts the
+        // slab's edge by less than a third of a step.
         across_px < self.half_px + PIXEL
             && along_px > -PIXEL - self.step_px
             && along_px < self.step_px * 2.0 + PIXEL
@@ -256,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_rope_covers_its_length_times_its_width_about_its_middle() {
-        // Along the pixels and oblique, with widths that are not whole numbers.
+        // Lines along the pixels and oblique lines, with widths that are not whole numbers.
         for (from, to) in [
             ([20.0, 40.3], [100.0, 40.3]),
             ([20.4, 20.0], [91.7, 83.1]),

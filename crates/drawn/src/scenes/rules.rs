@@ -15,7 +15,7 @@ const LEAST_RADIUS_PX: f64 = 16.0;
 pub(super) struct Rules {
     pub(super) width_px: [f64; 2],
     crossings: RangeInclusive<usize>,
-    /// Minimum sine of the flattest crossing's angle, and its maximum.
+    /// Minimum and maximum of the sine of the flattest crossing's angle.
     sin: [f64; 2],
     pub(super) ropes: usize,
     pub(super) swing: [f64; 2],

@@ -42,9 +42,9 @@ pub struct CrossingScore {
 
 /// Comparison of curves with the truth.
 ///
-/// A rope without a matching curve also counts, with the distances of its true points from the
-/// detected curves. A false curve counts with its distances from the true ropes. In a picture
-/// without curves, half the length of a rope limits its distances.
+/// A rope without a matching curve also counts: the distances of its true points from the detected
+/// curves are included. For a false curve, the distances from the true ropes are included. The
+/// distances of an unmatched rope are at most half of its length, even in a picture without curves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Score {
     /// Number of true ropes.

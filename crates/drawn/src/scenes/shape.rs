@@ -146,9 +146,9 @@ pub(super) struct Beside {
     pub(super) parting_px: f64,
 }
 
-/// Makes two strands that come together, run next to each other and part; with `joined`, one rope
-/// that turns back in a loop afterward. Their spine is a gentle curve somewhere in the room. Also
-/// returns the arc lengths of the run on the second strand.
+/// Makes two strands that come together, run next to each other and part. With `joined`, makes one
+/// rope instead, whose two strands are joined by a loop at the end. Their spine is a gentle curve
+/// somewhere in the room. Also returns the arc lengths of the run on the second strand.
 pub(super) fn beside(
     random: &mut SplitMix64,
     room: Room,

@@ -11,7 +11,7 @@ pub(super) type Rgb = [f32; 3];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coat {
     pub(super) rgb: Rgb,
-    /// Color of every second strand, if different, and the pitch of a strand in widths.
+    /// Color of every second strand, if it is different; and the pitch of a strand, in widths.
     pub(super) second: Option<Rgb>,
     pub(super) pitch_widths: f32,
     /// Share of the light that the grooves between the strands take.
@@ -41,7 +41,7 @@ pub(super) struct Style {
     /// Falloff of the light over the picture, as a vector: 1 + fall · (x, y) / size from the
     /// center.
     pub(super) fall: [f32; 2],
-    /// A brighter spot: its position as shares of the image, and the additional light.
+    /// A brighter spot: its position as shares of the image's sides, and the additional light.
     pub(super) spot: Vec2,
     pub(super) spot_light: f32,
     pub(super) exposure: f32,

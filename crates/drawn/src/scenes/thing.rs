@@ -20,7 +20,8 @@ const LETTERS: [&[Vec2]; 6] = [
 
 #[derive(Debug)]
 enum Kind {
-    /// A straight body between two points, with a second color from a share of its length on.
+    /// A straight body between two points. From the share `cap` of its length on, it has a second
+    /// color.
     Pen { ends: [Vec2; 2], cap: f64 },
     /// Another surface on one side of a straight line, with a line along it.
     Board { at: Vec2, normal: Vec2, shade: f32 },

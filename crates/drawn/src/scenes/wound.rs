@@ -15,7 +15,7 @@ const FLATTEST: f64 = 0.342;
 /// Minimum distance between a tip and any other strand, in widths.
 const TIP_WIDTHS: f64 = 2.0;
 
-/// Makes the picture of a figure-eight knot with four crossings, drawn together as far as its lobes
+/// Makes the picture of a figure-eight knot with four crossings, tightened as far as its lobes
 /// allow.
 pub(super) fn eight(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let inner = random.uniform(1.4, 2.6);
@@ -60,7 +60,7 @@ fn alternate(tops: &mut [Top], along_px: &[f64]) {
 }
 
 /// Makes a coil of three to five loops. The offset between loops is so small that the overlaps of
-/// neighbors merge.
+/// neighboring loops merge.
 pub(super) fn coil(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Option<Layout> {
     let loops = (3 + random.next_u64() % 3) as f64;
     let radius_px = random.uniform(0.1, 0.2) * size_px[1];

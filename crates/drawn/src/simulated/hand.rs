@@ -14,7 +14,7 @@ const SHADOW: f32 = 0.2;
 /// Width of its picture, and position of the palm's middle in it.
 const WIDTH: usize = 240;
 const MIDDLE: [usize; 2] = [120, 160];
-/// Maximum length of the forearm below that.
+/// Maximum length of the forearm below the palm's middle.
 const ARM_PX: usize = 700;
 /// Rounding of the joints between its parts.
 const ROUND_PX: f32 = 7.0;
@@ -99,8 +99,8 @@ impl Hand {
             return Area::default();
         }
         let rests_at = *self.rests_at.get_or_insert(rope);
-        // Slow at its resting place and fast at the picture's edge, where visible fingertips alone
-        // could be mistaken for something else.
+        // The hand is slow at its resting place and fast at the picture's edge, where fingertips
+        // that are visible alone could be mistaken for another object.
         let (into, out) = (into.min(1.0), out.max(0.0));
         let away = (1.0 - into) * (1.0 - into) + out * out;
         let below_px = away * (canvas.height as f64 - rests_at[1] + MIDDLE[1] as f64);

@@ -27,8 +27,8 @@ const SENSOR: DepthSensor = DepthSensor::STEREO;
 /// Number of points of the drawn line per segment between nodes.
 const FINER: usize = 3;
 /// A gripper consists of two tubes with these radii: jaws that close around the rope's end, and a
-/// wrist. The other values are their start and end relative to the rope's end; the wrist ends where
-/// the jaws begin.
+/// wrist. The other two values are where each tube begins, relative to the rope's end. The wrist
+/// ends where the jaws begin.
 const JAWS_MM: f64 = 9.0;
 const WRIST_MM: f64 = 18.0;
 const JAWS_FROM_MM: f64 = -14.0;

@@ -13,7 +13,8 @@ const SHADOW_AT: [f32; 2] = [2.5, 3.5];
 const SHADOW_PX: f32 = 5.0;
 /// Share of the light that the shadow takes.
 const SHADOW: f32 = 0.16;
-/// Width of the rim, and by how many levels it is brighter toward the lamp and darker away from it.
+/// Width of the rim; and its contrast in levels: brighter toward the lamp, darker on the other
+/// side.
 const RIM_PX: f32 = 2.0;
 const RIM: f32 = 22.0;
 /// Direction to the lamp, in the picture.
@@ -80,8 +81,8 @@ impl Plate {
         }
     }
 
-    /// Passes each pixel less than `reach_px` outside to `with`: the distance of its center from
-    /// the outline, and how much that side faces the lamp.
+    /// Calls `with` for each pixel that is less than `reach_px` outside. Passes the distance of the
+    /// pixel's center from the outline, and how much that side faces the lamp.
     fn each_pixel(
         &self,
         reach_px: f32,

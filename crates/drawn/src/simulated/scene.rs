@@ -29,7 +29,7 @@ pub struct Scene {
     table: Vec<u8>,
     /// The picture without noise.
     pixels: Vec<u8>,
-    /// Regions where it differs from the table.
+    /// Regions where the picture differs from the table.
     drawn: [Area; THINGS],
     hand: Option<Hand>,
     /// Drawn line from end to end, and the indices where the part between the jaws begins and ends.

@@ -43,7 +43,7 @@ impl Eye {
         }
     }
 
-    /// Makes a camera with the same orientation and another lens, moved by `by_mm` in this one's
+    /// Makes a camera with the same orientation and another lens, moved by `by_mm` in this camera's
     /// frame.
     pub fn beside(&self, by_mm: [f64; 3], focal_px: f64, size: [usize; 2]) -> Self {
         Self {
@@ -56,7 +56,8 @@ impl Eye {
     }
 
     /// Makes a camera like this one, moved by `by_mm` in its frame. The new camera is turned to
-    /// look at what this one sees in its middle at `ahead_mm`.
+    /// look at the point that this camera sees in the middle of its image at a distance of
+    /// `ahead_mm`.
     pub fn verging(&self, by_mm: [f64; 3], ahead_mm: f64) -> Self {
         let turn = turned_to([-by_mm[0], -by_mm[1], ahead_mm - by_mm[2]]);
         let beside = self.beside(by_mm, self.focal_px[0], self.size);
@@ -108,7 +109,7 @@ impl Eye {
     }
 }
 
-/// Rotation after which this direction is straight ahead, and down remains down as far as possible.
+/// Rotation after which this direction is straight ahead. Down remains down as far as possible.
 fn turned_to(way: [f64; 3]) -> [[f64; 3]; 3] {
     let unit = |v: [f64; 3]| {
         let size = dot(v, v).sqrt();

@@ -10,7 +10,7 @@ const RAYS: usize = 4;
 /// Direction to the light, in the table's frame.
 const LIGHT: [f64; 3] = [0.36, 0.48, 0.8];
 
-/// First hit of a ray: its depth, mm, and, on the rope, the light there, 0 to 1.
+/// First hit of a ray: its depth in mm and, if the hit is on the rope, the light there from 0 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     pub depth: f64,

@@ -36,7 +36,7 @@ pub struct LiftOptions {
     pub crossings: usize,
 }
 
-/// No such rope was found that is completely in the picture.
+/// No rope was found that meets the requirements and is completely in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
     "no such rope fits the picture: ask for a shorter one, fewer crossings, a lower lift, or a larger picture"
@@ -162,8 +162,9 @@ impl End {
         dot(way, way) < radius * radius
     }
 
-    /// Returns the depth at which a ray that is in a ball between two depths enters the part that
-    /// remains after the cut; `None` if nothing remains.
+    /// Returns the depth at which a ray enters the part of a ball that remains after the cut.
+    /// `near` and `far` are the depths at which the ray enters and leaves the whole ball. `None` if
+    /// the ray misses the remaining part.
     pub(crate) fn cut(&self, ray: [f64; 3], [near, far]: [f64; 2]) -> Option<f64> {
         let beyond = |depth: f64| {
             let way = [0, 1, 2].map(|k| depth * ray[k] - self.at[k]);
@@ -240,8 +241,7 @@ fn lifted(ground: &[[f64; 2]], options: &LiftOptions, random: &mut SplitMix64) -
     lines.map(|(i, &[x, y])| [x, y, height(i)]).collect()
 }
 
-/// Lifts the strand at `over` onto the one at `under`, unless the first is already above the
-/// second.
+/// Lifts the strand at `over` onto the strand at `under`, unless it is already above that strand.
 fn lay_over(points: &mut [[f64; 3]], over: usize, under: usize, diameter: f64) {
     let step = distance(points[over], points[(over + 1).min(points.len() - 1)]).max(1e-9);
     let missing = points[under][2] + diameter - points[over][2];

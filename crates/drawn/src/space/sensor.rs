@@ -11,17 +11,18 @@ const RAYS: usize = 3;
 /// Errors of a depth camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSensor {
-    /// Factor of the noise: the standard deviation of a depth z is this times z². It is s / (f B)
-    /// for a disparity error of s pixels. 1/mm.
+    /// Factor of the noise: the standard deviation of a depth z is this times z². The factor is s /
+    /// (f B) for a disparity error of s pixels. In 1/mm.
     pub noise_per_mm: f64,
     /// Resolution of the depth, mm.
     pub unit_mm: f64,
-    /// Number of pixels per side that share their noise: 1, or a larger odd number.
+    /// Side length, in pixels, of the square over which the noise is averaged: 1, or a larger odd
+    /// number.
     pub grain_px: usize,
-    /// Share of pixels anywhere without a depth.
+    /// Share of all pixels without a depth.
     pub holes: f64,
-    /// Share of edge pixels without a depth. The other edge pixels, which see both sides, have a
-    /// depth in between.
+    /// Share of edge pixels without a depth. The other edge pixels see both sides of the edge and
+    /// have a depth in between.
     pub edge_holes: f64,
     /// Offset of the second imager to the right, mm. Points that it cannot see have no depth. 0: no
     /// second imager.
@@ -41,7 +42,7 @@ impl DepthSensor {
     };
 }
 
-/// A fixed depth camera for a series of images; keeps what does not depend on the rope.
+/// A fixed depth camera for a series of images. It keeps the data that do not depend on the rope.
 #[derive(Debug, Clone)]
 pub struct DepthPainter {
     eye: Eye,
@@ -145,7 +146,7 @@ pub fn depth(rope: &LiftedRope, eye: &Eye, sensor: &DepthSensor, seed: u64) -> V
     DepthPainter::new(eye, sensor).image(rope, seed)
 }
 
-/// Noise of variance 1, shared by this many pixels per side.
+/// Noise of variance 1, averaged over squares of this many pixels per side.
 fn noise([width, height]: [usize; 2], grain: usize, random: &mut SplitMix64) -> Vec<f64> {
     let white: Vec<f64> = (0..width * height).map(|_| random.normal()).collect();
     if grain <= 1 {

@@ -15,7 +15,7 @@ use super::strips::{BLOCK, Strips};
 
 /// Maximum half-width that is measured, in pixels.
 const WIDEST_HALF: i32 = 160;
-/// Pixels to either side that a window shows, and a wide window.
+/// Number of pixels to either side that a window covers, and that a wide window covers.
 const SEEN: u32 = 32;
 const SEEN_WIDE: u32 = 64;
 /// One in this many of the wider places is measured. The share is the same along any line at a
@@ -158,8 +158,8 @@ fn nearest_bit(before: u32, from: u32) -> u32 {
     const BIAS: u32 = 127;
     let exponent = |bits: u32| (bits.cast_signed() as f32).to_bits() << 1 >> 24;
     let after = exponent(from & from.wrapping_neg()).wrapping_sub(BIAS);
-    // Shifted to stay below the sign. Clearing the bit below each set bit prevents rounding up to
-    // the next exponent.
+    // The shift keeps the sign bit clear. Clearing the bit below each set bit prevents rounding up
+    // to the next exponent.
     let before = before >> 1;
     let before = BIAS + 31 - exponent(before & !(before >> 1));
     after.min(before).min(SEEN)

@@ -83,7 +83,7 @@ impl Morphology {
             plane.complement(&self.bare);
             step(ToBottomRight, plane, &mut self.next);
         }
-        // Eroded pixels do not grow beyond what was there before.
+        // An opening sets no pixel that was unset before, so the used blocks suffice.
         self.dilate_within(plane, radius);
     }
 
@@ -226,7 +226,7 @@ mod tests {
                     - 1
             };
             assert_eq!(along(1, 0), radius);
-            // Within a pixel, which is √2 long there.
+            // Equal to within a pixel, which is √2 long along the diagonal.
             let pixel = std::f32::consts::SQRT_2;
             let diagonal = along(1, 1) as f32 * pixel;
             assert!(

@@ -91,8 +91,8 @@ pub(crate) fn step(rule: impl Rule, plane: &mut Strips, next: &mut Strips) {
     std::mem::swap(plane, next);
 }
 
-/// Writes `rule` applied to the blocks `over` of `from` to `to`. The other blocks of both are
-/// equal.
+/// Applies `rule` to the blocks `over` of `from` and writes the result to `to`. In all other
+/// blocks, the two must be equal.
 fn apply<R: Rule>(rule: R, from: &Strips, over: &Blocks, to: &mut Strips) {
     let shape = &from.shape;
     lariat_portable::Arch::new().dispatch(Apply {

@@ -49,7 +49,8 @@ impl Rule for ToBottomRight {
     }
 }
 
-/// Dilation by the same square turned around. Eroding by it undoes the other's shift.
+/// Dilation by the square of [`ToBottomRight`], turned by 180°. Eroding by it undoes the shift of
+/// the other.
 #[cfg(test)]
 pub(super) struct ToTopLeft;
 

@@ -10,15 +10,17 @@ use super::bits::BitPlane;
 use super::components::{Components, TooManyRuns, budget};
 use super::strips::{BLOCK, Blocks, Strips, block};
 
-/// Large pieces that are followed in vain before all pieces are labeled instead.
+/// Maximum number of large pieces that are followed in vain. Beyond it, all pieces are labeled
+/// instead.
 const MOST_LARGE: usize = 128;
-/// Runs of one piece that are followed before all pieces are labeled instead.
+/// Maximum number of runs of one piece that are followed. Beyond it, all pieces are labeled
+/// instead.
 const MOST_RUNS: usize = 4096;
 /// Maximum number of caps from which a walk down looks for large pieces. Pictures of ropes have
 /// fewer.
 const MOST_WALKS: usize = 1024;
-/// Minimum size, in pixels, of a hole that can extend into a block without a set pixel: one of its
-/// runs fills a word.
+/// Minimum size, in pixels, of a hole that can extend into a block without a set pixel. One of the
+/// hole's runs then fills a word.
 const WORD: u32 = 64;
 
 /// Memory of the step.
@@ -302,8 +304,8 @@ fn caps<const SPECKS: bool>(
     for k in 0..BLOCK {
         let (here, west) = (own[k], own[k] << 1 | left[k] >> 63);
         runs[k] = (here & !west).count_ones();
-        // The pixels of pieces, the starts of their runs, and the pixels without any of a piece
-        // above.
+        // The pixels of pieces, the starts of their runs, and the pixels that have no pixel of a
+        // piece above them.
         let (own, begins, free) = if SPECKS {
             let above = up[k] | up[k] << 1 | up_left[k] >> 63 | up[k] >> 1 | up_right[k] << 63;
             (here, here & !west, here & !above)
@@ -422,7 +424,7 @@ mod tests {
         let [specks, holes] = &mut by_labels;
         assert!(components.drop_specks(specks, limit).is_ok());
         assert!(components.fill_holes(holes, limit).is_ok());
-        // Written over what was there, as the mask is.
+        // The strips are written over the original plane, as they are for the mask.
         let by_caps = by_caps.map(|strips| {
             let mut written = plane.clone();
             strips.put(&mut written);

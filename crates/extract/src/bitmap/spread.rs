@@ -80,7 +80,7 @@ pub(crate) fn spread_along(row: &mut [u64], limits: &[u64]) {
 }
 
 /// For each run of set bits in `own`, the bits from its first seed on. Adding the seeds carries
-/// through them.
+/// through each run.
 fn rest_of_runs(own: u64, seeds: u64) -> u64 {
     seeds | own & !own.wrapping_add(seeds & !(seeds << 1))
 }

@@ -63,7 +63,7 @@ impl Shape {
     /// Index of the first word of the first block in word `i` of a set of blocks.
     #[inline(always)]
     pub(crate) fn first_of(&self, i: usize) -> usize {
-        // In few pictures, a strip is high enough for more than one word of blocks.
+        // Few pictures are high enough for more than one word of blocks per strip.
         match self.groups {
             1 => self.index(i, 0),
             groups => self.index(i / groups, BLOCK * GROUP * (i % groups)),
@@ -189,9 +189,9 @@ impl Strips {
         }
     }
 
-    /// Replaces each word by `rule` of it and the words of `a` and `b`.
+    /// Replaces each word by `rule` of this word and the words of `a` and `b`.
     ///
-    /// All three have the same shape and an unset ground, and `rule` of zeros is zero.
+    /// All three have the same shape and an unset ground, and `rule` maps zeros to zero.
     pub(crate) fn zip(&mut self, a: &Strips, b: &Strips, rule: impl Fn(u64, u64, u64) -> u64) {
         self.used.add_all(&a.used);
         self.used.add_all(&b.used);
@@ -515,8 +515,8 @@ impl Blocks {
         }
     }
 
-    /// Sets this to the blocks with a pixel within `reach` of a set one of `of`, along the row and
-    /// along the column. The ground of `of` must be unset.
+    /// Sets this to the blocks with a pixel within `reach` of a set pixel of `of`, along the row
+    /// and along the column. The ground of `of` must be unset.
     pub(crate) fn near(&mut self, of: &Strips, reach: usize) {
         let shape = &of.shape;
         self.resize(shape);

@@ -9,10 +9,10 @@ use super::neighbors::{Around, Rule, apply_to_tile};
 use super::octagon::{Cross, Square, ToBottomRight, is_square};
 use super::strips::{BLOCK, Blocks, Strips, block, block_mut};
 
-/// Place of an empty tile and of a full one. The words around each are equal to it.
+/// Places of an empty tile and of a full one. The words around each have the same value.
 const NOTHING: usize = BLOCK;
 const ALL: usize = 4 * BLOCK;
-/// Number of words that these two take.
+/// Number of words that the empty and the full tile take.
 const FIRST: usize = 6 * BLOCK;
 
 /// Memory of the opening.

@@ -1,10 +1,11 @@
-//! From a strand of skeleton pixels to a smooth line through the middle of the rope, tip to tip.
+//! Turns a strand of skeleton pixels into a smooth line through the middle of the rope, from tip to
+//! tip.
 //!
 //! - The pixels outside of crossings are spaced evenly and smoothed.
 //! - Thinning has bent and shortened the ends. They are cut and extended along their arc to where
 //!   the rope's difference from the table falls to half.
-//! - Every sample is moved to the middle of its cross-section, twice, the second time with the
-//!   better normals. The tips are then measured once more at their new place.
+//! - Every sample is moved to the middle of its cross-section. This is done twice, the second time
+//!   with better normals. The tips are then measured once more at their new place.
 //! - Nothing is measured inside of crossings: the line bridges them as the curve of least bending
 //!   between the measured parts.
 
@@ -19,22 +20,25 @@ use crate::graph::strands::Strand;
 use crate::image::gray::GrayPlane;
 use crate::statistics::quantile_of_positive;
 
-/// Distance from a tip, in half-widths, that is measured again after the tip was extended.
+/// Distance from a tip, in half-widths, within which samples are measured again after the tip was
+/// extended.
 const TIP_HALVES: f32 = 2.0;
 
-/// Distance from a tip, in half-widths, that is not measured again: as far as a section that is 20°
-/// oblique reaches.
+/// Distance from a tip, in half-widths, within which no sample is measured again. A section that is
+/// 20° oblique reaches this far.
 const CUT_HALVES: f32 = 0.35;
 
-/// Distance from a tip, in half-widths, that is measured again even if it could not be before.
+/// Distance from a tip, in half-widths, within which samples are measured again even if the first
+/// measurement failed.
 const RETRACE_HALF_WIDTHS: f32 = 1.6;
 
-/// If a stretch before a tip that is longer than this many half-widths cannot be measured, it is
-/// held where the skeleton had it, with weight `HELD`.
+/// Minimum length of an unmeasurable stretch before a tip, in half-widths, for it to be held in
+/// place. It stays where the skeleton had it, with weight `HELD`.
 const HELD_HALVES: f32 = 1.5;
 const HELD: f32 = 0.05;
 
-/// Maximum factor between a section's width and the rope's: at first, and once that is well known.
+/// Maximum factor between a section's width and the rope's: at first, and once the rope's width is
+/// well known.
 const COARSE: f32 = 1.6;
 const FINE: f32 = 1.25;
 
@@ -43,7 +47,7 @@ const FINE: f32 = 1.25;
 const MISSED_PX: f32 = 0.8;
 
 /// Distance between samples, in half-widths, and its limits in pixels. At twice this distance,
-/// noise shows.
+/// noise would show in the line.
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
 
@@ -70,7 +74,8 @@ impl Centerliner {
         self.sections.reserve(samples);
     }
 
-    /// Fills `line` with the centerline of `strand`. Returns false if too little of it is left.
+    /// Fills `line` with the centerline of `strand`. Returns false if too little of the strand is
+    /// left.
     pub(crate) fn build(&mut self, source: &Source, strand: &Strand, line: &mut Line) -> bool {
         let legs = &source.legs[strand.from as usize..strand.to as usize];
         let mut half_px = mean_half(source, legs);
@@ -108,7 +113,7 @@ impl Centerliner {
         let width_px = self.fill_widths(line, 2.0 * half_px);
         let held = self.hold_ends(line, (HELD_HALVES * half_px / step_px) as usize);
         self.smoother.smooth(line, reach(half_px, step_px));
-        // They may be measured the next time.
+        // The held samples may be measurable the next time.
         weigh_ends(line, held, 1.0);
         half_px = 0.5 * width_px;
         self.extender
@@ -186,8 +191,8 @@ impl Centerliner {
     }
 
     /// Holds samples before a free end in place, with a small weight, if more than `most` of them
-    /// could not be measured. The line would otherwise run straight past a bend. Returns how many
-    /// at either end.
+    /// could not be measured. The line would otherwise run straight past a bend. Returns the number
+    /// of held samples at each end.
     fn hold_ends(&self, line: &mut Line, most: usize) -> [usize; 2] {
         if line.closed {
             return [0; 2];
@@ -228,12 +233,12 @@ impl Centerliner {
     }
 }
 
-/// Smoothing reach of measured positions in samples: a part of the rope's width.
+/// Smoothing reach of measured positions, in samples. It is a fraction of the rope's width.
 fn reach(half_px: f32, step_px: f32) -> f32 {
     (SMOOTH_HALVES * half_px).max(SMOOTH_PX) / step_px
 }
 
-/// Gives this many samples at either end this weight.
+/// Sets the weight of `counts` samples at the two ends.
 fn weigh_ends(line: &mut Line, counts: [usize; 2], weight: f32) {
     let n = line.samples.len();
     for sample in &mut line.samples[..counts[0]] {

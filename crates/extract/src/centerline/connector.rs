@@ -1,5 +1,5 @@
-//! Cuts off a connector_length, a ferrule or bare wire at a rope's end. It has a color that the rope has
-//! nowhere else.
+//! Cuts off a connector, a ferrule or bare wire at a rope's end. Its color occurs nowhere else on
+//! the rope.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -11,12 +11,12 @@ use crate::vec2;
 
 /// Minimum number of samples. A shorter line is not changed.
 const LEAST_SAMPLES: usize = 16;
-/// Maximum length of a connector_length: in widths, and as a share of the line.
+/// Maximum length of a connector: in widths, and as a share of the line.
 const MOST: (f32, f32) = (9.0, 0.4);
 /// Minimum length of a line, in widths. A shorter one is not a rope, and lacks a body to compare a
-/// connector_length with.
+/// connector with.
 const SHORTEST_WIDTHS: f32 = 4.0;
-/// Minimum length of a connector_length, in widths.
+/// Minimum length of a connector, in widths.
 const LEAST_WIDTHS: f32 = 0.5;
 /// Positions across the rope where its color is read, in widths from the middle.
 const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
@@ -24,14 +24,14 @@ const ACROSS: [f32; 3] = [-0.25, 0.0, 0.25];
 /// over the channels. `LEAST_DEVIATION`, in levels, is added to each deviation.
 const DEVIATIONS: f32 = 3.0;
 const LEAST_DEVIATION: f32 = 6.0;
-/// The color at a connector_length's end changes by more than `STEP` deviations within this many widths to
+/// The color at a connector's end changes by more than `STEP` deviations within this many widths to
 /// either side.
 const ASIDE_WIDTHS: f32 = 0.25;
 const STEP: f32 = 2.0;
 /// Ratio of a normal distribution's standard deviation to the median of its absolute deviations.
 const DEVIATION: f32 = 1.5;
 
-/// Cuts plugs off. It allocates only for a line that is longer than all before.
+/// Cuts connectors off. It allocates only for a line longer than all before.
 #[derive(Debug, Default)]
 pub(crate) struct ConnectorCutter {
     /// The color of each sample.
@@ -45,8 +45,8 @@ impl ConnectorCutter {
         self.sorted.reserve(samples);
     }
 
-    /// Cuts off plugs at the line's ends that do not leave the image. Returns their lengths, in
-    /// pixels.
+    /// Cuts off connectors at those ends of the line that do not leave the image. Returns their
+    /// lengths, in pixels.
     pub(crate) fn cut(&mut self, line: &mut Line, image: &Image) -> [f32; 2] {
         let (count, length_px) = (line.samples.len(), line.length_px());
         if line.closed || line.border == [true; 2] || count < LEAST_SAMPLES {
@@ -139,8 +139,8 @@ impl Own {
     }
 }
 
-/// Number of a connector_length's samples from a tip on: the length up to which samples of another color
-/// outnumber the others by the most.
+/// Number of a connector's samples, counted from the tip. Up to that number, samples of another
+/// color outnumber the others by the most.
 fn connector_length(are_other: impl Iterator<Item = bool>, least: f32) -> usize {
     let (mut sum, mut best, mut length) = (0, 0, 0);
     for (i, is_other) in are_other.enumerate() {

@@ -1,6 +1,6 @@
 //! A rope's difference from the table along a line. A section's contrast is the mean over its
 //! middle. The contrast at a sample is the median of sections within three widths to either side,
-//! so that no speck of shine counts.
+//! so that a single speck of shine has no effect.
 
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ use crate::statistics::medians;
 
 /// Positions across the rope, in half-widths, whose mean is a section's contrast.
 const MIDDLE: [f32; 5] = [-0.5, -0.25, 0.0, 0.25, 0.5];
-/// Reach of the median to either side, in half-widths, its minimum in samples, and about how many
-/// places are read within it.
+/// Reach of the median to either side, in half-widths, its minimum in samples, and the approximate
+/// number of places read within it.
 const AROUND_HALVES: f32 = 6.0;
 const AROUND: usize = 4;
 const PLACES: usize = 6;
@@ -33,7 +33,7 @@ pub(crate) struct Contrast {
     /// The range of samples read, in strides, and the contrast at each.
     places: Range<usize>,
     seen: Vec<f32>,
-    /// The contrast at each, but ∞ inside of crossings and beyond both ends.
+    /// The contrast at each place, or ∞ inside of crossings and beyond both ends.
     shown: Vec<f32>,
     medians: Vec<f32>,
 }
@@ -121,7 +121,7 @@ impl Contrast {
         }
     }
 
-    /// Fills `medians` with the median of the `width` places around each.
+    /// Fills `medians` with the median of the `width` places around each place.
     #[inline(always)]
     fn find_medians<S: Simd>(&mut self, simd: S, width: usize) {
         let width = width.min(MOST);

@@ -1,6 +1,6 @@
-//! The two edges of a rope in one of its cross-sections: where, from its middle outward, the
-//! difference falls below a level. For many sections at once, a few places are read around both
-//! edges as the rope's width predicts them. This finds nearly all edges. The others are sought step
+//! Finds the two edges of a rope in its cross-sections. An edge is where the difference falls below
+//! a level, from the middle outward. The rope's width predicts the edges, and a few places around
+//! them are read for many sections at once. This finds nearly all edges. The others are sought step
 //! by step.
 
 use crate::image::gray::GrayPlane;
@@ -9,13 +9,14 @@ use crate::vec2::{self, Vec2};
 
 /// Part of a half-width around the center where no edge is sought: shine is there.
 const CORE: f32 = 0.35;
-/// Minimum distance between the places that are read. Over a whole pixel a sharp edge is not a
-/// straight line, and 0.01 px would be lost.
+/// Minimum distance between the places that are read. Over a whole pixel, a sharp edge is not
+/// linear, and interpolation would be off by 0.01 px.
 const STEP_PX: f32 = 0.5;
 
-/// The distances along −`normal` and +`normal` at which the difference falls below each level, of a
-/// section that may leave the image. Only the distances that are still NaN in `known` are sought.
-/// If the image ends before one edge, that edge follows from the other and the rope's width.
+/// Finds the distances along −`normal` and +`normal` at which the difference falls below each
+/// level. The section may leave the image. Only the distances that are still NaN in `known` are
+/// sought. If the image ends before one edge, that edge follows from the other and the rope's
+/// width.
 pub(crate) fn edges(
     difference: &GrayPlane,
     (center, normal): (Vec2, Vec2),
@@ -98,7 +99,7 @@ pub(crate) fn places(half_px: f32) -> [f32; PLACES] {
     })
 }
 
-/// Upper bound of their distance from the middle.
+/// Upper bound of the distance of these places from the middle.
 pub(crate) fn reach_px(half_px: f32) -> f32 {
     first_px(half_px) + step_px(half_px) * BATCH as f32
 }
@@ -114,7 +115,7 @@ pub(crate) fn near(values: &[Lanes; PLACES], levels: &[Lanes; 2], half_px: f32) 
             let level = levels[l];
             let is_in = |k: usize| values[k][l] >= level;
             // Finds the first step that crosses the level, outward or inward from the start,
-            // wherever the edge lies.
+            // depending on where the edge is.
             let mut steps = f32::NAN;
             for k in (0..BATCH - 1).rev() {
                 let (high, low) = (values[k][l], values[k + 1][l]);
@@ -196,7 +197,7 @@ impl Sought {
 
 /// Finds where the difference falls below `level`. `read` gives the difference at a distance, or
 /// nothing outside of the image. The search starts where the rope's width predicts the edge and
-/// goes inward or outward, wherever the edge lies.
+/// goes inward or outward, depending on where the edge is.
 #[inline(always)]
 fn edge(
     read: impl Fn(f32) -> Option<f32>,

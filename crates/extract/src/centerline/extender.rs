@@ -29,7 +29,7 @@ impl Extender {
         self.levels.reserve(samples);
     }
 
-    /// Starts on the line of these legs.
+    /// Begins a line along these legs.
     pub(crate) fn begin(&mut self, source: &Source, legs: &[Leg]) {
         let contact = |leg: Option<&Leg>, end| Contact::at(leg?, end, source.graph, source.zones);
         self.contacts = [contact(legs.first(), 0), contact(legs.last(), 1)];
@@ -67,7 +67,7 @@ impl Extender {
         let n = line.samples.len();
         let cut = ((cut_px / step_px) as usize).min(n / 4);
         let last = n - cut - 1;
-        // Counted from the other end.
+        // Counts samples from the other end of the line.
         let sample = |i: usize| &line.samples[if end == 1 { i } else { n - 1 - i }];
         let back = ((1.5 * half_px).max(4.0) / step_px) as usize;
         let back = back.clamp(1, (last / 3).max(1)).min(last);

@@ -6,8 +6,8 @@ use crate::vec2::{self, Vec2};
 /// Sharpest bend that a tip is followed around, in radians over 1.5 half-widths.
 const SHARPEST: f32 = 0.8;
 
-/// The path beyond the first of three samples: a position for each distance along the arc from the
-/// third through the second. The path is straight if no arc is known.
+/// The path beyond the first of three samples, as a function from distance to position. It
+/// continues the arc from the third sample through the second, or is straight if no arc is known.
 pub(crate) fn arc([here, before, oldest]: [Vec2; 3], is_arc: bool) -> impl Fn(f32) -> Vec2 + use<> {
     let new = vec2::sub(here, before);
     let old = vec2::sub(before, oldest);

@@ -1,4 +1,5 @@
-//! A rope's centerline as densely spaced samples, between skeleton pixels and final points.
+//! A rope's centerline as densely spaced samples: the stage between skeleton pixels and final
+//! points.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -108,8 +109,8 @@ impl Line {
         std::mem::swap(&mut self.samples, spaced);
     }
 
-    /// The place this many pixels beyond the first or last sample, straight on. The line must be
-    /// open and have two or more samples.
+    /// The place this many pixels straight ahead of the first or last sample. The line must be open
+    /// and have two or more samples.
     pub(crate) fn ahead(&self, last: bool, by_px: f32) -> Vec2 {
         let count = self.samples.len();
         let step_px = (self.length_px() / (count - 1) as f32).max(0.1);
@@ -119,8 +120,8 @@ impl Line {
         vec2::along(at(0), out, by_px)
     }
 
-    /// The greatest curvature (1 / radius), over this many pixels to either side of a place that
-    /// `is_seen`.
+    /// The greatest curvature (1 / radius) at any place that `is_seen`, measured over this many
+    /// pixels to either side.
     pub(crate) fn sharpest(&self, reach_px: f32, is_seen: impl Fn(Vec2) -> bool) -> f32 {
         let count = self.samples.len();
         let step_px = (self.length_px() / (count.max(2) - 1) as f32).max(0.1);
@@ -134,7 +135,7 @@ impl Line {
     }
 
     /// The tangent at sample `i`, not normalized: that of the parabola through three samples
-    /// `reach` apart. `i` is the middle one; near an end it is where it is.
+    /// `reach` apart. `i` is the middle one, except near an end of an open line.
     #[inline(always)]
     pub(crate) fn slope(&self, i: usize, reach: usize) -> Vec2 {
         let n = self.samples.len();

@@ -1,8 +1,9 @@
 //! The path of a rope over the skeleton: the pixels of its legs, and of the overlaps between them.
 //!
-//! A crossing hides a stretch about as long as wide, and no pixels are laid there. If two strands
-//! run along each other for longer, the pixels of their overlap are laid. Each has the side of the
-//! overlap on which this strand is, so that its center can be found from the outer edge.
+//! A crossing hides a stretch about as long as the rope is wide, and no pixels are laid there. If
+//! two strands run along each other for longer, the pixels of their overlap are laid. Each pixel
+//! stores the side of the overlap on which this strand is, so that the strand's center can be found
+//! from its outer edge.
 
 use super::line::{Line, OVERLAP, Sample};
 use super::source::Source;
@@ -115,7 +116,7 @@ fn lay_overlap(source: &Source, leg: &Leg, next: &Leg, half_px: f32, line: &mut 
     let widest_px = source.zones.widest_half_px(e, source.graph);
     let necks = Necks::of(e, source.graph, source.skeleton, widest_px);
     let changes = necks.at().len();
-    // The side changes at the necks must lead from the side where the strand enters to the side
+    // The changes of side at the necks must lead from the side where the strand enters to the side
     // where it leaves.
     let agree = necks.are_known && changes.is_multiple_of(2) == (side[0] == side[1]);
     for k in 1..count - 1 {

@@ -1,10 +1,10 @@
 //! Cross-sections: the subpixel positions of the rope's two edges across it.
 //!
 //! A rope's edge is where the difference from the table is half of the rope's own difference there.
-//! The lens spreads an edge evenly to both sides, so that point stays in place, whatever the
-//! sharpness and the rope's brightness. The own difference is the median of the sections around, so
-//! that a single speck of shine does not move an edge. It is multiplied by the share that
-//! [`Shading`] says is left at the rim.
+//! The lens spreads an edge evenly to both sides, so this point stays in place, whatever the
+//! sharpness and the rope's brightness. The rope's own difference is the median over neighboring
+//! sections, so that a single speck of shine does not move an edge. It is multiplied by the share
+//! of contrast that [`Shading`] finds at the rim.
 
 mod own;
 
@@ -23,14 +23,14 @@ use crate::vec2::{self, Vec2};
 
 /// Reach of the search for an edge to each side, in half-widths, in addition to 3 px.
 const REACH: f32 = 1.6;
-/// The same in an overlap, where the other strand may be in between.
+/// Same in an overlap, where the other strand may be in between.
 const BESIDE: f32 = 3.4;
 /// Distance from an end, in half-widths, within which a section may run through a tip's corners.
 const TIP: f32 = 1.5;
 /// Maximum factor between a section's width and the median, for the section to move a line.
 const ALIKE: f32 = 1.25;
 
-/// Distance from a tip, in half-widths, within which a crossing separates it from the rope.
+/// Maximum distance between a tip and a crossing that separates it from the rope, in half-widths.
 const TIP_HALVES: f32 = 2.0;
 
 /// Memory of the measuring.
@@ -413,8 +413,8 @@ impl Edges {
         if left.is_nan() || right.is_nan() {
             return None;
         }
-        // In an overlap, the rest of the width is the other strand's. This strand is half of it off
-        // the middle.
+        // In an overlap, the rest of the width is the other strand's. This strand is off the middle
+        // by half of that rest.
         let rest = (left + right - 2.0 * half_px).max(0.0);
         let overlap = sample.weight < 1.0;
         let (aside, width_px) = if overlap {

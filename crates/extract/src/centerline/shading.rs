@@ -5,12 +5,12 @@
 //! across it (−1 to 1). This is Lambert's law; d is light from the side. The law is fitted to the
 //! middle of the rope's mean cross-section, where no blur reaches, and yields the contrast at the
 //! rim. At the rope's true edge, the lens shows half of the contrast that the rope has within the
-//! blur's reach, so that level marks the edge. Half of the contrast at the middle would draw a
+//! blur's reach, so this level marks the edge. Half of the contrast at the middle would draw a
 //! round rope too narrow by a third of a pixel, and off its axis if the lamp is at one side.
 //!
-//! When a rope turns, the lamp comes to be at its other side. So d depends on the normal as D·n,
-//! and D is fitted to all sections. With a single d, a loop would be up to a pixel off its axis, to
-//! the left on one side and to the right on the other.
+//! When a rope turns, the lamp is on its other side. Therefore d depends on the normal as D·n, and
+//! D is fitted to all sections. With a single d, a loop would be up to a pixel off its axis, to the
+//! left on one side and to the right on the other.
 
 use lariat_portable::{Arch, Simd, WithSimd};
 
@@ -141,7 +141,7 @@ struct Profile {
     leans: [[f32; PLACES]; 2],
     /// Sums of the normals' products: xx, xy and yy.
     normals: [f32; 3],
-    /// First index at which these are known.
+    /// First index at which `levels` and `leans` are known.
     first: usize,
     half_px: f32,
 }

@@ -2,7 +2,7 @@
 //! least.
 //!
 //! Whittaker, "On a new method of graduation" (1923): minimize Σ wᵢ (zᵢ − mᵢ)² + λ Σ (Δ²z)ᵢ². A
-//! wave of k radians a sample is damped by 1 / (1 + λk⁴). An arc of radius R therefore loses only
+//! wave of k radians per sample is damped by 1 / (1 + λk⁴). An arc of radius R therefore loses only
 //! R·(ℓ/R)⁴, where ℓ = λ^¼ is the reach. A moving average of the same reach loses ℓ²/R. Unmeasured
 //! stretches (w = 0) continue as a cubic, which bridges crossings.
 
@@ -17,7 +17,7 @@ pub(crate) struct Smoother {
     ring: Vec<Sample>,
 }
 
-/// Right-hand side of a row: x, y, width, and one that fills the register.
+/// Right-hand side of a row: x, y, width, and a zero that fills the register.
 type Right = [f64; 4];
 
 /// The bands next to the diagonal in one row, and its right-hand side.
@@ -124,8 +124,8 @@ impl WithSimd for System<'_> {
 }
 
 impl System<'_> {
-    /// The diagonal and the bands of row `i`, counted from either end, which is that of `sample`.
-    /// Each second difference (1, −2, 1) adds its outer product.
+    /// The diagonal and the bands of row `i`, which is counted from either end and belongs to
+    /// `sample`. Each second difference (1, −2, 1) adds its outer product.
     #[inline(always)]
     fn row(&self, i: usize, sample: usize) -> (f64, Bands) {
         let (n, sample) = (self.samples.len(), &self.samples[sample]);
@@ -150,7 +150,7 @@ impl System<'_> {
             for (end, [older, last]) in ends.iter_mut().enumerate() {
                 let (diagonal, mut here) = self.row(i, if end == 0 { i } else { n - 1 - i });
                 let diagonal = diagonal - older.before.second * older.after.second;
-                // The term that waits for the division of the row before comes last.
+                // The term that needs the division of the previous row comes last.
                 let diagonal = diagonal - last.before.first * last.after.first;
                 here.first -= last.before.second * last.after.first;
                 for c in 0..4 {
@@ -294,14 +294,14 @@ mod tests {
         Smoother::default().smooth(&mut line, 3.0);
         for (i, sample) in line.samples.iter().enumerate() {
             let radius = crate::vec2::norm(sample.at);
-            // A free end is straightened over the reach, by ℓ²/R there.
+            // Smoothing straightens a free end over its reach, which moves the end by ℓ²/R.
             let allowed = if (8..52).contains(&i) { 0.1 } else { 0.45 };
             assert!((radius - 20.0).abs() < allowed, "{i}: {radius}");
             assert!((sample.width_px - 7.0).abs() < 1e-3);
         }
     }
 
-    /// The equations themselves, by Gaussian elimination of the full matrix: x and y of each
+    /// Solves the equations by Gaussian elimination of the full matrix. Returns x and y of each
     /// sample.
     fn by_the_whole_matrix(samples: &[Sample], lambda: f64) -> Vec<[f64; 2]> {
         let n = samples.len();

@@ -1,9 +1,9 @@
 //! Finds the end of a tip that touches another strand, or is slightly on top of it.
 //!
-//! A square tip is seldom flush with the strand. Next to the corner that touches, table shows
-//! between the cut and the strand: lines along the rope that meet it tell where the cut is. If no
-//! table shows, the tip ends at the strongest step of brightness at the strand's near edge, or soon
-//! after it.
+//! A square tip is seldom flush with the strand. Next to the corner that touches, the table shows
+//! between the cut and the strand. Lines along the rope that meet this gap tell where the cut is.
+//! If no table shows, the tip ends at the strongest step of brightness at the strand's near edge,
+//! or soon after it.
 
 use crate::graph::Graph;
 use crate::graph::strands::Leg;
@@ -123,7 +123,8 @@ impl Contact {
                 .take_while(|&far| far <= last)
         };
         let strongest = places().map(step_at).fold(LEAST_STEP, f32::max);
-        // The first step of about this strength: behind the cut come the strand's own shades.
+        // Takes the first step of about this strength, because the strand's own shades follow
+        // behind the cut.
         let mut best = (0.0, near);
         for far in places() {
             let step = step_at(far);

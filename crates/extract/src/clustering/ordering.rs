@@ -5,9 +5,9 @@
 //! projected onto that path. The line fits the centers outside crossings and bends least
 //! ([`crate::centerline::smooth`]). Each center is weighted by the pixels that it stands for.
 //!
-//! This gives their order, whether they are in single file or, on a rope wider than they are apart,
-//! in a zigzag or two abreast. Nothing in the image is measured again except the tips and, for the
-//! widths, the sides of the mask.
+//! This gives the order of the centers. They may be in single file, or, on a rope wider than the
+//! distance between them, in a zigzag or two abreast. Nothing in the image is measured again except
+//! the tips and, for the widths, the sides of the mask.
 //!
 //! Known limitations:
 //! - A hole within a single cell is not seen: strands that enclose one are a single strand there.
@@ -15,8 +15,8 @@
 //!   on its side, if the overlap is recognized as one.
 //! - Ropes that cross are one piece of the mask and share its K centers, whatever their colors.
 //! - A bend tighter than the distance between centers is cut short.
-//! - Centers that avoid the mask's middle, or leave a part of the rope without any, pull the line
-//!   with them.
+//! - Centers that avoid the mask's middle pull the line with them. So do centers that leave a part
+//!   of the rope without any.
 
 use super::Center;
 use crate::bitmap::bits::BitPlane;
@@ -32,8 +32,8 @@ use crate::vec2::{self, Vec2};
 /// Distance between samples, in half-widths, and its limits in pixels.
 const STEP_HALVES: f32 = 0.25;
 const STEPS_PX: [f32; 2] = [0.75, 4.0];
-/// Maximum distance of a strand's own centers from its path, in half-widths. The strand's side is
-/// beyond.
+/// Maximum distance of a strand's own centers from its path, in half-widths: slightly more than
+/// that of the strand's sides.
 const OWN_HALVES: f32 = 1.25;
 /// Length over which the centers are smoothed, in widths, with a minimum in pixels. Centers two
 /// abreast alternate within this length.
@@ -76,7 +76,8 @@ impl Orderer {
         self.known.reserve(samples);
     }
 
-    /// Fills `line` with the centers along `strand`. Returns false if too little of it is left.
+    /// Fills `line` with the centers along `strand`. Returns false if too little of the line is
+    /// left.
     pub(crate) fn build(
         &mut self,
         source: &Source,
@@ -128,7 +129,7 @@ impl Orderer {
                 *sum = [sum[0] + weight * x, sum[1] + weight * y, sum[2] + weight];
             }
         }
-        // The number of pixels between two samples weighs 1.
+        // The weight is 1 for the number of pixels between two samples.
         let between = 2.0 * half_px * step_px;
         for (sample, &[x, y, weight]) in line.samples.iter_mut().zip(&self.sums) {
             // In a crossing, a center belongs to both strands. In an overlap, it belongs to neither

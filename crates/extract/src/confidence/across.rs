@@ -9,8 +9,8 @@ use lariat_portable::{Arch, NullaryFnOnce};
 
 /// Distances from the middle, in widths, at which the inside is read.
 const INSIDE: [f32; 3] = [-0.22, 0.0, 0.22];
-/// Distances beyond the edge at which the ground is read: in widths, and at least in pixels, where
-/// little of the edge's blur is left.
+/// Distances beyond the edge at which the ground is read, in widths and with a minimum in pixels.
+/// Little of the edge's blur is left there.
 const BESIDE: [(f32, f32); 3] = [(0.2, 1.5), (0.4, 2.5), (0.65, 4.0)];
 
 /// The places at one point of a curve where the image is read across it.
@@ -79,11 +79,11 @@ impl NullaryFnOnce for ReadColors<'_> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Across {
     pub(super) inside: [f32; 3],
-    /// Excess of light of the middle over both sides of the inside, and of one side over the other.
+    /// Excess brightness of the inside's middle over its two sides, and of one side over the other.
     pub(super) relief: [f32; 2],
     /// The color beyond each edge.
     pub(super) beside: [[f32; 3]; 2],
-    /// Color distance from the inside to each.
+    /// Color distance from the inside to the color beyond each edge.
     pub(super) edges: [f32; 2],
     /// Variation of the adjacent ground.
     pub(super) texture: f32,
@@ -121,8 +121,8 @@ impl Across {
         across.relief = [middle - 0.5 * (left + right), right - left];
         for side in 0..2 {
             let from = INSIDE.len() + BESIDE.len() * side;
-            // The one of three that differs most from the inside. Near another strand, only one of
-            // them may show the ground.
+            // Take the color, of three, that differs most from the inside. Near another strand,
+            // only one of them may show the ground.
             let three = [0, 1, 2].map(|k| color(from + k));
             let far = three.map(|beside| across.distance(inside, beside));
             let farthest = (0..3).fold(0, |most, k| if far[k] > far[most] { k } else { most });

@@ -1,6 +1,6 @@
 //! The part of the mask that no line runs through, although it is connected to one. It may be a tip
-//! or a strand that was left out, or strands that were treated as one. It is evidence that the rest
-//! was misread, too.
+//! or a strand that was left out, or strands that were treated as one. It is also evidence that the
+//! rest was misread.
 
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::spread::spread;
@@ -44,7 +44,7 @@ impl Remainder {
         self.squares = 0.0;
     }
 
-    /// Finds what `lines`, of ropes up to this width, leave of `mask`.
+    /// Finds the part of `mask` that `lines`, of ropes up to this width, leave uncovered.
     pub(crate) fn find(&mut self, mask: &BitPlane, lines: &[Line], width_px: f32) {
         self.clear();
         let width_px = width_px.max(1.0);
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_strand_that_was_left_out_is_missed_by_its_squares() {
-        // From row 20 to the rope's own part: 33 rows of it.
+        // The strand reaches from row 20 to the rope's own part: 33 rows.
         let strand = |x: f32, y: f32| (x - 70.0).hypot(y - y.clamp(24.0, Y));
         let left = left(&mask(|x, y| rope(x, y).min(strand(x, y))));
         let squares = HALF * left / (1.0 - left);

@@ -10,11 +10,11 @@ const AT: f32 = 1.0;
 /// Cosine of the maximum angle between a tip's direction and that of the nearest point of a strand,
 /// for the tip to point at it: 60°. A rope that ends next to another one points past it.
 const POINTS: f32 = 0.5;
-/// Length of a curve's own stretch before a tip, in widths, that is always near the tip.
+/// Length of a curve next to its tip, in widths, that is always near the tip and does not count.
 const OWN: f32 = 3.0;
 /// Maximum distance of two tips of a torn rope, in widths.
 const TORN: f32 = 8.0;
-/// Cosine of the maximum angle at which they point at each other.
+/// Cosine of the maximum angle at which the two tips of a torn rope point at each other.
 const FACING: f32 = 0.8;
 /// Length, in widths, over which the direction of a tip is taken.
 const BACK: f32 = 1.5;
@@ -91,8 +91,8 @@ fn is_at_flank(
     })
 }
 
-/// How clearly one of a curve's tips continues at another tip beyond a gap: 1 without a gap, 0 from
-/// [`TORN`] widths on.
+/// Returns how clearly one of a curve's tips continues at another tip beyond a gap: 1 without a
+/// gap, 0 from [`TORN`] widths on.
 pub(super) fn torn(curves: &[Curve], number: usize) -> f32 {
     let curve = &curves[number];
     let mut most = 0.0f32;

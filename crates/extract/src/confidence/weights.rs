@@ -30,7 +30,7 @@ pub(super) const OWN: [f32; CLUES] = [
     0.000, // seen by the network beyond its tips
 ];
 
-/// For masks of colour ranges.
+/// For masks of color ranges.
 #[rustfmt::skip]
 pub(super) const COLOR: [f32; CLUES] = [
     -3.761, // constant
@@ -84,7 +84,7 @@ pub(super) const NETWORK: [f32; CLUES] = [
     -2.346, // seen by the network beyond its tips
 ];
 
-/// For masks that are given.
+/// For masks from elsewhere.
 #[rustfmt::skip]
 pub(super) const ELSEWHERE: [f32; CLUES] = [
     0.852, // constant

@@ -198,7 +198,7 @@ pub(crate) fn near(curves: &[Curve], a: Place, b: Place, reach: usize) -> Option
     None
 }
 
-/// The place on each of two segments where they meet, as a share of its length.
+/// The place on each of two segments where they meet, as a share of the segment's length.
 fn meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> Option<(f32, f32)> {
     let side = |from: Vec2, to: Vec2, p: Vec2| vec2::cross(vec2::sub(to, from), vec2::sub(p, from));
     // Compares sides, so that a meeting in a point shared by two segments is counted once.
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn strands_that_run_along_each_other_and_part_on_the_other_side_cross_once() {
         let level = curve(101, |t| [400.0 * t, 100.0]);
-        // For 120 px it is within a pixel of the other and meets it again and again.
+        // For 120 px, the wavy curve is within a pixel of the other and meets it again and again.
         let wavy = curve(101, |t| {
             let x = 400.0 * t - 200.0;
             let aside = (x.abs() - 60.0).max(0.0) * x.signum() * 0.5;

@@ -79,7 +79,7 @@ pub(crate) struct Verdict {
     pub(crate) confidence: f32,
 }
 
-/// Residuals of the image along a strand from that of a continuous surface.
+/// Deviations of the image along a strand from the image of a continuous surface.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surprise {
     /// Difference from the prediction from outside of the crossing.
@@ -181,14 +181,15 @@ fn share_loop(curve: &Curve, [first, second]: [f32; 2], reaches: &mut [[f32; 2];
     }
 }
 
-/// How well strands of this half-width and with these edges show their cross-sections, from 0 to 1.
+/// Returns how well strands of this half-width and with these edges show their cross-sections, from
+/// 0 to 1.
 fn clear(rims: [Option<Rims>; 2], half_px: f32) -> f32 {
     let sharpness = |rims: Option<Rims>| rims.map_or(0.0, |rims| rims.sharpness);
     let sharpness = sharpness(rims[0]).min(sharpness(rims[1]));
     grade(sharpness, SHARP.0, SHARP.1) * grade(half_px, THICK_PX.0, THICK_PX.1)
 }
 
-/// Chooses the strand with the smaller residuals as the upper one. `clear` is how well the
+/// Chooses the strand with the smaller residuals as the upper one. `clear` tells how well the
 /// cross-sections are visible.
 fn verdict(a: Surprise, b: Surprise, clear: f32) -> Verdict {
     let margin = (1.0 - PREDICTED * clear) * a.off.above(b.off)

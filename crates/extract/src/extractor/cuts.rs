@@ -10,8 +10,8 @@ use crate::scene::Curve;
 use crate::vec2;
 
 /// Penalty for each end of a line within the mask, in squares of the ropes' width. It is added to
-/// the area of mask without a line, and to that of lines outside of the mask. The sum is the lack
-/// of a hypothesis.
+/// the area of mask without a line, and to the area of lines outside of the mask. The sum is called
+/// the lack of a hypothesis.
 const OPEN_END: f32 = 0.5;
 /// Look-ahead distance past an end, in widths. The end is open if the mask continues there.
 const AHEAD: f32 = 1.0;
@@ -19,7 +19,7 @@ const AHEAD: f32 = 1.0;
 const NARROWEST_PX: f32 = 6.0;
 /// Minimum lack of a doubted hypothesis.
 const DOUBTED: f32 = 0.5;
-/// Maximum lack of another hypothesis that replaces it.
+/// Maximum lack of another hypothesis that replaces a doubted one.
 const MOST: f32 = 2.0;
 /// Weight of the sharpest bend (width divided by radius) relative to the lack. Ropes do not kink.
 const KINK: f32 = 2.0;
@@ -32,16 +32,16 @@ const ROPE: f32 = 0.25;
 const BETTER: f32 = 0.1;
 /// Additional improvement for each further rope: a mask that was cut is in pieces.
 const MORE: f32 = 1.0;
-/// Minimum total length of another hypothesis's ropes, relative to the first. A rope far darker
-/// than the others is a seam all over.
+/// Minimum total length of another hypothesis's ropes, relative to the first. A rope that is far
+/// darker than the others looks like a seam everywhere.
 const SHORTER: f32 = 0.9;
 /// Maximum distance between the points of two curves that are the same, in widths. The curves of
 /// the whole mask have finer tips. The second value is for known ropes, as their tips are corrected
 /// by the past.
 const SAME: (f32, f32) = (1.0, 0.3);
 /// Upward curvature of the light in a seam, in standard deviations of the ropes' light, for each
-/// hypothesis in turn. The sharper a shadow must be, the fewer seams there are, and all of them are
-/// real.
+/// hypothesis in turn. The sharper a shadow must be, the fewer seams are found, and the more
+/// certain they are.
 const BENT: [f32; 3] = [0.17, 0.12, 0.25];
 
 /// The penalties of a hypothesis.

@@ -56,8 +56,8 @@ pub(super) fn context(masker: &Masker) -> Context<'_> {
     }
 }
 
-/// Number of objects that may not be ropes at which they are clutter. A single one is reported, as
-/// doubtful.
+/// Minimum number of doubtful objects that are clutter. A single doubtful object is reported, with
+/// a notice.
 const MUCH: usize = 2;
 
 impl Extractor {
@@ -121,8 +121,8 @@ impl Extractor {
         }
     }
 
-    /// Returns whether the difference from a table that seems plain is not only ropes: all or much
-    /// of it is something else.
+    /// Returns whether all or much of the difference from a table that seems plain is something
+    /// other than ropes.
     pub(super) fn is_cluttered(&mut self, image: &Image) -> bool {
         if self.options.mask != Mask::Auto || self.masker.mask.source.is_network() {
             return false;

@@ -15,9 +15,9 @@ pub(super) struct Hypothesis {
     pub(super) appearances: Vec<Appearance>,
     /// The part of the mask that no curve runs through.
     pub(super) remainder: Remainder,
-    /// True if something too wide is not a gripper over a known rope.
+    /// True if something is too wide for a rope, and is not a gripper over a known rope.
     pub(super) has_wide: bool,
-    /// True if something lies over the ropes.
+    /// True if an object is over the ropes.
     pub(super) has_occluder: bool,
     /// True if there are more ropes than are reported.
     pub(super) is_crowded: bool,

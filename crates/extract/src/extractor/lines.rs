@@ -150,7 +150,7 @@ impl Tracer {
         }
     }
 
-    /// Cuts the plugs off the first `count` lines.
+    /// Cuts the connectors off the first `count` lines.
     pub(super) fn cut_connectors(&mut self, image: &Image, count: usize) {
         for (l, line) in self.lines[..count].iter_mut().enumerate() {
             let [before_px, _] = self.connector_cutter.cut(line, image);
@@ -162,7 +162,7 @@ impl Tracer {
     }
 
     /// Replaces the first `count` lines by the ropes of the last image, refitted to this one, if
-    /// they contradict those. Returns the new number of lines.
+    /// the lines contradict those ropes. Returns the new number of lines.
     pub(super) fn refit(&mut self, image: &Image, mask: &RopeMask, count: usize) -> usize {
         let scene = refit::Scene {
             past: &self.zones.past,
@@ -291,7 +291,7 @@ fn leave_out(of: &Observation, context: Context, lines: &mut [Line], found: &mut
         let weight = |curve: &Curve| curve.confidence * curve.length_px;
         let curves = found.curves[..found.count].iter().enumerate();
         let weights = curves.map(|(c, curve)| (weight(curve), c));
-        // The last of equal ones, which is the shortest.
+        // Among equal weights, takes the last, which is that of the shortest curve.
         let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         let c = least.map_or(found.count - 1, |(_, c)| c);
         let left_out = &found.curves[c];

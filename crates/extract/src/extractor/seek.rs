@@ -13,9 +13,9 @@ use crate::scene::Curve;
 const IN_VAIN: u32 = 15;
 /// Number of full extractions for which the network's answer is used.
 const TAKEN: u32 = 30;
-/// Minimum gain in confidence for the ropes in one mask to replace those in another. The network's
-/// replace those of a table that seems plain, and the automatic mask's replace those of picked
-/// colors.
+/// Minimum gain in confidence for the ropes in one mask to replace those in another. Ropes in the
+/// network's mask replace those of a table that seems plain, and ropes in the automatic mask
+/// replace those of picked colors.
 pub(crate) const SURER: f32 = 0.2;
 
 /// The network's last answer, if it applies to further images.
@@ -24,16 +24,17 @@ pub(super) enum Answer {
     /// No answer that applies.
     #[default]
     None,
-    /// Nothing better: skip it for this many images.
+    /// The network found nothing better, and is skipped for this many images.
     InVain(u32),
-    /// Ropes, on a pattern or with higher confidence: give it this many images at once.
+    /// The network found ropes, on a pattern or with higher confidence. It runs first on this many
+    /// images.
     Ropes { images: u32, are_surer: bool },
-    /// No rope at an unlikely object: leave that object out for this many images.
+    /// The network found no rope at an unlikely object, which is left out for this many images.
     NoRope(u32),
 }
 
 impl Answer {
-    /// The answer that applies to the next image, which the network was not given.
+    /// The answer that applies to the next image, as long as the network has not run on it.
     fn next(self) -> Self {
         match self {
             Self::NoRope(images @ 2..) => Self::NoRope(images - 1),
@@ -42,7 +43,7 @@ impl Answer {
         }
     }
 
-    /// Returns whether it was better than the result without the network.
+    /// Returns whether the answer was better than the result without the network.
     fn was_better(self) -> bool {
         matches!(
             self,

@@ -1,8 +1,9 @@
 //! Recognizes an image with the same pixels as the last one, such as a file that is shown for a
-//! while. The result is then the same, too.
+//! while. The result is then also the same.
 //!
-//! A camera's noise differs in the first samples, so a film pays next to nothing. The image is only
-//! hashed if all samples agree, and after a full extraction, which reads every pixel anyway.
+//! Camera noise shows in the first samples, so this check costs next to nothing in a film. The
+//! image is only hashed if all samples agree, and after a full extraction, which reads every pixel
+//! anyway.
 
 use crate::image::{Image, PixelFormat};
 

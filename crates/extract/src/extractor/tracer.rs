@@ -99,8 +99,8 @@ impl Clustering {
 
 impl Tracer {
     /// Runs the steps from the mask to the curves of `found`. With `cut`, the mask is cut at the
-    /// seams between strands of about this width, and becomes whole again on the way. Something
-    /// that lies over the ropes is removed from the mask.
+    /// seams between strands of about this width, and becomes whole again on the way. An object
+    /// over the ropes is removed from the mask.
     pub(super) fn trace(
         &mut self,
         of: &Observation,
@@ -118,7 +118,7 @@ impl Tracer {
         let is_of_mask = options.method == Method::Skeleton;
         (self.graph).prune(&mut self.skeleton, &self.zones.past, is_of_mask);
         self.zones.find(image, &self.graph, &self.skeleton);
-        // Strands that were told apart no longer lie alongside or on each other.
+        // Strands that were separated are no longer next to or on each other.
         if cut.is_none() {
             self.overlaps
                 .join(image, &self.graph, &self.skeleton, &mut self.zones);
@@ -160,7 +160,7 @@ impl Tracer {
         }
         self.points(of, context(masker), joined, &masker.mask, found);
         found.has_occluder = self.occluder.any();
-        // Without meeting strands, the line is all there is. Something far wider is not a rope.
+        // Without meeting strands, the lines leave no remainder. Something far wider is not a rope.
         if (cut.is_some() || self.zones.has_meeting()) && !found.has_wide {
             let (lines, width_px) = (&self.lines[..found.count], found.widest_px());
             found.remainder.find(&masker.mask.bits, lines, width_px);
@@ -169,8 +169,7 @@ impl Tracer {
         }
     }
 
-    /// Lists the skeleton of the mask, without what lies over the ropes, and without what is too
-    /// wide.
+    /// Lists the skeleton of the mask, without objects over the ropes or parts that are too wide.
     fn list_skeleton(
         &mut self,
         of: &Observation,
@@ -212,8 +211,8 @@ impl Tracer {
         self.skeleton.add(&self.wide.places);
     }
 
-    /// Excludes from the skeleton the parts connected to something far too wide that its color did
-    /// not separate from the ropes. Returns whether there is such a thing.
+    /// Excludes from the skeleton the parts connected to an object that is far too wide, but has a
+    /// color like the ropes'. Returns whether there is such an object.
     fn leave_wide_out(&mut self, mask: &RopeMask, options: &Options) -> bool {
         if options.method != Method::Skeleton || self.wide.places.is_empty() {
             return false;

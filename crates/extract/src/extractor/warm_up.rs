@@ -1,5 +1,6 @@
-//! A picture full of ropes for a rehearsal. Afterward, an extractor's buffers are large enough for
-//! camera images, so that the first crossing causes no allocation in the middle of a motion.
+//! A picture full of ropes for warming up. After extracting from it, an extractor's buffers are
+//! large enough for camera images, so that the first crossing causes no allocation in the middle of
+//! a motion.
 
 use crate::image::{Image, PixelFormat};
 

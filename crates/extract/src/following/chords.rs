@@ -81,7 +81,8 @@ impl ChordFollower {
     }
 
     /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
-    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
+    /// with them. Returns false if the image needs a full extraction. The curves and crossings are
+    /// then meaningless.
     pub(super) fn follow(
         &mut self,
         image: &Image,

@@ -33,10 +33,10 @@ use beside::note_neighbors;
 use novelty::Novelty;
 use rope::Rope;
 
-/// Knowledge of ropes in addition to where they are.
+/// Knowledge of the ropes besides their positions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trust {
-    /// True if the ropes are where they were. Their confidence then does not matter.
+    /// True if the ropes are where they were before. Their confidence then does not matter.
     pub(super) is_known: bool,
     /// True if they are on a plain table, where every edge can be read.
     pub(super) is_table: bool,
@@ -114,7 +114,8 @@ impl ContourFollower {
     }
 
     /// Follows the ropes into `image`, which is the next one, and moves `curves` and `crossings`
-    /// with them. Returns false if the image needs a full extraction. They are then meaningless.
+    /// with them. Returns false if the image needs a full extraction. The curves and crossings are
+    /// then meaningless.
     pub(super) fn follow(
         &mut self,
         image: &Image,

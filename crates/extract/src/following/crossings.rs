@@ -66,8 +66,8 @@ pub(super) fn note(ropes: &mut [impl Crossed], crossings: &[Crossing]) {
 }
 
 /// Moves a crossing to where the curves now meet near it. Returns false if they do not. No new
-/// crossing can appear unnoticed. Strands that come to overlap cannot be distinguished, and lead to
-/// a full extraction.
+/// crossing can appear unnoticed. Strands that newly overlap cannot be distinguished, and lead to a
+/// full extraction.
 pub(super) fn carry(curves: &[Curve], crossing: &mut Crossing) -> bool {
     let pieces = |curve: usize| curves[curve].intervals() as f32;
     let place = |curve, rho: f32| Place {

@@ -1,6 +1,6 @@
 //! The ropes as they were last followed, or seen without doubt.
 //!
-//! A single image of tangled ropes may show them wrong. If the order of strands is uncertain, an
+//! A single image of tangled ropes may be misread. If the order of strands is uncertain, an
 //! extraction is accepted if it equals the ropes that were followed for long enough before.
 
 use crate::scene::Curve;
@@ -8,7 +8,7 @@ use crate::vec2::{self, Vec2};
 
 /// Minimum time for which ropes must be seen whole before they are known, in nanoseconds.
 const SURE_NS: u64 = 1_000_000_000;
-/// Time for which they are then known, in nanoseconds.
+/// Time for which ropes then stay known, in nanoseconds.
 const KNOWN_NS: u64 = 1_000_000_000;
 /// Maximum movement of a point, in widths: at once, and the addition over `KNOWN_NS`.
 const AWAY_WIDTHS: (f32, f32) = (1.5, 4.0);

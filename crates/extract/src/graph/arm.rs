@@ -1,4 +1,4 @@
-//! Arms of a crossing, the input of the pairing of strands.
+//! Arms of a crossing, which the pairing joins to strands.
 
 use crate::past::FormerPlaces;
 use crate::vec2::Vec2;

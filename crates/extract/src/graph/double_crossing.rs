@@ -1,4 +1,4 @@
-//! Two strands that cross twice with a narrow gap between: both crossings are decided together.
+//! Decides both crossings together if two strands cross twice with a narrow gap in between.
 //!
 //! The strands either cross at both ends of the gap or touch at both. Either way they leave on the
 //! same sides. The two hypotheses differ only in which strand runs along which side of the gap. The

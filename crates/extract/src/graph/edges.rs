@@ -11,12 +11,13 @@ const MOST_EDGES: usize = 4096;
 /// Maximum length of a spur, in half-widths at its junction, plus 1 px. A spur is a bump of the
 /// rope's edge, or a corner of its tip, which is √2 half-widths away.
 const SPUR_HALVES: f32 = 1.5;
-/// Same threshold for the shorter of two free ends at one junction: the corners of a frayed or
-/// hollow tip.
+/// Same threshold for the shorter of two free ends at one junction. Such ends are the corners of a
+/// frayed or hollow tip.
 const FORK_HALVES: f32 = 3.0;
-/// Minimum length of a stub, which is a short edge that may be the tip of a strand over or under
-/// another (see `is_stub`). The second number is the maximum length of edges that join junctions
-/// into one meeting, and the minimum length of the strands that arrive there. In half-widths.
+/// Minimum length of a stub, in half-widths. A stub is a short edge that may be the tip of a strand
+/// over or under another (see `is_stub`). The second number, also in half-widths, is the maximum
+/// length of edges that join junctions into one meeting. Strands that arrive at a meeting are at
+/// least that long.
 const STUB_HALVES: [f32; 2] = [0.5, 5.0];
 /// Maximum turn from an arriving strand into the stub, in radians.
 const STUB_TURN: f32 = 0.45;
@@ -70,7 +71,7 @@ impl Graph {
         self.spurs.reserve(256);
     }
 
-    /// Traces `skeleton`. A skeleton with more than `MOST_EDGES` edges gets none.
+    /// Traces `skeleton`. A skeleton with more than `MOST_EDGES` edges gets no graph.
     pub(crate) fn trace(&mut self, skeleton: &Skeleton) {
         let pixels = &skeleton.pixels;
         self.nodes.clear();

@@ -7,8 +7,8 @@
 use super::Graph;
 use crate::skeleton::Skeleton;
 
-/// Maximum half-width of the overlap, in half-widths plus `DOUBT_PX`, at which it is one rope wide.
-/// Strands that meet at up to 60° without crossing reach 1.33 (see `zones`).
+/// Maximum half-width at which an overlap is one rope wide, in half-widths plus `DOUBT_PX`. Strands
+/// that meet at up to 60° without crossing reach 1.33 (see `zones`).
 const NECK_HALVES: f32 = 1.22;
 /// Minimum half-width of an overlap that is definitely wider than one rope, in half-widths plus
 /// `DOUBT_PX`.
@@ -27,8 +27,8 @@ pub(crate) const MOST: usize = 6;
 pub(crate) struct Necks {
     at: [u32; MOST],
     count: usize,
-    /// True if the rope is wide enough, and the overlap's narrowest place is clearly a neck or
-    /// clearly none.
+    /// True if the rope is wide enough, and the overlap's narrowest place either clearly is or
+    /// clearly is not a neck.
     pub(crate) are_known: bool,
 }
 

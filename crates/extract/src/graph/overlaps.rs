@@ -1,13 +1,13 @@
 //! Overlaps that width alone does not show: an edge between two junctions of three arms each.
 //!
-//! A rope has two ends, so a junction of three arms is rare: an end on a rope. Two of them joined
-//! by an edge are far more often one crossing at a flat angle, or two strands that run along each
-//! other. The edge is then both strands at once.
+//! A junction of three arms is rare: it needs an end on a rope, and a rope has only two ends. Two
+//! such junctions joined by an edge are far more often one crossing at a flat angle, or two strands
+//! that run along each other. The edge is then both strands at once.
 //!
-//! For each such edge, the cost of two hypotheses is compared. Apart: the pairings of both
-//! junctions by themselves. Overlap: one pairing of the four outer arms, laid straight, plus a cost
-//! per width of length. The overlap is taken if it costs less. If candidates share a zone, only the
-//! one with the largest gain can be taken.
+//! For each such edge, the costs of two hypotheses are compared. The first, apart, pairs the arms
+//! of each junction by itself. The second, overlap, pairs the four outer arms as if the overlap
+//! were straight, and adds a cost per width of its length. The overlap is taken if it costs less.
+//! If candidates share a zone, only the one with the largest gain can be taken.
 //!
 //! If two edges join the same two junctions, the longer one is the loop of a strand and is never
 //! the overlap. Otherwise a rope would be on top of itself all the way around.
@@ -25,7 +25,8 @@ use crate::vec2;
 /// Maximum length of an overlap that does not show in the mask's width, in widths.
 const LONGEST_WIDTHS: f32 = 12.0;
 /// Maximum distance from an overlap's middle to a strand of the prior that belongs to it, in
-/// widths. It allows for the strand's offset in the overlap and for its motion since.
+/// widths. It allows for the strand's offset in the overlap and for its motion since the last
+/// image.
 const BESIDE_WIDTHS: f32 = 1.5;
 /// Cost of an overlap per width of its length: a longer one is less likely.
 const PER_WIDTH: f32 = 0.04;
@@ -103,7 +104,7 @@ impl Overlaps {
         }
     }
 
-    /// Returns edge `e` as a candidate if reading it as an overlap costs less, with the gain.
+    /// Returns edge `e` as a candidate, with its gain, if it costs less as an overlap.
     fn weigh(
         &mut self,
         e: usize,
@@ -143,8 +144,8 @@ impl Overlaps {
                 .extend(kept.map(|arm| laid_straight(*arm, unroll.as_ref(), zone == ends[1])));
         }
         if detour_alone == 2 {
-            // If both ends of the detour stay alone, it is not two ends on two ropes, but both ends
-            // of one rope at one place.
+            // If both ends of the detour stay alone, they are not two ends on two ropes, but both
+            // ends of one rope at one place.
             apart += ALONE_TOO - ALONE;
         }
         self.pairing.resolve(&self.arms, &zones.past, yuv);

@@ -2,9 +2,9 @@
 //!
 //! Between two arms is a hidden stretch. The cubic through their ends with slopes α and β against
 //! its chord has a bending energy proportional to α² + αβ + β². An arc costs a quarter of its turn
-//! squared, an S three times as much. Differences in width, color, side of an overlap, and from the
-//! prior add to the cost of a pair (`cost`). An arm may also stay alone, as the end of a rope, at a
-//! fixed cost.
+//! squared, an S three times as much. Differences in width, color and side of an overlap add to the
+//! cost of a pair, as do deviations from the prior (`cost`). An arm may also stay alone, as the end
+//! of a rope, at a fixed cost.
 //!
 //! Zones of up to `MOST_ARMS` arms are solved exactly: all pairings are tried. Larger ones are
 //! solved greedily. The two arms of a zone without others are always paired.
@@ -14,8 +14,8 @@ use crate::image::color;
 use crate::past::Past;
 use crate::vec2::{self, Vec2};
 
-/// Cost of one arm that stays alone: that of an arc by 1.55 rad (89°), which a rope of ordinary
-/// stiffness does not make within its own width.
+/// Cost of one arm that stays alone. It equals the cost of an arc that turns by 1.55 rad (89°),
+/// which a rope of ordinary stiffness does not make within its own width.
 pub(crate) const ALONE: f32 = 0.6;
 /// Cost of each further arm that stays alone: two ends are rarely at one place.
 pub(crate) const ALONE_TOO: f32 = 1.4;
@@ -33,8 +33,8 @@ const MOST_COLOR: f32 = 0.9;
 /// Buffers and result of the search.
 #[derive(Debug, Default)]
 pub(crate) struct Pairing {
-    /// Cost of each two arms as one strand. On the diagonal, what the prior adds to the cost of an
-    /// arm that stays alone.
+    /// Cost of each pair of arms as one strand. The diagonal holds the prior's addition to the cost
+    /// of an arm that stays alone.
     costs: Vec<f32>,
     order: Vec<(f32, usize, usize)>,
     /// Partner of each arm, or the arm itself if it stays alone.
@@ -54,8 +54,8 @@ impl Pairing {
         self.best.reserve(ARMS);
     }
 
-    /// Returns the index of the partner of each of `arms`, or the arm's own if it ends here. All
-    /// arms are of one zone.
+    /// Returns the index of the partner of each of `arms`, or the arm's own index if the strand
+    /// ends here. All arms are of one zone.
     pub(crate) fn resolve(&mut self, arms: &[Arm], past: &Past, yuv: bool) -> &[usize] {
         let n = arms.len();
         self.costs.clear();

@@ -9,8 +9,8 @@ use crate::bitmap::bits::BitPlane;
 use crate::past::Past;
 use crate::skeleton::{NONE, Skeleton};
 
-/// Maximum additional cost for merging a ring with a strand that it meets: a bend by some 35° in
-/// each of the two pairs.
+/// Maximum additional cost for merging a ring with a strand that it meets. It equals a bend by some
+/// 35° in each of the two pairs.
 const RING: f32 = 0.35;
 /// Weight of a ring's own bend in the crossing, in the same comparison. A ring that crosses a
 /// strand runs straight there. A ring that only touches it and must bend to close is more likely
@@ -118,9 +118,9 @@ impl Strands {
             .map_or(0, |arm| arm.trim)
     }
 
-    /// Merges the ring and the strand for which exchanging their partners in a common zone adds the
-    /// least cost, if that is below `RING`. Ropes have ends, so a ring is likely an error of the
-    /// pairing. Returns whether it merged a pair.
+    /// Merges a ring with a strand by exchanging their partners in a common zone. Takes the pair
+    /// for which this adds the least cost, if that cost is below `RING`. Ropes have ends, so a ring
+    /// is likely an error of the pairing. Returns whether it merged a pair.
     fn open_a_ring(&mut self, yuv: bool, zones: &Zones) -> bool {
         let mut best = (RING, [0; 4]);
         for ring in self.strands.iter().filter(|s| s.closed) {
@@ -140,7 +140,7 @@ impl Strands {
                     }
                     let d = d as usize;
                     let cost = |i: usize, j: usize| {
-                        // Tight loops are too close to themselves for sides.
+                        // Sides are ignored, because tight loops are too close to themselves.
                         let arm = |slot: usize| Arm {
                             side: 0.0,
                             ..zones.arms[self.arm[slot] as usize]

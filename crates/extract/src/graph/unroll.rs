@@ -1,5 +1,5 @@
-//! A long overlap, laid straight. This separates how its arms bend against it from how both strands
-//! bend together.
+//! A long overlap, laid straight. This separates the bending of its arms against it from the common
+//! bending of both strands.
 
 use super::Graph;
 use super::arm::Arm;

@@ -16,9 +16,9 @@
 //!   runs over;
 //! - ends that are not tips.
 //!
-//! The result of the pairing is scored by the same cost. The walk overrules it if that costs more
-//! by a margin (`BETTER`), and the piece is several ropes, or one that is wound up or that the
-//! pairing split. See `Walker::improve` for the exceptions.
+//! The result of the pairing is scored by the same cost. The walk replaces that result if the
+//! result costs more by a margin (`BETTER`). The piece must also be several ropes, a rope that is
+//! wound up, or a rope that the pairing split. See `Walker::improve` for the exceptions.
 
 mod piece;
 
@@ -31,7 +31,7 @@ use piece::{Component, Ground, Visited, is_tip};
 
 /// Number of walks kept after each step.
 const BEAM: usize = 128;
-/// Maximum number of walks one step further, before the cheapest are kept.
+/// Maximum number of walks after a step, before only the cheapest are kept.
 const MOST_NEXT: usize = 4096;
 /// Size of the hash table of those walks.
 const PLACES: usize = 2 * MOST_NEXT;
@@ -41,8 +41,8 @@ const MOST_STEPS: usize = 16384;
 const END: f32 = 0.6;
 /// Cost of a ring.
 const RING: f32 = 0.6;
-/// Maximum cost of a joint between two legs, without that of the second leg. It is also the cost if
-/// no way joins them.
+/// Maximum cost of a joint between two legs, without the cost of the second leg. It is also the
+/// cost if no way joins them.
 const TORN: f32 = 2.0;
 /// Minimum gain for which a walk of one rope replaces the result of the pairing.
 const BETTER: f32 = 0.15;
@@ -80,11 +80,11 @@ impl Walker {
         self.way.reserve(128);
     }
 
-    /// Replaces the strands of each piece by its best walk if they cost more.
+    /// Replaces the strands of each piece by its best walk if the strands cost more.
     ///
-    /// Some pieces stay as they are. With two tips: a single strand that is not wound up. With
-    /// more: if the strands have legs that no way joins, or if an edge with a tip is wide, so that
-    /// widths do not show overlaps.
+    /// Some pieces are not changed. A piece with two tips is kept if it is a single strand that is
+    /// not wound up. A piece with more tips is kept if its strands have legs that no way joins, or
+    /// if an edge with a tip is wide. In the latter case, widths do not show overlaps.
     pub(crate) fn improve(
         &mut self,
         (legs, strands): (&mut Vec<Leg>, &mut Vec<Strand>),
@@ -198,8 +198,8 @@ impl Walker {
         (self.done).sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
     }
 
-    /// Adds the walks one step on from step `s` that cost less than `least`. Returns the new least
-    /// cost, as a walk may have ended here.
+    /// Adds the walks that continue step `s` by one more step, if they cost less than `least`.
+    /// Returns the new least cost, as a walk may have ended here.
     fn go_on(&mut self, s: u32, least: f32, of: Ground) -> f32 {
         let piece = &self.piece;
         let step = Step {
@@ -307,7 +307,7 @@ fn begin(piece: &Component, step: Step, of: Ground) -> Option<Step> {
     })
 }
 
-/// Walks one step on, without duplicates.
+/// Walks that are one step longer, without duplicates.
 #[derive(Debug, Default)]
 struct Layer {
     steps: Vec<Step>,

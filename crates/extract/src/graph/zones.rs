@@ -20,12 +20,13 @@ use crate::vec2::{self, Vec2};
 /// Minimum half-width of a strand that counts as wider than most, relative to the usual one.
 const WIDER: f32 = 1.25;
 
-/// Half-width of a strand, relative to its edge, above which it is part of a crossing. `SWOLLEN_PX`
-/// is added for whole pixels.
+/// Half-width at a pixel, relative to that of its edge, above which the pixel is part of a
+/// crossing. `SWOLLEN_PX` is added for whole pixels.
 const SWOLLEN: f32 = 1.12;
 const SWOLLEN_PX: f32 = 0.3;
 /// Range ahead, in half-widths, that tells a rising strand from a crossing. A strand that rises
-/// toward the camera widens gradually, so it is still as wide there. A crossing's width falls.
+/// toward the camera widens gradually, so it is still as wide in this range. At a crossing, the
+/// width falls.
 const AHEAD_HALVES: [f32; 2] = [4.0, 8.0];
 /// Maximum half-width of a rising strand, relative to its edge. Two strands side by side are wider.
 const RISEN: f32 = 1.6;
@@ -247,7 +248,7 @@ impl Zones {
         let pixels = graph.pixels(e);
         let mean = pixels.iter().map(|&p| radius(p)).sum::<f32>() / pixels.len() as f32;
         // Along a crossing's bisector, the half-width falls evenly from the junctions to the
-        // middle. Along a strand it falls at once. The rest allows for whole pixels.
+        // middle. Along a strand it falls at once. The last term allows for whole pixels.
         let wide = mean >= 0.5 * (at_ends + half_px) - 0.06 * width;
         let swollen = mean >= 1.12 * half_px + 0.15;
         wide && swollen && edge.length_px <= 1.5 * expected + 0.8 * width
@@ -333,7 +334,7 @@ fn strand_color(image: &Image, graph: &Graph, arm: &Arm, skeleton: &Skeleton) ->
     sum.map(|s| s / (to - from).max(1) as f32)
 }
 
-/// Direction of the least-squares line through `points`, away from `far`, which is the last one.
+/// Direction of the least-squares line through `points`, away from `far`, which is the last point.
 fn line_direction(points: impl Iterator<Item = Vec2> + Clone, far: Vec2) -> Vec2 {
     let (mut count, mut sum) = (0.0, [0.0; 2]);
     let first = points.clone().next().unwrap_or(far);

@@ -330,7 +330,8 @@ pub(crate) fn is_yuv(format: PixelFormat) -> bool {
 #[inline(always)]
 pub(crate) fn yuv_to_rgb([y, u, v]: [u8; 3]) -> [u8; 3] {
     let (y, u, v) = (f32::from(y), f32::from(u) - 128.0, f32::from(v) - 128.0);
-    // Through an integer as wide as a float: otherwise vectors are converted one lane at a time.
+    // Converts through an integer as wide as a float. Otherwise, vectors are converted one lane at
+    // a time.
     let to_byte = |c: f32| (c + 0.5).clamp(0.0, 255.0) as i32 as u8;
     [
         to_byte(y + 1.402 * v),

@@ -99,7 +99,7 @@ impl GrayPlane {
         x >= 0.0 && y >= 0.0 && x <= right && y <= bottom
     }
 
-    /// The share of the way from `from`, inside the plane, to `to` that is within the plane's
+    /// Share of the line from `from`, which is inside the plane, to `to` that is within the plane's
     /// border.
     pub(crate) fn part_within(&self, from: [f32; 2], to: [f32; 2]) -> f32 {
         let limits = [(self.width - 1) as f32, (self.height - 1) as f32];

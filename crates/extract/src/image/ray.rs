@@ -7,8 +7,8 @@
 use super::gray::GrayPlane;
 use crate::vec2::Vec2;
 
-/// Added to a position below it, makes the lowest bit of the sum worth 1/256: an `f32` near 2¹⁵ has
-/// 8 binary places.
+/// Constant that, added to a smaller position, makes the lowest bit of the sum worth 1/256: an
+/// `f32` near 2¹⁵ has 8 binary places.
 const FIX: f32 = 32_768.0;
 /// Binary places of a position.
 const PLACES: u32 = 8;
@@ -56,7 +56,7 @@ impl<'a> Ray<'a> {
     /// Values at some distances from the start, bilinear.
     #[inline(always)]
     pub(crate) fn at_each<const N: usize>(&self, far_px: [f32; N]) -> [f32; N] {
-        // Three loops, so that only the one that fetches goes pixel by pixel.
+        // Three loops, because only the loop that fetches has to go pixel by pixel.
         let (mut x, mut y, mut first) = ([0; N], [0; N], [0; N]);
         for k in 0..N {
             x[k] = (self.from[0] + far_px[k] * self.along[0] + FIX).to_bits();
@@ -149,7 +149,7 @@ impl Rays {
         else {
             return;
         };
-        // Three loops, so that only the one that fetches goes pixel by pixel.
+        // Three loops, because only the loop that fetches has to go pixel by pixel.
         let (mut first, mut fours) = ([[0; LANES]; K], [[0; LANES]; K]);
         let (mut x, mut y) = ([[0; LANES]; K], [[0; LANES]; K]);
         for k in 0..K {

@@ -4,7 +4,7 @@
 //! A Bayer pattern is filled in bilinearly. Each color that a pixel lacks is the mean of its
 //! nearest samples, two next to it or four around it. These surround the pixel evenly, so edges
 //! stay where they are. The other simple way, one pixel per 2 × 2 samples, moves each color by half
-//! a pixel or more, in a direction of its own.
+//! a pixel or more, each in another direction.
 //!
 //! Sharpening by the other colors' slopes (Malvar, He and Cutler 2004) overshoots next to edges.
 //! With it, followed ropes were nearer to the truth, but sometimes lost up to 4 px at their ends.
@@ -96,8 +96,8 @@ fn around(at: usize, side: usize) -> [usize; 2 * REACH + 1] {
     })
 }
 
-/// Colors of the middle of nine samples: the one that its row has as well as green, then green,
-/// then the third.
+/// Colors of the middle one of nine samples. The first is the color that shares the row with green,
+/// the second is green, and then comes the third color.
 fn mixed([above, own, below]: [[u8; 3]; 3], is_green: bool) -> [u8; 3] {
     if is_green {
         [two(own[0], own[2]), own[1], two(above[1], below[1])]

@@ -3,14 +3,14 @@
 //! The diagram is a signed Gauss code: the passes in order and the sign of each crossing. Together
 //! they fix the diagram on the sphere, including its faces (the cyclic order of the four directions
 //! at each crossing). A move therefore depends only on adjacent passes. A rope is in one piece, so
-//! a face that a move needs empty is empty.
+//! a face that has to be empty for a move is empty.
 
 use super::Pass;
 use std::collections::HashSet;
 
 /// Maximum number of diagrams examined on the way to a straight rope. Each is made by one third
-/// move. A tangle of the most crossings reported has some tens of these. The limit is enough for
-/// several in a row, in milliseconds.
+/// move. A tangle of the most crossings reported allows some tens of such moves. The limit is
+/// enough for several in a row, and takes milliseconds.
 const MOST_DIAGRAMS: usize = 500;
 
 /// A signed Gauss code.
@@ -83,7 +83,7 @@ impl Diagram {
                     waiting.push(next);
                 }
             }
-            // The diagram with the fewest crossings is examined first; it is the last.
+            // The diagram with the fewest crossings is sorted last and examined first.
             waiting.sort_by_key(|diagram| std::cmp::Reverse(diagram.signs.len()));
         }
         false

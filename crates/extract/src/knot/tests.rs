@@ -221,7 +221,7 @@ fn random_ropes(is_laid_down: bool) -> Vec<CrossingSequence> {
 
 #[test]
 fn a_rope_laid_down_from_end_to_end_pulls_straight_however_it_lies() {
-    // It only ever lies on what was there before, so no such rope is knotted.
+    // Each rope only ever lies on its own earlier parts, so none is knotted.
     for rope in random_ropes(true) {
         assert_eq!(rope.pulls_straight(), Some(true), "{rope}");
     }
@@ -256,7 +256,7 @@ fn a_crossing_that_was_not_seen_clearly_counts_both_ways() {
     let mut knot = seen(&overhand_knot());
     knot.1[1].confidence = 0.05;
     assert_eq!(sequence_of(&knot).pulls_straight(), None);
-    // For a plain loop, it does not matter.
+    // For a plain loop, the confidence of its crossing does not matter.
     let mut plain = seen(&coils(1, |_| true));
     plain.1[0].confidence = 0.0;
     assert_eq!(sequence_of(&plain).pulls_straight(), Some(true));

@@ -2,8 +2,8 @@
 //!
 //! A rope covers a small share of the pixels, so most pixels of a sparse grid show the table. Its
 //! color is a quadratic surface per channel, because light falls off smoothly over a table and
-//! lenses vignette. Least squares fit the surface repeatedly to the pixels within a few median
-//! residuals of it. Up to about 40% of the samples may be rope.
+//! lenses vignette. The surface is fitted repeatedly, by least squares, to the pixels within a few
+//! median residuals of it. Up to about 40% of the samples may be rope.
 
 mod middle;
 mod samples;
@@ -71,7 +71,8 @@ impl Background {
         for channel in 0..N {
             self.coefficients[channel][0] = self.median_level::<N>(arch, channel);
         }
-        // A few rows are enough to tell what is table. All rows show how it is lit.
+        // A few rows are enough to tell which samples are table. The light is then fitted to all
+        // rows.
         let glance = self.measure::<N>(arch, GLANCE, chroma);
         let scale = self.refine::<N>(arch, GLANCE, glance, chroma);
         self.noise = self.refine::<N>(arch, 1, scale, chroma).max(0.5);

@@ -15,20 +15,20 @@ use crate::image::Image;
 use crate::vec2::{self, Vec2};
 use std::ops::Range;
 
-/// Number of mask pixels that are sampled first, and number sampled next. The second sample follows
-/// if half the needed share of the first may be shadow.
+/// Number of mask pixels in the first sample, and in the second. The second is taken if half the
+/// needed share of the first may be shadow.
 const FIRST: usize = 64;
 const GLANCE: usize = 400;
 /// Minimum share of these pixels that have the table's color, for a notable shadow. Also the
-/// minimum share with other colors for telling ropes from shadow by color; with fewer, their light
-/// must tell.
+/// minimum share of other colors for telling ropes from shadow by color. With fewer, ropes and
+/// shadow are separated by their light.
 const SOME: f32 = 0.06;
-/// Minimum difference between the light of ropes and of shadow, and the minimum share of the
-/// light's variance that is between the two. The light of a rope lit from one side spreads evenly,
-/// which gives three quarters.
+/// Minimum difference between the light of ropes and that of shadow. Also the minimum share of the
+/// light's variance that this difference explains. On a rope lit from one side, light is spread
+/// evenly, for which this share is three quarters.
 const APART: f32 = 0.15;
 const PARTED: f32 = 0.85;
-/// The ropes' inside is used if it has at least one in this many of their pixels.
+/// The ropes' interior is used if it contains at least one in this many of their pixels.
 const INSIDE: usize = 2;
 /// Number of places of each part that are compared with the other part.
 const PLACES: usize = 256;
@@ -49,8 +49,8 @@ const BOTH_WAYS: f32 = 1.7;
 /// A step is judged only if it carries at least one in this many of the ropes' places off the
 /// ropes.
 const SEEN: i32 = 8;
-/// Maximum share, relative to the step's, that a step one width away from it may carry. Otherwise
-/// the step is in doubt.
+/// Maximum share that a step one width away from the best may carry, relative to the share of the
+/// best. Above it, the best step is in doubt.
 const SHARP: f32 = 0.75;
 /// Width of a shadow's soft edge beyond the rope's, in rope widths.
 const SOFT: f32 = 0.35;
@@ -113,7 +113,7 @@ impl Shadows {
                 continue;
             }
             shrink(&self.body, &mut self.spare);
-            // Their inside, unless they are too thin to have one.
+            // Use the ropes' interior, unless they are too thin to have one.
             match self.spare.count() {
                 inside if INSIDE * inside < body_area => {
                     gather(&self.body, body_area, &mut self.bodies)
@@ -170,7 +170,7 @@ impl Shadows {
     /// `body` gets the rest. The rope's own edge, which is mixed with the table, stays with the
     /// rope.
     fn part(&mut self, image: &Image, background: &Background, mask: &BitPlane, palest: f32) {
-        // No pixel is known to be rope.
+        // The plane of pixels known to be rope is empty.
         self.spare.resize(mask.width(), mask.height());
         self.body.copy_from(mask);
         shadow::clear(image, background, palest, &mut self.body, &self.spare);
@@ -252,8 +252,8 @@ impl Shadows {
         Some((step, around.fold(0.0, f32::max) <= SHARP * share))
     }
 
-    /// Keeps in the plane only the pixels that the step carries the ropes onto and their soft edge,
-    /// without darker pixels.
+    /// Keeps only those pixels of the plane that the step carries the ropes or their soft edge
+    /// onto. Also removes pixels darker than a shadow.
     fn keep_carried(&mut self, image: &Image, background: &Background, step: Vec2, width_px: f32) {
         let light =
             |x: usize, y: usize| shadow::light_left(image, background, [x, y]).unwrap_or(0.0);
@@ -344,9 +344,9 @@ fn is_dim(image: &Image, background: &Background, [x, y]: [i32; 2]) -> bool {
         .is_some_and(|light| light < 0.93)
 }
 
-/// Splits sorted numbers best in two (Otsu, "A threshold selection method from gray-level
-/// histograms", 1979). Returns the size of the lower part, the share of the variance between the
-/// parts, and the distance of their means.
+/// Splits sorted numbers into the two most distinct parts (Otsu, "A threshold selection method from
+/// gray-level histograms", 1979). Returns the size of the lower part, the share of the variance
+/// between the parts, and the distance of their means.
 fn part_in_two(sorted: &[f32]) -> (usize, f32, f32) {
     let count = sorted.len() as f32;
     let sum: f32 = sorted.iter().sum();
@@ -366,7 +366,7 @@ fn part_in_two(sorted: &[f32]) -> (usize, f32, f32) {
 }
 
 /// Calls `visit` with about `wanted` of the plane's `area` set pixels, spread evenly, or with all
-/// of them.
+/// if there are fewer.
 pub(super) fn for_each_some(
     plane: &BitPlane,
     area: usize,

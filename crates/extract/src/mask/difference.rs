@@ -95,7 +95,7 @@ impl Differencer {
         self.work(scene, least <= MOST_NOISE, out, faint, levels);
     }
 
-    /// As [`run`](Self::run), only where there are hits or everywhere.
+    /// As [`run`](Self::run), either only where there are hits (`is_sparse`) or everywhere.
     fn work(
         &mut self,
         scene: Scene,
@@ -209,7 +209,7 @@ impl Differencer {
         }
     }
 
-    /// Lays the table along a band and searches the band for anything else.
+    /// Lays the table along a band and searches the band for pixels that differ from it.
     fn look_at(&mut self, scene: Scene, band: usize, levels: &mut Levels) {
         let (image, strips, least) = (scene.image, scene.blocks().1, scene.least);
         let (width, top) = (image.width(), BLOCK * band);

@@ -17,7 +17,8 @@ use std::ops::Range;
 const BLOCKS: usize = 120;
 /// Distance to the blocks that a block is compared with, in blocks: more than the width of a rope.
 const REACH: usize = 6;
-/// Standard deviations above the median that noise does not reach: about one block in 10⁶ does.
+/// Minimum excess of a block over the median, in standard deviations. Noise exceeds it in about one
+/// block in 10⁶.
 const SPREADS: f32 = 5.0;
 /// Minimum excess of a block, in levels: an image without noise is rounded to whole ones.
 const LEAST: f32 = 1.0;
@@ -68,7 +69,7 @@ impl Faint {
         {
             self.hot.fill(i / width, i % width, i % width + 1, true);
         }
-        // With more runs than a picture of ropes has, it is not a rope either.
+        // With too many runs for a picture of ropes, it is not a rope either.
         if components.drop_specks(&mut self.hot, PIECE).is_err() {
             return false;
         }

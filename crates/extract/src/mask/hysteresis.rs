@@ -38,7 +38,7 @@ const RINGING: f32 = 0.02;
 /// Half the maximum width of a slit that is closed without a trace of rope in it, in rope widths.
 const SLIT: f32 = 0.2;
 /// Objects wider than this share of the picture's shorter side, such as an arm, are left unchanged.
-/// Their width takes time and gains nothing.
+/// Restoring their width would take time and gain nothing.
 const WIDEST: f32 = 1.0 / 6.0;
 
 /// Memory of the step.
@@ -51,7 +51,7 @@ pub(crate) struct Hysteresis {
     /// removed.
     pub(crate) faint: BitPlane,
     weak: Strips,
-    /// Places where the rope is thin, then their surroundings too.
+    /// Places where the rope is thin; later, their surroundings too.
     thin: Strips,
     wider: Strips,
     fits: Strips,
@@ -60,8 +60,8 @@ pub(crate) struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// Adds to `mask`, which is `difference` at the `cut`, what its ropes lack. `rows` is the mask
-    /// before that.
+    /// Adds to `mask`, which is `difference` at the `cut`, the parts that its ropes lack. `rows` is
+    /// the same mask row by row, without these additions.
     ///
     /// The difference of the added pixels is lifted to the ropes' mean, so that their outer edges
     /// are found.

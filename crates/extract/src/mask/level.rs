@@ -8,10 +8,10 @@
 
 use crate::image::gray::GrayPlane;
 
-/// Upper half of the bytes: the meaning of a mask without two clusters.
+/// Minimum level of rope in a mask without two clusters: the upper half of the byte values.
 const HALF: u8 = 128;
 /// Position of the cut between the mean of the rest and that of the rope: at a probability of an
-/// eighth. Real masks are as whole with anything from a twentieth to a sixth.
+/// eighth. Any position from a twentieth to a sixth leaves real masks equally whole.
 const SHARE: f32 = 0.12;
 /// Minimum distance of the cut from the mean of the rest, in mean deviations: 5 standard deviations
 /// of Gaussian noise.
@@ -22,8 +22,8 @@ const LEAST_ROPE: f32 = 96.0;
 /// Minimum mean of ropes in a weak mask: a probability of an eighth, the cut of a mask of full
 /// strength.
 const LEAST_WEAK: f32 = 32.0;
-/// Minimum distance of that mean from the rest's, in mean deviations of the rest: twice that of the
-/// cut.
+/// Minimum distance of a weak mask's rope mean from the mean of the rest, in mean deviations of the
+/// rest: twice that of the cut.
 const APART: f32 = 2.0 * DEVIATIONS;
 /// Number of rows that are counted, evenly spread. The means change little from row to row.
 const ROWS: usize = 64;

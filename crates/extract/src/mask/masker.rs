@@ -34,11 +34,11 @@ use thiserror::Error;
 /// and a skeleton would be meaningless.
 const MOST_COVERED: f32 = 0.6;
 
-/// Maximum number of holes minus pieces in the ropes' mask from elsewhere or by color. At this
-/// number, ropes would cross four times as often as is reported. A net has more.
+/// Maximum number of holes minus pieces in a mask by color or from elsewhere. At this number, ropes
+/// would cross four times as often as is reported. A net has more.
 const MOST_HOLES: i64 = 4 * MOST_CROSSINGS as i64;
 
-/// Share of the picture's border in the mask above which the mask there is not rope.
+/// Maximum share of the picture's border that is in the mask. Above it, the mask there is not rope.
 const FRAMED: f32 = 0.18;
 
 /// Minimum width of the remainder between two seams to count as a strand, as a share of the
@@ -101,7 +101,7 @@ pub(crate) struct Masker {
     pub(crate) whole: (GrayPlane, BitPlane),
     /// The mask of the image.
     pub(crate) mask: RopeMask,
-    /// The mask before the network was asked as well.
+    /// The mask from before the network was run as well.
     aside: RopeMask,
 }
 
@@ -198,8 +198,8 @@ impl Masker {
         self.seeker.has_found = false;
     }
 
-    /// Marks an automatic mask as doubtful if it was trusted but held no rope. Returns true if it
-    /// did.
+    /// Marks an automatic mask as doubtful if it was trusted but held no rope. Returns whether it
+    /// was marked.
     pub(crate) fn doubts_itself(&mut self, why: Notice) -> bool {
         let seemed_sure = self.mask.notice.is_none() && self.mask.source.is_table();
         if seemed_sure {
@@ -209,7 +209,7 @@ impl Masker {
     }
 
     /// Marks an empty automatic mask as noisy if the noise would hide a rope that differs from the
-    /// table by `level`. Returns true if it did.
+    /// table by `level`. Returns whether it was marked.
     pub(crate) fn doubts_noise(&mut self, level: f32) -> bool {
         let is_hidden = threshold::floor(self.background.noise) > level;
         let seemed_sure = self.mask.notice.is_none() && self.mask.source.is_table() && is_hidden;
@@ -246,7 +246,7 @@ impl Masker {
         self.seek_on_table(image)
     }
 
-    /// Takes back the mask before [`seek_as_well`](Self::seek_as_well).
+    /// Restores the mask from before [`seek_as_well`](Self::seek_as_well).
     pub(crate) fn take_back(&mut self) {
         std::mem::swap(&mut self.mask, &mut self.aside);
     }
@@ -417,7 +417,7 @@ impl Masker {
         self.mask.notice = self.leave_net_out();
     }
 
-    /// Empties a mask that is a net, and returns a notice of it.
+    /// Empties a mask that is a net, and returns a notice about it.
     fn leave_net_out(&mut self) -> Option<Notice> {
         let is_net = diagnosis::holes_beyond_pieces(&self.mask.strips) > MOST_HOLES;
         if is_net {

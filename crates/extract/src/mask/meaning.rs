@@ -21,7 +21,7 @@ const INSIDE: f32 = 0.9;
 const MOST_SMALL: usize = 1 << 15;
 const ROWS: usize = 64;
 
-/// A mask that extraction can use, and a sentence if its bytes meant something else.
+/// A mask that extraction can use, and a notice if the original bytes had another meaning.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaskLevels {
@@ -37,15 +37,15 @@ impl MaskLevels {
     /// The levels as an image for extraction.
     ///
     /// # Errors
-    /// If they are more than extraction accepts.
+    /// If the mask is larger than extraction accepts.
     pub fn image(&self) -> Result<Image<'_>, ImageError> {
         let [width, height] = self.size;
         Image::new(&self.levels, width, height, width, PixelFormat::Gray8)
     }
 }
 
-/// Reads the levels of a mask whose level is chosen by its own histogram. `None` if extraction can
-/// use the mask as it is.
+/// Interprets the bytes of a mask whose level is to be chosen by its own histogram. Returns `None`
+/// if extraction can use the mask as it is.
 ///
 /// # Errors
 /// If all pixels have the same level and it is not 0: nothing tells ropes from the rest.
@@ -160,8 +160,8 @@ fn histogram(mask: &Image) -> [usize; 256] {
     counts
 }
 
-/// Returns whether there are small levels, once `turned`, that are labels: areas of one level, not
-/// slopes or noise.
+/// Returns whether the mask, with its levels `turned`, has small levels that are labels: areas of
+/// one level, not slopes or noise.
 ///
 /// A pixel is inside an area if a square of 2 × 2 pixels that contains it has one level.
 fn is_labelled(mask: &Image, counts: &[usize; 256], turned: impl Fn(u8) -> u8) -> bool {

@@ -12,8 +12,9 @@ use crate::image::{Image, PixelFormat, Region, color};
 /// Maximum number of pixels that the network gets. Larger pictures are reduced to the means of
 /// blocks.
 const MOST_PIXELS: usize = 640 * 640;
-/// Reduction of a glance's picture relative to a search's. Ropes are likely if one in `LEAST` of
-/// its pixels is: that is 4 pixels wide and a quarter of a VGA picture's height long.
+/// Reduction of a glance's picture relative to a search's. Ropes are likely if at least one in
+/// `LEAST` of its pixels is likely rope. In a VGA picture, that is a rope 4 pixels wide and a
+/// quarter of the picture's height long.
 const GLANCE: usize = 2;
 const LEAST: usize = 640;
 /// Margin that the search adds around what may be rope, in pixels of the image.
@@ -54,8 +55,8 @@ impl Finder {
         }
     }
 
-    /// Returns whether a rope may be in the part `within` of `image`: whether enough of it is at
-    /// least as `likely`. Costs a quarter of finding the rope.
+    /// Returns whether a rope may be in the part `within` of `image`: whether enough pixels there
+    /// are rope with at least the probability `likely`. Costs a quarter of finding the rope.
     pub(crate) fn glance(&mut self, image: &Image, within: Region, likely: u8) -> bool {
         let scale = GLANCE * scale_of(image.width(), image.height());
         let Some(part) = image.region(within) else {

@@ -29,8 +29,8 @@ const LEAST: f32 = threshold::LEVEL_FLOOR / threshold::NOISE_FLOOR;
 /// Minimum ratio of a pattern to all deviation. Noise that a camera's compression has smoothed
 /// reaches a third.
 const SHARE: f32 = 0.5;
-/// Distances for telling light and shade, as fractions of the image's shorter side. An eighth and
-/// an eleventh are wider than ropes are, and no period fits both.
+/// Distances for recognizing light and shade, as fractions of the image's shorter side. An eighth
+/// and an eleventh are wider than ropes, and no pattern's period fits both.
 const FAR: [usize; 2] = [8, 11];
 /// Minimum share of their covariance that light and shade keep over that distance.
 const STILL: f32 = 0.6;
@@ -76,7 +76,7 @@ pub(crate) struct Table<'a> {
 
 impl Table<'_> {
     /// Covariances of the deviations `lag` pixels apart, to the right and down, in squared levels.
-    /// Each is that of the channel where it is largest.
+    /// Each is the largest among the channels.
     fn covariances(&self, lag: usize) -> [f32; 2] {
         let (width, height) = (self.image.width(), self.image.height());
         if width <= lag || height <= lag {

@@ -15,15 +15,15 @@ use crate::bitmap::strips::Strips;
 use crate::image::gray::GrayPlane;
 use crate::image::{Image, color};
 
-/// Number of mask pixels that are sampled first, and number sampled next. The second sample follows
-/// if at least half of `LIGHTER` of the first are lighter than the table. `LIGHTER` and `DARKER`
-/// are the minimum shares that are lighter and darker than the table; a highlight on a dark rope is
-/// a tenth.
+/// Number of mask pixels in the first sample, and in the second. The second is taken if at least
+/// half of `LIGHTER` of the first are lighter than the table. `LIGHTER` and `DARKER` are the
+/// minimum shares that are lighter and darker than the table. A highlight on a dark rope covers a
+/// tenth.
 const FIRST: usize = 64;
 const GLANCE: usize = 400;
 const LIGHTER: f32 = 0.4;
 const DARKER: f32 = 0.08;
-/// Maximum distance of such a gap from the lighter and from the darker pixels.
+/// Maximum distance of a pixel that is filled in from the lighter and from the darker pixels.
 const REACH: usize = 3;
 
 /// Memory of the step.

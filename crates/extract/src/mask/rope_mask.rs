@@ -67,7 +67,7 @@ pub(crate) struct RopeMask {
     /// Columns and rows that contain everything that differs from the table, before anything is
     /// removed.
     pub(super) differs: Option<[Range<usize>; 2]>,
-    /// State of the ropes' own shadow in it.
+    /// State of the ropes' own shadow in the mask.
     pub(crate) cast: Cast,
     /// Doubt about the mask, if any.
     pub(crate) notice: Option<Notice>,

@@ -202,8 +202,8 @@ impl NullaryFnOnce for Smooth<'_> {
     }
 }
 
-/// For each pixel of a row, tests whether the light bends upward across by at least `least`. The
-/// three input rows begin one pixel before the first.
+/// For each pixel of a row, tests whether the light bends upward by at least `least` in some
+/// direction. The three input rows begin one pixel before the first.
 struct Bend<'a> {
     above: &'a [f32],
     here: &'a [f32],

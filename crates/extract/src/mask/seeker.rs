@@ -13,8 +13,8 @@ use crate::image::{Image, Region};
 use crate::ribbons::Ribbons;
 
 /// Minimum probability, of 255, of pixels that the network sees as rope, and of those that it
-/// guesses. It is believed if more than the share `BELIEVED` of the guessed pixels is seen.
-/// Otherwise, every pixel gets the probability `UNKNOWN`.
+/// guesses. The network is believed if it sees more than the share `BELIEVED` of the guessed
+/// pixels. Otherwise, every pixel gets the probability `UNKNOWN`.
 const SEES: u8 = 191;
 const GUESSES: u8 = 64;
 const BELIEVED: f32 = 0.3;

@@ -16,8 +16,8 @@ use lariat_portable::Arch;
 /// once in 10⁹ pixels: the median residual of three channels is about one standard deviation.
 /// Single pixels are dropped anyway.
 pub(crate) const NOISE_FLOOR: f32 = 6.0;
-/// Minimum difference of rope, in median residuals, if a mean of the ropes is known that stands
-/// out. It is five standard deviations, which noise exceeds about once in 10⁶ pixels.
+/// Minimum difference of rope, in median residuals, if the ropes have a mean that stands out. It is
+/// five standard deviations, which noise exceeds about once in 10⁶ pixels.
 const FAINT_FLOOR: f32 = 4.0;
 /// Minimum difference of rope, in levels: compression artifacts of JPEG and video reach this far.
 pub(crate) const LEVEL_FLOOR: f32 = 14.0;
@@ -41,8 +41,8 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
-    /// Returns whether the ropes' levels set the cut, and not the table's noise, which sets this
-    /// floor.
+    /// Returns whether the cut was set by the ropes' levels rather than by `floor`, the table's
+    /// noise.
     pub(crate) fn is_sure(&self, floor: f32) -> bool {
         f32::from(self.rope) > floor.ceil()
     }

@@ -11,7 +11,7 @@ const STRIDE: usize = 3;
 const MOST_WIDTHS: usize = 2048;
 /// Maximum length of a run of pixels that gets a single width; longer runs get several.
 const LONGEST_PX: usize = 24;
-/// Maximum distance of a rope's side from a pixel, in the search for it.
+/// Maximum distance from a pixel at which a rope's side is searched for.
 const WIDEST_PX: usize = 128;
 
 /// Memory and result of the step.
@@ -31,8 +31,8 @@ pub(crate) struct Widths {
 type Both<'a> = (&'a Strips, &'a BitPlane);
 
 impl Widths {
-    /// Measures the widths of the ropes in `sure`, and with the pixels of `all`, which include
-    /// those of `sure`.
+    /// Measures the widths of the ropes in `sure`, and again with the pixels of `all`, which
+    /// include those of `sure`.
     pub(crate) fn take(&mut self, sure: Both, all: Both) {
         self.sure.take(sure.0);
         self.all.take(all.0);
@@ -50,12 +50,12 @@ impl Widths {
         self.edges.sort_unstable();
     }
 
-    /// Width below which this share of the ropes' area is; 0 without ropes.
+    /// The width that a share of the ropes' area does not reach; 0 without ropes.
     pub(crate) fn width(&self, share: f32) -> f32 {
         quantile(&self.widths, share)
     }
 
-    /// As [`width`](Self::width), but the part of the width that faint pixels add.
+    /// As [`width`](Self::width), for the part of the width that faint pixels add.
     pub(crate) fn edge(&self, share: f32) -> f32 {
         quantile(&self.edges, share)
     }
@@ -118,7 +118,7 @@ fn width_at(edge_distance: &EdgeDistance, rows: &BitPlane, [x, y]: [usize; 2]) -
 fn middle(mask: &Strips, [x, y]: [usize; 2]) -> [usize; 2] {
     let (left, right) = mask.reach_along_row([x, y], WIDEST_PX);
     let across = left + right;
-    // Most ropes are thin enough for a single look.
+    // Most ropes are so thin that one reading of the column is enough.
     let (up, down, is_all) = mask.column([x, y]);
     if across < up + down {
         return [towards(x, left, right), y];
@@ -165,7 +165,7 @@ impl Weighted {
     }
 }
 
-/// Value below which `share` of the weights of the sorted `values` lie; 0 without values.
+/// Value below which `share` of the weights of the sorted `values` are; 0 without values.
 fn quantile(values: &[Weighted], share: f32) -> f32 {
     let all: f32 = values.iter().map(|v| v.weight()).sum();
     let mut sum = 0.0;

@@ -16,8 +16,9 @@
 //! result: `untangle` exchanges ways, and `tear` drops ways over the bare table. Finally,
 //! `join_pairs` joins remaining ends at a common occluder.
 //!
-//! The hidden way is that of the prior, moved along with the two ends. Without one, it is the cubic
-//! that leaves both ends as they point, which is the way of least bending for small turns.
+//! The hidden way is that of the prior, moved along with the two ends. Without a prior, it is the
+//! cubic that leaves both ends in their own directions. For small turns, this is the way of least
+//! bending.
 
 mod reassign;
 #[cfg(test)]
@@ -51,9 +52,9 @@ const OPPOSED: f32 = -0.7;
 const BACK: f32 = 2.0;
 
 /// Cost of joining consecutive fragments of a known rope, if nothing covers the way between them,
-/// and if an occluder does. The first is more than ends that the prior joins by themselves, and
-/// less than any join without a prior. The second is less than anything else, because ends under a
-/// hand may point along any strand.
+/// and if an occluder does. The first cost is above that of any `known_way` and below that of any
+/// join without a prior. The second cost is the lowest of all, because ends under a hand may point
+/// along any strand.
 const NEIGHBORS: (f32, f32) = (50.0, -1.0);
 /// Minimum share of a way that must be under an occluder for it to be covered.
 const COVERED: f32 = 0.75;
@@ -62,8 +63,8 @@ const COVERED: f32 = 0.75;
 /// sampled up to there.
 const INTO: (f32, usize) = (1.5, 6);
 
-/// Minimum gap, in widths, at which a known rope can be found to be two. Maximum share of its way,
-/// straight and along the prior, that may show anything but the bare table.
+/// Minimum gap, in widths, at which a known rope can be found to be two. Maximum share of the way
+/// across it, straight and along the prior, that may show anything but the bare table.
 const SPLIT: (f32, f32) = (3.0, 0.5);
 /// Minimum length of such a rope, if it were joined by a straight line, relative to its usual
 /// length.
@@ -110,8 +111,8 @@ impl Bridger {
         self.spaced.reserve(samples);
     }
 
-    /// Joins those of `lines`, which have these mean colors, that are fragments of one rope, and
-    /// sorts them by length. Returns the number of lines left.
+    /// Joins those of `lines` that are fragments of one rope, and sorts the lines by length.
+    /// `colors` are their mean colors. Returns the number of lines left.
     pub(crate) fn join(
         &mut self,
         lines: &mut [Line],
@@ -164,9 +165,9 @@ impl Bridger {
                 let at = |back: usize| line.samples[if last { n - 1 - back } else { back }].at;
                 let from = |widths| vec2::unit_or(vec2::sub(at(0), at(back(widths))), [1.0, 0.0]);
                 let leaves = line.border[usize::from(last)];
-                // The direction over two widths, since the occluder may fray the tip itself. At the
-                // image's border, the direction at the tip itself is extrapolated, as if the rope
-                // were an arc.
+                // Takes the direction over two widths, since the occluder may fray the tip itself.
+                // At the image's border, the direction at the tip itself is extrapolated, as if the
+                // rope were an arc.
                 let out = match leaves {
                     true => vec2::unit_or(
                         vec2::sub(vec2::scale(from(1.0), 2.0), from(2.0)),
@@ -311,7 +312,7 @@ impl Bridger {
     }
 
     /// Returns the end at which the rope leaves the occluder that end `i` runs into: the only other
-    /// end there, at any bending, or the one with far less bending than any other.
+    /// end there, whatever its bending, or the end that needs far less bending than all others.
     fn partner(&self, i: usize, scenery: &Scenery) -> Option<usize> {
         let a = &self.ends[i];
         let (mut first, mut second) = ((f32::INFINITY, None), f32::INFINITY);
@@ -489,8 +490,8 @@ fn is_like(a: &End, b: &End, scenery: &Scenery) -> bool {
     color::distance(a.color, b.color, scenery.yuv) <= like_levels && width <= like_width
 }
 
-/// Returns whether the prior leaves open that two ends are of one rope. It does so unless both are
-/// on known ropes that were not lost under an occluder there.
+/// Returns whether the prior leaves open whether two ends are of one rope. It does, unless both
+/// ends are on known ropes that were not lost under an occluder there.
 fn are_open(a: &End, b: &End, scenery: &Scenery) -> bool {
     let known = |end: &End| !scenery.past.was_covered(&end.past);
     !(known(a) && known(b))
@@ -523,8 +524,8 @@ fn runs_into(a: &End, b: &End, scenery: &Scenery) -> bool {
     hits.count() as f32 >= COVERED * ASKED as f32
 }
 
-/// Share of a rope's stretch, in arc length, that is under an occluder. Half a width around it
-/// counts.
+/// Share of a rope's stretch, given in arc length, that is under an occluder or within half a width
+/// of one.
 fn covered(rope: &Rope, [from_px, to_px]: [f32; 2], scenery: &Scenery) -> f32 {
     const ASKED: usize = 16;
     let hits = (0..ASKED).filter(|&k| {

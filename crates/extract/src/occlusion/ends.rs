@@ -32,8 +32,8 @@ const ALIKE_ELSEWHERE: (f32, f32) = (60.0, 2.5);
 /// For a mask made elsewhere: maximum gap and maximum bending (a turn by 44°) if the gap shows the
 /// rope, or another one over it.
 const SEEN: (f32, f32) = (24.0, 0.15);
-/// Minimum level of such a mask that is more than background. A network gives it where it is
-/// slightly certain.
+/// Minimum level of such a mask that is more than background. A network outputs it where it is
+/// slightly certain of a rope.
 const TRACE: f32 = 6.0;
 /// Maximum color difference from the rope at a place that shows it: as a share of the difference on
 /// either side, and in levels.
@@ -41,7 +41,7 @@ const RIDGE: (f32, f32) = (0.6, 48.0);
 /// For a rope that leaves the image and returns: maximum gap in widths, and maximum bending (a turn
 /// by 99°).
 const OUTSIDE: (f32, f32) = (16.0, 0.75);
-/// Maximum depth, in pixels, to which the way between may come into the image.
+/// Maximum depth, in pixels, to which the way between such ends may come into the image.
 const INTO_PX: f32 = 1.5;
 /// With a prior: maximum difference between the gap and the same stretch of the prior's rope, in
 /// widths, plus a share of the way along the rope.
@@ -82,8 +82,8 @@ pub(crate) struct Scenery<'a> {
     pub(crate) yuv: bool,
     /// The image, if the mask was made elsewhere. It may show what the mask has missed.
     pub(crate) elsewhere: Option<&'a Image<'a>>,
-    /// The image, if the mask contains ropes only, whatever its origin. Occluders are then not in
-    /// it.
+    /// The image, if the mask contains ropes only, whatever its origin. Such a mask shows no
+    /// occluders.
     pub(crate) picked: Option<&'a Image<'a>>,
 }
 
@@ -112,8 +112,8 @@ impl Scenery<'_> {
     }
 }
 
-/// Cost of joining ends between which a rope of the prior ran, and its places there. If both ends
-/// are of one line (`same`), only a closed rope counts.
+/// Cost of joining ends between which a rope of the prior ran, and their places on that rope. If
+/// both ends are of one line (`same`), only a closed rope counts.
 ///
 /// The cost is a sum:
 ///

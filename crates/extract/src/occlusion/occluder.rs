@@ -2,9 +2,9 @@
 //! tool at a rope.
 //!
 //! An occluder shows as a place where the mask is far wider than the ropes, in a color of its own.
-//! From there, its whole area is filled by color. If the ropes' width is known, its rim, which gets
-//! less light, is added by width. The occluder is removed from the mask, so that no curve runs into
-//! it or around it. Hidden parts of a rope are bridged later.
+//! From there, its whole area is filled by color. If the ropes' width is known, the occluder's rim,
+//! which gets less light, is added by width. The occluder is removed from the mask, so that no
+//! curve runs into it or around it. Hidden parts of a rope are bridged later.
 //!
 //! Two kinds of wide places stay in the mask. Strands close to each other have the rope's color, or
 //! many colors. A thick rope among thin ones is long.
@@ -36,8 +36,8 @@ const ALIKE: f32 = 28.0;
 /// Minimum share of an occluder's middle that has its color. Strands on top of each other, with
 /// shade between them, reach a third. Only if the ropes' width is not known.
 const ONE_COLOR: f32 = 0.6;
-/// Maximum area of an occluder, in squares of its own width. A rope has more. Only if the ropes'
-/// width is not known.
+/// Maximum area of an occluder, in squares of its own width. A rope's area is larger. Only if the
+/// ropes' width is not known.
 const SQUARES: f32 = 5.0;
 /// Maximum distance of an occluder's pixel from the occluder's color, as a share of its distance
 /// from the rope's color.
@@ -101,8 +101,8 @@ impl Occluder {
     /// Finds occluders, starting from the widest places. Returns whether there are any.
     ///
     /// If the prior knows the ropes' width, width and color decide. If not, an occluder must also
-    /// have one color and a limited area. One of the ropes' own color then stays in the mask if its
-    /// half-width is at least `widest_half_px`, as it may have fingers.
+    /// have one color and a limited area. An occluder of the ropes' own color then stays in the
+    /// mask if its half-width is at least `widest_half_px`, as it may have fingers.
     pub(crate) fn find(
         &mut self,
         image: &Image,
@@ -216,7 +216,8 @@ impl Occluder {
             if seed.half_px <= least_px || seed.half_px >= halves_px.end {
                 return false;
             }
-            // Color does not tell them apart, so everything inside the widest place is taken.
+            // Color does not separate it from the ropes, so everything inside the widest place is
+            // taken.
             seed.fill(&mut self.thing, 1.1);
             self.alike.copy_from(mask);
         } else {
@@ -270,8 +271,8 @@ impl Occluder {
     }
 }
 
-/// Returns whether no place is far wider than the ropes usually are. This holds if enough places
-/// are near the widest one in width that the usual width must be, too.
+/// Returns whether no place is far wider than the ropes usually are. This holds if at most the
+/// share `USUAL` of the places is far narrower than the widest one.
 fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
     let pixels = &skeleton.pixels;
     // A thousandth more than necessary, for rounding.
@@ -280,7 +281,8 @@ fn is_even(skeleton: &Skeleton, widest_px: f32) -> bool {
     narrow <= ((pixels.len().max(1) - 1) as f32 * USUAL) as usize
 }
 
-/// Clears the area along a rope. Next to an arm, the mask of both is as wide as an occluder.
+/// Clears the area along a rope. If an arm is next to a rope, both together are as wide in the mask
+/// as an occluder.
 fn clear_along(plane: &mut BitPlane, rope: &Rope) {
     let steps = (2.0 * rope.length_px / rope.width_px) as usize;
     for step in 0..=steps {
@@ -305,7 +307,7 @@ struct Seed {
 }
 
 impl Seed {
-    /// Mean color around it.
+    /// Mean color around the seed.
     fn color(&self, image: &Image) -> [f32; 3] {
         let reach = 0.6 * self.half_px;
         let (mut sum, mut count) = ([0.0; 3], 0.0f32);

@@ -1,8 +1,8 @@
 //! Fragments of known ropes among the lines, in their order along each rope.
 //!
 //! A finger on a loop leaves two ends that point the same way. A hand on a crossing leaves four,
-//! frayed by its rim. Such ends hardly tell where each strand continues. But the fragments between
-//! them are along the rope of the prior, each from one place to another, and a rope does not tear.
+//! frayed by its rim. Such ends hardly tell where each strand continues. But each fragment runs
+//! along a stretch of the prior's rope, and a rope does not tear.
 
 use crate::centerline::line::Line;
 use crate::past::{Move, Past, Rope};
@@ -127,7 +127,7 @@ fn place(l: usize, line: &Line, past: &Past) -> Option<Fragment> {
 }
 
 /// Mean distance of a line from the stretch of the rope that starts at `from_px`, in widths. In a
-/// long fragment, the common movement of all places counts only by `SHIFTED`.
+/// long fragment, the common movement of all places has the weight `SHIFTED`.
 fn apart_widths(line: &Line, length_px: f32, rope: &Rope, from_px: f32, reversed: bool) -> f32 {
     let last = (line.samples.len() - 1) as f32;
     let apart = |k: usize| {

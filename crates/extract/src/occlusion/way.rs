@@ -24,7 +24,7 @@ pub(super) fn share(way: impl Fn(f32) -> Vec2, is_so: impl Fn(Vec2) -> bool) -> 
 }
 
 /// The way between two ends, as a function from 0 to 1. With `way`, it is the prior's, moved along
-/// with both ends. Otherwise it is the cubic that leaves both as they point.
+/// with both ends. Otherwise it is the cubic that leaves both ends in their own directions.
 ///
 /// The prior's way is corrected toward the rope's usual length. If the rope was longer than usual,
 /// the hidden way is drawn in toward the cubic. If it was shorter and leaves the image here, the
@@ -96,7 +96,7 @@ pub(crate) fn stretching(wanted_px: f32, length_px: impl Fn(f32) -> f32) -> f32 
     least
 }
 
-/// Appends samples between two ends, behind those of the first.
+/// Appends samples along the way between two ends to those of the first end's line.
 pub(super) fn lay(
     samples: &mut Vec<Sample>,
     from: &End,
@@ -127,7 +127,7 @@ pub(super) fn lay(
 /// Hermite cubic from one place, in the direction out of it, to another. Its speed at both ends
 /// makes it nearly an arc of a circle if both turn by the same angle.
 pub(crate) fn cubic([from, out]: [Vec2; 2], [to, back]: [Vec2; 2]) -> impl Fn(f32) -> Vec2 {
-    // 4 tan(θ/4) radii for a turn by θ.
+    // The speed is 4 tan(θ/4) radii for a turn by θ.
     let cos_half = (0.5 - 0.5 * vec2::dot(out, back)).clamp(0.0, 1.0).sqrt();
     let pace_px = 2.0 * vec2::distance(from, to) / (1.0 + cos_half);
     move |t| {
@@ -145,8 +145,8 @@ pub(crate) fn length_px(at: impl Fn(f32) -> Vec2) -> f32 {
     (0..PIECES).map(|k| vec2::distance(at(k), at(k + 1))).sum()
 }
 
-/// Share, from 0 to 1, of the distance to a plain way that a hidden way must move to become
-/// `spare_px` shorter.
+/// Fraction, from 0 to 1, by which a hidden way must move toward a plain way to become `spare_px`
+/// shorter.
 pub(crate) fn drawn_in(spare_px: f32, way_px: f32, plain_px: f32) -> f32 {
     match way_px - plain_px {
         longer_px if spare_px > 0.0 && longer_px > 0.0 => (spare_px / longer_px).min(1.0),

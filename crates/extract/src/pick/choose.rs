@@ -1,12 +1,12 @@
-//! Chooses the rope's colors at some points: of the ranges from many regions, those whose mask is
-//! most likely a rope.
+//! Chooses the colors of the rope at some points. It derives ranges from
+//! many regions, and takes those whose mask is most likely a rope.
 //!
 //! A region of similar color that grows from a point tells little about whether it is the rope. On
 //! a plain table most tolerances give the rope, in clutter only a few do. So a range is fitted to
-//! each region, and its whole mask is examined. A mask is better the more of the picture it
-//! contains, and the more of it is along ropes like the one at the point. The parts of the best
-//! masks along those ropes are then evidence for new ranges, which hence depend on the rope and not
-//! on the point.
+//! each region, and its whole mask is examined. A mask is better if it contains more of the
+//! picture, and if more of the mask is along ropes like the one at the point. The parts of the best
+//! masks along those ropes are then evidence for new ranges. These therefore depend on the rope and
+//! not on the point.
 
 use super::evidence::{self, Evidence, Label};
 use super::palette::Palette;
@@ -19,8 +19,8 @@ use crate::vec2::Vec2;
 /// Exponent of the purity: a tenth of a mask outside of ropes of the chosen rope's width costs as
 /// much as four tenths of the mask's area.
 const PURITY: f32 = 4.0;
-/// Added to the confidence, before its square root is taken. Masks by color have low confidence at
-/// crossings.
+/// Constant added to the confidence before its square root is taken. Masks by color have low
+/// confidence at crossings.
 const LEAST_CONFIDENCE: f32 = 0.1;
 /// Maximum distance of a point from the middle of its curve, in half-widths.
 pub(super) const ON: f32 = 1.5;
@@ -28,8 +28,8 @@ pub(super) const ON: f32 = 1.5;
 const MOST: f32 = 0.35;
 const LEAST_PX: f32 = 20.0;
 /// Minimum purity: the share of a mask along ropes of the chosen rope's width. A less pure mask is
-/// a pattern, unless the rope at the points has at least the confidence `SURE`. Other objects then
-/// have its color.
+/// a pattern, unless the rope at the points has at least the confidence `SURE`. In that case, other
+/// objects have the rope's color.
 const LEAST_PURITY: f32 = 0.6;
 const SURE: f32 = 0.3;
 /// Masks that overlap by at least this share are treated as one.
@@ -114,7 +114,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// Evidence where the mask along curves like the chosen one is rope.
+    /// Evidence in which the mask along curves like the chosen one is rope.
     fn along(&self, ranges: &[HsvRange], seen: &MaskCurves) -> Evidence {
         let held = self.palette.held(ranges);
         Evidence::of_owners(self.image.width(), &seen.owners, |i, curve| {

@@ -114,7 +114,7 @@ pub(super) fn snapped(image: &Image, at: Vec2, reach_px: f32) -> Vec2 {
     let Some((away_px, edge)) = nearest else {
         return at;
     };
-    // The first pixel is a mixture of both. The one behind it is the rope's own.
+    // The first pixel is a mixture of rope and table. The one behind it shows the rope alone.
     let behind = [0, 1].map(|axis| {
         let step = (edge[axis] - at[axis]) / away_px.max(1.0);
         (edge[axis] + 2.0 * step).clamp(0.0, last[axis])

@@ -63,7 +63,7 @@ impl Palette {
         self.colors.iter().map(is_held).collect()
     }
 
-    /// Number of pixels with such colors.
+    /// Number of pixels whose color satisfies `is_such`.
     pub(super) fn pixels(&self, is_such: impl Fn(usize) -> bool) -> f32 {
         let count = self.count.iter().enumerate();
         count.filter(|(i, _)| is_such(*i)).map(|(_, n)| n).sum()

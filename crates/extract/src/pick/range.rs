@@ -1,10 +1,10 @@
 //! A box in hue, saturation and value that contains one class of pixels and excludes the others.
 //!
-//! Its six sides are moved in turn to the best agreement (rope within over rope and all others
-//! within) until none moves. This is coordinate ascent from the box of the middle 98 % of the rope.
-//! Then each side moves outward as far as the agreement allows, and half the way back. The margin
-//! is shared between rope and table, so that neither a change of light nor noise breaks the mask at
-//! once.
+//! Its six sides are moved in turn to the best agreement, until none moves. The agreement is the
+//! rope within the box, divided by all rope plus all others within. This is coordinate ascent from
+//! the box of the middle 98 % of the rope. Then each side moves outward as far as the agreement
+//! allows, and half the way back. The margin is shared between rope and table, so that neither a
+//! change of light nor noise breaks the mask at once.
 
 use super::evidence::{Evidence, Label, has_hue};
 use super::palette::Palette;
@@ -16,8 +16,8 @@ const STEPS: usize = 100;
 const HUES: usize = 360;
 /// Share of the agreement that a wider box may cost: that of single stray pixels.
 const COST: f32 = 0.002;
-/// Distance that a hue extends if nothing limits it, in degrees. A sixth of the circle away is
-/// another color.
+/// Distance by which the range of hues extends if nothing limits it, in degrees. A sixth of the
+/// circle away is another color.
 const FREE_HUE: usize = 20;
 /// A rope without color that reaches below this value is dark: a fifth of the scale.
 const DARK: usize = STEPS / 5;
@@ -68,7 +68,7 @@ pub(super) fn fit_two(palette: &Palette, counts: &Counts) -> Option<(Vec<HsvRang
     let part = |which: bool| -> Counts {
         let own = |(count, &second): (&[f32; 2], &bool)| match second == which {
             true => *count,
-            // The other color is not table.
+            // The rope's other color counts as neither rope nor table.
             false => [0.0, count[1]],
         };
         counts.iter().zip(&is_second).map(own).collect()
@@ -268,8 +268,8 @@ impl Search {
         sides
     }
 
-    /// Moves both sides of a channel while the others are fixed: to the best agreement, or outward
-    /// from there.
+    /// Moves both sides of a channel, with those of the other channels fixed: to the best
+    /// agreement, or outward from there.
     fn move_sides(&self, channel: usize, sides: &mut Box3, outwards: bool) {
         if channel == HUE && !self.has_hue {
             return;
@@ -314,7 +314,7 @@ impl Search {
     }
 
     /// The best place of the lower side, if the upper side is at `high`. With `outwards`, the side
-    /// moves from there as far as it costs nothing, and half the way back. `free` gives its place
+    /// moves from there as far as it costs nothing, then half the way back. `free` gives its place
     /// if nothing limits it.
     fn lower_side(
         &self,
@@ -330,7 +330,7 @@ impl Search {
             others += counts[step][1];
             agreement[step] = rope / (self.rope + others);
         }
-        // The innermost of equally good ones.
+        // Take the innermost of equally good places.
         let best = (0..=high)
             .max_by(|&a, &b| agreement[a].total_cmp(&agreement[b]))
             .unwrap_or(0);
@@ -339,7 +339,7 @@ impl Search {
         }
         let enough = agreement[best] * (1.0 - COST);
         match (0..best).rev().find(|&step| agreement[step] < enough) {
-            // The step that costs is outside of the box.
+            // The first step that costs too much agreement stays outside of the box.
             Some(costs) => (best + costs + 1).div_ceil(2),
             None => free(best),
         }

@@ -9,7 +9,7 @@ use crate::vec2::{self, Vec2};
 
 /// Maximum number of curves.
 const MOST_CURVES: usize = 24;
-/// Maximum factor between the widths of ropes of one width.
+/// Maximum ratio of two widths that are treated as equal.
 const ALIKE: f32 = 1.67;
 
 /// The curves in a mask, and the chosen one.

@@ -8,8 +8,8 @@ use super::{Color, STEP, unlikeness};
 
 /// Maximum width of a ribbon, as a share of the picture's longer side.
 const WIDEST: f32 = 0.09;
-/// Maximum distance of a span to the side of the one on the line before, in steps. Beyond that, the
-/// lines of the other direction cut it better.
+/// Maximum sideways distance between spans of successive lines, in steps. Beyond it, the lines of
+/// the other direction cut the ribbon better.
 const ASIDE: f32 = 1.3;
 /// Number of lines to look back, and the cost of each line that is left out.
 const BACK: usize = 3;
@@ -21,8 +21,8 @@ const UNLIKE: f32 = 16.0;
 const TURN_PX: f32 = 3.0;
 /// Cost of a pixel of turn, of a pixel of width, and of a level of color.
 const COST: (f32, f32, f32) = (0.3, 0.3, 0.05);
-/// Minimum probability of a rope, of 255, at which it is sought, and the distance searched around
-/// it, in pixels.
+/// Minimum probability, of 255, at which a rope is sought, and the distance around such pixels that
+/// is searched as well, in pixels.
 const POSSIBLE: u8 = 64;
 const BESIDE: usize = 96;
 /// Minimum number of spans in a chain.
@@ -39,7 +39,7 @@ pub(super) struct Chain {
     pub(super) worth: f32,
 }
 
-/// A span, and the best chain that ends with it. Has only the fields that are read often.
+/// A span, and the best chain that ends with it. Holds only the fields that are read often.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     middle: f32,
@@ -112,7 +112,7 @@ impl Chainer {
         for number in 0..lines {
             let own = self.spans.len();
             self.starts.push(own);
-            // Only in stretches where ropes are likely.
+            // Search only the stretches where ropes are likely.
             let mut from = 0;
             while let Some(stretch) = next_stretch(self.likely(picture, is_down, number), from) {
                 from = stretch.end;
@@ -271,7 +271,7 @@ fn next_stretch(likely: &[u8], from: usize) -> Option<Range<usize>> {
     Some(first.saturating_sub(BESIDE)..(last + 1 + BESIDE).min(likely.len()))
 }
 
-/// The upper half of a sorting key that is smaller the larger `worth` is.
+/// Upper half of a sorting key that decreases as `worth` grows.
 fn falling(worth: f32) -> u64 {
     let bits = worth.to_bits();
     let rising = match bits >> 31 {

@@ -202,7 +202,8 @@ impl Grouper {
         }
     }
 
-    /// Evidence from a width: whether certain ropes have it too.
+    /// Evidence from a width: positive if certain ropes have about the same width, and negative if
+    /// not.
     fn fits(&self, width_px: f32) -> f32 {
         let wider = self
             .sure

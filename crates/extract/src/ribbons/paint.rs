@@ -10,10 +10,11 @@ use super::{Color, Rib, dot, minus, mix};
 use crate::image::gray::GrayPlane;
 use crate::vec2;
 
-/// Distance inside its edges beyond which all of a rope is rope, and distance outside them within
-/// which some may be, in pixels.
+/// Distances from a rope's edge, in pixels. Farther inside than the first, every pixel is rope.
+/// Farther outside than the second, none is.
 const EDGE_PX: (f32, f32) = (1.5, 2.0);
-/// Maximum length of a rope beyond its last rib, in widths, as far as its color continues.
+/// Maximum length, in widths, by which a rope is continued beyond its last rib, as long as its
+/// color continues.
 const TIP_WIDTHS: f32 = 1.0;
 /// Maximum distance of an end from what it runs into, in widths and in pixels.
 const INTO: (f32, f32) = (1.5, 6.0);
@@ -28,7 +29,7 @@ enum Kind {
     Seen,
     /// Only pixels of the rope's color are rope.
     Tip,
-    /// It is considered rope, but is not visible.
+    /// The stretch is considered rope, but is not visible.
     Hidden,
 }
 
@@ -147,8 +148,8 @@ impl Brush<'_> {
         let columns = bound(0, self.out.width());
         for y in bound(1, self.out.height()) {
             let row = (y as f32 + 0.5) / scale - 0.5;
-            // Only what is between the ribs and near them. A small margin over the tests below
-            // allows for rounding.
+            // Paint only what is between the ribs and near them. A small margin over the tests
+            // below allows for rounding.
             let down_px = row - from.at[1];
             let near = (f32::NEG_INFINITY, f32::INFINITY);
             let near = cut(near, (along, down_px), (-1.0, length_px + 1.0));
@@ -158,7 +159,7 @@ impl Brush<'_> {
             let (first, last) = (columns.start.max(first), columns.end.min(last));
             let row_out = self.out.row_mut(y).iter_mut().enumerate();
             for (x, out) in row_out.take(last).skip(first) {
-                // It is rope already.
+                // The pixel is rope already.
                 if *out == 255 {
                     continue;
                 }
@@ -178,8 +179,8 @@ impl Brush<'_> {
     }
 }
 
-/// Clips a stretch of a row, `down_px` below, to where the component of its places along a
-/// direction is between two bounds.
+/// Clips a stretch of a row to the places whose component along a direction is between two bounds.
+/// The row is `down_px` below the origin.
 fn cut(
     (low, high): (f32, f32),
     (along, down_px): (vec2::Vec2, f32),
@@ -219,7 +220,7 @@ fn level(
         Some(own) => part(own, ground, rope),
         None => 1.0,
     };
-    // Farther out than a pixel, it is another object of the rope's color.
+    // More than a pixel outside the edge, the rope's color may be that of another object.
     let most = (0.5 + 0.5 * (inside_px + EDGE_PX.1)).clamp(0.0, 1.0);
     (255.0 * part.min(most)) as u8
 }

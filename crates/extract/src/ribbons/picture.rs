@@ -1,5 +1,5 @@
-//! The picture in which ribbons are sought: brightness and chroma, smoothed over the noise of a
-//! pixel, and reduced if it is large.
+//! The picture in which ribbons are sought: brightness and chroma, smoothed to reduce pixel noise,
+//! and scaled down if it is large.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -155,7 +155,7 @@ impl Picture {
     /// Index of the pixel at a place that is inside.
     #[inline(always)]
     pub(super) fn index_inside(&self, [x, y]: Vec2) -> usize {
-        // Through an integer as wide as a float, which is converted faster.
+        // Convert through an integer as wide as a float, which is faster.
         (y + 0.5) as i32 as usize * self.width + (x + 0.5) as i32 as usize
     }
 

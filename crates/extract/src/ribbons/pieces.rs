@@ -1,5 +1,5 @@
-//! Makes pieces of ribbon from chains, the best first. Each has only what no better one has taken,
-//! without what is only the ground or a shadow next to one.
+//! Makes pieces of ribbon from chains, the best first. Each piece gets only what no better piece
+//! has taken. Pieces that are only ground, or shadow next to a better piece, are left out.
 
 use super::chains::{Chain, Chainer};
 use super::picture::Picture;
@@ -17,8 +17,8 @@ pub(super) const MOST_RIBS: usize = 8192;
 /// Distance from an edge at which an adjacent ribbon begins, and its maximum width, in pixels.
 const BESIDE_PX: f32 = 3.0;
 const ACROSS_PX: usize = 80;
-/// Minimum share of a piece's ribs that are next to other pieces, and minimum share of these that
-/// look like ground, for the piece to be ground.
+/// A piece is ground if more than the share `BESIDE` of its ribs are next to other pieces, and more
+/// than the share `GROUND` of those ribs look like ground.
 const BESIDE: f32 = 0.4;
 const GROUND: f32 = 0.5;
 
@@ -141,11 +141,11 @@ pub(super) fn take(
                 continue;
             }
             let first = i;
-            // A single span that is taken does not split it.
+            // A single span that is taken does not split a run.
             while i + 1 < spans.len() && (is_free(i + 1) || i + 2 < spans.len() && is_free(i + 2)) {
                 i += 1;
             }
-            // One more on each side, so that pieces meet.
+            // Add one span on each side, so that pieces meet.
             runs[count] = (first.saturating_sub(1), (i + 2).min(spans.len()));
             count += 1;
             i += 1;
@@ -227,7 +227,7 @@ fn is_ground(picture: &Picture, ground: &Ground, ribs: &[Rib]) -> bool {
                 continue;
             };
             (is_beside, free[k]) = (true, false);
-            // Beyond that piece.
+            // Find the first place beyond that piece.
             let beyond = (1..ACROSS_PX)
                 .map(|px| off_px + sign * px as f32)
                 .find(|&px| ground.at(picture, rib.aside(px)) != Some(number));

@@ -1,4 +1,4 @@
-//! Finds what is between two edges on a scan line.
+//! Finds the stretches between two edges on a scan line.
 
 use lariat_portable::{Arch, NullaryFnOnce};
 
@@ -80,7 +80,8 @@ struct Edge {
     after: Option<Color>,
 }
 
-/// Sums up to a pixel, of the colors and of their squares. Arrays of four fill registers.
+/// Running sums of the colors and of their squares, up to a pixel. Arrays of four numbers fill
+/// registers.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     colors: [f64; 4],
@@ -163,8 +164,8 @@ impl Line {
         let likely = self.likely(from.nearest, to.nearest);
         let apart = sides.map(|side| distance(color, side));
         let least = apart[0].min(apart[1]);
-        // A rope that the network is certain of may be hard to see. One that it misses has to be
-        // plain.
+        // A rope that the network is certain of may be hard to see. A rope that it misses has to be
+        // clearly visible.
         let is_unlikely = likely < LIKELY;
         if least < between(APART, likely) || is_unlikely && least < PLAIN.1 {
             return None;

@@ -13,8 +13,8 @@ const HOP_PX: f32 = 3.0;
 const MOST: usize = 200;
 /// Maximum number of ribs; with more, pieces are not extended.
 pub(super) const MOST_TRACED: usize = 8192;
-/// Maximum distance without finding anything, in widths and in pixels. A pixel of it counts only
-/// `HIDDEN` where another piece may hide the ribbon.
+/// Maximum distance without finding anything, in widths and in pixels. If another piece may hide
+/// the ribbon, each pixel counts only as `HIDDEN`.
 const BLIND: (f32, f32) = (2.0, 12.0);
 const HIDDEN: f32 = 0.3;
 /// Distances to the side, and changes of width, that are tried, in pixels.

@@ -112,8 +112,8 @@ impl<const SOUTH_EAST: bool> Rule for GuoHall<SOUTH_EAST> {
         let side = !e | !n & !ne & se;
 
         // 2 ≤ min(N1, N2) ≤ 3, where N1 and N2 are the two ways to pair the eight neighbors. For
-        // pixels that meet the rest, this requires at least two side neighbors, or one between two
-        // corners. It excludes three side neighbors with both corners of the fourth.
+        // pixels that meet the other conditions, this requires at least two side neighbors, or one
+        // between two corners. It excludes three side neighbors with both corners of the fourth.
         let two = majority(n, s, w) | e & s | nw & (ne | sw) | se & sw;
         let four = n & s & w & ne & se;
         here & !(one_piece & side & two & !four)

@@ -8,8 +8,9 @@ use crate::bitmap::morphology::Morphology;
 use crate::bitmap::spread::{spread, spread_along};
 use crate::bitmap::strips::Strips;
 
-/// Step of the grid, in half-widths of an object that is too wide, and its minimum half-width at
-/// the nearest place. The middle of a square of such places is at most 0.47 from its corners.
+/// Step of the grid, in half-widths of the widest rope. At the place nearest to the middle of
+/// something wider, that object's half-width is at least `NEAREST`: the middle of a square of
+/// places is at most 0.47 from its corners.
 const STEP: f32 = 2.0 / 3.0;
 const NEAREST: f32 = 0.5;
 /// Distance around a wide place within which everything is removed, in half-widths. It includes the
@@ -153,7 +154,7 @@ fn step(widest_half: u32) -> usize {
     (STEP * widest_half as f32) as usize
 }
 
-/// Climbs from a place to the widest one along which the width only increases.
+/// Climbs from a place, along increasing width, to the widest place that is reached.
 fn climb(rows: &BitPlane, mut place: Place, widest_half: u32) -> Place {
     let mut step = (widest_half / 4).next_power_of_two() as i32;
     while step > 0 {

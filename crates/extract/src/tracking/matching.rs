@@ -11,11 +11,11 @@ use crate::vec2::{self, Vec2};
 const FARTHEST: (f32, f32) = (0.15, 4.0);
 /// Maximum mean distance of a part from its rope, in widths.
 const ALONG_WIDTHS: f32 = 3.0;
-/// Maximum length of one shape, relative to the other's, at which it may be a part of it.
+/// Maximum length of one shape, relative to the other's, at which it may be a part of the other.
 const PART: f32 = 0.93;
 /// Maximum factor between the lengths of a rope before and after it was out of sight.
 const LENGTH_FACTOR: f32 = 1.35;
-/// Color difference within which a rope stays in even light, in levels.
+/// Maximum change of a rope's color in even light, in levels.
 const COLOR_LEVELS: f32 = 60.0;
 /// Number of points of a curve that are compared with a rope.
 const ASKED: usize = 24;
@@ -45,7 +45,7 @@ pub(crate) struct Agreement {
 ///
 /// The cost of a whole rope is the mean distance of its points. The cost of a part is its mean
 /// distance from the whole, plus a penalty of one to three widths that grows with the missing
-/// share. Color adds up to two widths to either. The cheaper of both counts.
+/// share. Color adds up to two widths to either cost. The lower cost counts.
 pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
     let by_color = rope.width_px * (curve.color_levels / COLOR_LEVELS).min(2.0);
     let whole = (rope.points.len() == curve.points.len() && rope.closed == curve.closed)
@@ -81,7 +81,7 @@ pub(crate) fn near(rope: &Shape, curve: &Shape) -> Option<Agreement> {
 }
 
 /// Agreement of a curve with a rope that was out of sight, wherever it is now. `whole_px` is the
-/// rope's usual length. `None` if the two are of a different kind, length, width or color.
+/// rope's usual length. `None` if the two differ in kind, length, width or color.
 pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agreement> {
     let ratio = (whole_px / curve.length_px).max(curve.length_px / whole_px);
     let width = (rope.width_px / curve.width_px).max(curve.width_px / rope.width_px);
@@ -92,8 +92,8 @@ pub(crate) fn returned(rope: &Shape, whole_px: f32, curve: &Shape) -> Option<Agr
     let (ahead, back) = distances(rope.points, curve.points, rope.closed);
     let shift = vec2::sub(centroid(curve.points), centroid(rope.points));
     let shape = shape_distances(rope.points, curve.points, shift);
-    // If the rope has moved a little, its place tells more than its shape. If it has moved far,
-    // less.
+    // If the rope has moved only a little, its place tells more than its shape. If it has moved
+    // far, its shape tells more.
     let moved = vec2::norm(shift) > 0.25 * rope.length_px;
     let (ahead, back) = if moved && !rope.closed {
         shape

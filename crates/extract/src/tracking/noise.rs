@@ -197,7 +197,7 @@ mod tests {
         let beside = line([40.0, 30.0], 250, 7.0);
         assert_eq!(noise(&[rope(), thin], 255), [false, true]);
         assert_eq!(noise(&[rope(), beside], 255), [false, false]);
-        // This one is as thin, but elsewhere.
+        // This line is as thin, but elsewhere.
         let thin = line([40.0, 60.0], 250, 3.0);
         assert_eq!(noise(&[rope(), thin], 255), [false, false]);
     }

@@ -1,5 +1,5 @@
-//! Ropes whose ends touch, or a rope whose own two ends touch. The image shows a single rope or a
-//! ring there, and the prior overrules it.
+//! Handles ropes whose ends touch, and a rope whose own two ends touch. The image shows a single
+//! rope or a ring there, and the prior overrules the image.
 
 use crate::centerline::line::Line;
 use crate::past::Past;
@@ -62,14 +62,15 @@ fn open_again(line: &mut Line, past: &Past) -> bool {
             }
             *i = place;
         }
-        // True if the ring runs in the rope's direction: from the rope's first quarter to its half
-        // is at most half the ring.
+        // True if the ring runs in the rope's direction. The way from the rope's first quarter to
+        // its middle is then at most half the ring.
         let ahead = (on[3] + n - on[2]) % n <= n / 2;
         let way = |from: usize, to: usize| {
             let (from, to) = if ahead { (from, to) } else { (to, from) };
             (to + n - from) % n
         };
-        // Once around and on to the last point, or just short of once around.
+        // The line runs once around and on to the last point, or ends there just before a full
+        // turn.
         let short = way(on[0], on[6]);
         let off = |count: usize| (count as f32 * step_px - rope.length_px).abs();
         let count = if off(short + n) < off(short) {
@@ -94,8 +95,8 @@ fn open_again(line: &mut Line, past: &Past) -> bool {
     true
 }
 
-/// Sample at which two ropes meet by an end. A known end must be near, and the prior must deny that
-/// both sides of it are one strand.
+/// Sample at which two ropes meet at the end of one. A known end must be near, and the prior must
+/// deny that both sides of the sample are one strand.
 fn joint(line: &Line, past: &Past) -> Option<usize> {
     let n = line.samples.len();
     if n < 8 {
@@ -176,7 +177,7 @@ mod tests {
     fn one_rope_stays_one() {
         let (mut whole, mut rest) = (line(false), Line::default());
         assert!(!part(&mut whole, &past(&[[20.0, 220.0]]), &mut rest));
-        // It has grown, as it comes out from under something.
+        // The rope has grown, as it comes out from under something.
         assert!(!part(&mut whole, &past(&[[20.0, 120.0]]), &mut rest));
         assert_eq!(whole.samples.len(), 200);
     }

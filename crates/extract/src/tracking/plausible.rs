@@ -40,24 +40,25 @@ const STUB_WIDTHS: f32 = 10.0;
 const SHORTER: f32 = 0.6;
 /// Number of similar small objects that are print.
 const MARKS: usize = 3;
-/// Maximum length of each, relative to the rope.
+/// Maximum length of each of them, relative to the rope.
 const LONGEST_MARK: f32 = 0.25;
 /// Maximum deviation of a rim from an ellipse, as a share of its radius.
 const ROUND: f32 = 0.015;
 /// Maximum ratio of the ellipse's axes.
 const OBLONG: f32 = 3.0;
-/// Share of a curve's two halves above which it is a shadow, or includes one.
+/// Share of places, on both sides of a curve's middle, that may be shadow. Above it, the curve is a
+/// shadow or includes one.
 const PALE: f32 = 0.3;
 /// Distances from a curve's edge at which the table is sampled, in widths. They are beyond a shadow
 /// next to it.
 const BESIDE_WIDTHS: [f32; 3] = [1.2, 2.2, 3.2];
 /// Maximum slant of a strip along the image's border.
 const SLANT: f32 = 0.3;
-/// Maximum distance of its middle from the border, in widths plus pixels.
+/// Maximum distance of the strip's middle from the border, in widths plus pixels.
 const BORDER: (f32, f32) = (0.6, 2.0);
 /// Number of places along a curve at which its sides are sampled.
 const ASKED: usize = 24;
-/// Minimum share of them with table on both sides.
+/// Minimum share of these places with table on both sides.
 const SHOWN: f32 = 0.5;
 /// Minimum difference of two surfaces, in levels, and as a factor of the table's noise.
 const SURFACES: (f32, f32) = (7.0, 2.5);
@@ -312,7 +313,7 @@ fn is_round(curve: &Curve) -> bool {
         let off = a * t[0] + b * t[1] + c * t[2] - 1.0;
         off * off
     });
-    // The radius is proportional to the square root.
+    // The radius follows the square root, so its relative error is half as large.
     let rms = 0.5 * (off.sum::<f32>() / count).sqrt();
     let (mean, spread) = (
         0.5 * (a + c),

@@ -1,10 +1,10 @@
 //! Refits the ropes of the prior to this image if its own lines contradict them.
 //!
-//! If strands touch, or ends are on strands, a single image may show them as something else than
-//! two images do. A rope does not tear or exchange its strands. Its last centerline is therefore
-//! laid over the image, and each sample searches across for the middle of the rope. The movements,
-//! not the places, are smoothed along the rope. The shape is kept and carried along where nothing
-//! can be measured: at crossings, overlaps and occluders.
+//! If strands touch, or ends are on strands, a single image may show something other than two
+//! consecutive images do. A rope does not tear or exchange its strands. Its last centerline is
+//! therefore laid over the image, and each sample searches across for the middle of the rope. The
+//! movements, not the places, are smoothed along the rope. The shape is kept and carried along
+//! where nothing can be measured: at crossings, overlaps and occluders.
 //!
 //! The refit replaces the image's own lines only if the image supports it: nearly every sample is
 //! on a rope or under an occluder, each length is nearly unchanged, and hardly any skeleton is left
@@ -28,7 +28,7 @@ use crate::statistics::quantile;
 use crate::vec2::{self, Vec2};
 use reach::Reach;
 
-/// Passes of the measurement: the maximum factor between a section's width and the rope's, in each.
+/// Maximum factor between a section's width and the rope's, in each pass of the measurement.
 const LOOKS: [f32; 3] = [1.45, 1.35, 1.3];
 /// Length over which movements are smoothed, in widths: as far as a bend of a rope reaches.
 const STIFF_WIDTHS: f32 = 2.0;
@@ -37,7 +37,8 @@ const STIFF_WIDTHS: f32 = 2.0;
 const AGREES: (f32, f32) = (1.5, 0.95);
 /// Maximum share of a refitted rope on the bare table.
 const BARE: f32 = 0.04;
-/// Maximum length of one bare stretch, in widths. Over more, the rope is no longer there.
+/// Maximum length of one bare stretch, in widths. If a stretch is longer, the rope is no longer
+/// there.
 const BARE_WIDTHS: f32 = 0.75;
 /// Minimum share of the skeleton that refitted ropes must explain.
 const EXPLAINED: f32 = 0.95;
@@ -101,7 +102,8 @@ impl Refitter {
         for rope in scene.past.ropes() {
             self.lay(rope, scene, &[], &mut line);
         }
-        // The longest, as a ring. Its smoothing also needs an overlap.
+        // Shifts the longest possible line as a ring, because smoothing a ring also needs an
+        // overlap.
         line.closed = true;
         line.samples.resize(samples, Sample::default());
         let how = Measure {
@@ -180,7 +182,7 @@ impl Refitter {
             if line.closed {
                 return true;
             }
-            // Start on the line, and share of the line, of the rope's known stretch.
+            // Start of the rope's known stretch on the line, and its share of the line.
             let rest = (1.0 - rope.length_px / length_px).max(0.0);
             let laid = [(0.0, 1.0), (0.0, 1.0 - rest), (rest, 1.0 - rest)];
             let ways = if known { &laid[..] } else { &laid[1..] };
@@ -422,8 +424,8 @@ impl Refitter {
     }
 }
 
-/// Returns whether `lines` restore the usual lengths of all ropes, which were not all usual in the
-/// prior. Strands had then been confused, and no longer are.
+/// Returns whether `lines` restore the usual lengths of all ropes, and the prior did not have all
+/// of these lengths. In that case, strands were confused in the prior and no longer are.
 fn are_restored(lines: &[Line], past: &Past) -> bool {
     let is_usual =
         |length_px: f32, rope: &Rope| (length_px / rope.usual_px - 1.0).abs() <= 0.5 * LENGTH;
@@ -449,7 +451,7 @@ fn draw_in(line: &mut Line, usual_px: f32, occluder: &BitPlane) {
     let step_px = line.length_px() / (line.samples.len().max(2) - 1) as f32;
     let (mut from, mut to) = (0, 0);
     Refitter::covered(line, occluder, |from_px, to_px| {
-        // It begins and ends between two samples.
+        // The stretch begins and ends between two samples.
         let ends = [from_px, to_px].map(|px| (px / step_px + 0.5).round() as usize);
         if ends[1] - ends[0] > to - from {
             [from, to] = ends;

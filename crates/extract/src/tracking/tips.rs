@@ -1,5 +1,5 @@
-//! Tips on another strand, or just past it: where the image shows no end, the rope's usual length
-//! decides.
+//! Handles tips on another strand, or just past it. If the image shows no end, the rope's usual
+//! length decides.
 //!
 //! A tip that passes over or under a strand disappears in it. On the other side, it first comes out
 //! as a stub too short to distinguish from a bump. But a rope does not shrink. The length that a
@@ -14,13 +14,15 @@ use crate::vec2::{self, Vec2};
 
 /// Length that makes no difference, in widths: the accuracy of measured tips.
 pub(super) const LEAST_WIDTHS: f32 = 0.3;
-/// Maximum excess length of a line, in widths, for continuing along the strand that its tip is on.
+/// Maximum excess length of a line, in widths, to be cut off. The excess continues along the strand
+/// that the tip is on.
 const MOST_OVER_WIDTHS: f32 = 3.0;
 /// Maximum length out of sight: in widths, and as a share of the rope.
 const MOST: (f32, f32) = (10.0, 0.3);
-/// Length at the line's end that is also replaced, in widths. On a strand, it is not the tip's own.
+/// Length at the line's end that is also replaced, in widths. If the tip is on a strand, this
+/// length may show that strand.
 const REPLACED_WIDTHS: f32 = 0.75;
-/// Length before it that gives the tip's direction, in widths.
+/// Length before the replaced part that gives the tip's direction, in widths.
 const BACKED_WIDTHS: f32 = 2.0;
 /// Number of places on the line that are compared with the rope.
 const COMPARED: usize = 32;
@@ -50,7 +52,7 @@ struct Place<'a> {
     reversed: bool,
     /// Length that the line lacks, relative to the rope's usual length.
     room_px: f32,
-    /// Part of that length before the line's first sample.
+    /// Part of that length that is missing before the line's first sample.
     before_px: f32,
 }
 
@@ -304,7 +306,8 @@ mod tests {
         }
     }
 
-    /// Rope along y = 100, and a strand across it, each from one x to before another.
+    /// A rope along y = 100, and a strand across it. Each extends from its first x to just before
+    /// its second.
     fn mask(rope: [usize; 2], strand: [usize; 2]) -> BitPlane {
         let mut mask = BitPlane::default();
         mask.resize(200, 200);

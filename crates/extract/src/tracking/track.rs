@@ -3,8 +3,8 @@
 //! Ropes and curves are matched greedily, in order of their cost (`matching`). First come near
 //! matches, then lost ropes that return. The better direction is kept, so that a rope's first point
 //! stays its first. A curve without a match is a new rope, unless it is a fragment of a matched
-//! one. A rope without a match is out of sight, and keeps its number for a while. A curve shorter
-//! than its rope was may be a part of it.
+//! one. A rope without a match is out of sight, and keeps its number for a while. A curve that is
+//! shorter than its rope was may be a part of the rope.
 
 use super::complete::Completer;
 use super::matching::{self, Agreement, Shape, nearest_point};
@@ -22,8 +22,8 @@ const PARTIAL: f32 = 0.85;
 /// Minimum distance back along the rope, in widths, for a tip to be covered instead of moved. No
 /// rope slides along itself that far from one image to the next.
 const JUMP_WIDTHS: f32 = 1.5;
-/// Minimum loss of length then, as a share of the rope, in addition to `JUMP_WIDTHS`. The length of
-/// a rope seen whole varies by less.
+/// Minimum loss of length for this, as a share of the rope, in addition to `JUMP_WIDTHS`. The
+/// length of a rope seen whole varies by less.
 const JUMP_SHARE: f32 = 0.015;
 /// Maximum change of a rope's width from one image to the next, as a share.
 const WIDTH_PACE: f32 = 0.05;
@@ -31,16 +31,17 @@ const WIDTH_PACE: f32 = 0.05;
 const SETTLED: u32 = 3;
 /// Number of frames after which a rope is as well known as possible.
 const LONG: u32 = 100;
-/// Number of frames as a rope that outweigh a doubt.
+/// Number of undoubted frames, as a rope, that outweigh a doubt.
 const KNOWN: i32 = 10;
-/// Number of frames, after a doubt, to be treated as a rope again.
+/// Number of undoubted frames, after a doubt, until a curve is treated as a rope again.
 const REGAINED: i32 = 3;
 /// Maximum number of frames in which a sudden change of a rope's length is not believed. Only an
 /// extraction error changes it like that.
 const KEPT: u32 = 6;
-/// Minimum change, in widths plus a share of its length.
+/// Minimum sudden change of a rope's length: in widths, plus a share of the length.
 const LEAP: (f32, f32) = (2.0, 0.05);
-/// Maximum distance, in widths, at which a rope out of sight was a part of one in sight.
+/// Maximum distance, in widths, between a rope out of sight and a visible rope for the former to
+/// have been a part of the latter.
 const SAME_WIDTHS: f32 = 1.0;
 
 /// All ropes, seen or lost, and buffers.
@@ -62,7 +63,7 @@ struct Track {
     number: u32,
     /// Time at which it was last seen.
     seen_ns: u64,
-    /// Number of frames since then. 0 in sight.
+    /// Number of frames since then. 0 while in sight.
     age: u32,
     /// Number of frames in which it was seen.
     frames: u32,
@@ -74,7 +75,7 @@ struct Track {
     border: [bool; 2],
     /// Arc length at each end of the visible part, if that end ran into an occluder.
     covered_px: [Option<f32>; 2],
-    /// Known shape: as last seen, with the parts then covered added from before.
+    /// Known shape: as last seen. Parts that were covered are taken from earlier frames.
     points: Vec<Vec2>,
     width_px: f32,
     length_px: f32,
@@ -83,7 +84,8 @@ struct Track {
     confidence: f32,
     /// Usual length while seen whole, the reference for "in part".
     usual: UsualLength,
-    /// Number of frames as a rope, minus later ones in doubt. Below 0 it may not be a rope.
+    /// Number of frames as a rope, minus later frames in doubt. Below 0, the curve may not be a
+    /// rope.
     sure: i32,
 }
 
@@ -308,8 +310,8 @@ impl Tracker {
         (self.tracks.iter()).any(|track| track.number == number && track.sure >= KNOWN)
     }
 
-    /// Returns whether a rope is known whose last confidence was at least `sure`, and that was seen
-    /// for more than a moment.
+    /// Returns whether any known rope had a last confidence of at least `sure` and was seen for
+    /// more than a moment.
     pub(crate) fn knows_some(&self, sure: f32) -> bool {
         (self.tracks.iter()).any(|track| track.frames >= SETTLED && track.confidence >= sure)
     }
@@ -345,7 +347,7 @@ impl Tracker {
         }
     }
 
-    /// Takes over the ropes of the last image after following. They are all that is known.
+    /// Updates the ropes after they were followed into an image. No other ropes are known then.
     pub(crate) fn go_on(&mut self, curves: &[Curve]) {
         for track in &mut self.tracks {
             if let Some(curve) = curves.iter().find(|curve| curve.track == track.number) {
@@ -471,7 +473,7 @@ impl Tracker {
     }
 
     /// Returns whether a lost rope is along a visible one, which means that it was a fragment of
-    /// it.
+    /// the visible one.
     fn was_part_of_another(&self, lost: &Track) -> bool {
         let part = shape_of(lost);
         self.tracks.iter().any(|whole| {
@@ -603,7 +605,8 @@ fn see(
 }
 
 impl Track {
-    /// Returns whether a known rope suddenly has another length, which is not its usual one either.
+    /// Returns whether the length of a known rope has changed suddenly, but not to its usual
+    /// length.
     fn has_leapt(&self, curve: &Curve) -> bool {
         let most_px = LEAP.0 * self.width_px + LEAP.1 * self.length_px;
         let differs = |length_px: f32| (curve.length_px - length_px).abs() > most_px;
@@ -611,8 +614,8 @@ impl Track {
         is_known && differs(self.length_px) && differs(self.usual.px)
     }
 
-    /// Moves the width toward the measured one. An object on or next to the rope may change that at
-    /// once, but not the rope's own width.
+    /// Moves the width toward the measured one. An object on or next to the rope may change the
+    /// measured width at once, but not the rope's own.
     fn note_width(&mut self, width_px: f32) {
         if self.frames <= SETTLED {
             self.width_px = width_px;

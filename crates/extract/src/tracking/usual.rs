@@ -3,8 +3,8 @@
 use super::tips;
 use crate::scene::{Curve, Status};
 
-/// Number of frames, and tolerance in widths. A rope that keeps one length for that long, while
-/// nothing hides it, has that length, whatever its usual length was before.
+/// Number of frames, and tolerance in widths. If a rope keeps one length for that long while
+/// nothing hides it, this becomes its usual length, whatever that was before.
 const STEADY: (u32, f32) = (8, 1.0);
 
 #[derive(Debug, Default)]
@@ -57,7 +57,7 @@ impl UsualLength {
             // The length of a hidden part is uncertain.
             (true, _) if curve.hidden.contains(&true) => 0.0005,
             (true, _) => 0.005,
-            // A tip on top of something is measured this much too short or too long.
+            // A tip on top of something may be measured too short or too long by this much.
             (false, _) if is_alike => 0.0,
             (false, Status::Ok) => 0.0005,
             (false, _) => 0.002,

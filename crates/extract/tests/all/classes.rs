@@ -32,7 +32,7 @@ const WHOLE: Bounds = Bounds {
     misconnected: 0,
 };
 
-/// Bounds for pictures where the extractor falls short of it. Results must not get worse than
+/// Bounds for pictures where the extractor does not meet [`WHOLE`]. Results must not get worse than
 /// these.
 const TIGHT_LENS: Bounds = Bounds {
     // In one of them, two strands cross twice around a hole smaller than the rope, and are read as
@@ -60,7 +60,7 @@ const BLOCKS: Bounds = Bounds {
     ..WHOLE
 };
 const TIP: Bounds = Bounds {
-    // One tip in twelve.
+    // One tip in twelve is farther off than `WHOLE` allows.
     end_px: 1.25,
     ..WHOLE
 };
@@ -167,7 +167,7 @@ classes! {
 
 #[test]
 fn what_crossings_leave_out_belongs_to_one_of_several_ropes() {
-    // Crossing by crossing, both are split into three ropes.
+    // If each crossing is resolved alone, both ropes are split into three.
     for seed in [3087, 3242] {
         check_tangle(seed);
     }

@@ -108,7 +108,7 @@ fn what_is_hardly_a_rope_goes_where_the_network_is_sure_of_all_that_it_sees() {
     for seed in [301, 306] {
         let still = scenes::draw(Class::Things, seed, SIZE[0], SIZE[1]).expect("a picture");
         let mut extractor = Extractor::new(Options::default()).expect("valid options");
-        // It also stays away when the network runs again.
+        // The uncertain curve does not return when the network runs again.
         for image in 0..40 {
             let scene = extractor.extract(&rgb(&still.rgb));
             let count = scene.curves.len();
@@ -183,7 +183,7 @@ fn a_lost_rope_keeps_the_confidence_it_had_and_a_followed_one_that_of_its_last_e
     assert_eq!(scene.curves[0].confidence, last);
 }
 
-/// Horizontal ropes, from the top and longest down.
+/// Horizontal ropes, each shorter than the one above it.
 fn rack(count: usize) -> Vec<Rope> {
     let rope = |i: usize| {
         let (y, length_px) = (14.0 + 17.0 * i as f32, 560.0 - 12.0 * i as f32);

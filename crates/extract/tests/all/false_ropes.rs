@@ -177,12 +177,12 @@ fn a_rope_that_was_one_for_a_while_stays_one_and_a_new_thing_is_doubted() {
         let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)).0);
         frames.last().expect("some frames")
     };
-    // A short and straight rope; then a long one comes to lie next to it.
+    // First a short and straight rope, then also a long one next to it.
     let short = last(&[pen(BLACK, 260.0)], 1..40);
     assert_eq!(short[0].1, Status::Ok);
     let both = last(&[pen(BLACK, 260.0), rope(BLUE)], 40..44);
     assert!(both.iter().all(|curve| curve.1 == Status::Ok), "{both:?}");
-    // Next to a known rope, a pen is not treated as a rope, and remains doubted.
+    // Next to a known rope, a pen is not treated as a rope, and remains in doubt.
     extractor.reset();
     let mut last = |ropes: &[Rope], seeds: std::ops::Range<u64>| {
         let frames = seeds.map(|seed| seen(&mut extractor, &draw(ropes, seed)));

@@ -97,7 +97,7 @@ fn a_thin_rope_is_followed_too() {
 #[test]
 fn a_part_that_moves_far_is_followed_from_the_parts_beside_it() {
     let table = table();
-    // Beyond the search reach for a rope of this width, but near enough that it cannot be another.
+    // The rope moves beyond the search reach for its width, but stays too near to be another rope.
     for (width_px, far_px) in [(2.4, 6.0), (8.0, 14.0)] {
         let mut extractor = extractor();
         let rope_at = |frame: usize| {

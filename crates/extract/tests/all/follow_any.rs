@@ -202,8 +202,8 @@ fn a_rope_that_is_drawn_along_itself_has_its_ends_where_they_are() {
     let mut drawn_px = 0.0;
     for frame in 0..20 {
         table.seed = frame as u64;
-        // It moves faster from frame to frame, and all of it but its ends is where the rope has
-        // been.
+        // The rope moves along itself, faster from frame to frame. Except at its ends, it covers
+        // the same places as before.
         drawn_px += 4.0 - 4.0 * (0.2 * frame as f32).cos();
         let rope = Rope::along(12.0, [30.0, 60.0, 130.0], move |t| {
             let x = 40.0 + drawn_px + 280.0 * t;

@@ -1,5 +1,5 @@
-//! Ropes that are more, or less, than the difference from a plain table, by the mechanism that
-//! finds each.
+//! Ropes that are not simply what differs from a plain table, sorted by the mechanism that finds
+//! them.
 
 use crate::scored::scored;
 use lariat_drawn::scenes::{self, Class, score};

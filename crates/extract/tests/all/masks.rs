@@ -177,7 +177,7 @@ fn a_rope_goes_on_where_a_soft_mask_is_unsure_unless_a_level_says_otherwise() {
     };
     assert_eq!(hidden(None), 0);
     assert_eq!(hidden(Some(40)), 0);
-    // Cut there, it is bridged.
+    // At this level, the stretch is cut out of the mask and then bridged.
     assert!(hidden(Some(128)) > 20);
 }
 

@@ -61,8 +61,8 @@ fn check_classes(method: Method, classes: &[Class], [miscounted, mean_px, p95_px
 }
 
 /// Bounds from the result of k-means on other seeds: no miscounts, a mean of 0.17 px and a
-/// correspondence of 0.5 px. A wrong order makes the last tens of pixels. The mean is 1.5 times the
-/// skeleton's, because the mask's edge is in whole pixels.
+/// correspondence of 0.5 px. A wrong order makes the correspondence tens of pixels. The mean is 1.5
+/// times the skeleton's, because the mask's edge is in whole pixels.
 const WHOLE: [f64; 3] = [0.0, 0.25, 1.0];
 
 #[test]
@@ -129,7 +129,8 @@ fn a_rope_that_crosses_itself_is_in_order_and_keeps_its_track_through_a_film() {
                 panic!("{method}, {frame}: {} curves", scene.curves.len());
             };
             let error = error(curve, &rope);
-            // Twice the usual value. Confused strands make tens of pixels of the second.
+            // These limits are twice the usual values. Confused strands make the correspondence
+            // tens of pixels.
             assert!(error.mean_px < 0.4, "{method}, {frame}: {error:?}");
             assert!(
                 error.correspondence_px < 4.0,

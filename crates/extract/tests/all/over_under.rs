@@ -183,7 +183,8 @@ fn confidence_tells_how_often_it_is_right() {
     for (count, expected, right) in bins {
         assert!(count >= 20.0, "{bins:?}");
         let p = expected / count;
-        // Three standard deviations of a binomial share, plus about 6 of the highest bin's 700.
+        // Three standard deviations of a binomial share, plus a margin of about 6 of the 700
+        // crossings in the highest bin.
         let allowed = 3.0 * (p * (1.0 - p) / count).sqrt() + 0.01;
         assert!((right / count - p).abs() <= allowed, "{bins:?}");
     }

@@ -39,7 +39,7 @@ fn inside(format: PixelFormat, stride: usize, bytes: usize, region: Region) -> V
                     mark(row, 2 * (x + width) + 1, 1);
                 }
             }
-            // The last pair's V, and with it the second luma, come after a single pixel.
+            // After a single last pixel come the pair's V and the unused second luma.
             PixelFormat::Uyvy => {
                 mark(row, 2 * x, 2 * width);
                 if width % 2 == 1 {

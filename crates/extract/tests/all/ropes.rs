@@ -81,7 +81,8 @@ fn a_rope_that_rises_to_the_camera_is_measured_where_it_is_wide() {
     }
 }
 
-/// A rope from the left to a bend, and from there upward, where it has the width `leg_px` at once.
+/// A rope that runs from the left to a bend, and from there upward. Its width changes to `leg_px`
+/// at the bend.
 fn bent(width_px: f32, leg_px: f32) -> [Rope; 2] {
     let along = |t: f32| [280.0 - 190.0 * t, 150.0 + 40.0 * (5.0 * t + 0.6).sin()];
     let bend = along(1.0);
@@ -440,7 +441,7 @@ fn behind_a_mosaic_a_rope_lies_where_it_lies_in_full_colour() {
             let scene = extractor.extract(&image);
             assert_eq!(scene.curves.len(), 1, "{format:?}");
             let curve = &scene.curves[0];
-            // Without the ends, which the blur moves slightly along the rope.
+            // Leave out the ends, which the blur moves slightly along the rope.
             let points = &curve.points[10..110];
             let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f32>() / 100.0;
             seen.push((format, error(curve, &rope), [mean(0), mean(1)]));

@@ -160,7 +160,7 @@ impl Pictures {
         }
     }
 
-    /// Extracts from them and records the hashes.
+    /// Extracts from all pictures and records the hashes.
     pub(crate) fn tell(&self, told: &mut Told) {
         for (case, mask, frames) in &self.films {
             let options = Options::default().mask(mask.clone());

@@ -13,15 +13,15 @@ pub struct Reduced<const D: usize = 2> {
     /// Control points: one more than the order.
     pub control_points: Vec<[f64; D]>,
     /// Largest distance between points of the old and of the new curve at the same ρ (px). No point
-    /// of either is farther from the other curve.
+    /// of either curve is farther than this from the other curve.
     pub largest_distance: f64,
 }
 
-/// Elevates the order of a Bezier curve `by` this many. The curve is exactly the same: each control
-/// point is a mean of two of the order below. Orders above 31 are allowed, although no [`Curve`]
-/// has them.
+/// Elevates the order of a Bezier curve `by` this many. The curve is exactly the same: each new
+/// control point is a mean of two control points of the order below. Orders above 31 are allowed,
+/// although no [`Curve`] has them.
 ///
-/// For a rational curve, pass the control points times their weights, with the weight as a last
+/// For a rational curve, pass the control points times their weights, with the weight as the last
 /// coordinate.
 pub fn elevate_degree<const D: usize>(control_points: &[[f64; D]], by: usize) -> Vec<[f64; D]> {
     let mut points = control_points.to_vec();
@@ -42,9 +42,10 @@ pub fn elevate_degree<const D: usize>(control_points: &[[f64; D]], by: usize) ->
     points
 }
 
-/// Finds the Bezier curve of a lower `order` that is nearest to this one: it has the least integral
-/// over ρ of the squared distance at the same ρ. With `keep_ends`, both ends stay (from order 1; a
-/// curve of order 0 is a point). An order that is not lower gives the same curve, elevated.
+/// Finds the Bezier curve of a lower `order` that is nearest to this one. It minimizes the integral
+/// over ρ of the squared distance between points at the same ρ. With `keep_ends`, both ends stay
+/// (from order 1; a curve of order 0 is a point). An order that is not lower gives the same curve,
+/// elevated.
 ///
 /// # Errors
 /// Fails for 0 or more than 32 control points, or if one is not finite.
@@ -261,7 +262,7 @@ mod tests {
         }
     }
 
-    /// A parabola's nearest straight line has the same integral: the mean distance is 0.
+    /// A parabola's nearest straight line has the same integral, so the mean difference is 0.
     #[test]
     fn a_parabola_has_a_line_as_the_textbook_says() {
         let parabola = [[0.0, 0.0], [0.5, 0.0], [1.0, 1.0]];

@@ -43,7 +43,7 @@ pub fn bezier_pieces<const D: usize>(curve: &Curve<'_, D>) -> Vec<BezierPiece<D>
 ///
 /// # Errors
 /// Fails if the curve is not a B-spline or already has 32 control points, if `rho` is not between 0
-/// and 1, or if there are as many knots at `rho` as the degree.
+/// and 1, or if `rho` already has as many knots as the degree.
 pub fn insert_knot<const D: usize>(
     curve: &Curve<'_, D>,
     rho: f64,

@@ -5,11 +5,11 @@ use crate::basis::Basis;
 use crate::curve::Curve;
 
 /// Splits a Bezier curve at `rho` into two parts of the same order. Returns their control points:
-/// the edges of de Casteljau's triangle. Outside 0 to 1 the parts overlap, or are on the curve's
-/// continuation.
+/// the edges of de Casteljau's triangle. If `rho` is outside 0 to 1, the parts overlap on the
+/// curve's continuation.
 ///
-/// A rational curve is split as the polynomial curve with one more dimension whose projection it
-/// is. Pass the control points times their weights, with the weight as the last coordinate.
+/// To split a rational curve, pass the control points times their weights, with the weight as the
+/// last coordinate. They define the polynomial curve whose projection the rational curve is.
 pub fn split_at<const D: usize>(
     control_points: &[[f64; D]],
     rho: f64,
@@ -28,11 +28,11 @@ pub fn split_at<const D: usize>(
     (first, second)
 }
 
-/// Reverses a curve: its point at ρ is the old one's at 1 − ρ.
+/// Reverses a curve: the new point at ρ is the old point at 1 − ρ.
 pub fn reverse<const D: usize>(curve: &Curve<'_, D>) -> OwnedCurve<D> {
     let mut reversed = OwnedCurve::from(curve);
     if let Basis::Fourier { .. } = reversed.basis {
-        // Reversed, cosines are the same and sines change sign.
+        // Reversal keeps the cosine terms and negates the sine terms.
         for sine in reversed.control_points.iter_mut().skip(2).step_by(2) {
             *sine = sine.map(|c| -c);
         }

@@ -19,9 +19,9 @@ impl<const D: usize> Curve<'_, D> {
 
     /// The direction of the curve at `rho`, of length 1.
     ///
-    /// If the first derivative vanishes (a cusp, or coincident control points), it is the direction
-    /// in which the curve continues, or at its end the one in which it arrives. It is computed from
-    /// the lowest derivative, up to the third, that does not vanish. `None` if all vanish, as for a
+    /// If the first derivative vanishes (a cusp, or coincident control points), this is the
+    /// direction in which the curve continues or, at its end, arrives. It is computed from the
+    /// lowest derivative, up to the third, that does not vanish. `None` if all vanish, as for a
     /// curve that is a point.
     pub fn tangent(&self, rho: f64) -> Option<[f64; D]> {
         let jet: [_; 4] = self.jet(rho);
@@ -82,7 +82,7 @@ impl<const D: usize> Curve<'_, D> {
 
 impl Curve<'_, 2> {
     /// Curvature at `rho`: the reciprocal radius of the osculating circle (1/px). It is positive if
-    /// the curve turns from the x axis towards the y axis: to the right in an image, whose y points
+    /// the curve turns from the x axis towards the y axis: to the right in an image, where y points
     /// down. `None` if the first derivative vanishes.
     pub fn curvature(&self, rho: f64) -> Option<f64> {
         let [_, velocity, acceleration] = self.jet(rho);

@@ -3,12 +3,12 @@
 //! The number (a distance, a coordinate) is a function of a point, and differs between two points
 //! by at most their distance. On a part of the curve that deviates from its chord by at most δ, it
 //! is therefore at least its minimum on the chord minus δ. Parts that cannot contain less than the
-//! best value are discarded, and the others are halved. δ falls to a quarter each time. Newton's
-//! method improves each candidate at once, which rules out most other parts.
+//! best value are discarded, and the others are halved. Each halving reduces δ to a quarter.
+//! Newton's method improves each candidate at once, which rules out most other parts.
 //!
-//! Near the minimum, few parts remain, as δ competes with a parabola. There are many only if the
-//! number is almost constant over a length of the curve (a circle about its center). The tolerance
-//! grows with the work, which is therefore bounded.
+//! Near the minimum, few parts remain, as δ competes with a parabola. Many remain only if the
+//! number is almost constant along a stretch of the curve, such as the distance of a circle from
+//! its center. The tolerance grows with the number of parts examined, which bounds the work.
 
 use super::Curve;
 use super::pieces::KnotSpan;
@@ -23,11 +23,12 @@ const PATIENCE: u32 = 256;
 
 /// The number to minimize.
 pub(crate) trait Objective<const D: usize> {
-    /// Its minimum on a chord, and the position from 0 to 1.
+    /// Its minimum on a chord, and the position of that minimum on the chord, from 0 to 1.
     fn on_chord(&self, chord: &[[f64; D]; 2]) -> (f64, f64);
 
     /// Its value at a point of the curve, and its first two derivatives with respect to ρ, given
-    /// those of the point. The derivatives may be those of another function with the same minima.
+    /// the point and its derivatives. The result may contain the derivatives of another function
+    /// with the same minima.
     fn at(&self, jet: &[[f64; D]; 3]) -> Slope;
 }
 

@@ -22,8 +22,8 @@ const STEPS: usize = 12;
 /// its cube.
 const LAST_STEP: f64 = 1e-5;
 
-/// Maximum step away from a local maximum, in ρ. The descent is only known to continue for some
-/// length.
+/// Maximum step away from a local maximum, in ρ. The distance is only known to decrease near that
+/// maximum.
 const LONGEST_DOWN: f64 = 0.05;
 
 impl<const D: usize> Curve<'_, D> {
@@ -41,9 +41,9 @@ impl<const D: usize> Curve<'_, D> {
     }
 
     /// Computes the distances of these points from the curve's nearest points. Each point comes
-    /// with the ρ at which it was fitted, and its nearest point is searched near there. If the rope
-    /// returns close to itself, that point is thus on the same strand. If the search does not
-    /// converge, the nearest point of the whole curve is used.
+    /// with the ρ at which it was fitted, and its nearest point is searched for near that ρ. Where
+    /// the rope passes close to itself, this keeps the nearest point on the same strand. If the
+    /// search does not converge, the nearest point of the whole curve is used.
     ///
     /// Every distance is accurate to about 1e-10 of the curve's size.
     pub fn distance_to_at(&self, points: impl IntoIterator<Item = ([f64; D], f64)>) -> Distance {
@@ -112,7 +112,7 @@ impl<const D: usize> Curve<'_, D> {
     }
 }
 
-/// Step to the nearest point of the osculating parabola: a Newton step, and a second one.
+/// Step to the nearest point of the osculating parabola: a Newton step, followed by a second one.
 ///
 /// Half the slope of the squared distance is `slope + rise s + 3/2 v·a s² + 1/2 a·a s³` after a
 /// step `s`. The remaining error is proportional to the cube of the step.

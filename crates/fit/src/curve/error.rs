@@ -56,7 +56,7 @@ pub enum CurveError {
         /// Index of the control point, counted from 0.
         index: usize,
     },
-    /// Knots are missing that only the fit knows.
+    /// The knots are missing, and only the fit knows them.
     #[error("the knots lie where the points were: give the ones that the curve was fitted with")]
     KnotsWanted,
     /// Knots were given to a basis without knots.

@@ -2,10 +2,10 @@
 //! `|f′(ρ)|` over parts that are halved until they are accurate.
 //!
 //! A part is accepted if the sum over its halves agrees with that over the whole part to 1e-11 of
-//! the curve's length. The sum over the halves, which is used, is then far more accurate if the
-//! speed is smooth: by about 2²⁴, as 12 nodes have order 24. If it is not smooth (at a cusp, where
-//! the curve reverses), only the part with the cusp is halved further, and its error falls to a
-//! quarter each time.
+//! the curve's length. The sum over the halves is used. If the speed is smooth, it is more accurate
+//! than the other sum by a factor of about 2²⁴, because 12 nodes have order 24. If it is not smooth
+//! (at a cusp, where the curve reverses), only the part with the cusp is halved further, and its
+//! error falls to a quarter each time.
 //!
 //! Two wrong sums can agree by accident. The speed's waviness is therefore checked as well: the
 //! last coefficients of its Legendre series, which the same nodes give. The error of 12 nodes is
@@ -40,7 +40,7 @@ const WAVES: [[f64; 2]; 6] = [
 /// Required agreement of a part and its halves, as a share of the curve's length.
 const AGREEMENT: f64 = 1e-11;
 
-/// Maximum number of halvings. A part with a cusp is then 1e-12 of ρ long.
+/// Maximum number of halvings. A part with a cusp is then 1e-12 long in ρ.
 const DEEPEST: u32 = 40;
 
 /// A step below this share of a part is the last: the next one would be about its square.
@@ -55,7 +55,7 @@ struct Part {
 }
 
 /// Quadrature of a part: its length, and the larger of the last two coefficients of the Legendre
-/// series of its speed, times its share of ρ (px both).
+/// series of its speed, times its share of ρ. Both are in px.
 #[derive(Debug, Clone, Copy)]
 struct Sum {
     length: f64,
@@ -69,7 +69,7 @@ impl<const D: usize> Curve<'_, D> {
         self.length_to(1.0)
     }
 
-    /// Arc length from the curve's start to `rho`, which is clamped to 0 to 1.
+    /// Arc length from the curve's start to `rho`, which is clamped to [0, 1].
     pub fn length_to(&self, rho: f64) -> f64 {
         let mut sum = 0.0;
         self.each_part(rho.clamp(0.0, 1.0), &mut |part: Part| sum += part.length);

@@ -18,15 +18,16 @@ pub struct Nearest<const D: usize = 2> {
 }
 
 impl<const D: usize> Curve<'_, D> {
-    /// Finds the global nearest point of the curve to `point`, among ends, corners and all strands.
+    /// Finds the globally nearest point of the curve to `point`, including ends and corners, on any
+    /// strand.
     ///
     /// No local minimum is missed. The curve is cut until each part is known to be farther than the
     /// best point, or to contain the nearest one. The bound comes from its control points or, for a
     /// Fourier series, from its second derivative. Newton's method then finds the point to within
-    /// rounding. If two points differ by less than 1e-9 of the curve's size, either may be
-    /// returned. If a long part of the curve is almost equally far (a circle's center), that
-    /// tolerance grows until several thousand parts have been examined. The result is then still
-    /// near the least distance: it is the first that was found of many such points.
+    /// rounding. If the distances of two points differ by less than 1e-9 of the curve's size,
+    /// either point may be returned. If a long part of the curve is almost equally far (a circle's
+    /// center), that tolerance grows until several thousand parts have been examined. The result is
+    /// then the first found of many points that are all near the least distance.
     pub fn nearest(&self, point: [f64; D]) -> Nearest<D> {
         let least = self.least(&DistanceTo { point });
         let on_curve = self.point(least.rho);
@@ -67,7 +68,7 @@ impl<const D: usize> Objective<D> for DistanceTo<D> {
         (norm(&away), share)
     }
 
-    /// The slope is that of half the square.
+    /// The slope is that of half the squared distance.
     fn at(&self, [point, velocity, acceleration]: &[[f64; D]; 3]) -> Slope {
         let away = minus(point, &self.point);
         Slope {

@@ -4,7 +4,7 @@ use super::polynomial;
 use crate::basis::{Basis, MAX_CONTROL_POINTS};
 
 /// Maximum number of control points of all pieces. A B-spline of degree `d` with `m` control points
-/// has at most `m − d` pieces of `d + 1`, and (32 − d)(d + 1) is largest at 15 and 16.
+/// has at most `m − d` pieces of `d + 1` points, and (32 − d)(d + 1) is largest at 15 and 16.
 const MAX_PIECE_POINTS: usize = 272;
 
 /// Bezier pieces of one degree, each over a part of ρ.
@@ -85,8 +85,8 @@ impl<const D: usize> Pieces<D> {
         }
     }
 
-    /// Index of the piece that contains `rho`: the later one where two meet, and the first or last
-    /// one beyond the ends.
+    /// Index of the piece that contains `rho`: the later piece where two meet, and the first or
+    /// last piece beyond the ends.
     pub(crate) fn at(&self, rho: f64) -> usize {
         let meetings = &self.breaks[1..self.count];
         meetings.partition_point(|&meeting| meeting <= rho)

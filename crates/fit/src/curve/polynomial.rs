@@ -8,7 +8,7 @@
 //!
 //! For ρ > ½ it starts from the other end, so that |r| ≤ 1. As in de Casteljau's recurrence, all
 //! factors are positive, so the error is a few n ulp of the largest control point at any order. The
-//! k-th derivative is such a polynomial too, of `n!/(n−k)! Δᵏbⱼ`.
+//! k-th derivative is such a polynomial too, with the coefficients `n!/(n−k)! Δᵏbⱼ`.
 
 use crate::basis::MAX_CONTROL_POINTS;
 
@@ -34,8 +34,8 @@ pub(crate) fn binomials(n: usize) -> &'static [f64] {
     &BINOMIALS[n][..=n]
 }
 
-/// The `K` derivatives from the 0th, K at most 4, at `rho` of the Bezier polynomial of these 1 to
-/// 32 control points.
+/// Derivatives 0 to `K − 1` at `rho` of the Bezier polynomial with these 1 to 32 control points.
+/// `K` is at most 4.
 #[inline]
 pub(crate) fn jet<const D: usize, const K: usize>(points: &[[f64; D]], rho: f64) -> [[f64; D]; K] {
     // Derivatives above the order are 0.
@@ -51,8 +51,8 @@ fn padded<const D: usize, const L: usize, const K: usize>(jet: [[f64; D]; L]) ->
     std::array::from_fn(|k| jet.get(k).copied().unwrap_or([0.0; D]))
 }
 
-/// Evaluates all K polynomials together, since each step of one waits for its previous step.
-/// Polynomials of higher differences are shorter, and begin later or end earlier.
+/// Evaluates all K polynomials together, because each step of a polynomial waits for its previous
+/// step. Polynomials of higher differences are shorter, and begin later or end earlier.
 #[inline]
 fn nested<const D: usize, const K: usize>(points: &[[f64; D]], rho: f64) -> [[f64; D]; K] {
     let order = points.len() - 1;

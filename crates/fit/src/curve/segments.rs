@@ -20,7 +20,7 @@ pub(crate) trait Segment<const D: usize>: Sized {
     fn halves(&self) -> [Self; 2];
 }
 
-/// A part of a Bezier piece, as a Bezier curve of its own.
+/// A part of a Bezier piece, as a separate Bezier curve.
 pub(crate) struct BezierSegment<const D: usize> {
     span: [f64; 2],
     count: usize,
@@ -67,7 +67,7 @@ impl<const D: usize> Segment<D> for BezierSegment<D> {
 
     /// A point of the curve is a mean of control points with nonnegative shares. The same mean of
     /// points of the chord is on the chord. The control points therefore bound the deviation: each
-    /// is compared with the point of the same index on the chord, divided into even steps.
+    /// is compared with the point of the same index when the chord is divided into even steps.
     fn deviation(&self) -> f64 {
         let [from, to] = self.chord();
         let mut largest = 0.0f64;
@@ -178,7 +178,7 @@ impl<const D: usize> Segment<D> for SeriesSegment<'_, D> {
     }
 }
 
-/// Position along a chord, from 0 to 1, that is nearest to a point.
+/// Position along a chord, from 0 to 1, of the chord's nearest point to `to`.
 pub(crate) fn nearest_on_chord<const D: usize>(chord: &[[f64; D]; 2], to: &[f64; D]) -> f64 {
     let along = minus(&chord[1], &chord[0]);
     let length = norm(&along);

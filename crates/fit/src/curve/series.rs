@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-/// The `K` derivatives from the 0th at `rho` of `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`; `coefficients`
-/// are `a₀, a₁, b₁, …`.
+/// Derivatives 0 to `K − 1` at `rho` of `a₀ + Σ aₖ cos 2πkρ + bₖ sin 2πkρ`. The `coefficients` are
+/// `a₀, a₁, b₁, …`.
 pub(crate) fn jet<const D: usize, const K: usize>(
     coefficients: &[[f64; D]],
     rho: f64,

@@ -140,7 +140,7 @@ pub enum UpdateError {
         "the covariance of the control points is not positive semidefinite: some combination of them would have a negative variance"
     )]
     NotPositive,
-    /// The small directions of a covariance are lost in rounding.
+    /// The directions of small variance in a covariance are lost in rounding.
     #[error(
         "at a condition number of {condition:.2e} a covariance has lost the curve's own precision (that is so from {limit:.1e} on): give Noise::Even, or choose fewer control points"
     )]

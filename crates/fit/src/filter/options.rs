@@ -5,9 +5,9 @@ use crate::setters::setters;
 
 /// Assumptions about a rope's motion and about the accuracy of measurements.
 ///
-/// *A point on the rope* is an average over the rope. All directions of motion in the space of
-/// curves are equally likely, so the ends of a polynomial curve, which are more flexible than its
-/// middle, move more.
+/// Values for *a point on the rope* are averages over the rope. All directions of motion in the
+/// space of curves are equally likely, so the ends of a polynomial curve, which are more flexible
+/// than its middle, move more.
 ///
 /// Each field has a method of the same name that sets it:
 /// `FilterOptions::default().noise_scale(2.0)`.
@@ -33,15 +33,15 @@ pub struct FilterOptions {
     /// A fit's covariance treats the errors of all points as independent. If `k` neighbors along a
     /// centerline have equal errors, a control point is `√k` times as uncertain. If errors are
     /// equal in `k` consecutive frames, the filter, which averages them, needs the same factor
-    /// again. Choose it so that the normalized innovation squared has its expected mean
-    /// ([`FilterStep::Updated`](crate::FilterStep)): the factor is the root of the ratio by which
-    /// it is too large.
+    /// again. Choose the factor so that the normalized innovation squared has its expected mean
+    /// ([`FilterStep::Updated`](crate::FilterStep)). If the mean is `r` times as large as expected
+    /// at a factor of 1, choose `√r`.
     pub noise_scale: f64,
     /// A shape is a jump if its normalized innovation squared exceeds its expectation by this many
     /// standard deviations (those of the normal distribution that approximates the cube root of the
-    /// chi-square: Wilson and Hilferty 1931). From 1; infinity disables the limit. Default: 10,
-    /// which at nine control points in a plane is 9 times the mean, so errors three times larger
-    /// than the model are not a jump yet.
+    /// chi-square: Wilson and Hilferty 1931). From 1; infinity disables the limit. Default: 10.
+    /// With nine control points in a plane, the limit is then 9 times the mean, so errors three
+    /// times as large as the model's are not yet a jump.
     pub gate_sigma: f64,
     /// Maximum time between shapes, and from a shape to a prediction, s. From 10⁻³ to 60. Default:
     /// 0.5.

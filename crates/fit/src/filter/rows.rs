@@ -7,8 +7,8 @@
 //! congruence           T, P     → TᵀPT
 //! ```
 //!
-//! This is plain code, inlined into functions that are compiled for each instruction set. A running
-//! sum stays in registers over all rows, four vectors of it at a time.
+//! This is plain code, inlined into functions that are compiled for each instruction set. Running
+//! sums stay in registers over all rows, four vectors at a time.
 
 /// Numbers in a vector: rows are padded with zeros to a multiple of this. It is four instead of
 /// eight because nine control points fill three vectors of four to 75 %, but two of eight only to

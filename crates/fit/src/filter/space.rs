@@ -8,8 +8,8 @@ use crate::options::{MAX_ORDER, MAX_POINTS};
 use faer::{Mat, MatRef};
 use std::sync::Arc;
 
-/// Maximum condition number of `B`. At this number, conversion to curve coordinates and back loses
-/// a millionth, as a fit by `pinv` does.
+/// Maximum condition number of `B`. At this number, conversion to curve coordinates and back has a
+/// relative error of a millionth, as a fit by `pinv` does.
 const MAX_CONDITION: f64 = 1e-6 / f64::EPSILON;
 
 /// A space of curves: a basis on a grid of `ρ`, given by the matrix `B` (`N` × `m`) that maps `m`
@@ -17,11 +17,11 @@ const MAX_CONDITION: f64 = 1e-6 / f64::EPSILON;
 /// computed data.
 ///
 /// It defines *curve coordinates* `z = √(m/N) R s`, where `B = QR`, for control points `s`. Lengths
-/// in them are lengths on the rope: `|z|²/m` is the mean of the squared distances of the curve's
-/// `N` points from the origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in every
-/// direction. Control points can be far outside their curve, and move by a hundred pixels if the
-/// curve moves by one (the ratio of their variances is the square of `B`'s condition number). Curve
-/// coordinates do not have this problem.
+/// in these coordinates are lengths on the rope: `|z|²/m` is the mean of the squared distances of
+/// the curve's `N` points from the origin, and the covariance `σ²(BᵀB)⁻¹` of a fit is `σ² m/N` in
+/// every direction. Control points can be far outside their curve, and move by a hundred pixels if
+/// the curve moves by one (the ratio of their variances is the square of `B`'s condition number).
+/// Curve coordinates do not have this problem.
 #[derive(Debug, Clone)]
 pub struct CurveSpace(Arc<Coordinates>);
 
@@ -32,10 +32,10 @@ struct Coordinates {
     condition: f64,
     /// Sum of the squares of `G⁻¹`'s entries.
     size: f64,
-    /// `s = G z`, as its transpose: row `k` is the contribution of coordinate `k` to each control
+    /// Transpose of `G` in `s = G z`: row `k` is the contribution of coordinate `k` to each control
     /// point.
     to_control_points: Rows,
-    /// `z = G⁻¹ s`, as its transpose.
+    /// Transpose of `G⁻¹` in `z = G⁻¹ s`.
     to_curve: Rows,
 }
 

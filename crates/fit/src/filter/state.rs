@@ -54,7 +54,7 @@ impl<const D: usize> State<D> {
     }
 
     /// Writes the state after `seconds` to `later`, with white acceleration of the spectral density
-    /// `q`. It is the exact integral over continuous time for any time step:
+    /// `q`. The result is the exact integral over continuous time for any time step:
     ///
     /// ```text
     /// x += h v     X += h (C + Cᵀ) + h² V + q |h|³/3
@@ -106,7 +106,7 @@ impl<const D: usize> State<D> {
     /// Updates the state with measured positions, with the covariance `noise` for each axis
     /// (positive definite). Returns the normalized innovation squared: the innovation's `νᵀS⁻¹ν`
     /// summed over the axes. If that exceeds `gate`, returns it as an error and leaves the state
-    /// unchanged. It is infinite if it cannot be computed.
+    /// unchanged. The value is infinite if it cannot be computed.
     ///
     /// With `S = X + R = UᵀU`, a single elimination gives everything, and the update needs no
     /// inverse:
@@ -119,9 +119,9 @@ impl<const D: usize> State<D> {
     ///              V −= BᵀB
     /// ```
     ///
-    /// The forms on the right have no difference in which the small variance of a precise
-    /// measurement would be lost against a large prior one. Their errors are proportional to the
-    /// smaller of the two.
+    /// The forms on the right avoid differences, in which a large prior variance would swamp the
+    /// small variance of a precise measurement. Their errors are proportional to the smaller of the
+    /// two variances.
     #[inline(always)]
     pub(super) fn measure(
         &mut self,
@@ -174,7 +174,8 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// `state += Tᵀy`, with `T` the columns from vector `t` and `y` those from vector `y`.
+/// `state += Tᵀy`, where `T` are the columns of `work` from vector `t` on, and `y` are those from
+/// vector `y` on.
 #[inline(always)]
 fn add_innovation<const D: usize>(state: &mut [[f64; D]], work: &Rows, t: usize, y: usize) {
     for row in work.vectors.chunks_exact(work.width) {

@@ -1,4 +1,4 @@
-//! Input of a filter's step besides the shape, and its result.
+//! Input of a filter's step in addition to the shape, and the result of the step.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub enum Noise<'a> {
         variance_px2: f64,
     },
     /// Covariance of the control points, `m` × `m`, row by row, `σ²` included, px²: for a fit whose
-    /// points have different weights or none. A direction that was not observed may have an
+    /// points have different weights, possibly 0. A direction that was not observed may have an
     /// arbitrarily large variance.
     Covariance(&'a [f64]),
 }
@@ -22,7 +22,7 @@ pub enum Noise<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum FilterStep {
-    /// The shape is the first. The rope is at its position, and assumed to be at rest.
+    /// This is the first shape. The rope is assumed to be at rest at its position.
     Began,
     /// The shape was used.
     Updated {
@@ -32,7 +32,8 @@ pub enum FilterStep {
         /// [`FilterOptions::noise_scale`](crate::FilterOptions::noise_scale)).
         nis: f64,
     },
-    /// The shape has other curves than the previous ones, so the filter restarted with it.
+    /// The shape's curves belong to another space than the previous ones, so the filter restarted
+    /// with this shape.
     OtherCurves,
     /// The shape came too long after the previous one, so the filter restarted with it.
     LongGap {

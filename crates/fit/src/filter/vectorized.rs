@@ -75,7 +75,7 @@ impl<const D: usize> WithSimd for Foretell<'_, D> {
     }
 }
 
-/// Writes `scale` times a covariance of control points in curve coordinates, and adds `least` to
+/// Converts `scale` times a covariance of control points to curve coordinates, and adds `least` to
 /// each variance. Returns whether the result is positive definite.
 pub(super) struct ReadCovariance<'a> {
     pub(super) covariance: &'a Rows,

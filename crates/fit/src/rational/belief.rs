@@ -15,8 +15,8 @@ use super::design::Design;
 
 /// τ: nineteen of twenty weights are expected within a factor of e of their mean. An arc of a
 /// circle of 90° has log-weights of 0.12 and −0.23, and one of 150° has 0.45 and −0.9, so the prior
-/// is weak. It does not move weights that the points determine: its influence equals theirs if they
-/// leave a factor of 1.6 open.
+/// is weak. It does not move weights that the points determine: its influence equals that of the
+/// points if these leave a weight uncertain by a factor of 1.6.
 const DEVIATION: f64 = 0.5;
 
 /// Residuals below this share of the largest coordinate are rounding. The share is several thousand

@@ -9,18 +9,19 @@ use super::projection::{Project, Projection};
 use super::trust_region::{Step, TrustRegion};
 use std::cmp::Ordering;
 
-/// Stopping distance from the most probable weights, in standard deviations of the posterior. It
-/// adds a hundredth to the variance.
+/// Stopping distance from the most probable weights, in standard deviations of the posterior.
+/// Stopping there adds a hundredth to the variance.
 const NEAR: f64 = 0.1;
 
 /// Change of Φ that is negligible: far below `NEAR²`, and above the rounding of `ν ln s`.
 const SLACK: f64 = 1e-9;
 
-/// Maximum number of rounds of the linearized start. On an exact curve, each removes most of the
-/// residuals. On a noisy one, only noise is soon left.
+/// Maximum number of rounds of the linearized start. On an exact curve, each round removes most of
+/// the residuals. On a noisy one, only noise is soon left.
 const LINEAR_STEPS: usize = 8;
 
-/// A round is worth repeating if it reduces a coordinate's variance below this share of itself.
+/// A round is worth repeating if it reduces a coordinate's variance below this share of its
+/// previous value.
 const MUCH: f64 = 0.5;
 
 /// Initial maximum step length. A change of the weights by more than a factor of e is not small.

@@ -1,9 +1,9 @@
 //! Everything that does not depend on the points: the Bernstein polynomials on the grid, and an
 //! orthonormal basis of the curves that free control points can represent.
 //!
-//! `B = Q T` is the QR of the polynomials on the grid. In `Q`, the normal equations of a weighted
-//! curve are as well conditioned as its denominator is even, at any order. `T⁻¹` is only needed for
-//! the final control points.
+//! `B = Q T` is the QR of the polynomials on the grid. In the basis `Q`, the condition of a
+//! weighted curve's normal equations depends only on how even the curve's denominator is, at any
+//! order. `T⁻¹` is only needed for the final control points.
 
 use super::kernels::padded;
 use crate::bezier::bernstein;
@@ -64,7 +64,8 @@ impl Design {
         self.count - 2 * usize::from(self.pinned)
     }
 
-    /// Replaces `right` (`free()` rows of `width` numbers, by `q`) by `T⁻¹ right` (by `b`).
+    /// Replaces `right`, coefficients of `q`, by `T⁻¹ right`, coefficients of `b`. It has `free()`
+    /// rows of `width` numbers.
     pub(super) fn to_bernstein(&self, right: &mut [f64], width: usize) {
         let free = self.free();
         for k in (0..free).rev() {

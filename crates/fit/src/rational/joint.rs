@@ -30,8 +30,8 @@ pub(super) struct Joint {
     scratch: Vec<f64>,
     /// `L⁻¹ Q̃ᵀ R₀` or `L⁻¹ Q̃ᵀ Rₙ`.
     of_end: Vec<f64>,
-    /// Effect of an end's noise on the log-weights, on all parameters at known weights, and on all
-    /// parameters.
+    /// Effects of an end's noise: on the log-weights (this vector), and below on all parameters, at
+    /// known and at estimated weights.
     to_weights: Vec<f64>,
     known: Vec<f64>,
     all: Vec<f64>,
@@ -72,7 +72,7 @@ impl Joint {
             .region
             .invert(&descent.linearization, variance, &mut self.spread)
         {
-            // A matrix without a numerical inverse bounds no weight.
+            // If the matrix has no numerical inverse, the points bound no weight.
             self.spread.fill(f64::NAN);
         }
     }

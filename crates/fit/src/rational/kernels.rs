@@ -65,7 +65,7 @@ pub(super) fn products<S: Simd>(
     }
 }
 
-/// Computes `A` by `B` of these products.
+/// Computes an `A` × `B` block of these products.
 #[inline(always)]
 fn tile<S: Simd, const A: usize, const B: usize>(
     simd: S,

@@ -2,8 +2,8 @@
 //!
 //! The residuals change by `P (Rₖ ⊙ (f − pₖ))`, where `P` removes what the control points can
 //! represent (L. Kaufman's approximation, *BIT* 15, 1975; the omitted term is proportional to `r`).
-//! `P` also removes `Rₖ pₖ` if `pₖ` is free, so any point may replace it. A point near the curve at
-//! `Bₖ`'s peak keeps the numbers small. Pinned end points are used as they are.
+//! `P` also removes `Rₖ pₖ` if `pₖ` is free, so any point may replace `pₖ`. A point near the curve
+//! at `Bₖ`'s peak keeps the numbers small. Pinned end points are used as they are.
 
 use super::design::Design;
 use super::kernels::{Part, Rows, add_multiple, multiply, padded, products, rows};
@@ -15,9 +15,9 @@ use lariat_portable::{Simd, WithSimd};
 /// curve plus a multiple of the residuals.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Model {
-    /// Around the points, `f + r`: the model of residuals linear in the weights themselves (C.
-    /// Sanathanan, J. Koerner, *IEEE Transactions on Automatic Control* 8, 1963). It works from any
-    /// distance, but is biased by noise.
+    /// Around the points, `f + r`: the model whose residuals are linear in the weights themselves
+    /// (C. Sanathanan, J. Koerner, *IEEE Transactions on Automatic Control* 8, 1963). It works from
+    /// any distance, but is biased by noise.
     Linear,
     /// Around the curve: Gauss-Newton with Kaufman's approximation. Never indefinite.
     GaussNewton,
@@ -31,11 +31,11 @@ pub(super) enum Model {
 pub(super) struct Linearization {
     /// `Rₖ ⊙ (pₖ − f)`: `count` rows, one axis after the other.
     pub(super) changes: Vec<f64>,
-    /// `L⁻¹ Q̃ᵀ` times these: `free` rows, `count` numbers per axis, one axis after the other,
+    /// `L⁻¹ Q̃ᵀ` times `changes`: `free` rows, `count` numbers per axis, one axis after the other,
     /// padded.
     pub(super) reachable: Vec<f64>,
     pub(super) reachable_width: usize,
-    /// Its transpose, with a log-weight's numbers in a row, padded.
+    /// Transpose of `reachable`, with a log-weight's numbers in a row, padded.
     transposed: Vec<f64>,
     /// Center of the derivative, one axis after the other.
     center: Vec<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Linearization {
     pub(super) normal: Vec<f64>,
     /// Their right-hand side.
     pub(super) right: Vec<f64>,
-    /// Sum of the squares of `changes`, before the products are subtracted that give the normal
+    /// Sum of the squares of `changes`, before subtracting the products that give the normal
     /// matrix.
     pub(super) changes_squared: f64,
     /// `|r|` on the grid.

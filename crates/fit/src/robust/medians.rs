@@ -65,8 +65,8 @@ impl Medians {
     }
 
     /// Writes the median of `column` over the nine chosen points around each chosen point to
-    /// `medians`. For the first and the last four, it is that of the first and the last nine. Other
-    /// entries are 0.
+    /// `medians`. For the first and the last four points, it is the median of the first and the
+    /// last nine. Other entries are 0.
     pub(super) fn run(&mut self, arch: lariat_portable::Arch, column: &[f64], medians: &mut [f64]) {
         for (number, &at) in self.numbers.iter_mut().zip(&self.seen) {
             *number = column[at];

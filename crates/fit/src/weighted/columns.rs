@@ -178,7 +178,7 @@ impl Triangular<'_> {
 }
 
 /// Computes `sums[j][k] = left[j] · right[k]`. For symmetric sums, it computes those with `k ≥ j`
-/// (and some before). Row `j` of `sums` begins at `j · sums_stride`.
+/// (and a few with smaller `k`). Row `j` of `sums` begins at `j · sums_stride`.
 pub(super) struct Gram<'a> {
     pub(super) left: &'a [f64],
     pub(super) right: &'a [f64],
@@ -354,7 +354,7 @@ pub(super) fn count_seen(weights: &[f64]) -> Option<usize> {
     (bad == 0).then_some(seen as usize)
 }
 
-/// Sets points of weight 0 to 0, whatever they are.
+/// Sets points of weight 0 to 0, whatever their values.
 #[inline(always)]
 pub(super) fn hide(columns: &mut [f64], weights: &[f64]) {
     for column in columns.chunks_exact_mut(weights.len()) {

@@ -1,14 +1,14 @@
 //! Pins a curve to its first and its last point exactly.
 //!
-//! In the coordinates `y` of `weighted` a point of the curve is `zᵢᵀy`, and pinning both ends means
-//! `Vᵀy = p` with `V = [z₀ z₍N₋₁₎]`. The best such `y` is the free one, corrected along `V`:
+//! In the coordinates `y` of `weighted`, a point of the curve is `zᵢᵀy`, and pinning both ends
+//! means `Vᵀy = p` with `V = [z₀ z₍N₋₁₎]`. The best such `y` is the free one, corrected along `V`:
 //!
 //! ```text
 //! y + V Q⁻¹ (p − Vᵀy),   Q = VᵀV
 //! ```
 //!
 //! The ends have weight 1 in the free fit. This does not change the pinned fit, and keeps the free
-//! one determined if only the pins determine the curve; so `Q ≤ 1`. The noise in `y` is
+//! fit determined if only the pins determine the curve. It also makes `Q ≤ 1`. The noise in `y` is
 //! `I − VQ⁻¹Vᵀ` from the points between, and `VQ⁻²Vᵀ` from the two ends, together `I + VJVᵀ` with
 //! `J = Q⁻² − Q⁻¹`.
 
@@ -27,7 +27,7 @@ impl Ends {
         }
     }
 
-    /// Sets `V` from `z(j)`, row `j` of it.
+    /// Sets `V`, whose row `j` is `z(j)`.
     pub(super) fn set(&mut self, z: impl Fn(usize) -> [f64; 2]) {
         let (mut first, mut mixed, mut last) = (0.0, 0.0, 0.0);
         for (j, v) in self.v.iter_mut().enumerate() {

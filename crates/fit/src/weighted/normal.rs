@@ -80,7 +80,7 @@ impl<const D: usize> Normal<D> {
 
     /// Replaces `right` by `y = L⁻¹ right`.
     pub(crate) fn solve_lower(&self, right: &mut [[f64; D]]) {
-        // From the last row on, as each needs those before it.
+        // Starts with the last row, because each row needs those before it.
         for j in (0..self.count).rev() {
             let mut y = [0.0; D];
             for (inverse, right) in self.inverse_row(j)[..=j].iter().zip(&*right) {

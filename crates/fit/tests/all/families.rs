@@ -99,8 +99,8 @@ proptest! {
         points in any_points(40..200),
         map in prop::array::uniform6(-3.0f64..3.0),
     ) {
-        // The coefficients of a Fourier series are not points, except the first: they do not move
-        // along.
+        // The coefficients of a Fourier series are not points, except the first, so they do not
+        // move with the points.
         let moves = |j: usize| f64::from(j == 0 || !options.basis.is_closed());
         let apply = |p: &[f64; 2], moved: f64| [
             map[0] * p[0] + map[1] * p[1] + 100.0 * moved * map[2],

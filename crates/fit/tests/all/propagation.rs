@@ -50,7 +50,7 @@ fn rope(closed: bool) -> Vec<[f64; 2]> {
 }
 
 struct Trial {
-    /// Mean of the predicted covariances, and variance of the pixels by the residuals.
+    /// Mean of the predicted covariances, and variance of the pixels estimated from the residuals.
     foretold: Vec<[f64; 3]>,
     sigma2: f64,
     /// Empirical covariances.

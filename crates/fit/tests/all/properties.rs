@@ -29,7 +29,7 @@ fn size(control_points: &[[f64; 2]]) -> f64 {
         .fold(1.0, |size, c| c.abs().max(size))
 }
 
-/// The largest difference of two descriptors, relative to the larger's size.
+/// The largest difference of two descriptors, relative to the size of the larger.
 fn difference(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let largest = a
         .iter()

@@ -24,9 +24,9 @@ message! {
         width_px: f32 = 0.0 => number,
         /// Arc length of the centerline.
         length_px: f32 = 0.0 => number,
-        /// Calibrated probability of a rope, whole and in order.
+        /// Calibrated probability of a whole, correctly ordered rope.
         confidence: f32 = 0.0 => number,
-        /// Time from last sighting to image; 0 unless lost.
+        /// Time from the last sighting to this image; 0 unless lost.
         age_ns: u64 = 0 => number,
         /// Points covered or outside the image: bit `i % 32` of word `i / 32`.
         hidden: [u32; MAX_POINTS / 32] = [0; MAX_POINTS / 32] => hidden(points),

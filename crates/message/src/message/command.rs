@@ -24,8 +24,8 @@ message! {
         /// Always 0.
         reserved: u32 = 0 => reserved,
         /// Gripper velocities along x, y, z in mm/s, then about x, y, z in rad/s, in the robot's
-        /// frame. For a rope in the image only the first two, in px/s, and the last, from x towards
-        /// y, count.
+        /// frame. A rope in the image uses only the first two, in px/s, and the last, from x
+        /// towards y.
         velocities: [[f64; 6]; MAX_GRIPPERS] = [[0.0; 6]; MAX_GRIPPERS] => list(velocities),
     }
 }

@@ -40,7 +40,7 @@ message! {
         length: f64 = 0.0 => number,
         /// Median width of the rope.
         width: f64 = 0.0 => number,
-        /// Time from last sighting to image; 0 unless lost.
+        /// Time from the last sighting to this image; 0 unless lost.
         age_ns: u64 = 0 => number,
         /// Number of points covered or outside the image.
         hidden: u32 = 0 => number,
@@ -48,7 +48,7 @@ message! {
         filtered: u32 = 0 => flag,
         /// A [`FitQuality`]'s number.
         fit: u32 = FitQuality::NotJudged as u32 => code(FitQuality),
-        /// Calibrated probability of a rope, whole and in order.
+        /// Calibrated probability of a whole, correctly ordered rope.
         confidence: f32 = 0.0 => number,
         /// Control points, `[x, y]`.
         control_points: [[f64; 2]; MAX_CONTROL_POINTS] = [[0.0; 2]; MAX_CONTROL_POINTS] => points(control_points),
@@ -119,8 +119,8 @@ impl Descriptor {
         FitQuality::from_code(self.fit)
     }
 
-    /// The basis functions that the control points weigh; `None` for a number this version does not
-    /// know.
+    /// The basis functions that are weighted by the control points; `None` for a number this
+    /// version does not know.
     pub const fn basis(&self) -> Option<Basis> {
         Basis::from_code(self.basis)
     }
@@ -128,8 +128,8 @@ impl Descriptor {
 
 message! {
     /// The points that a descriptor was fitted to: the rope's centerline, at equal steps of arc
-    /// length, in the message's unit. They are unfiltered points of the image, however well the
-    /// curve follows them.
+    /// length, in the message's unit. They are the unfiltered points of the image, whether or not
+    /// the curve follows them.
     pub struct CenterlinePoints = "lariat.CenterlinePoints.v1" {
         /// Number of valid points; 0 if the writer gives none.
         count: u32 = 0 => count(points),

@@ -36,11 +36,11 @@ message! {
         filtered: u32 = 0 => flag,
         /// A [`FitQuality`]'s number.
         fit: u32 = FitQuality::NotJudged as u32 => code(FitQuality),
-        /// Calibrated probability of a rope, whole and in order.
+        /// Calibrated probability of a whole, correctly ordered rope.
         confidence: f32 = 0.0 => number,
         /// Always 0.
         reserved: u32 = 0 => reserved,
-        /// Time from last sighting to image; 0 unless lost.
+        /// Time from the last sighting to this image; 0 unless lost.
         age_ns: u64 = 0 => number,
         /// RMS distance of points from the curve at their ρ, mm.
         rms: f64 = 0.0 => number,
@@ -63,7 +63,7 @@ message! {
         knots: [f64; MAX_CONTROL_POINTS] = [0.0; MAX_CONTROL_POINTS] => list(inner_knots),
         /// Fitted centerline points, `[x, y, z]`, mm, at equal steps of arc length in space.
         points: [[f32; 3]; MAX_POINTS] = [[0.0; 3]; MAX_POINTS] => points(points),
-        /// Standard deviation of each along the line of sight, mm.
+        /// Standard deviation of each point along the line of sight, mm.
         sigmas: [f32; MAX_POINTS] = [0.0; MAX_POINTS] => list(sigmas),
     }
 }
@@ -133,8 +133,8 @@ impl Descriptor3 {
         FitQuality::from_code(self.fit)
     }
 
-    /// The basis functions that the control points weigh; `None` for a number this version does not
-    /// know.
+    /// The basis functions that are weighted by the control points; `None` for a number this
+    /// version does not know.
     pub const fn basis(&self) -> Option<Basis> {
         Basis::from_code(self.basis)
     }

@@ -8,8 +8,9 @@ use crate::{PixelFormat, Trace};
 message! {
     /// Header before the bytes of an image.
     ///
-    /// It fills two cache lines and begins on one, and so do the bytes that follow. The transport's
-    /// own alignment would align every single byte and take 64 times the memory.
+    /// It fills two cache lines. Both the header and the bytes that follow begin on a cache line.
+    /// The transport's own payload alignment would align every single byte and take 64 times the
+    /// memory.
     #[repr(align(64))]
     #[derive(Eq)]
     pub struct FrameHeader = "lariat.FrameHeader.v3" {
@@ -36,8 +37,8 @@ impl FrameHeader {
         PixelFormat::from_code(self.pixel_format)
     }
 
-    /// Returns whether an image is missing: one is due, but the source cannot give it. A stage
-    /// still sends its result then, from what it already knows.
+    /// Returns whether the frame lacks an image because the source could not give one when it was
+    /// due. A stage still sends a result for such a frame, from what it already knows.
     pub const fn is_blank(&self) -> bool {
         self.width == 0 || self.height == 0
     }

@@ -22,9 +22,9 @@ message! {
         /// Frames sent by fit, including this one.
         fitted: u64 = 0 => number,
         /// Messages of this channel that a local bridge has written, including this one; 0 without
-        /// one, and for images.
+        /// a bridge, and for images.
         bridged: u64 = 0 => number,
-        /// Exposure time: the driver's timestamp, or when a file's frame was due.
+        /// Exposure time: the driver's timestamp, or the due time of a file's frame.
         exposed_ns: u64 = 0 => number,
         /// End of capture, before sending.
         captured_ns: u64 = 0 => number,
@@ -38,8 +38,8 @@ message! {
         fitted_ns: u64 = 0 => number,
         /// Settings version of the sender: number of changes since the chain's start.
         settings: u32 = 0 => number,
-        /// [Restarts](Self::restarts) of capture, extract and fit modulo 256, one byte each from
-        /// the lowest.
+        /// [Restarts](Self::restarts) of capture, extract and fit modulo 256, one byte each,
+        /// capture in the lowest.
         restarts: u32 = 0 => number,
     }
 }

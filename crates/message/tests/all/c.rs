@@ -1,4 +1,4 @@
-//! The messages as C structs; cbindgen makes `lariat.h` of them.
+//! The messages as C structs, from which cbindgen generates `lariat.h`.
 
 use std::fmt::Write;
 
@@ -151,7 +151,7 @@ fn of(of: &Type, field: &str) -> String {
     }
 }
 
-/// Uses the name of a length, if it has one in C.
+/// Returns the name of a length in C, or the length itself.
 fn length(count: usize, field: &str) -> String {
     match (count, field) {
         (8, "hidden") => "LARIAT_HIDDEN_WORDS".to_owned(),

@@ -282,7 +282,7 @@ impl<const VNNI: bool> Registers for Narrow<VNNI> {
 }
 
 /// Processes as many pixels at a time as possible while registers are left for the weights of `C`
-/// groups and for the input. The compiler knows the steps of the mask network's layers.
+/// groups and for the input. The steps of the mask network's layers are compile-time constants.
 ///
 /// # Safety
 ///

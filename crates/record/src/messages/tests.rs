@@ -196,7 +196,7 @@ fn counts_beyond_the_arrays_are_read_as_full() {
 fn lists_that_belong_together_have_one_length() {
     let mut cdr = Vec::new();
     centerlines(1, 1, 0, 3).encode(&mut cdr);
-    // Head, trace, size, count, the curve's words, sizes and age; then the points' count.
+    // Head, trace, size, count, and the curve's words, sizes and age. The number of points follows.
     let at = 4 + 96 + 8 + 4 + 16 + 8 + 4 + 8;
     assert_eq!(cdr[at..at + 4], [1, 0, 0, 0]);
     cdr[at] = 0;

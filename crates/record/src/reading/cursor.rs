@@ -16,8 +16,8 @@ use super::topics::{Kind, Topics};
 use crate::foxglove::{Form, Room};
 use crate::{Losses, Record};
 
-/// Maximum delay of a frame's results relative to later frames. After the end of a span, messages
-/// are searched for this long.
+/// Maximum delay of a frame's results relative to later frames. Messages are therefore searched
+/// until this long after the end of a span.
 const LATE_NS: u64 = 2_000_000_000;
 
 /// A file of a recording, shared by its cursors.
@@ -37,13 +37,14 @@ pub struct Messages {
     /// Files after the current one, the next one last.
     rest: Vec<Source>,
     unpacker: Unpacker,
-    /// Log times of the wanted frames. Other messages are wanted with their frame.
+    /// Log times of the wanted frames. Other messages are wanted if their frame is.
     span_ns: Range<u64>,
     /// Index of the next part.
     part: usize,
     /// Position of the next message among the loaded part's records.
     at: usize,
-    /// A header that waits for its image, with its log time; the same for a mask.
+    /// The header of a frame that waits for its image, with its log time. `mask` holds the same for
+    /// a mask.
     frame: Option<(FrameHeader, u64)>,
     mask: Option<(FrameHeader, u64)>,
     /// Number of frames without headers so far.
@@ -62,7 +63,7 @@ struct Scratch {
     converted: Vec<u8>,
 }
 
-/// A message found, to be lent once the search is over.
+/// A message that was found. It is lent to the caller once the search is over.
 enum Found {
     Frame(FoundFrame),
     Centerlines,
@@ -168,7 +169,7 @@ impl Messages {
                 return Ok(without_image(header, log_time_ns, Side::Frame));
             }
             let Some((channel, log_time_ns, range)) = self.next_message()? else {
-                // Remaining headers whose images never came.
+                // Returns the remaining headers, whose images never came.
                 let (side, held) = match (self.frame.take(), self.mask.take()) {
                     (Some(frame), mask) => {
                         self.mask = mask;
@@ -247,7 +248,7 @@ impl Messages {
         Ok(false)
     }
 
-    /// Reads a message; `None` if it is not wanted, or waits for another.
+    /// Reads a message. `None` if it is not wanted, or if it has to wait for another message.
     fn take(
         &mut self,
         kind: Kind,

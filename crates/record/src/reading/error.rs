@@ -99,9 +99,9 @@ pub enum RecordingError {
     TooLarge {
         /// Position of the part.
         offset: u64,
-        /// The size that it claims.
+        /// The size that the part claims to have.
         bytes: u64,
-        /// The size allowed.
+        /// The maximum size.
         most: u64,
     },
     /// A part is compressed by an unknown method.

@@ -41,7 +41,7 @@ pub(super) fn listed(path: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Recordi
             None => missing.push(format!("{name}, which metadata.yaml names, is missing")),
         }
     }
-    // A recorder that was killed has not listed its last file, or any.
+    // If the recorder was killed, its last file is not listed, or no file is.
     found.retain(|file| !files.contains(file));
     files.append(&mut found);
     match files.is_empty() {

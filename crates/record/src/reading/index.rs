@@ -27,8 +27,8 @@ pub(super) struct Indexed {
     pub(super) part: Part,
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
-    /// Position of the message index of each channel with messages in this part. Empty without such
-    /// records.
+    /// Position of the message index of each channel with messages in this part. Empty if the part
+    /// has no message indexes.
     pub(super) indexes: Vec<(u16, u64)>,
 }
 

@@ -21,8 +21,8 @@ pub(super) struct Opened {
     pub(super) cut_off: Option<String>,
 }
 
-/// Opens all files that a path names, at least one. Also returns messages about files that are
-/// missing, cut off or not readable.
+/// Opens all files that a path names, at least one. Also returns messages about
+/// files that are missing, cut off or not readable.
 pub(super) fn open(
     path: &Path,
     topic: Option<&str>,

@@ -81,8 +81,8 @@ impl From<CdrError> for Wrong {
     }
 }
 
-/// Reads an image, with the header that came before it or one made from the image. Encodings that
-/// frames do not have are converted.
+/// Reads an image, with the header that came before it or with a header made from the image.
+/// Encodings that frames do not have are converted.
 pub(super) fn raw(
     image: ImageRecord,
     known: Option<FrameHeader>,
@@ -120,8 +120,8 @@ pub(super) fn raw(
 /// quantization.
 const DEPTH_HEAD_BYTES: usize = 12;
 
-/// Reads a picture file. Its bytes identify its kind. The format that the writer names counts only
-/// if the bytes are unknown.
+/// Reads a picture file. Its bytes identify its kind. The format named by the writer is used only
+/// if the bytes are not recognized.
 pub(super) fn picture(
     picture: CompressedImageRecord,
     known: Option<FrameHeader>,

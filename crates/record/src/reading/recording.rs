@@ -22,7 +22,7 @@ use super::scan::{times_among, times_of};
 /// The file may contain any bytes. Lengths are not trusted until the bytes are read, so memory is
 /// limited to a few times the file's size, and 1 GiB for a chunk.
 pub struct Recording {
-    /// The files in their order, at least one.
+    /// The files in their order. There is at least one.
     files: Vec<Source>,
     /// All topics with images from which the frames' topic was chosen.
     candidates: Vec<String>,
@@ -73,8 +73,8 @@ impl Recording {
         Self::open_topic(path, None)
     }
 
-    /// Opens a file or a folder. `topic` names the topic whose images are the frames, if there are
-    /// several.
+    /// Opens a file or a folder. `topic` selects the topic whose images are the frames, if several
+    /// topics have images.
     ///
     /// # Errors
     /// Fails as [`open`](Self::open) does, or if there is no such topic.
@@ -274,7 +274,7 @@ impl Recording {
     /// # Errors
     /// Fails if the file cannot be read.
     pub fn losses(&self) -> Result<Messages, RecordingError> {
-        // There is at least one: a recording without a file is not opened.
+        // There is at least one file: a recording without a file is not opened.
         let file = &self.files[self.files.len() - 1];
         let has_losses = |indexed: &&Indexed| {
             let is_losses = |(channel, _): &(u16, u64)| file.topics.is_losses(*channel);

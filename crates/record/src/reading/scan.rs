@@ -1,6 +1,6 @@
 //! Rebuilds the index of a recording that was not closed, or was written without one, by scanning
-//! the file from record to record. It skips over chunks and unpacks only those that define topics,
-//! and the last one, because no other chunk can be torn.
+//! the file from record to record. It skips over chunks and unpacks only chunks that define topics,
+//! and the last chunk, because no other chunk can be torn.
 
 use std::sync::Arc;
 
@@ -195,7 +195,7 @@ impl Scan<'_> {
     }
 }
 
-/// Searches for topics in chunks that have messages of an unknown one.
+/// Searches for topic definitions in chunks that have messages of an unknown topic.
 fn find_topics(index: &mut Index, unpacker: &mut Unpacker) {
     for i in 0..index.parts.len() {
         let indexed = &index.parts[i];

@@ -84,8 +84,8 @@ impl Topics {
             .iter()
             .filter(|(id, _)| is(id, Kind::FrameHeader));
         let has_headers: Vec<_> = has_headers.map(|(_, header)| &header.topic).collect();
-        // Depth images (of image transport) count as frames only on request, so that the error can
-        // name them.
+        // Depth images (of image transport) count as frames only if their topic was requested, so
+        // that the error can name it.
         let is_candidate = |topic: &str| {
             let is_of_header = || has_headers.iter().any(|header| siblings(header, topic));
             !topic.ends_with(DEPTH_TRANSPORT) && (has_headers.is_empty() || is_of_header())
@@ -283,7 +283,7 @@ fn meaning(text: &str) -> impl Iterator<Item = &str> {
         })
 }
 
-/// The field with a curve's degree, and its name in recordings until October 2026, with the same
-/// meaning.
+/// The field with a curve's degree. In recordings made until October 2026, it has the second name
+/// but the same meaning.
 const DEGREE: &str = "uint32 degree";
 const OLD_DEGREE: &str = "uint32 order";

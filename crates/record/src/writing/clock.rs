@@ -24,7 +24,7 @@ impl Clock {
             let monotonic_ns = before + (after - before) / 2;
             (after - before, wall_ns - monotonic_ns as i64)
         };
-        // Takes the measurement that was interrupted least.
+        // Uses the measurement that took the least time, because it was interrupted least.
         let best = (0..8).map(|_| offset()).min_by_key(|(took, _)| *took);
         Self {
             monotonic_to_wall_ns: best.map_or(0, |(_, offset)| offset),

@@ -56,7 +56,8 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// Converts an error of the MCAP writer. It writes to memory, so only a commit can fail.
+    /// Converts an error of the MCAP writer. The MCAP writer writes to memory, so only a commit can
+    /// fail.
     pub(super) fn broken(path: &Path, fault: mcap::McapError) -> Self {
         Self::Broken {
             path: path.to_owned(),

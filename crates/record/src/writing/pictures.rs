@@ -32,8 +32,8 @@ pub struct PictureMaker {
 }
 
 impl PictureMaker {
-    /// Encodes a recorded image as a picture, as `sensor_msgs/CompressedImage`, into a buffer;
-    /// `false` if the image is to stay raw.
+    /// Encodes a recorded image as a picture and writes it as `sensor_msgs/CompressedImage` into a
+    /// buffer. Returns `false` if the image is to stay raw.
     ///
     /// # Errors
     /// Fails if the bytes are not a `sensor_msgs/Image`.
@@ -59,8 +59,8 @@ impl PictureMaker {
                 (encoder.write_image(pixels, width, height, color), "jpeg")
             }
             _ => {
-                // The fast compression is a third larger than the best and takes a tenth of its
-                // time.
+                // Fast compression yields files a third larger than the best compression does, in a
+                // tenth of the time.
                 let encoder = PngEncoder::new_with_quality(
                     &mut *file,
                     CompressionType::Fast,
@@ -77,8 +77,8 @@ impl PictureMaker {
     }
 }
 
-/// Returns the pixels as a picture needs them, in `buffer` if they are converted; `None` if the
-/// image stays raw.
+/// Returns the pixels in the form that the picture encoder needs, in `buffer` if they are
+/// converted. `None` if the image stays raw.
 fn pixels<'a>(
     buffer: &'a mut Vec<u8>,
     image: &ImageRecord<'a>,

@@ -46,7 +46,7 @@ impl Old {
 
 impl Drop for Old {
     fn drop(&mut self) {
-        // Fails if the new one has already been renamed.
+        // Fails harmlessly if the new recording has already been renamed.
         let _ = fs::remove_file(&self.beside);
     }
 }

@@ -3,8 +3,8 @@
 //!
 //! The total size of the buffers is bounded. Each buffer is filled by the reader, written, and
 //! returned. Once the pool has grown to the size needed, messages need no allocation. A slow disk
-//! causes dropped messages, but memory stays bounded. A part is reserved for small messages, so
-//! that images that fill the queue do not displace the shapes.
+//! causes dropped messages, but memory stays bounded. Part of the queue is reserved for small
+//! messages, so that images cannot fill it and displace the ropes' shapes.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -42,7 +42,7 @@ pub struct RingOptions {
     pub bytes: usize,
     /// Compression of the recordings.
     pub compression: super::writer::Compression,
-    /// Called for each recording that was written, or failed.
+    /// Called for each recording after it was written, or after writing it failed.
     pub report: Box<dyn Fn(Flushed) + Send>,
 }
 
@@ -53,7 +53,8 @@ pub struct Drops {
     pub frames: u64,
     /// Centerlines.
     pub centerlines: u64,
-    /// Descriptors that arrived. (Those that did not arrive are lost on the link before.)
+    /// Descriptors that arrived. (Descriptors that did not arrive count as losses of the link
+    /// before the recorder.)
     pub descriptors: u64,
     /// True centerlines.
     pub truth: u64,
@@ -158,8 +159,8 @@ impl Recorder {
         self.drops
     }
 
-    /// States that the rig starts now: messages of a channel before the first one received count as
-    /// dropped.
+    /// States that the rig starts now. If the first message received on a channel is not the
+    /// channel's first, the earlier ones count as dropped.
     pub fn begins_with_the_rig(&mut self) {
         self.counts = [Some(0); 4];
     }
@@ -313,7 +314,7 @@ impl Recorder {
         self.order(Order::Flush(path))
     }
 
-    /// Ends the recording when all waiting messages are written.
+    /// Ends the recording once all waiting messages are written.
     pub fn finish(self) -> Ending {
         // The thread ends once the queue is closed.
         drop(self.intake);
@@ -334,8 +335,8 @@ impl Recorder {
         last.map_or(0, |last| count.saturating_sub(last.saturating_add(1)))
     }
 
-    /// Records a frame's header and, if any, its pixels; `false` if there was no room for one of
-    /// them.
+    /// Records a frame's header and, if the frame has pixels, the pixels. Returns `false` if there
+    /// was no room for the header or the pixels.
     fn image(
         &mut self,
         [head, pixels]: [Topic; 2],

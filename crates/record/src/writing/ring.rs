@@ -17,7 +17,7 @@ use super::writer::{Head, Writer, Written};
 pub struct Flushed {
     /// File of the recording.
     pub path: PathBuf,
-    /// Time from its first message to its last.
+    /// Time from the first to the last message of the recording.
     pub time: Duration,
     /// Contents of the recording.
     pub written: Written,
@@ -29,7 +29,7 @@ pub struct Flushed {
 #[derive(Debug)]
 struct Ring {
     parcels: VecDeque<Parcel>,
-    /// Memory of their buffers.
+    /// Total size of the messages' buffers.
     bytes: usize,
     longest_ns: u64,
     most_bytes: usize,
@@ -55,8 +55,8 @@ impl Ring {
         let (Some(oldest), Some(newest)) = (self.parcels.front(), self.parcels.back()) else {
             return false;
         };
-        // Messages of a frame come one after the other, so a message may be older than the one
-        // before it. It must not cause an overflow.
+        // Messages of a frame come one after the other, so a message may be older than the previous
+        // one. The subtraction must not overflow then.
         let age_ns = newest.log_ns.saturating_sub(oldest.log_ns);
         (age_ns > self.longest_ns || self.bytes > self.most_bytes) && self.parcels.len() > 1
     }
@@ -72,7 +72,7 @@ impl Ring {
 struct Flush {
     writer: Writer,
     path: PathBuf,
-    /// Index in the ring of the next message to write.
+    /// Index of the next message to write, in the ring.
     next: usize,
     /// End of the messages that had arrived when the recording was requested.
     end: usize,

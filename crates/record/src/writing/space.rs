@@ -4,7 +4,7 @@
 //! Blocks are reserved after the file's end (`fallocate`, which keeps the file's length), so that
 //! writing to them cannot fail for lack of space. The rest is freed when the file is closed. The
 //! limit on a file's size is checked as well, since the kernel enforces it only when bytes are
-//! written. If a file system cannot reserve, only a failing write reveals a full disk.
+//! written. If a file system cannot reserve space, a full disk is noticed only when a write fails.
 
 use std::fmt;
 use std::fs::File;
@@ -25,7 +25,8 @@ pub enum NoRoom {
     Disk,
     /// The user's quota is exhausted.
     Quota,
-    /// The maximum file size is reached: the limit in bytes, if it is this process's own.
+    /// The maximum file size is reached. Contains the limit in bytes, if it is a limit of this
+    /// process.
     FileSize(Option<u64>),
 }
 
@@ -55,7 +56,7 @@ pub(crate) struct Space {
     file: File,
     /// End of the reserved blocks.
     reserved_to: u64,
-    /// True if the file system can reserve.
+    /// True if the file system can reserve space.
     can_reserve: bool,
 }
 
@@ -87,7 +88,8 @@ impl Space {
                 Err(Errno::FBIG) => Err(NoRoom::FileSize(None)),
                 _ => Ok(()),
             },
-            // Reservation is not supported, or the next write will fail as well.
+            // Either the file system does not support reservation, or the next write will fail as
+            // well.
             Err(_) => {
                 self.can_reserve = false;
                 Ok(())

@@ -10,8 +10,8 @@ use std::os::unix::fs::FileExt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The end of a file without an index: no checksum of the data, no summary. Readers then scan the
-/// whole file.
+/// The end of a file without an index. It contains no checksum of the data and no summary, so
+/// readers scan the whole file.
 const PLAIN_END: [u8; 50] = {
     const DATA_END: u8 = 0x0f;
     const FOOTER: u8 = 0x02;
@@ -58,7 +58,7 @@ impl Staged {
         }
     }
 
-    /// Committed length of the file, for other users.
+    /// Returns the committed length of the file, to be shared with other code.
     pub(crate) fn committed(&self) -> Arc<AtomicU64> {
         self.committed.clone()
     }
@@ -86,8 +86,8 @@ impl Staged {
             if self.is_stream {
                 return Err(cause);
             }
-            // Truncates to the last whole chunk and appends an end if there is room. Otherwise,
-            // readers find the end by themselves.
+            // Truncates to the last whole chunk, and appends an end if there is room. If there is
+            // no room, readers find the end themselves.
             let _ = self.file.set_len(base);
             if self.file.write_all_at(&PLAIN_END, base).is_err() {
                 let _ = self.file.set_len(base);

@@ -21,20 +21,20 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 
 /// A chunk is closed when it reaches this many bytes. It then contains a color image of 640×480,
-/// which stays in a core's cache while it is read, checked and shown. Its head and index are
-/// negligible in comparison.
+/// which stays in a core's cache while it is read, checked and shown. The chunk's head and index
+/// are negligible in comparison.
 const CHUNK_BYTES: u64 = 1 << 19;
 /// A chunk is closed after this time at the latest, so killing the recorder loses no more than
 /// that.
 const CHUNK_TIME: Duration = Duration::from_secs(1);
-/// Bytes of a message in a chunk and its index, besides its contents: 9 for the record's head, 22
-/// for the message's, and 16 for the index.
+/// Bytes that a message takes in a chunk and its index in addition to its contents: 9 for the
+/// record's head, 22 for the message's head, and 16 for the index.
 const MESSAGE_BYTES: u64 = 48;
-/// Bytes of a chunk besides its messages, in the file and in the summary: heads, and index entries
-/// of each of twelve topics.
+/// Bytes that a chunk takes in the file and in the summary in addition to its messages: heads, and
+/// index entries for each of twelve topics.
 const CHUNK_HEAD_BYTES: u64 = 2048;
-/// Bytes of a summary besides those for schemas, channels, chunks and attachments: statistics,
-/// offsets, the end.
+/// Bytes that a summary takes in addition to schemas, channels, chunks and attachments: statistics,
+/// offsets, and the end.
 const SUMMARY_BYTES: u64 = 4096;
 
 /// Compression of chunks.
@@ -317,7 +317,7 @@ impl Writer {
     fn add(&mut self, topic: Topic) -> Result<u16, WriteError> {
         let schema = topic.schema();
         let name = topic.on(&self.rig);
-        // It is written once at its first use, and once in the summary.
+        // The definition is written once at its first use, and once in the summary.
         let bytes = (schema.text.len() + schema.name.len() + name.len()) as u64 + 128;
         self.make_room(bytes, bytes)?;
         let text = schema.text.as_bytes();

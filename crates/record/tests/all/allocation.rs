@@ -16,7 +16,7 @@ fn a_message_costs_no_allocation_once_warm() {
         let recording =
             Recording::from_bytes(crate::made::rig(compression, chunks, frames)).unwrap();
         let mut messages = recording.messages(Span::default()).unwrap();
-        // Two chunks warm it up.
+        // The first two chunks are read as a warm-up.
         let next = |messages: &mut lariat_record::Messages, count| {
             for _ in 0..count {
                 assert!(messages.next().unwrap().is_some());

@@ -253,8 +253,8 @@ fn a_missing_or_damaged_file_of_a_bag_is_named_and_the_others_are_read() {
 
 #[test]
 fn a_file_that_was_compressed_as_a_whole_is_read_up_to_where_it_is_cut_off() {
-    // The chunks are larger than zstd's block of 128 KiB, so that the first one is complete without
-    // the second.
+    // The chunks are larger than zstd's block of 128 KiB, so that the first chunk is complete
+    // without the second.
     let mut made = Made::new(None);
     for number in 0..3000 {
         made.image(

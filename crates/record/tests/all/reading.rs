@@ -13,7 +13,7 @@ use mcap::{Compression, WriteOptions};
 
 const ALL: [Option<Compression>; 3] = [None, Some(Compression::Lz4), Some(Compression::Zstd)];
 
-/// Formats a message as one line. Equal lines are equal messages.
+/// Formats a message as one line. Messages with equal lines are equal.
 fn line(entry: Entry) -> String {
     let encoded = |message: &dyn Fn(&mut Vec<u8>)| {
         let mut cdr = Vec::new();
@@ -146,7 +146,7 @@ fn a_recording_cut_off_anywhere_is_read_up_to_its_last_whole_chunk() {
         assert!(read.len() >= most, "cut at {end}");
         assert_eq!(read.len() % 5, 0);
         assert_eq!(read, expected[..read.len()]);
-        // A chunk is readable from its last byte on, whatever comes after it.
+        // A chunk is readable as soon as its last byte is there, whatever comes after it.
         assert!(recording.cut_off().is_some() || read.len() == expected.len());
         most = read.len();
     }

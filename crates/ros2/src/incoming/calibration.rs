@@ -27,7 +27,7 @@ pub(super) struct Calibration {
     topic: String,
     rig: Rig,
     path: PathBuf,
-    /// The last calibration as text, so that it is used only once, and its time.
+    /// Text and time of the last calibration, so that each calibration is used only once.
     taken: Option<(String, Instant)>,
     tally: Arc<Tally>,
     said: Option<String>,

@@ -18,9 +18,9 @@ use super::trouble::{Tally, Trouble, TroubleReporter};
 /// Maximum age of an image. An older one comes from a recording or another clock, and must not be
 /// used for steering.
 const OLDEST_NS: u64 = 10_000_000_000;
-/// Frames for which a mask may still arrive: two seconds at 30 fps.
+/// Number of frames for which a mask may still arrive: two seconds at 30 fps.
 const KNOWN: usize = 64;
-/// Publishers with a stored message number.
+/// Number of publishers whose last message number is stored.
 const MOST_PUBLISHERS: usize = 8;
 
 /// The newest frames by their stamps, for pairing with masks.
@@ -183,7 +183,8 @@ fn not_written(cause: WriteError) -> Trouble {
 #[derive(Default)]
 struct Numbers {
     last: u64,
-    /// Unparsable messages since the last one. Their numbers are unknown, and they are not gaps.
+    /// Number of unparsable messages since the last valid one. Their own numbers are unknown, and
+    /// they are not gaps.
     unread: u64,
     /// Each publisher with its last number, the most recent one at the end.
     publishers: VecDeque<(Gid, i64)>,
@@ -233,7 +234,7 @@ mod tests {
         assert_eq!(numbers.next(b, 3), (9, 1));
         numbers.unread = 1;
         assert_eq!(numbers.next(b, 6), (12, 1));
-        // Backwards or far ahead: nothing that can be counted.
+        // A number that goes backwards or jumps far ahead does not count as a gap.
         assert_eq!(numbers.next(b, 2), (13, 0));
         assert_eq!(numbers.next(b, i64::MAX), (14, 0));
     }

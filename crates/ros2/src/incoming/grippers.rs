@@ -1,6 +1,6 @@
-//! Writes velocities of topics, one topic per gripper, as the commands of a rig whose rope is
-//! simulated. Their units are those of the rig, in its image or, for a lifted rope, in its robot's
-//! frame.
+//! Writes velocities received on topics, one topic per gripper, as the commands of a rig whose rope
+//! is simulated. Their units are those of the rig: in its image or, for a lifted rope, in its
+//! robot's frame.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Writes masks of a topic as the rig's. Each is paired with its frame by its stamp, in either
-//! order of arrival.
+//! Writes masks of a topic as the rig's masks. Each mask is paired with its frame by stamp, in
+//! either order of arrival.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -13,7 +13,7 @@ use super::pixels::{Pixels, decode, shown};
 use super::received::{Picture, TakePicture};
 use super::trouble::{Tally, Trouble, TroubleReporter};
 
-/// Masks that may wait for their image, which is larger and may arrive later.
+/// Number of masks that may wait for their image, which is larger and may arrive later.
 const MOST_WAITING: usize = 4;
 
 /// The rig's masks.

@@ -188,7 +188,7 @@ mod tests {
             let trouble = Pixels::of(&image).err();
             assert!(
                 matches!(trouble, Some(Trouble::Size { .. }))
-                    // Without rows: the writer of frames refuses it.
+                    // An image without rows is refused by the writer of frames.
                     || size[0] == 0 && trouble.is_none(),
                 "{encoding} {size:?}: {trouble:?}"
             );

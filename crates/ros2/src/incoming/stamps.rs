@@ -12,7 +12,7 @@ use super::Trouble;
 const CLOCKS_APART_NS: u64 = 1_000_000;
 /// Interval at which the clocks are compared again, because the wall clock is adjusted.
 const MEASURED_FOR_NS: u64 = 1_000_000_000;
-/// Frames with a stored stamp: more than any chain processes at once.
+/// Number of frames whose stamps are stored: more than any chain processes at once.
 const KNOWN: usize = 256;
 
 /// Converts ROS stamps to times of `CLOCK_MONOTONIC`.
@@ -32,8 +32,8 @@ impl Stamps {
         }
     }
 
-    /// Returns the time of a stamp in a message that arrived at `now_ns`, which is the upper limit.
-    /// If the result differs from the stamp, also returns the reason.
+    /// Converts the stamp of a message that arrived at `now_ns`. The result is never later than
+    /// `now_ns`. If it differs from the stamp, also returns the reason.
     ///
     /// # Errors
     /// The stamp is older than `oldest_ns`.

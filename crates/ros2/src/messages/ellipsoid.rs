@@ -5,8 +5,8 @@ use super::{Scale, turn_about_z};
 /// Half axes of the region that contains nine of ten points, in standard deviations, for two and
 /// three dimensions: √(−2 ln 0.1), and the same quantile of χ with three degrees of freedom.
 const DEVIATIONS: [f64; 2] = [2.145_966, 2.500_278];
-/// Limit on rotations; a matrix of three rows is diagonal long before. Each removes the largest
-/// off-diagonal entry.
+/// Maximum number of rotations. Each rotation removes the largest off-diagonal entry, and a matrix
+/// of three rows is diagonal long before this limit.
 const MOST_TURNS: usize = 24;
 
 /// The ellipsoid that contains nine of ten points. The third axis of a flat one is 0.

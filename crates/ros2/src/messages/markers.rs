@@ -264,8 +264,8 @@ impl Drawing<'_> {
     }
 }
 
-/// A strand's points around a crossing. On a plane, ρ differs from that in the image, but for
-/// images of a table usually not much, so it suffices to select the points.
+/// A strand's points around a crossing. On a plane, ρ differs from ρ in the image. For images of a
+/// table the difference is usually small, so the image's ρ suffices to select the points.
 fn beside<'a>(
     points: &'a [[f32; 2]],
     rho: f32,

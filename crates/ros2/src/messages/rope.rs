@@ -95,7 +95,7 @@ impl<'a> Rope<'a> {
         }
     }
 
-    /// Returns whether it is on the plane, or in the image.
+    /// Returns true if the curve is flat: on the plane or in the image.
     pub(crate) fn is_flat(&self) -> bool {
         matches!(self.curve, Curve::Flat(..))
     }

@@ -43,7 +43,8 @@ fn fates() -> impl Strategy<Value = (Vec<Option<Stage>>, Option<(Stage, usize)>)
     (prop::collection::vec(fate, 0..120), death)
 }
 
-/// Returns where frame `i` is lost: at its fate, or before that at the dead stage.
+/// Returns the stage at which frame `i` is lost: that of its fate, or the dead stage if that comes
+/// first.
 fn earlier(fate: Option<Stage>, death: Option<(Stage, usize)>, i: usize) -> Option<Stage> {
     let dead = death.filter(|(_, at)| i >= *at).map(|(stage, _)| stage);
     [fate, dead]
@@ -316,7 +317,7 @@ fn frames_without_an_image_count_and_are_not_timed() {
         if is_blank {
             (message.width, message.height) = (0, 0);
         }
-        // Frames that were due take a second; blank ones take no time.
+        // Frames with an image arrive a second late, and blank ones are not delayed.
         let late_ns = if is_blank { 0 } else { 1_000_000_000 };
         sink.descriptors(&message, received_ns(&trace) + late_ns);
     }

@@ -1,6 +1,6 @@
 //! Tests that a sink's state outlives the sink. A tally that was saved and restored gives the same
-//! results and continues in the same way. Incomplete bytes are refused with a sentence, whatever
-//! they are. Messages that were not counted between two sinks are lost with the sink.
+//! results and continues in the same way. Damaged or incomplete bytes are refused with a sentence.
+//! Messages that were not counted between two sinks are lost with the sink.
 
 use crate::chain::{Chain, PERIOD_NS, Stage, centerlines, descriptors, received_ns, straight};
 use lariat_message::Trace;

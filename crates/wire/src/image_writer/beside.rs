@@ -7,7 +7,7 @@ use crate::channel::{Channel, DEPTH, MASKS};
 use crate::error::MAX_SIDE;
 use crate::{Domain, FrameHeader, Rig, WireError, WriteError};
 
-/// Writing end of such a channel, with the header of the image on loan.
+/// Writing end of a channel for such images, with the header of the image on loan.
 struct Beside {
     images: Images,
     header: FrameHeader,
@@ -80,8 +80,8 @@ macro_rules! writer {
                 self.0.images.has_room(bytes)
             }
 
-            /// Returns whether it waits for slow readers, so that each of them receives every
-            /// image.
+            /// Returns whether this writer waits for slow readers, so that each of them receives
+            /// every image.
             pub fn is_lossless(&self) -> bool {
                 self.0.images.is_lossless()
             }

@@ -2,10 +2,10 @@
 //! means a different rope.
 //!
 //! A new fit is a new writer. A new extract under the same fit counts from 1 again. It is detected
-//! when its count decreases. After many messages, it is detected when its count grew by less than
-//! fit's own, because fit cannot send more than it receives. A stage that the chain restarts in
-//! place reports this (`Trace::restarts`), continues counting, and keeps its ropes' numbers; the
-//! run is then the same.
+//! when its count decreases. If many messages were missed, the count may be higher again. It has
+//! then grown by less than fit's own count, which reveals the restart, because fit cannot send more
+//! than it receives. A stage that the chain restarts in place reports this (`Trace::restarts`),
+//! continues counting, and keeps its ropes' numbers; the run is then the same.
 
 use crate::Trace;
 
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn an_extract_that_counts_anew_is_a_new_run() {
         assert!(!goes_on(&trace(10, 8), &trace(1, 9)));
-        // Detected only much later, when its count exceeds the old one's.
+        // The new count already exceeds the old one when the next message is read.
         assert!(!goes_on(&trace(10, 10), &trace(50, 60)));
     }
 

@@ -7,13 +7,14 @@
 //! Cov(sⱼ, sₖ) = Dⱼ^½ cⱼₖ Dₖ^½
 //! ```
 //!
-//! For plain least squares this equals `σ²(BᵀB)⁻¹ ⊗ I₂` to rounding, and for its filter `k (BᵀB)⁻¹
-//! ⊗ I₂`. With ridge, pinned ends, weights or a plane, `Dⱼ` is exact and `cⱼₖ` is that of the plain
-//! fit, an approximation.
+//! For plain least squares this equals `σ²(BᵀB)⁻¹ ⊗ I₂` to rounding, and for the filter of such
+//! fits `k (BᵀB)⁻¹ ⊗ I₂`. With ridge, pinned ends, weights or a plane, `Dⱼ` is exact and `cⱼₖ` is
+//! that of the plain fit, an approximation.
 
 use super::{Inverse, Shape};
 
-/// Relative deviation of the variance ratios from a plain fit's that still counts as rounding.
+/// Maximum relative deviation of the variance ratios from those of a plain fit. Up to this, it
+/// counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
 /// Joint covariance of all control points of a curve, in the unit squared.
@@ -32,8 +33,8 @@ impl<'a> Covariance<'a> {
         self.shape.covariances.as_chunks().0
     }
 
-    /// Returns whether the matrix is exact to rounding: that of plain least squares or of its
-    /// filter.
+    /// Returns whether the matrix is exact up to rounding, as for plain least squares and for the
+    /// filter of such fits.
     ///
     /// Otherwise (ridge, pinned ends, weights, a plane) each control point's own covariance is
     /// exact, and the correlations are those of the plain fit. Rational curves are never exact,

@@ -38,19 +38,20 @@ pub(super) struct Functions<'a> {
 /// Reason why a descriptor lacks a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum NoShape {
-    /// It has points of the rope instead.
+    /// The descriptor has points of the rope instead.
     #[error(
         "the chain describes ropes by points (--basis points), which are no curve: take control_points(), or start the \
          chain with --basis bezier or bspline"
     )]
     FeaturePoints,
-    /// It has the rope's center instead.
+    /// The descriptor has the rope's center instead.
     #[error(
         "the chain describes ropes by their center (--basis mass), which is no curve: take control_points(), or start the \
          chain with --basis bezier or bspline"
     )]
     CenterOfMass,
-    /// Its numbers are inconsistent. A chain of this release never sends such a descriptor.
+    /// The descriptor's numbers are inconsistent. A chain of this release never sends such a
+    /// descriptor.
     #[error(
         "the descriptor's numbers make no curve: use the same release of lariat for every process on the rig"
     )]

@@ -33,8 +33,8 @@ struct Key {
 }
 
 thread_local! {
-    /// The last two inverses, typically one of open curves and one of closed ones. Per thread, as
-    /// readers are.
+    /// The last two inverses, typically one for open curves and one for closed ones. They are kept
+    /// per thread, because each thread has its own readers.
     static LAST: RefCell<Vec<(Key, Box<Inverse>)>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -54,7 +54,7 @@ impl Inverse {
                     **inverse = Self::of(shape);
                 }
             }
-            // There is at least the one that was just found or added.
+            // The list is not empty: an inverse was just found or added.
             use_it(&last[last.len() - 1].1)
         })
     }

@@ -7,8 +7,8 @@
 use super::{Shape, norm};
 
 /// Samples per control point. A polynomial of degree n changes direction at most n times. With half
-/// as many samples, about one in a few thousand extreme curves missed its nearest point, next to
-/// another minimum.
+/// as many samples, the search found another minimum instead of the nearest point on about one in a
+/// few thousand extreme curves.
 const LOOKS: usize = 16;
 /// Bisections until a bracket is as narrow as the precision of ρ.
 const HALVINGS: usize = 52;

@@ -3,8 +3,8 @@
 //!
 //! Bezier curves are B-splines without inner knots, so one recurrence serves both: Cox and de
 //! Boor's, in the form of Piegl and Tiller (*The NURBS Book*, algorithm A2.2). A derivative is the
-//! difference of two functions of one degree lower (equation 2.7), and the recurrence passes
-//! through those. `lariat-fit` evaluates curves in other ways; tests compare the two.
+//! difference of two functions of one degree lower (equation 2.7), and the recurrence computes
+//! those functions on the way. `lariat-fit` evaluates curves in other ways; tests compare the two.
 
 use std::f64::consts::TAU;
 

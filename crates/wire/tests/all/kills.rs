@@ -1,5 +1,5 @@
-//! A process that is killed while it joins or leaves a rig leaves nothing that blocks others or
-//! remains. Short form of `tests/kills/kills.py`, which kills at each system call.
+//! A process that is killed while it joins or leaves a rig blocks no other process, and nothing of
+//! it remains. Short form of `tests/kills/kills.py`, which kills at each system call.
 
 use std::fs::{self, File, Permissions};
 use std::os::unix::fs::PermissionsExt;

@@ -9,7 +9,7 @@ use lariat_wire::*;
 
 #[test]
 fn readers_are_opened_beside_threads_that_make_files() {
-    // In a separate process, so that other tests keep their umask.
+    // Runs in a separate process, so that other tests keep their umask.
     let opener = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "umask::opener", "--include-ignored"])
         .output()

@@ -7,27 +7,28 @@ use crate::depth::image::DepthImage;
 use crate::depth::pair::DepthCamera;
 use lariat_portable::{Simd, WithSimd};
 
-/// Number of points from one search along a whole ray to the next.
+/// Interval, in points, between searches along a whole ray.
 const ANCHOR_STEP: usize = 6;
-/// Maximum distance from one section to the next, ahead or back, where the rope points at the
-/// camera, in radii.
+/// Maximum distance, ahead or back, from one section to the next where the rope points at the
+/// camera. In radii.
 const REACH: f64 = 6.0;
-/// Maximum slope of a rope where it points at the camera, so that the image shows almost nothing
-/// between two of its parts. The smaller part must have more than `END_ON_ANCHORS` anchors, or
-/// `END_ON_SECTIONS` sections. Otherwise it is treated as something behind or in front of the rope.
+/// Maximum slope of a rope where it points at the camera. The image shows almost nothing of the
+/// rope there, between two of its parts. The smaller part must have more than `END_ON_ANCHORS`
+/// anchors, or `END_ON_SECTIONS` sections. Otherwise it is treated as something behind or in front
+/// of the rope.
 const END_ON_STEEPEST: f64 = 16.0;
 const END_ON_ANCHORS: usize = 2;
 const END_ON_SECTIONS: usize = 4;
 /// A single anchor was seen through a hole in the rope's depth if it is too far behind the line
-/// between its two neighbors. The limit is this many mm per mm to the side of the nearer neighbor.
-/// The sections next to it find the rope again if the rope itself is that steep.
+/// between its two neighbors. The limit is this many mm for each mm of lateral distance to the
+/// nearer neighbor. The sections next to it find the rope again if the rope itself is that steep.
 const BEHIND: f64 = 1.0;
 /// Maximum number of sections that are cut off at an end. They are cut off if the mean slope to
 /// them would exceed `TIP_STEEPEST`.
 const TIP: usize = 3;
 const TIP_STEEPEST: f64 = 1.0;
 
-/// Numbers of the steps in a walk along a ray, and a number beyond all of them.
+/// Numbers of the steps in a walk along a ray, and a number greater than all of these.
 const STEPS: Lanes = [
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
 ];
@@ -68,8 +69,8 @@ impl RopeDepth {
         length(a[0] - b[0], a[1] - b[1])
     }
 
-    /// Marks sections that the rope cannot reach from the others as not measured. An example is the
-    /// table beyond an end that the color image puts too far out.
+    /// Marks a section as not measured if the rope cannot reach it from the other sections. An
+    /// example is the table beyond an end that the color image puts too far out.
     pub(super) fn drop_strays(&mut self, closed: bool) {
         self.anchors.clear();
         let (mut radius, sections) = (0.0f64, self.sections.iter());
@@ -109,9 +110,9 @@ impl RopeDepth {
         self.anchors.truncate(off.unwrap_or(count));
     }
 
-    /// Keeps the best chain of anchors in which the rope can reach each from the one before, within
-    /// `slack_mm`. The best chain is the longest, where each place at which the rope points at the
-    /// camera costs `end_on_cost` anchors.
+    /// Keeps the best chain of anchors. In a chain, the rope can reach each anchor from the
+    /// previous one, within `slack_mm`. The best chain has the most anchors, minus `end_on_cost`
+    /// for each place at which the rope points at the camera.
     fn keep_chain(&mut self, slack_mm: f64, end_on_cost: usize) {
         let mut pairs = self.anchors.windows(2);
         if pairs.all(|pair| self.can_follow(pair[0], pair[1], STEEPEST, slack_mm)) {

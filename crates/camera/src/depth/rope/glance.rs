@@ -48,8 +48,8 @@ impl WithSimd for Glance<'_> {
 }
 
 impl Glance<'_> {
-    /// Distance ahead of each section's axis, by the pixel `across` px to the side of its middle.
-    /// `NOTHING` if that does not count.
+    /// Distance ahead of each section's axis, according to the pixel `across` px to the side of the
+    /// section's middle. `NOTHING` if that pixel does not count.
     #[inline(always)]
     fn axis_by_pixels<S: Simd>(&self, simd: S, across: f32) -> Floats<S> {
         let of = self.sections;

@@ -72,8 +72,8 @@ impl WithSimd for InsideSampler<'_> {
 }
 
 impl InsideSampler<'_> {
-    /// Reads all pixels before they are used, because numbers that are stored one by one can be
-    /// loaded as a vector only some time later.
+    /// Reads all pixels before any of them is used. Numbers that were stored one by one can be
+    /// loaded as a vector only after a delay.
     #[inline(always)]
     fn read<S: Simd>(&mut self, simd: S) {
         let of = self.sections;
@@ -171,14 +171,14 @@ impl InsideSampler<'_> {
     }
 }
 
-/// The pixels of some sections: for each place, those of all sections.
+/// The pixels of some sections, place by place: for each place, the pixels of all sections.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pixels {
     /// Their offsets in the image.
     starts: [[u32; LANES]; SAMPLES],
     /// Their distances to the side of the axis, px.
     beside: [Lanes; SAMPLES],
-    /// Excess of the axis's distance ahead, at the section's point, over the depth measured there,
+    /// Distance ahead of the axis at the section's point, minus the depth measured at the pixel,
     /// mm.
     farther: [Lanes; SAMPLES],
     /// The measured depth, mm; later how much farther ahead the axis is than was assumed, or
@@ -230,8 +230,8 @@ impl Pixels {
     }
 }
 
-/// Mean of `count` numbers, the sum of the squared differences from it, and their mean distance to
-/// the side of the axis.
+/// Mean of `count` numbers, sum of their squared differences from the mean, and mean distance of
+/// their pixels to the side of the axis.
 #[derive(Clone, Copy)]
 struct Mean<S: Simd> {
     count: Floats<S>,

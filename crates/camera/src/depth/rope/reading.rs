@@ -10,16 +10,16 @@ use super::sections::{Outline, Sections};
 use super::{DepthImage, RopeDepth, SeenRope};
 use std::ops::Range;
 
-/// Number of points from one section to the next. Points in between get their depth from the curve
-/// through their neighbors.
+/// Interval between sections, in points. Points in between get their depth from the curve through
+/// their neighbors.
 pub(super) const SECTION_STEP: usize = 2;
 
 /// How thoroughly to read a depth image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sampling {
-    /// A few pixels of each section, which count at any depth within reach.
+    /// Reads a few pixels of each section. They count at any depth within reach.
     Glance,
-    /// The whole inside of the rope.
+    /// Reads the whole inside of the rope.
     Whole,
 }
 
@@ -63,7 +63,8 @@ impl RopeDepth {
         }
     }
 
-    /// Reads the third of four consecutive sections, if the first two are measured and it is not.
+    /// Reads the third of four consecutive sections, if the first two are measured and the third is
+    /// not.
     fn go_on(&mut self, image: &DepthImage, rope: &SeenRope, four: [usize; 4]) {
         let third = self.sections[four[2]];
         if self.axes[third].is_measured || rope.hidden[third] {

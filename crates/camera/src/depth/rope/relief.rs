@@ -1,10 +1,10 @@
 //! A test for depth images that do not show the rope.
 //!
-//! A depth camera may miss a cable that is black, shiny or thin, and a depth image of another
-//! moment may lack it. The depths along the centerline are then those of the table. A visible rope
-//! stands out: its surroundings are behind its axis or, for a cable in a groove, well in front of
-//! its surface. If only the table is visible, it is one radius in front of the axis that is
-//! computed from it.
+//! A depth camera may miss a cable that is black, shiny or thin, and a depth image taken at another
+//! moment may not show it. The depths along the centerline are then those of the table. A visible
+//! rope stands out: its surroundings are behind its axis or, for a cable in a groove, well in front
+//! of its surface. If only the table is visible, the axis is computed from the table, which is then
+//! one radius in front of the axis.
 
 use super::{DepthImage, RopeDepth, SeenRope};
 
@@ -12,9 +12,9 @@ use super::{DepthImage, RopeDepth, SeenRope};
 /// touches it. `EDGE_PX` is added, because pixels at an edge see both of its sides.
 const BESIDE: [f64; 2] = [2.0, 4.0];
 const EDGE_PX: f64 = 2.0;
-/// If only the table is visible, its distance behind the axis is between these, in radii. Ideally
-/// it is −1. The lower limit is half a radius in front of that. The upper limit is midway to 1, the
-/// distance of a table under a rope that is visible.
+/// If only the table is visible, its distance behind the axis is between these limits, in radii.
+/// Ideally the distance is −1. The lower limit is half a radius less. The upper limit is midway
+/// between −1 and 1, the distance of a table under a visible rope.
 const FLAT: [f64; 2] = [-1.5, 0.0];
 /// Minimum number of values for a meaningful median.
 const LEAST: usize = 8;
@@ -38,8 +38,9 @@ impl RopeDepth {
         is_flat
     }
 
-    /// Distance from the `k`-th section's axis back to the farther of two pairs of places next to
-    /// the rope, in radii. The mean of a pair cancels the slope of the table.
+    /// Distance from the `k`-th section's axis to the farther of two pairs of places next to the
+    /// rope, in radii. It is positive if the places are behind the axis. The mean of a pair cancels
+    /// the slope of the table.
     fn relief(&self, image: &DepthImage, k: usize) -> Option<f64> {
         let pixel = |k: usize| {
             let axis = &self.axes[self.sections[k]];

@@ -4,25 +4,26 @@ use super::floats::{Floats, LANES, Lanes};
 use lariat_portable::{Simd, WithSimd};
 use std::ops::{Mul, Range, Sub};
 
-/// Share of a rope's half width that is read; and width of an edge's pixels, which see both of its
-/// sides, px.
+/// Share of a rope's half width that is read; and width of the band of pixels at an edge that see
+/// both sides of it, px.
 const INNER: f32 = 0.8;
 const EDGE_PX: f32 = 0.8;
-/// If no more than this is left on each side of the axis, px, each pixel is tested for whether it
-/// is on the rope. The test takes into account its extent toward the rope's side and the error of
-/// the axis (`AXIS_OFF_PX`).
+/// If at most this width is left on each side of the axis, px, each pixel is tested for whether it
+/// is on the rope. The test takes into account the pixel's extent toward the rope's side and the
+/// error of the axis (`AXIS_OFF_PX`).
 const NARROW_PX: f32 = 0.5;
 const AXIS_OFF_PX: f32 = 0.1;
-/// If less than this is left, px, almost no pixel is entirely on the rope, and the section is not
-/// read.
+/// If less than this width is left, px, almost no pixel is entirely on the rope, and the section is
+/// not read.
 const LEAST_PX: f32 = 0.1;
 /// Maximum extent of a section on each side of its point, in half widths of the rope: the length
 /// over which the rope is straight.
 const LONGEST: f32 = 1.5;
 
-/// The sections of a rope in order, each around one of its points. There is one more point before
-/// the first and after the last: for a closed rope the last and the first, otherwise copies of
-/// these. Padding at the end lets a vector start at any section.
+/// The sections of a rope in order, each around one of its points. One point is added before the
+/// first and one after the last. For a closed rope these are the last and the first point,
+/// otherwise copies of the first and the last. Padding at the end lets a vector start at any
+/// section.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Course {
     /// Positions of the points in the depth image, px, and in the depth camera's frame, mm.
@@ -30,7 +31,7 @@ pub(super) struct Course {
     place: [Vec<f32>; 3],
     /// Radius of the rope at each section, mm; 0 where it is hidden.
     radius: Vec<f32>,
-    /// Shares of the ways to the previous and to the next point that belong to a section.
+    /// Shares of the distances to the previous and to the next point that belong to a section.
     share: [Vec<f32>; 2],
     count: usize,
     closed: bool,
@@ -84,7 +85,7 @@ pub(super) struct Outline<'a> {
     /// At most as many as there are lanes.
     pub(super) which: Range<usize>,
     /// The depth camera's focal length, px; the standard deviation of a depth z, divided by z²,
-    /// 1/mm; and that of rounding to integers, mm.
+    /// 1/mm; and the standard deviation due to rounding to integers, mm.
     pub(super) focal_px: f32,
     pub(super) noise: f32,
     pub(super) rounding_mm: f32,
@@ -95,13 +96,13 @@ pub(super) struct Sections {
     /// Positions of their points, px, and distances ahead of the depth camera, mm.
     pub(super) at: [Lanes; 2],
     pub(super) ahead: Lanes,
-    /// Unit direction along the rope; and increase in distance ahead per pixel along the rope, and
-    /// of its side per pixel across.
+    /// Unit direction along the rope in the image. `slope` and `tilt` are increases in distance
+    /// ahead: of the axis per pixel along the rope, and of the rope's side per pixel across.
     pub(super) along: [Lanes; 2],
     pub(super) slope: Lanes,
     pub(super) tilt: Lanes,
-    /// Extent along the rope and to each side that is read, px. `inner` is 0 for sections that are
-    /// too thin or lack a direction in the depth image.
+    /// Extent of the part that is read, along the rope and to each side, px. `inner` is 0 for
+    /// sections that are too thin or lack a direction in the depth image.
     pub(super) ends: [Lanes; 2],
     pub(super) inner: Lanes,
     pub(super) mm_per_px: Lanes,
@@ -109,7 +110,7 @@ pub(super) struct Sections {
     pub(super) beside_per_px: Lanes,
     /// Radius of the rope, mm.
     pub(super) radius: Lanes,
-    /// Distance from the axis that a ray gains per millimeter ahead.
+    /// Increase of a ray's distance from the axis per millimeter ahead.
     pub(super) sine: Lanes,
     /// Standard deviation of a pixel, mm.
     pub(super) sigma: Lanes,
@@ -159,7 +160,7 @@ impl WithSimd for Outline<'_> {
         let (on_x, on_y) = (x_after - x, y_after - y);
         let on = (on_x * on_x + on_y * on_y).sqrt() * Floats::of(simd, &course.share[1][first..]);
 
-        // The ray, the rope, and the normal of both; then the normal of that and the rope.
+        // The ray, the rope, and the normal of both; then the normal of that normal and the rope.
         let ray = place * per_ahead;
         let rope = way * (one / way.length());
         let normal = ray.cross(rope);

@@ -2,8 +2,8 @@
 
 use super::{RopeDepth, length};
 
-/// Minimum number of third differences for an estimate of noise; median of their absolute values if
-/// they are normal with variance 1; and maximum ratio of noise to the sensor's model.
+/// Minimum number of third differences for an estimate of the noise; median of the absolute value
+/// of a normal variable with variance 1; and maximum ratio of the noise to the sensor's model.
 const LEAST_TO_DOUBT: usize = 10;
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 const MOST_DOUBT: f64 = 8.0;
@@ -11,9 +11,9 @@ const MOST_DOUBT: f64 = 8.0;
 const ASTRAY: f64 = 0.12;
 
 impl RopeDepth {
-    /// Raises the variances to what third differences along the rope show. The noise of neighboring
-    /// pixels is correlated, to a degree that no model gives. A rope's own shape has almost no
-    /// third differences.
+    /// Raises the variances to the level that third differences along the rope show. The noise of
+    /// neighboring pixels is correlated, to a degree that no model predicts. A rope's own shape has
+    /// almost no third differences.
     pub(super) fn doubt(&mut self) {
         self.row.clear();
         for four in self.sections.windows(4) {

@@ -33,7 +33,8 @@ impl<P: Port> Camera<P> {
         None
     }
 
-    /// Starts the camera, or waits until it can be tried. `None` means to ask again.
+    /// Starts the camera, or waits until the next attempt is due. `None` means that the caller
+    /// should ask again.
     ///
     /// # Errors
     /// The camera cannot be started and has never shown a frame.

@@ -11,7 +11,7 @@ const SETTLED_NS: u64 = 1_000_000_000;
 const EXPOSURE_NS: u64 = 1_000_000_000;
 
 impl<P: Port> Camera<P> {
-    /// Waits for the driver's next frame. `None` means to ask again.
+    /// Waits for the driver's next frame. `None` means that the caller should ask again.
     pub(super) fn take(&mut self, until: &Until) -> Option<Next> {
         if let Some(failure) = self.refused.take() {
             self.fall(failure);

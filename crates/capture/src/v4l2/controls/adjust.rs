@@ -166,8 +166,8 @@ impl Adjusted {
                 .steers
                 .iter()
                 .filter_map(|&id| by_id(id))
-                // The value before automation was switched off, because some cameras then jump to
-                // another one.
+                // Uses the value from before automation was switched off, because some cameras then
+                // jump to another value.
                 .filter_map(|control| Some((control, control.value?)))
                 .filter(|(control, value)| self.set(device, control, *value).is_ok())
                 .map(|(control, value)| format!("{} at {value}", control.name))

@@ -1,5 +1,5 @@
-//! The numbers from `linux/videodev2.h` and `linux/v4l2-controls.h` that are used, in the same
-//! order.
+//! The numbers that lariat uses from `linux/videodev2.h` and `linux/v4l2-controls.h`, in the order
+//! of these files.
 
 /// Encodes the four letters of a pixel format.
 pub(crate) const fn fourcc(code: &[u8; 4]) -> u32 {

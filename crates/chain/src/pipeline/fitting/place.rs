@@ -3,9 +3,9 @@
 //! **Equal steps** (`crates/fit/src/resample.rs`). Equal steps in the picture are unequal on a
 //! tilted table, and ρ is the arc length on the table. The points are therefore resampled at equal
 //! steps along cubics through them, so that the precomputed matrix for even steps still applies.
-//! The alternative, a fit with measured ρ, is far more expensive. The steps are equal to rounding
-//! on a straight line. On a bend of radius r with steps h, the relative error of the length is
-//! h²/24r².
+//! The alternative, a fit with measured ρ, is far more expensive. On a straight line, the steps are
+//! equal except for rounding. On a bend of radius r with steps h, the relative error of the length
+//! is h²/24r².
 //!
 //! **Fit and filter** are the same as in pixels. `acceleration_px_s2` stays in image pixels and is
 //! converted with the length of a pixel in the middle of the image.

@@ -42,10 +42,10 @@ const ALIKE: f64 = 2.0;
 /// also falls with the square root of the width.
 const PIXEL_SIGMA: [f64; 2] = [0.3, 0.05];
 const END_BESIDE_PX: f64 = 0.5;
-/// Standard deviation of an end along the rope in the picture, px: 95 of 100 ends of drawn ropes
-/// lie within two standard deviations, where the deviation is 0.3 to 0.8. A rope that runs along
-/// the ray shifts its end by up to half its width times the cosine of the angle. `SLOPE_SHARE` is
-/// the standard deviation as a share of this shift.
+/// Standard deviation of an end along the rope in the picture, px: For drawn ropes it is 0.3 to
+/// 0.8, so that 95 of 100 ends lie within twice that. A rope that runs along the ray shifts its end
+/// by up to half its width times the cosine of the angle. `SLOPE_SHARE` is the standard deviation
+/// as a share of this shift.
 const END_SIGMA_PX: f64 = 0.6;
 const SLOPE_SHARE: f64 = 0.4;
 /// Number of points over which the slope of an end is measured.

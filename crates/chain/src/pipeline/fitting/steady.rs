@@ -15,7 +15,7 @@ pub(super) struct Rope {
     /// Standard deviation of its points in the worst direction, if that may exceed a pixel's noise.
     /// It keeps the curve from following noise. It is 0 in the picture's plane.
     pub(super) noise: f64,
-    /// Time at which the rope was seen like this.
+    /// Time of this observation of the rope.
     pub(super) seen_ns: u64,
 }
 

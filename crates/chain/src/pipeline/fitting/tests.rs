@@ -71,7 +71,7 @@ fn what_is_known_of_the_rope_goes_along() {
     assert_eq!(descriptor.velocities[..9], [[0.0; 2]; 9]);
 }
 
-/// A rope 10 px wide with this many waves 30 px high.
+/// A rope 10 px wide with this many waves, each 30 px high.
 fn winding(times: f32) -> Curve {
     let mut curve = rope();
     for (i, point) in curve.points[..120].iter_mut().enumerate() {
@@ -508,12 +508,14 @@ fn on_the_plane_the_points_are_those_that_were_fitted() {
         let [a, b] = [pair[0], pair[1]].map(|p| p.map(f64::from));
         assert!(((b[0] - a[0]).hypot(b[1] - a[1]) - step).abs() < 1e-3);
     }
-    // A pixel is longer far away, and so is the rope's width, which is ten pixels everywhere.
+    // Far away, a pixel covers more of the table. The rope is ten pixels wide everywhere, so its
+    // width on the table grows with the distance.
     let widths = line.widths();
     assert!(widths.is_sorted_by(|near, far| near > far) || widths.is_sorted());
     let [least, most] = [widths[0].min(widths[119]), widths[0].max(widths[119])].map(f64::from);
     assert!(least < descriptor.width && descriptor.width < most && most > 1.5 * least);
-    // Fifteen points of the picture correspond to a few more or fewer here, in one piece.
+    // The fifteen hidden points of the picture become a few more or fewer on the table, still in
+    // one run.
     let hidden: Vec<usize> = (0..120).filter(|&k| line.is_hidden(k)).collect();
     assert!(hidden.len() > 5 && hidden[hidden.len() - 1] - hidden[0] == hidden.len() - 1);
 }

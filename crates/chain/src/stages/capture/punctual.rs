@@ -1,6 +1,6 @@
 //! Detects whether the kernel serves a source's timer late.
 
-/// Number of frames over which late ones are counted.
+/// Length of the window over which late frames are counted, in frames.
 const WINDOW: u32 = 1_000;
 /// Number of late frames in a window above which lariat warns. It is 1 %, because p99 of the
 /// latency then depends on the scheduler and not on the chain.

@@ -33,9 +33,9 @@ pub(super) fn map(file: &File, bytes: usize) -> io::Result<&'static [AtomicU64]>
             0,
         )?
     };
-    // SAFETY: This many bytes are mapped at the start of a page and never unmapped. Any bytes are a
-    // valid number. Other writers are lariat's, too, and use atomic stores. The file is anonymous
-    // and never shrinks.
+    // SAFETY: This many bytes are mapped at the start of a page and never unmapped. Any bytes form
+    // a valid number. All other writers are processes of lariat and use atomic stores. The file is
+    // anonymous and never shrinks.
     Ok(unsafe { std::slice::from_raw_parts(start.cast::<AtomicU64>(), bytes / WORD) })
 }
 
@@ -121,7 +121,7 @@ impl DoubleBuffer {
         one[0].store(number + 1, Ordering::Release);
     }
 
-    /// Returns the newest copy, then the older one, as far as they are complete.
+    /// Returns the complete copies, newest first.
     pub fn newest_first(&self) -> impl Iterator<Item = Vec<u8>> {
         self.in_order().into_iter().filter_map(|(one, number)| {
             let length = one[1].load(Ordering::Relaxed) as usize;

@@ -12,7 +12,7 @@
 //! leaves the previous copy complete.
 //!
 //! No message is counted twice, and none is forgotten. A message that was counted but not sent is
-//! lost, and the loss accounting says so. Writing to mapped memory costs a stage a few stores;
+//! lost, and the loss accounting includes it. Writing to mapped memory costs a stage a few stores;
 //! system calls would delay every frame.
 
 mod double_buffer;
@@ -39,7 +39,7 @@ pub struct Progress {
     pub sent: Sent,
     /// The previous stage's counter in the last message that was processed.
     pub taken: u64,
-    /// Number of signs of life without a message.
+    /// Number of times that the stage reported that it is alive without sending a message.
     pub beats: u64,
 }
 
@@ -150,12 +150,13 @@ impl Handover {
         self.memory.as_ref().map(|memory| &memory.file)
     }
 
-    /// Returns the progress at the start of this process, updated with its own notes.
+    /// Returns the progress of the stage as this process knows it: the progress at the start,
+    /// updated with everything that this process noted.
     pub fn progress(&self) -> Progress {
         self.progress
     }
 
-    /// Returns the progress that any process noted last.
+    /// Returns the progress that was noted last, by any process.
     pub fn read(&self) -> Progress {
         let noted = self.buffers(PROGRESS);
         let noted = noted.and_then(|buffers| buffers.newest_words());

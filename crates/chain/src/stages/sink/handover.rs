@@ -28,7 +28,7 @@ impl HandoverWriter {
     }
 }
 
-/// Returns true if a previous sink has counted.
+/// Returns true if a previous sink has counted messages.
 pub(super) fn is_inherited(handover: &Handover) -> bool {
     handover
         .state()

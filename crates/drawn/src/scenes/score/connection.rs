@@ -143,7 +143,8 @@ fn follows(rope: &TrueRope, rho: f64, reach_px: f64, curve: &Polyline) -> bool {
     let within_px = (0.6 * width_px).max(2.0);
     let [before, after] =
         [-reach_px, reach_px].map(|px| curve.passages_px(line.at(middle_px + px), within_px));
-    // The strand's own length, and an allowance for detours that is far below a loop's 3π widths.
+    // The strand's own length, and an allowance for detours. The allowance is far below the 3π
+    // widths of a loop.
     let wanted_px = 2.0 * reach_px;
     let spare_px = 0.3 * wanted_px.min(10.0 * width_px) + width_px;
     before.iter().any(|&from_px| {

@@ -3,8 +3,9 @@
 use super::super::Truth;
 use super::super::line::{Vec2, minus, mix, norm};
 
-/// Placement of a curve on its rope: point i of n belongs at ρ = start + i/(n − 1), or in the
-/// opposite direction from there.
+/// Placement of a curve on its rope. Point i of n belongs at ρ = start + i/(n − 1), or
+/// start + i/n on a closed rope. If the curve is reversed, ρ decreases instead: from 1 on an open
+/// rope, from `start` on a closed one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Placed {
     reversed: bool,
@@ -98,7 +99,8 @@ pub(super) struct Pairing {
 
 impl Pairing {
     pub(super) fn best(truth: &Truth, curves: &[Vec<Vec2>]) -> Self {
-        /// Maximum number of curves that are considered; more are noise and remain unmatched.
+        /// Maximum number of curves that are considered. Further curves are noise and remain
+        /// unmatched.
         const MOST: usize = 10;
         let costs: Vec<Vec<Option<(f64, Placed)>>> = truth
             .ropes

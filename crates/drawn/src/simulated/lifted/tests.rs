@@ -37,7 +37,7 @@ fn rope_and_table_are_where_the_truth_says_in_colour_and_in_depth() {
             .skip(5)
             .take(90)
         {
-            // Both have equal steps, but one of them has them in the picture.
+            // Both lines have equal steps, but the steps of one are equal in the picture.
             let seen = scene.color.eye.see(point.map(f64::from));
             let [x, y] = scene.color.eye.pixel(seen);
             assert!((x - f64::from(at[0])).abs() < 8.0 && (y - f64::from(at[1])).abs() < 8.0);

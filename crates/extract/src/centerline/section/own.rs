@@ -1,5 +1,5 @@
-//! Tells which sections are only as wide as the rope is there. A parallel strand or a shadow makes
-//! them wider.
+//! Finds the sections that are only as wide as the rope is there. A parallel strand or a shadow
+//! makes a section wider.
 
 use super::{Measure, Section};
 use crate::centerline::line::Sample;
@@ -15,9 +15,9 @@ const GRADUAL: f32 = 0.08;
 const COUNTS: f32 = 0.25;
 /// Maximum factor between a section's width and the rope's usual width.
 pub(super) const MOST: f32 = 2.0;
-/// Minimum length, in widths, of a run of sections that keep their width, for it to be the rope's.
-/// A rope that points at the camera is wide at once, behind a bend or from its tip on. Two strands
-/// side by side run into a crossing instead.
+/// Minimum length, in widths, of a run of sections that keep their width, for that width to be the
+/// rope's. A rope that points at the camera becomes wide at once, behind a bend or at its tip. Two
+/// strands side by side run into a crossing instead.
 const STEADY: f32 = 3.0;
 
 /// Marks the sections that are the rope's own. The pair gives the rope's width just beyond the

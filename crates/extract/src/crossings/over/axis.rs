@@ -41,8 +41,8 @@ impl Block {
     }
 }
 
-/// Places of a spline, one in each lane: the points around each, and its share of the way from the
-/// second to the third.
+/// Places of a spline, one in each lane: the points around each place, and the place's share of the
+/// way from the second point to the third.
 struct Places {
     points: [[Lanes; 2]; 4],
     share: Lanes,

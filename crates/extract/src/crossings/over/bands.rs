@@ -23,7 +23,7 @@ pub(super) struct Bands<'a> {
     pub(super) lines: &'a [Line],
     pub(super) aside_px: &'a [f32; LINES],
     pub(super) step_px: f32,
-    /// Distance from the other strand's axis that limits its middle.
+    /// Distance from the other strand's axis up to which a place is in that strand's middle.
     pub(super) core_px: f32,
     pub(super) yuv: bool,
 }
@@ -92,8 +92,8 @@ impl Bands<'_> {
     }
 
     /// Deviation of the lines from their shares of the common brightness at each place. `counts`
-    /// gives the weights of places, from a line's distances from the other strand and the first
-    /// index.
+    /// returns the weights of places, from a line's distances from the other strand and the first
+    /// place's index.
     #[inline(always)]
     fn off(
         &self,

@@ -16,8 +16,8 @@ pub(super) const LINES: usize = 5;
 /// Offset of the outermost lines, in half-widths. Farther out, lens and table mix into the strand's
 /// own color.
 const SPAN: f32 = 0.7;
-/// The middle of the crossing, in half-widths of the other strand. It is at least a sharp lens's
-/// blur inside of that strand's edges, in pixels.
+/// Extent of the crossing's middle, in half-widths of the other strand. It ends at least a sharp
+/// lens's blur, in pixels, inside of that strand's edges.
 const CORE: f32 = 0.8;
 const SHARP_PX: f32 = 1.0;
 /// Maximum number of samples read on each side of the crossing.
@@ -96,7 +96,7 @@ impl Lines {
         }
         let touched_px = other.half_px + beyond_px(other.half_px);
         let around = ((around_px(other.half_px) / step_px) as usize).clamp(2, MOST_AROUND);
-        // Only if three samples span less than a width.
+        // Smooth only if three samples span less than a width.
         let smooth = 2.0 * step_px <= other.half_px;
         for (line, aside_px) in self.lines.iter_mut().zip(aside_px) {
             let distances = &line.distances.as_flattened()[..axis.count];

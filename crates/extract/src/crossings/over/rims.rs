@@ -42,7 +42,7 @@ impl Steps {
         }
     }
 
-    /// The mean of both edges' steps, of those that are seen.
+    /// The mean step of those edges that are visible.
     fn mean(&self, yuv: bool) -> Option<f32> {
         let (mut sum, mut seen) = (0.0, 0.0);
         for (sums, count) in self.sums.iter().zip(self.counts) {

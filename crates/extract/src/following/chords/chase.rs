@@ -9,14 +9,14 @@ use crate::vec2;
 const ROUNDS: usize = 16;
 /// Number of points added in a round, at each end of a found part.
 const STRIDE: usize = 4;
-/// Number of points over which the change of the rope's movement along it is measured.
+/// Number of points over which the gradient of the movement along the rope is measured.
 const BASE: usize = 3;
 /// Maximum movement of a point: in widths, plus pixels.
 const FARTHEST: (f32, f32) = (4.0, 8.0);
 
 impl Rope {
-    /// Searches for the stations of the next frame that were not read. Those that were read stay
-    /// there.
+    /// Searches for the stations of the next frame that were not read. Stations that were read move
+    /// to their readings.
     pub(super) fn chase(&mut self, reader: &Reader) {
         for _ in 0..ROUNDS {
             self.place_read();
@@ -42,7 +42,7 @@ impl Rope {
         }
     }
 
-    /// Moves the points behind those that were read by extrapolating their movement. They are
+    /// Moves the points behind those that were read by extrapolating the movement. Points are
     /// counted from `end`.
     fn reach_out(&mut self, end: usize) {
         let most_px = FARTHEST.0 * self.width_px + FARTHEST.1;

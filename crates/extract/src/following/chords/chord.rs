@@ -97,7 +97,7 @@ impl Reader<'_> {
     #[inline(always)]
     fn place(&self, of: &Where) -> Option<(usize, usize)> {
         let size = [self.image.width(), self.image.height()];
-        // The casts below round, as these are not negative then.
+        // The casts below round to nearest, as `line` and `from` are not negative then.
         let line = of.at[1 - of.axis] + 0.5;
         let from = of.at[of.axis] + 0.5 - (of.span / 2) as f32;
         let last = size[of.axis] as f32 - of.span as f32;

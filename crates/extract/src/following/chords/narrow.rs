@@ -93,7 +93,7 @@ impl Spans {
             let blocks = ((length_px + 2.0 * FAR_PX) / BLOCK as f32).ceil();
             let blocks = blocks.clamp(1.0, most);
             let span = blocks * BLOCK as f32;
-            // The casts below round, as these are not negative then.
+            // The casts below round to nearest, as `line` and `from` are not negative then.
             let line = places.across[i] + 0.5;
             let from = places.along[i] + 0.5 - 0.5 * span;
             spans.holds[i] = (line >= 0.0)
@@ -130,7 +130,7 @@ pub(super) struct Found {
     pub(super) contrast: Floats,
     /// True if a chord was found.
     pub(super) found: [bool; SIDE],
-    /// True if one may be found farther away.
+    /// True if a chord may be found farther away.
     pub(super) farther: [bool; SIDE],
 }
 

@@ -39,7 +39,8 @@ pub(super) trait Lanes: Copy {
     /// rope.
     fn read(self, stretch: &Stretch, out: &mut [u8; WORD]) -> u64;
 
-    /// Sum of the differences from one index to before another, which must not be less.
+    /// Sum of the differences from the first index to just before the second, which must not be
+    /// smaller.
     fn sum(self, differences: &[u8; WORD], from_to: [u32; 2]) -> u32;
 }
 
@@ -135,7 +136,7 @@ fn across(stretch: &Stretch, out: &mut [u8]) {
                     *d = pair(light, color, [a, b, c]);
                 }
             }
-            // Other formats are unpacked before.
+            // Other formats are unpacked earlier.
             _ => {}
         }
     }
@@ -209,7 +210,7 @@ mod tests {
             let count = (BLOCK * blocks).min(side / BLOCK * BLOCK);
             let mut from = [usize::from(place.0) % width, usize::from(place.1) % height];
             from[axis] = (from[axis] % (side - count + 1)) & !1;
-            // Gray has one value, three times.
+            // For gray, the color is one value repeated three times.
             let gray = format == PixelFormat::Gray8;
             let tables = tables.map(|[a, b, c]| if gray { [a; 3] } else { [a, b, c] });
             let tables = tables.map(|[a, b, c]| u32::from_le_bytes([a, b, c, 0]));

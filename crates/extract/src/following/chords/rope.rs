@@ -17,7 +17,7 @@ pub(super) const LEAST_MEASURED: f32 = 0.6;
 /// Number of points next to one without a chord that may also lose theirs, as a crossing moves
 /// along the rope.
 const BESIDE: usize = 2;
-/// Maximum share of all points that may lose it elsewhere.
+/// Maximum share of all points that may lose their chord elsewhere.
 const LOST: f32 = 0.02;
 /// Maximum length between read parts that may go unread: in widths, or in pixels if that is more.
 const MOST_BRIDGED: (f32, f32) = (6.0, 24.0);
@@ -177,7 +177,7 @@ impl Rope {
             };
             aside_px = again_px;
         }
-        // It is moving away too fast.
+        // The rope is moving away too fast.
         if aside_px > FAR_PX {
             return false;
         }

@@ -115,7 +115,7 @@ impl Work for ReadAll<'_, '_> {
 
 impl ReadAll<'_, '_> {
     /// Returns whether the chord at a station is clear of the tip. `from_end` is the station's
-    /// number from that end.
+    /// number, counted from the nearer end.
     #[inline(always)]
     fn has_chord(&self, from_end: usize, station: &Station) -> bool {
         let axis = axis(station.normal);
@@ -226,7 +226,7 @@ fn fall(
             let part = (before - level) / (before - value).max(1e-3);
             return Some(far_px - 1.0 + part);
         } else if far_px > 0.0 {
-            // It falls earlier.
+            // The difference falls below the level earlier.
             far_px = 0.0;
         } else {
             return None;

@@ -54,9 +54,9 @@ pub(super) fn note_neighbors(ropes: &mut [Rope]) {
 }
 
 impl Rope {
-    /// Returns whether nothing fixes the rope's position along itself. Either one end does not
-    /// show, and the other one does not show or is outside of the image. Or a part of unknown
-    /// length is hidden, and an end does not show.
+    /// Returns whether nothing fixes the rope's position along itself. This is so if one end does
+    /// not show, and the other end does not show or is outside of the image. It is also so if an
+    /// end does not show and a part of unknown length is hidden.
     pub(super) fn may_slide(&self) -> bool {
         let [a, b] = &self.ends;
         let is_one = |a: &End, b: &End| a.is_against && (b.is_against || b.is_border);

@@ -12,7 +12,7 @@ const LEAST_CONTRAST: i32 = 10;
 
 /// Number of pixels at the end of a window that are ground.
 const OUTER: usize = 4;
-/// Minimum difference between them and the rope, in levels, for the cut to be computed.
+/// Minimum difference between these pixels and the rope, in levels, for the cut to be computed.
 const LEAST_RISE: f32 = 14.0;
 
 /// An edge that was found.
@@ -50,8 +50,9 @@ pub(super) fn find(ground: u16, differences: &[u8; WINDOW], expected: f32) -> Op
     })
 }
 
-/// Minimum difference of ground: half-way between the rope, from its middle to the expected edge,
-/// and the end of the window. If these two hardly differ, it is the `known` one.
+/// Minimum difference that counts as ground. It is half-way between two means: that over the rope,
+/// from its middle to the expected edge, and that over the end of the window. If these hardly
+/// differ, it is `known`.
 #[inline(always)]
 pub(super) fn cut(differences: &[u8; WINDOW], [middle, expected]: [f32; 2], known: f32) -> f32 {
     let to = ((expected - 1.5).max(0.0) as usize + 1).min(WINDOW - OUTER);

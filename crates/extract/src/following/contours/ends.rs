@@ -30,11 +30,11 @@ pub(super) struct End {
     pub(super) is_border: bool,
     /// True if another strand is at the tip or something covers it, so that it does not show.
     pub(super) is_against: bool,
-    /// True if neither is the case any longer, with some distance.
+    /// True if no strand or cover is at the tip any longer, by some margin.
     pub(super) has_left: bool,
     /// True if `is_against` was set in the reference image.
     pub(super) was_against: bool,
-    /// Distance beyond a tip's true place at which its edge reads. `None` if it does not.
+    /// Distance beyond a tip's true place at which its edge is read. `None` if it is not read.
     pub(super) beyond_px: Option<f32>,
     /// Sideways distance of a tip from its extrapolation.
     pub(super) aside_px: f32,
@@ -177,7 +177,7 @@ impl Rope {
         is_within.then_some(out)
     }
 
-    /// Distance beyond the last station at an end at which the rope's tip reads.
+    /// Distance beyond the last station at an end at which the rope's tip is read.
     pub(super) fn tip(&self, image: &Image, end: usize) -> Option<f32> {
         let out = self.out_within(image, end)?;
         let (station, half) = (&self.next[self.place(end, 0)], (WINDOW / 2) as f32);

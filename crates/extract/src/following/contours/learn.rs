@@ -30,13 +30,13 @@ const ACROSS: [f32; 3] = [-0.3, 0.0, 0.3];
 const BEYOND_PX: [f32; 2] = [2.0, 4.0];
 /// Quantile of the color differences on the rope that still counts as the rope's own color.
 const OWN: f32 = 0.9;
-/// Additional difference that does so, in levels.
+/// Additional difference that still counts as the rope's own color, in levels.
 const MARGIN: f32 = 6.0;
-/// Minimum difference, as a factor of both, of a color that is not the rope's.
+/// Minimum difference of a color that is not the rope's, as a factor of the sum of both.
 const CLEAR: f32 = 1.5;
-/// Ridge weight, per edge, that draws the fit of `learn_lamp` toward no dependence.
+/// Ridge weight, per edge, that draws the fit of `learn_lamp` toward zero dependence.
 const LAMP_STIFF: f32 = 0.03;
-/// Maximum distance beyond a tip's true place at which it may read, in widths.
+/// Maximum distance beyond a tip's true place at which it may be read, in widths.
 const BEYOND_TIP: f32 = 0.6;
 /// Maximum distance of a tip from its extrapolation, sideways, in widths.
 const ASIDE_TIP: f32 = 0.15;
@@ -172,7 +172,7 @@ impl Rope {
         }
     }
 
-    /// Learns where the edges read.
+    /// Learns where the edges are read.
     fn learn_edges(&mut self, image: &Image) -> bool {
         self.next.clone_from(&self.stations);
         self.read(image);
@@ -210,8 +210,8 @@ impl Rope {
         off_px.abs() < 1.0 + 0.2 * self.width_px
     }
 
-    /// Learns how the place at which an edge reads depends on the direction that it faces, by ridge
-    /// regression.
+    /// Learns how the place at which an edge is read depends on the direction that it faces, by
+    /// ridge regression.
     fn learn_lamp(&mut self) {
         let both = self.stations.iter().zip(&self.readings);
         let own = both.flat_map(|(station, reading)| {

@@ -1,10 +1,10 @@
 //! Distance of a pixel's color from a rope's.
 //!
-//! A rope is round, shaded and twisted, and shows one color in many degrees of light. Along that
-//! direction of the color space, a difference counts less, depending on the spread of the rope's
-//! own colors. A pixel's distance is the largest of three differences: in that direction and in two
-//! others across it. The measure is linear, so a pixel that is half ground is half as far away as
-//! the ground.
+//! A rope is round, shaded and twisted, and shows one color at many brightnesses. These lie along
+//! one direction of the color space. In that direction, a difference counts less, depending on the
+//! spread of the rope's own colors. A pixel's distance is the largest of three differences: in that
+//! direction and in two others perpendicular to it. The measure is linear, so a pixel that is half
+//! ground is half as far away as the ground.
 
 use super::edge::WINDOW;
 use crate::image::{Image, PixelFormat, color};
@@ -31,7 +31,7 @@ pub(super) struct Looks {
 pub(super) type Middle = [i32; 3];
 
 impl Looks {
-    /// For a rope whose colors differ by `offs` from their mean nearby.
+    /// Directions for a rope whose colors differ by `offs` from their mean nearby.
     pub(super) fn of(offs: &[[f32; 3]], format: PixelFormat) -> Self {
         let chroma = color::chroma_weight(format);
         let scale = [1.0, chroma, chroma];

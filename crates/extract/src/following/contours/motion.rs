@@ -11,14 +11,14 @@ const WIDTH: std::ops::RangeInclusive<f32> = 0.8..=1.25;
 const ONE_EDGE: f32 = 0.4;
 /// Same in the first round, as the edge may belong to something else.
 const ONE_EDGE_AT_FIRST: f32 = 0.2;
-/// Maximum difference of a reading from those around, in pixels plus widths.
+/// Maximum difference of a reading from those around it, in pixels plus widths.
 const UNLIKE: (f32, f32) = (1.0, 0.06);
 /// Distance on either side that is "around", in widths.
 const AROUND_WIDTHS: f32 = 2.5;
 /// Minimum and maximum number of points on either side for that.
 const AROUND: (usize, usize) = (3, 10);
-/// Length of the rope, in widths, with which an unread part at an end turns. A longer part does not
-/// turn.
+/// Length of the rope, in widths, whose turn an unread part at an end follows. A longer unread part
+/// does not turn.
 const TURNS_WIDTHS: f32 = 1.5;
 
 /// Sideways movement of a point.

@@ -230,7 +230,7 @@ impl Range {
         }
     }
 
-    /// Returns whether some of it is outside of `other` by more than a tolerance.
+    /// Returns whether some of this range is outside of `other` by more than a tolerance.
     fn leaves(&self, other: &Self, tolerance: [u8; 4]) -> bool {
         let mut leaves = false;
         for (c, tolerance) in tolerance.into_iter().enumerate() {

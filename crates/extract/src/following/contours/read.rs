@@ -22,8 +22,8 @@ pub(super) struct Measurement {
     pub(super) is_covered: bool,
 }
 
-/// Reads the edges at each point that is wanted. It is one work item, so that all of it is compiled
-/// for the widest registers.
+/// Reads the edges at each wanted point. It is one work item, so that all of it is compiled for the
+/// widest registers.
 pub(super) struct ReadAll<'a, 'b> {
     pub(super) image: &'a Image<'b>,
     pub(super) looks: &'a Looks,

@@ -28,8 +28,8 @@ const MOST_BRIDGED: f32 = 10.0;
 const MOST_AT_END: f32 = 4.0;
 /// Maximum unread length on a plain table, where nothing is known to cover the edges, in widths.
 const MOST_BLIND: f32 = 2.5;
-/// Maximum length along a rope from a crossing, in widths, in which its edges are not read because
-/// of it. Strands that cross at a flat angle show their edges farther on.
+/// Maximum length along a rope over which a crossing may prevent its edges from being read, in
+/// widths. Strands that cross at a flat angle show their edges farther on.
 const CROSSED: f32 = 3.0;
 /// Maximum number of frames for which a rope is followed with a new object over it, or with a tip
 /// that is missing although nothing hides it.
@@ -74,14 +74,14 @@ pub(super) struct Rope {
     pub(super) looks: Looks,
     /// Color at each station.
     pub(super) colors: Vec<[f32; 3]>,
-    /// Differences of the colors across the rope from that.
+    /// Differences of the colors across the rope from that color.
     pub(super) offs: Vec<[f32; 3]>,
     pub(super) unseen_frames: u32,
     /// True if a part was hidden in the reference image.
     pub(super) was_hidden: bool,
     /// Change in length of that part since.
     pub(super) given_px: f32,
-    /// True if it was partly seen, although no point is marked as hidden.
+    /// True if only a part of the rope was seen, although no point is marked as hidden.
     pub(super) is_part: bool,
     /// True if it is on a plain table.
     pub(super) is_on_table: bool,
@@ -89,8 +89,8 @@ pub(super) struct Rope {
     pub(super) is_brief: bool,
     /// True if the current image is the reference image.
     pub(super) is_learning: bool,
-    /// Distance that an edge reads farther inward per unit of the direction that it faces. The
-    /// cause is light from one side.
+    /// Distance by which an edge is read farther inward, per unit of the direction that it faces.
+    /// The cause is light from one side.
     pub(super) lamp: Vec2,
     pub(super) lay: Lay,
     pub(super) motion: Motion,
@@ -341,7 +341,7 @@ impl Rope {
             };
             aside_px = again_px;
         }
-        // It is moving away too fast.
+        // The rope is moving away too fast.
         if aside_px > FAR_PX {
             return false;
         }

@@ -6,7 +6,7 @@ use crate::vec2::{self, Vec2};
 
 /// Distance between the middles of two strands, in their mean width, below which they overlap.
 const TOGETHER: f32 = 0.8;
-/// Same below which they cross.
+/// Same distance, below which they cross.
 const CROSS: f32 = 0.5;
 /// Maximum growth of the overlapping part from one frame to the next, in points.
 const CREEP: usize = 3;

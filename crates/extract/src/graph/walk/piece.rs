@@ -33,8 +33,8 @@ const DETOUR: f32 = 1.3;
 /// Minimum mean half-width of a wide edge, that is, of more than one strand: a factor of the usual
 /// half-width, plus pixels for whole-pixel doubt.
 const WIDE: (f32, f32) = (1.25, 0.2);
-/// Minimum number of wide edges of a rope that is wound up: three loops have eight, five crossings
-/// have five.
+/// Minimum number of wide edges of a rope that is wound up: three loops have eight wide edges, five
+/// crossings have five.
 const WOUND: usize = 7;
 /// Cost per width of passing over a narrow edge.
 const NARROW_PASS: f32 = 0.15;
@@ -47,10 +47,10 @@ const LEFT_OUT: f32 = 0.3;
 const HALF_LEFT_OUT: f32 = 0.15;
 /// Cost per width of a joint outside of the mask.
 const OUTSIDE: f32 = 0.5;
-/// Share of a joint's bending that counts in full. The rest counts only what it bends beyond the
-/// arc that its strands' curvatures give.
+/// Share of a joint's bending that counts in full. The rest counts only as far as it exceeds the
+/// bending of the arc given by the strands' curvatures.
 const ALL_BENDING: f32 = 0.25;
-/// Length over which a strand's curvature is measured, and the minimum for which it is, in
+/// Length over which a strand's curvature is measured, and minimum length of a strand for this, in
 /// half-widths.
 const CURVED: (f32, f32) = (9.0, 4.0);
 
@@ -293,8 +293,8 @@ impl Component {
         self.is_wide.iter().filter(|&&is_wide| is_wide).count() >= WOUND
     }
 
-    /// Returns whether a strand at a tip is as wide as overlaps are. Width then does not tell how
-    /// many strands an edge is.
+    /// Returns whether a strand at a tip is as wide as overlaps are. Widths then do not show which
+    /// edges are several strands.
     pub(super) fn has_wide_tip(&self) -> bool {
         let place = |slot: &u32| self.place[*slot as usize / 2] as usize;
         self.tips.iter().any(|slot| self.is_wide[place(slot)])
@@ -318,7 +318,7 @@ impl Component {
         let chord = vec2::unit_or(chord, a.arm.into);
         let alpha = vec2::angle(chord, a.arm.into);
         let beta = vec2::angle(chord, vec2::scale(b.arm.into, -1.0));
-        // Half the turn of an arc with the mean of both curvatures. The one of b is negated,
+        // Half the turn of an arc with the mean of both curvatures. The curvature of b is negated,
         // because the strand runs out of b.
         let turn = 0.25 * px * (a.curvature - b.curvature);
         let (wa, wb) = (a.arm.half_px, b.arm.half_px);
@@ -418,7 +418,7 @@ fn node(slot: u32, graph: &Graph) -> u32 {
 }
 
 /// Share of the way from one arm to another that is outside of the mask. The way is the cubic that
-/// leaves both as they point.
+/// leaves both arms in their own directions.
 fn outside(a: &Arm, b: &Arm, px: f32, mask: &BitPlane) -> f32 {
     const ASKED: usize = 8;
     let out = (1..ASKED).filter(|&k| {
@@ -453,8 +453,8 @@ fn mouth(e: usize, end: u8, of: Ground) -> Mouth {
     ];
     let px = 0.5 * (vec2::norm(halves[0]) + vec2::norm(halves[1]));
     let curvature = vec2::angle(halves[0], halves[1]) / px.max(1.0);
-    // The fitted line points like the arc in the middle of the fit, so it is turned to the arc's
-    // end.
+    // The fitted line has the arc's direction in the middle of the fit, so it is turned to the
+    // direction at the arc's end.
     let reach_px = arm.reach_px().min(pixels.len() - from) as f32;
     let (sin, cos) = libm::sincosf(0.5 * curvature * reach_px);
     let [x, y] = arm.into;

@@ -27,7 +27,7 @@ impl WithSimd for Rows<'_> {
 fn run<const N: usize>(look: Rows) {
     let mut least = [0; N];
     least.as_chunks_mut().0.fill(look.least);
-    // Repeat the last row where there are fewer.
+    // Repeat the last row if there are fewer rows.
     let last = (look.rows.len() - look.row) / look.stride;
     let mut rows = [&look.rows[..look.row]; BLOCK];
     for (k, row) in rows.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! Kernels in registers of 64 bytes: AVX-512 with VBMI and VBMI2.
 //!
-//! `unsafe` is needed to load and store through pointers. They come from slices of the length that
-//! is moved.
+//! `unsafe` is needed to load and store through pointers, which come from slices as long as the
+//! data moved.
 #![allow(unsafe_code)]
 
 use super::x86::orders;

@@ -2,8 +2,8 @@
 //! (AVX2).
 //!
 //! `unsafe` is needed to call functions compiled for registers that not every machine has, after
-//! checking that this one has them. It is also needed to load and store through pointers. They come
-//! from slices of the length that is moved.
+//! checking that this one has them. It is also needed to load and store through pointers, which
+//! come from slices as long as the data moved.
 //!
 //! Three interleaved channels A, B, C fill three registers of 16 or 64 lanes. Both numbers leave 1
 //! when divided by 3. Lane i of the three registers therefore holds channels i, i + 1 and i + 2

@@ -2,8 +2,8 @@
 
 use lariat_portable::{Simd, WithSimd};
 
-/// Median of the `values` that are at most `most`: for an even number, the upper of the two in the
-/// middle.
+/// Median of the `values` that are at most `most`. For an even number of values, it is the upper of
+/// the middle two.
 ///
 /// This is a bisection of the range of values: each pass counts the values up to the middle of the
 /// range. There is one pass per bit, and it takes as many values at a time as the registers hold.
@@ -31,7 +31,7 @@ impl WithSimd for Middle<'_> {
     }
 }
 
-/// Number of values that are at most `most`, of fewer than 2¹⁶ values.
+/// Counts the values that are at most `most`. There must be fewer than 2¹⁶ values.
 #[inline(always)]
 fn up_to(values: &[u16], most: u16) -> u16 {
     values.iter().map(|&value| u16::from(value <= most)).sum()

@@ -3,8 +3,8 @@
 use super::{GRID, LANES, Lanes, TERMS, along_row, rounded};
 use lariat_portable::{Simd, WithSimd};
 
-/// Residuals are counted in sixteenths of a level, finer than anything that depends on their
-/// median. The maximum is so large that no rope beyond it would stand out.
+/// Number of steps per level in which residuals are counted, finer than anything that depends on
+/// their median. With a median above the maximum, no rope would stand out.
 pub(super) const STEPS: f32 = 16.0;
 pub(super) const MOST_STEPS: u16 = 64 * STEPS as u16 - 1;
 
@@ -66,7 +66,8 @@ impl<S: Simd, const N: usize> Row<'_, S, N> {
     /// channels, as in `color::distance`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> ([S::f32s; N], S::f32s) {
-        // A float of this value holds the whole numbers below 2²³ in its last bits.
+        // A whole number below 2²³ that is written into the last bits of this float adds to its
+        // value.
         const ONES: f32 = 8_388_608.0;
         let simd = self.simd;
         let (u, pixels) = (self.u[i], self.pixels[i]);

@@ -1,5 +1,5 @@
-//! Sums of the least squares over a grid of samples, row by row, and the equations that follow from
-//! them.
+//! Sums for the least-squares fit over a grid of samples, row by row, and the equations that follow
+//! from them.
 //!
 //! Along a row of the grid, the vertical position is one number. A row is summed, in lanes, into
 //! moments of the horizontal position. These are then multiplied by the powers of the vertical one.

@@ -5,7 +5,7 @@ use super::{BLOCK, planes};
 use crate::image::kernels::Kernels;
 use crate::image::{Image, PixelFormat};
 
-/// The color, interleaved as the bytes of an image's first plane and its second.
+/// The table's color, interleaved like the bytes of an image's first plane and of its second.
 #[derive(Debug, Default)]
 pub(super) struct Table {
     /// One level per block.
@@ -35,8 +35,8 @@ impl Table {
     fn reserve(&mut self, width: usize) {
         // Enough to fill the widest registers with floats.
         let blocks = width.div_ceil(BLOCK).next_multiple_of(16);
-        // For the format that needs the most, so that a camera's first frame after a gray one
-        // allocates nothing.
+        // Reserve for the format that needs the most, so that a camera's first frame after a gray
+        // one allocates nothing.
         let (luma, chroma) = (3 * BLOCK * blocks, BLOCK * blocks);
         self.luma.resize(self.luma.len().max(luma), 0);
         self.chroma.resize(self.chroma.len().max(chroma), 0);

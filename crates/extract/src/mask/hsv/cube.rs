@@ -40,7 +40,7 @@ pub(super) struct Cube {
 }
 
 impl Cube {
-    /// Returns whether it holds the answers for these ranges in this color space.
+    /// Returns whether the cube holds the answers for these ranges in this color space.
     pub(super) fn is_of(&self, ranges: &[HsvRange], yuv: bool) -> bool {
         !self.words.is_empty() && self.yuv == yuv && self.ranges == ranges
     }
@@ -265,8 +265,8 @@ impl Boxes {
                 let c = [LANES * k, LANES * k + LANES - 1];
                 let [a, b, c] = [[a[0], a[1]], [b[0], b[1]], c];
                 let float = |level: usize| level as f32;
-                // Every channel rises or falls with each of the native ones, including the
-                // rounding.
+                // Red, green and blue each rise or fall steadily with each native channel, even
+                // when rounded.
                 let [red, green, blue] = if YUV {
                     let red = to_rgb([float(a[end]), 0.0, float(c[end])]);
                     let green = to_rgb([float(a[end]), float(b[1 - end]), float(c[1 - end])]);
@@ -307,7 +307,7 @@ impl Boxes {
                 (brightest >= dull - SATURATION_OFF) & (dullest <= bright + SATURATION_OFF);
             let sure_saturation = ((dull <= 0.0) | (dullest >= dull + SATURATION_OFF))
                 & ((bright >= 1.0) | (brightest <= bright - SATURATION_OFF));
-            // Distance that the box extends to one side of a plane of the wedge.
+            // Distance by which the box extends to one side of a plane of the wedge.
             let reach = |plane: &[f32; 3], end: usize| {
                 let mut sum = 0.0;
                 for (factor, channel) in plane.iter().zip(&self.rgb) {
@@ -348,7 +348,7 @@ struct Row {
 }
 
 impl Row {
-    /// The colors from this one on.
+    /// The `LANES` colors that begin with this one.
     #[inline(always)]
     fn of<const YUV: bool>([a, b, c]: [usize; 3]) -> Self {
         let mut row = Self {
@@ -364,9 +364,9 @@ impl Row {
         row
     }
 
-    /// Returns which of the colors are in the range, one bit each. These are the sums of
-    /// [`super::contains`] in the same order but without its branches, so the results are equal to
-    /// the last bit.
+    /// Returns which of the colors are in the range, one bit each. The operations are those of
+    /// [`super::contains`] in the same order but without its branches, so the results are equal bit
+    /// for bit.
     #[inline(always)]
     fn judge(&self, range: &HsvRange) -> u32 {
         let ([from, to], saturations, values) = (range.hue_deg, range.saturation, range.value);
@@ -497,8 +497,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Ranges as users pick them, with one that wraps and one of grays. Their bounds are numbers
-    /// that many colors have.
+    /// Ranges as users pick them, with one that wraps and one of grays. Many colors lie exactly on
+    /// their bounds.
     pub(in super::super) fn examples() -> [Vec<HsvRange>; 3] {
         let range = |hue_deg, saturation, value| HsvRange {
             hue_deg,
@@ -530,7 +530,7 @@ pub(super) mod tests {
 
     #[test]
     fn the_cube_holds_what_the_ranges_contain() {
-        // A prime, so that all levels of all channels occur.
+        // The step is a prime, so that all levels of all channels occur.
         for ranges in &examples()[..2] {
             check(ranges, false, 101);
             check(ranges, true, 101);

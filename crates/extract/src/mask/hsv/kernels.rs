@@ -132,7 +132,7 @@ mod tests {
 
     fn planes() -> impl Strategy<Value = [Vec<u8>; 3]> {
         let any_colors = prop::collection::vec(any::<[u8; 3]>(), 0..300);
-        // All pixels have one color, which is in the ranges or not.
+        // A single color for all pixels, inside or outside the ranges.
         let color = prop_oneof![Just([20, 40, 120]), Just([150, 40, 30]), any::<[u8; 3]>()];
         let one_color = (0..300usize, color).prop_map(|(pixels, color)| vec![color; pixels]);
         prop_oneof![any_colors, one_color]

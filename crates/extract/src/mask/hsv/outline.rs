@@ -57,9 +57,8 @@ impl Outline {
         }
     }
 
-    /// Returns which pixels may be in the range, one bit each. The first masks tell where red is at
-    /// least green, green at least blue, and blue at least red. The others tell where it is at most
-    /// that.
+    /// Returns which pixels may be in the range, one bit each. The first three masks tell where red
+    /// ≥ green, green ≥ blue, and blue ≥ red. The other three tell where ≤ holds instead.
     #[inline(always)]
     #[cfg_attr(
         not(target_arch = "x86_64"),

@@ -57,7 +57,7 @@ impl Selector {
 fn one_by_one(image: &Image, ranges: &[HsvRange], inside: &mut GrayPlane, mask: &mut BitPlane) {
     for y in 0..image.height() {
         let (bytes, words) = (inside.row_mut(y), mask.row_mut(y));
-        // Neighbors on a table are mostly equal, so the last answer is often the next.
+        // Neighbors on a table mostly have the same color, so the last answer can often be reused.
         let (mut last, mut answer) = ([0; 3], contains(ranges, [0; 3]));
         for (x, byte) in bytes.iter_mut().enumerate() {
             let rgb = color::rgb(image, x, y);

@@ -10,7 +10,8 @@ use crate::occlusion::ends::{End, FLAW, Scenery, shown};
 use crate::occlusion::way;
 use crate::vec2;
 
-/// Maximum bending of two ways that replace two others under an occluder, as a share of theirs.
+/// Maximum bending of two ways that replace two others under an occluder, as a share of the others'
+/// bending.
 const STRAIGHTER: f32 = 0.25;
 
 impl Bridger {
@@ -29,8 +30,8 @@ impl Bridger {
         }
     }
 
-    /// Replaces two chosen ways by these if they bend by less than `STRAIGHTER` as much, and `take`
-    /// accepts them. Bending is per pixel of gap.
+    /// Replaces two chosen ways by `ways` if these bend less than `STRAIGHTER` times as much, and
+    /// `take` accepts them. Bending is per pixel of gap.
     fn straighten(&mut self, chosen: [usize; 2], ways: [[usize; 2]; 2], scenery: &Scenery) -> bool {
         let bending = |ways: [[usize; 2]; 2]| -> f32 {
             let bent = ways.map(|[i, j]| bent(&self.ends[i], &self.ends[j]));

@@ -57,7 +57,7 @@ fn pieces_of_a_strand_under_another_are_one_line() {
     let count = bridger.join_under(&mut lines, &mut colors, &scenery, (&mask, 8.0));
     assert_eq!(count, 2);
     assert!(lines[0].length_px() > 195.0, "{}", lines[0].length_px());
-    // With another color, they are not fragments of it.
+    // Lines of different colors are not fragments of one rope.
     let mut lines = vec![
         straight([100.0, 100.0], [196.0, 100.0]),
         straight([204.0, 102.0], [300.0, 110.0]),
@@ -164,17 +164,17 @@ fn a_rope_is_two_where_the_bare_table_is_seen_over_more_than_what_is_missing() {
         ];
         join(&mut lines, &past, is_hidden).0
     };
-    // Far longer than usual.
+    // The fragments alone are far longer than the rope usually is.
     assert_eq!(count(140.0, 60.0, false), 2);
     assert_eq!(count(140.0, 60.0, true), 1);
-    // As long as usual without the unseen part.
+    // The fragments alone have the usual length.
     assert_eq!(count(270.0, 30.0, false), 2);
     assert_eq!(count(270.0, 30.0, true), 1);
     assert_eq!(count(270.0, 12.0, false), 1);
-    // Less is missing than the way between them takes.
+    // Less length is missing than the gap takes.
     assert_eq!(count(285.0, 60.0, false), 2);
     assert_eq!(count(285.0, 60.0, true), 1);
-    // As much is missing.
+    // As much length is missing as the gap takes.
     assert_eq!(count(300.0, 30.0, false), 1);
     assert_eq!(count(300.0, 60.0, false), 1);
 }
@@ -220,7 +220,7 @@ fn a_rope_that_turns_back_under_a_thing_comes_out_of_it() {
         "{way_px}"
     );
     assert_eq!(join(&mut ends(), &Past::default(), true).0, 2, "no thing");
-    // A third one leaves open which two belong together.
+    // With a third end, it is unclear which two belong together.
     let [a, b] = ends();
     let mut lines = [a, b, straight([300.0, 70.0], [183.0, 70.0])];
     let count = join_under(&mut lines, &Past::default(), true, &thing()).0;
@@ -291,8 +291,8 @@ fn passes(lines: &[Line]) -> usize {
 
 #[test]
 fn two_hairpins_under_a_thing_give_way_to_two_ways_that_run_on() {
-    // In at the left, out at the right, around below the occluder, and the same again. The prior
-    // has it turn back on both sides.
+    // The rope enters at the left, leaves at the right, runs around below the occluder, and does
+    // the same again. In the prior, it turns back on both sides.
     let around = [
         [117.0, 120.0],
         [60.0, 120.0],
@@ -352,7 +352,8 @@ fn two_ropes_that_were_two_stay_two() {
     assert_eq!(join(&mut lines, &past, true).0, 2);
 }
 
-/// Two lines that leave the image, whose last row is y = 199, at two places, coming from there.
+/// Two lines that start at `from` and leave the image at the columns `at`. The image's last row is
+/// y = 199.
 fn leaving(from: [Vec2; 2], at: [f32; 2]) -> [Line; 2] {
     let line = |k: usize| Line {
         border: [false, true],
@@ -367,20 +368,20 @@ fn a_rope_that_leaves_the_picture_and_comes_back_is_one() {
         let beyond = |s: &&Sample| s.at[1] > 199.5;
         lines[0].samples.iter().filter(beyond).count()
     };
-    // It turns by 74° outside.
+    // The rope turns by 74° outside.
     let mut flat = leaving([[60.0, 154.0], [240.0, 154.0]], [120.0, 180.0]);
     let (count, gaps) = join(&mut flat, &Past::default(), false);
     assert_eq!((count, gaps.len()), (1, 1));
     assert_eq!(flat[0].border, [false; 2]);
     assert!(outside(&flat) > 30);
-    // Too steep to tell, away from each other, or far apart.
+    // These ends are too steep to tell, point away from each other, or are far apart.
     let steep = || leaving([[110.0, 100.0], [190.0, 100.0]], [120.0, 180.0]);
     let apart = || leaving([[180.0, 154.0], [120.0, 154.0]], [120.0, 180.0]);
     let far = || leaving([[20.0, 154.0], [300.0, 154.0]], [80.0, 240.0]);
     for mut lines in [steep(), apart(), far()] {
         assert_eq!(join(&mut lines, &Past::default(), false).0, 2);
     }
-    // The known rope is one, of its usual length.
+    // The prior has one rope, of its usual length.
     let corners = [
         [110.0, 99.0],
         [120.0, 190.0],

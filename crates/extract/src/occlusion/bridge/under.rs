@@ -17,7 +17,7 @@ const AHEAD: f32 = 0.56;
 const TRIMMED: (f32, f32) = (0.4, 0.33);
 /// Maximum gap under other strands, in widths.
 const WIDEST: f32 = 7.9;
-/// Maximum bending in it (a turn by 145°).
+/// Maximum bending in such a gap (a turn by 145°).
 const MOST_BENT: f32 = 1.6;
 /// Minimum share of the way in the gap that must be in the mask.
 const WITHIN: f32 = 0.7;
@@ -30,9 +30,9 @@ const TURNED: f32 = 0.25;
 const HIDDEN: f32 = 0.8;
 
 impl Bridger {
-    /// Joins those of `lines`, which have these mean colors, that pass under others. `mask` is the
-    /// whole mask, and `width_px` is the ropes' width. Returns the number of lines left, sorted by
-    /// length.
+    /// Joins those of `lines` that pass under others. `colors` are the lines' mean colors, `mask`
+    /// is the whole mask, and `width_px` is the ropes' width. Returns the number of lines left,
+    /// sorted by length.
     ///
     /// A pair of ends costs its bending in units of `TURNED`, plus its gap in units of `FAR`. The
     /// cheapest pairs are joined first. An end that is joined to nothing is extended, as it ends

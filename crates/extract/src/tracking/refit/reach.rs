@@ -3,7 +3,7 @@
 use crate::centerline::line::{Line, Sample};
 use crate::vec2::{self, Vec2};
 
-/// Maximum distance of such a place, in widths.
+/// Maximum distance of such a place from the line, in widths.
 const WIDTHS: f32 = 1.0;
 
 /// Bounds on a line's samples, for finding places near it quickly.
@@ -35,7 +35,7 @@ impl Reach {
             if off_px < WIDTHS * sample.width_px.max(1.0) {
                 return true;
             }
-            // Slightly fewer, because of rounding.
+            // Skips slightly fewer samples, because of rounding.
             let passed = 0.99 * (off_px - self.within_px) / self.apart_px;
             i += (passed as usize).max(1);
         }

@@ -357,7 +357,7 @@ fn covariances_stay_positive_definite_over_many_steps() {
                     let hidden = part > 0 && (part * 20..part * 20 + 15).contains(&i);
                     if hidden { 0.1 * b[(i, j)] } else { b[(i, j)] }
                 });
-                // By a factor, because the inverse itself would be inaccurate at order 24.
+                // Uses a factor, because the inverse itself would be inaccurate at order 24.
                 let l = weighed.transposed().times(&weighed).cholesky();
                 let inverse = l.expect("positive definite").lower_inverse();
                 inverse.transposed().times(&inverse)

@@ -46,7 +46,7 @@ impl<const D: usize> Rope<D> {
     }
 
     fn move_on(&mut self, h: f64, random: &mut SplitMix64) {
-        // Integrals of one white noise, once and twice over the time h, and their covariance q
+        // One white noise, integrated once and twice over the time h. The two have the covariance q
         // h²/2.
         let q = options().spectral_density();
         let (once, twice) = (normals(random, M * D), normals(random, M * D));

@@ -29,7 +29,7 @@ fn a_frame_allocates_nothing_once_warm() {
         recorder.truth(&truth).unwrap();
         recorder.descriptors(&shapes, Some).unwrap();
         recorder.losses(&Losses::default()).unwrap();
-        // Three frames wait at a time.
+        // Up to three frames wait in the queue.
         if count % 3 == 0 {
             drain_waiting(&outlet);
         }

@@ -55,7 +55,8 @@ proptest! {
             writer.write(topic, number as u32, 1000 + number as u64, &cdr).unwrap();
             expected.push((topic.on("left"), number as u32, 1000 + number as u64, cdr));
         }
-        // The upper bound that was computed for the end, with no more messages to come.
+        // Computes the same upper bound of the file's length as the writer, with no more messages
+        // to come.
         let bound = writer.committed.load(Ordering::Relaxed)
             + compression.bound(writer.staged_bytes)
             + CHUNK_HEAD_BYTES
@@ -154,7 +155,7 @@ fn a_recording_is_replaced_only_if_that_was_said_and_nothing_else_ever() {
     let path = folder.path().join("a.mcap");
     let create = |existing| Writer::create(&path, existing, &head(), Compression::None);
     let first = create(Existing::Keep).unwrap();
-    // While it is written, it is in use.
+    // While the recording is being written, its file is in use.
     assert!(matches!(
         create(Existing::Replace),
         Err(WriteError::InUse(_))

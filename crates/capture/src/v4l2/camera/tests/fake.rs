@@ -118,8 +118,8 @@ impl Driver for Fake {
         hardware.sequence += 1;
         let (index, address) = hardware.queued.pop_front().ok_or(Errno::AGAIN)?;
         if memory == Memory::Lent {
-            // SAFETY: lent, and so valid and untouched by others, until it is dequeued, which is
-            // now.
+            // SAFETY: the memory is lent. It is therefore valid and untouched by others until the
+            // buffer is dequeued, which happens now.
             unsafe {
                 std::ptr::with_exposed_provenance_mut::<u8>(address).write_bytes(value, BYTES)
             };

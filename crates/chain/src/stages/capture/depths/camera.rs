@@ -1,11 +1,11 @@
 //! A depth camera in addition to the camera that supplies the frames. The depth image of each frame
 //! is the one nearest in time.
 //!
-//! It has its own thread, so that neither camera waits for the other. After sending a frame,
-//! capture puts its header into a nonblocking queue and wakes the thread with an eventfd. The
-//! driver writes into slots of shared memory, like the other camera's driver, and the slot itself
-//! is sent with its frame's header ([`Pairing`]). If a second frame may need the same image, the
-//! first frame gets a copy and the second frame gets the slot.
+//! It has its own thread, so that neither camera waits for the other. After capture has sent a
+//! frame, it puts the frame's header into a nonblocking queue and wakes the thread with an eventfd.
+//! The driver writes into slots of shared memory, like the other camera's driver, and the slot
+//! itself is sent with its frame's header ([`Pairing`]). If a second frame may need the same image,
+//! the first frame gets a copy and the second frame gets the slot.
 //!
 //! A frame without a depth image gets one of 0 × 0 pixels, so that fit does not wait for it.
 

@@ -341,8 +341,8 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Masks of the four bytes of two pixels that count for the first and for the second pixel, without
-/// the other one's Y. Mask of those that count double.
+/// Masks for two pixels that share four bytes. The first two select the bytes that count for each
+/// pixel, without the other pixel's Y. The third selects the bytes that count double.
 #[inline(always)]
 fn shared(format: PixelFormat) -> ([u32; 2], u32) {
     match format {

@@ -1,17 +1,17 @@
 //! Kernels for the registers of x86-64: 64 bytes (AVX-512 with VBMI) or 32 (AVX2) at a time.
 //!
 //! `unsafe` is needed to call functions compiled for registers that not every machine has, after
-//! checking that this one has them. It is also needed to load and store through pointers. They come
-//! from arrays of the length that is moved.
+//! checking that this one has them. It is also needed to load and store through pointers, which
+//! come from arrays as long as the data moved.
 //!
 //! Three interleaved channels A, B, C fill three registers of 16 or 64 lanes. Both numbers leave 1
 //! when divided by 3. Lane i of the three registers therefore holds channels i, i + 1 and i + 2
 //! (mod 3). Blending them by lanes gathers all bytes of a channel in one register, and one
 //! permutation puts them in order.
 //!
-//! The bands of 64 levels take one permutation of a register that holds them twice: its index is
-//! six bits, and the first is not the level's own. Those of 32 levels take two shuffles of 16 and a
-//! blend.
+//! Looking up the bands of 64 levels takes one permutation of a register that holds the table
+//! twice. The permutation's index has six bits, and the highest is not part of the level. Looking
+//! up the bands of 32 levels takes two shuffles of 16 and a blend.
 #![allow(unsafe_code)]
 
 use super::{Kernels, PLAIN, among};
@@ -287,7 +287,7 @@ fn outlined_256(outlines: &[Outline], of: &[Ends; BANDS], [r, g, b]: [__m256i; 3
 #[target_feature(enable = "avx2")]
 fn bytes_of(bits: u32) -> __m256i {
     let all = _mm256_set1_epi32(bits.cast_signed());
-    // Each of four bytes, eight times.
+    // Repeat each of four bytes eight times.
     let [first, second] = [0x0101_0101_0101_0101, 0x0303_0303_0303_0303];
     let order = _mm256_setr_epi64x(0, first, 2 * first, second);
     let own = _mm256_set1_epi64x(0x8040_2010_0804_0201u64.cast_signed());
