@@ -40,8 +40,8 @@ struct Args {
     /// Use a tenth of the time, for a quick estimate
     #[arg(long)]
     quick: bool,
-    /// Folder of photographs: it contains `images`, or folders that do [default: $LARIAT_MBEST,
-    /// else none]
+    /// Folder of photographs: it contains `images`, or folders that do [default: $LARIAT_MBEST
+    /// if set]
     #[arg(long, value_name = "DIR")]
     dataset: Option<PathBuf>,
     /// Passed by `cargo bench`
