@@ -15,7 +15,7 @@ use crate::graph::overlaps::Overlaps;
 use crate::graph::strands::Strands;
 use crate::graph::zones::Zones;
 use crate::image::{Image, color};
-use crate::mask::{MaskSource, Masker, RopeMask};
+use crate::mask::{Masker, RopeMask};
 use crate::occlusion::bridge::Bridger;
 use crate::occlusion::ends::Scenery;
 use crate::occlusion::occluder::Occluder;
@@ -134,14 +134,13 @@ impl Tracer {
             self.join_strands(laid, masker, width_px, yuv)
         });
         let mask = &masker.mask;
-        let is_of_ropes_alone = matches!(source, MaskSource::Network { .. } | MaskSource::External);
         let scenery = Scenery {
             past: &self.zones.past,
             difference: &mask.difference,
             level: SOMETHING,
             occluder: &self.occluder.plane,
             yuv,
-            elsewhere: is_of_ropes_alone.then_some(image),
+            elsewhere: source.is_of_ropes_alone().then_some(image),
             picked: source.is_of_user().then_some(image),
         };
         let (lines, colors) = (&mut self.lines[..laid], &mut self.colors[..]);

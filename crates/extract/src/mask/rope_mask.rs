@@ -45,6 +45,11 @@ impl MaskSource {
         self == Self::Network { is_blind: false }
     }
 
+    /// True if the mask shows only ropes, and nothing that lies on them.
+    pub(crate) fn is_of_ropes_alone(self) -> bool {
+        matches!(self, Self::Network { .. } | Self::External)
+    }
+
     /// True if the user chose the ropes' pixels, by color or by another program.
     pub(crate) fn is_of_user(self) -> bool {
         matches!(self, Self::Color | Self::External)
