@@ -13,27 +13,35 @@
 mod ground;
 mod logistic;
 mod masks;
+mod warp;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Result;
 use lariat_drawn::scenes::{self, Class, Still};
-use lariat_extract::{Curve, Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat, pick};
+use lariat_extract::{
+    Class as CurveClass, Curve, Evidence, Extractor, Image, Maker, Mask, Options, PixelFormat, pick,
+};
 use lariat_plot::{Axis, Chart, LineStyle, Marker, Stroke, draw as draw_charts};
 use lariat_portable::SplitMix64;
 
 use lariat_chain::output::{Existing, Output};
 use lariat_wire::MIN_CONFIDENCE;
 
-use crate::accuracy::labelled;
+use crate::accuracy::labelled::{self, Labelled};
 use crate::reliability::Reliability;
 use crate::right;
 use ground::Ground;
-use logistic::{Example, Weights};
+use logistic::{Example, Label, Weights};
+use warp::Warp;
 
 /// First seed of the hard classes. `lariat-bench backgrounds` uses the lower seeds to measure the
 /// weights that are fitted here.
 const HARD_FROM: u64 = 1000;
+
+/// Number of threads that extract.
+const THREADS: usize = 2;
 
 /// What to draw.
 #[derive(clap::Args)]
@@ -125,7 +133,7 @@ fn check(examples: &[Example], diagram: Option<&Path>) -> Result<()> {
             .iter()
             .filter(|example| example.evidence.maker == maker);
         let said: Vec<(f64, bool)> = of
-            .map(|example| (example.evidence.confidence().into(), example.is_right))
+            .map(|example| (example.evidence.verdict(false).confidence.into(), example.is_right()))
             .collect();
         let mut reliability = Reliability::default();
         said.iter()
@@ -178,19 +186,19 @@ fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
         return Ok(());
     };
     let names = Evidence::MEANINGS.map(|(name, _)| name).join(",");
-    let mut text = format!("maker,right,fitted,{names}\n");
+    let mut text = format!("maker,class,fitted,{names}\n");
     for Example {
         evidence,
-        is_right,
+        label,
         is_fitted,
     } in examples
     {
         let clues: Vec<String> = evidence.clues.iter().map(f32::to_string).collect();
-        let flags = [is_right, is_fitted].map(|&is| u8::from(is).to_string());
         text += &format!(
-            "{:?},{},{}\n",
+            "{:?},{},{},{}\n",
             evidence.maker,
-            flags.join(","),
+            label.name(),
+            u8::from(*is_fitted),
             clues.join(",")
         );
     }
@@ -205,25 +213,29 @@ fn write_examples(file: Option<&Path>, examples: &[Example]) -> Result<()> {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let mut examples = Vec::new();
     if let Some(folder) = &args.check {
-        look_at_labelled(folder, &mut examples)?;
+        look_at_labelled(folder, false, &mut examples)?;
         write_examples(args.examples.as_deref(), &examples)?;
         return check(&examples, args.diagram.as_deref());
     }
     let hard = Class::HARD
         .into_iter()
         .filter(|class| !Class::ALL.contains(class));
-    let classes = Class::ALL.into_iter().map(|class| (class, 0));
-    for (class, first) in classes.chain(hard.map(|class| (class, HARD_FROM))) {
-        for seed in first..first + args.seeds {
-            if let Some(still) = draw(class, seed) {
-                for ground in Ground::ALL {
-                    look(&still, (class, seed), ground, &mut examples)?;
-                }
-            }
-        }
-    }
+    let all = [&Class::ALL[..], &Class::PLAIN].concat();
+    let classes = all.into_iter().map(|class| (class, 0));
+    let classes = classes.chain(hard.map(|class| (class, HARD_FROM)));
+    let pictures = classes.flat_map(|(class, first)| {
+        (first..first + args.seeds).map(move |seed| (class, seed))
+    });
+    let pictures: Vec<_> = pictures.collect();
+    examples.extend(in_parallel(&pictures, |&(class, seed), examples| {
+        let Some(still) = draw(class, seed) else {
+            return Ok(());
+        };
+        (Ground::ALL.into_iter())
+            .try_for_each(|ground| look(&still, (class, seed), ground, examples))
+    })?);
     if let Some(folder) = &args.labelled {
-        look_at_labelled(folder, &mut examples)?;
+        look_at_labelled(folder, true, &mut examples)?;
     }
     write_examples(args.examples.as_deref(), &examples)?;
     for (name, maker) in MAKERS {
@@ -233,7 +245,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             });
             some.collect::<Vec<_>>()
         };
-        let weights = Weights::fit(&of(true));
+        let weights = Weights::fit(&of(true), maker.others().len());
         print!("{}", weights.as_rust(name))?;
         println!("fitted: {}", weights.reliability(&of(true)))?;
         println!("others: {}", weights.reliability(&of(false)))?;
@@ -264,39 +276,102 @@ fn look(
     for (how, mask) in kinds(&image, seed, given) {
         let (curves, evidence) = extract(&image, how, mask)?;
         let judged = curves.iter().zip(&evidence);
-        examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| Example {
-            evidence: *evidence,
-            is_right: right::is_right(&still.truth, curve) && evidence.is_shown(),
-            is_fitted: seed / 4 % 2 == 0,
+        examples.extend(judged.map(|(curve, evidence): (_, &Evidence)| {
+            let is_right = right::is_right(&still.truth, curve) && evidence.is_shown();
+            let label = match right::is_false(&still.truth, curve) {
+                _ if is_right => Label::of(CurveClass::Rope),
+                true => label_of_thing(class, seed),
+                false => Label::of(CurveClass::Fragment),
+            };
+            Example {
+                evidence: *evidence,
+                label: label.for_maker(evidence.maker),
+                is_fitted: seed / 4 % 2 == 0,
+            }
         }));
     }
     Ok(())
 }
 
-/// Extracts from labeled pictures with every kind of mask.
-fn look_at_labelled(folder: &Path, examples: &mut Vec<Example>) -> Result<()> {
-    for (number, picture) in labelled::photographs(folder)?.enumerate() {
-        let picture = picture?;
-        let rgb = picture.photo.to_rgb8();
-        let [width, height] = [rgb.width() as usize, rgb.height() as usize];
-        let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
-        let mask = picture.mask();
-        let mut random = SplitMix64::of_stream(number as u64, 0xC0F2);
-        let uneven = masks::uneven(&mask, width, &mut random);
-        for (how, mask) in kinds(&image, number as u64, [&mask, &uneven]) {
-            let (curves, judged) = extract(&image, how, mask)?;
-            let right = picture.is_whole(&curves);
-            examples.extend(
-                judged
-                    .iter()
-                    .zip(right)
-                    .map(|(evidence, is_right)| Example {
-                        evidence: *evidence,
-                        is_right: is_right && evidence.is_shown(),
-                        is_fitted: number / 4 % 2 == 0,
-                    }),
-            );
+/// Returns what is known of a curve that is off every rope.
+fn label_of_thing(class: Class, seed: u64) -> Label {
+    use CurveClass::{Edge, Mark, Pen, Rim, Shadow};
+    match class {
+        Class::HardShadow | Class::SoftShadow => Label::of(Shadow),
+        Class::Things => Label::of([Pen, Pen, Edge, Rim, Mark][seed as usize % 5]),
+        _ => Label::of_thing(),
+    }
+}
+
+/// Calls `look` with each item, on two threads, and returns its examples in the items' order.
+fn in_parallel<T: Sync>(
+    items: &[T],
+    look: impl Fn(&T, &mut Vec<Example>) -> Result<()> + Sync,
+) -> Result<Vec<Example>> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(number) else {
+                return anyhow::Ok(found);
+            };
+            let mut examples = Vec::new();
+            look(item, &mut examples)?;
+            found.push((number, examples));
         }
+    };
+    let mut all = std::thread::scope(|scope| {
+        let threads = [(); THREADS].map(|()| scope.spawn(work));
+        let mut all = Vec::new();
+        for thread in threads {
+            all.extend(thread.join().expect("the thread does not panic")?);
+        }
+        anyhow::Ok(all)
+    })?;
+    all.sort_by_key(|(number, _)| *number);
+    Ok(all.into_iter().flat_map(|(_, examples)| examples).collect())
+}
+
+/// Extracts from labeled pictures with every kind of mask. If `are_warped`, three of four pictures
+/// are warped first.
+fn look_at_labelled(folder: &Path, are_warped: bool, examples: &mut Vec<Example>) -> Result<()> {
+    let pictures: Vec<_> = labelled::photographs(folder)?.enumerate().collect();
+    examples.extend(in_parallel(&pictures, |(number, picture), examples| {
+        let mut picture = picture.load()?;
+        if are_warped && number % 4 != 0 {
+            let mut random = SplitMix64::of_stream(*number as u64, 0xC0F3);
+            let warp = Warp::draw(&mut random);
+            picture.map(|photo| warp.picture(photo), |label| warp.labels(label));
+        }
+        look_at_one(*number, &picture, examples)
+    })?);
+    Ok(())
+}
+
+fn look_at_one(number: usize, picture: &Labelled, examples: &mut Vec<Example>) -> Result<()> {
+    let rgb = picture.photo.to_rgb8();
+    let [width, height] = [rgb.width() as usize, rgb.height() as usize];
+    let image = Image::new(&rgb, width, height, 3 * width, PixelFormat::Rgb8)?;
+    let mask = picture.mask();
+    let mut random = SplitMix64::of_stream(number as u64, 0xC0F2);
+    let uneven = masks::uneven(&mask, width, &mut random);
+    for (how, mask) in kinds(&image, number as u64, [&mask, &uneven]) {
+        let (curves, judged) = extract(&image, how, mask)?;
+        let right = picture.is_whole(&curves);
+        let all = curves.iter().zip(judged).zip(right);
+        examples.extend(all.map(|((curve, evidence), is_right)| {
+            let label = match picture.is_off(curve) {
+                _ if is_right && evidence.is_shown() => Label::of(CurveClass::Rope),
+                true => Label::of_thing(),
+                false => Label::of(CurveClass::Fragment),
+            };
+            Example {
+                evidence,
+                label: label.for_maker(evidence.maker),
+                is_fitted: number / 4 % 2 == 0,
+            }
+        }));
     }
     Ok(())
 }
@@ -330,5 +405,5 @@ fn extract(image: &Image, how: Mask, mask: Option<&[u8]>) -> Result<(Vec<Curve>,
             extractor.extract_masked(image, &mask)?.curves.to_vec()
         }
     };
-    Ok((curves, extractor.evidence().to_vec()))
+    Ok((curves, extractor.evidence().copied().collect()))
 }

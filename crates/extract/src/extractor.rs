@@ -1,8 +1,8 @@
 //! The steps of an extraction in their order, and their memory from frame to frame.
 
 mod cuts;
-mod doubts;
 mod hypothesis;
+mod judgement;
 mod lines;
 mod meant;
 mod seek;
@@ -12,7 +12,6 @@ mod warm_up;
 
 use crate::bitmap::bits::BitPlane;
 use crate::centerline::line::MOST_PIECES;
-use crate::confidence::Evidence;
 use crate::crossings::Crosser;
 use crate::following::Follower;
 use crate::image::unpack::Unpacker;
@@ -22,7 +21,6 @@ use crate::notice::Notice;
 use crate::options::{Mask, Method, Options, OptionsError};
 use crate::scene::{Crossing, Curve, Scene, Status};
 use crate::tracking::track::Tracker;
-use doubts::Judgement;
 use hypothesis::Hypothesis;
 use lariat_network::Network;
 use meant::Meant;
@@ -82,9 +80,10 @@ pub struct Extractor {
     tracer: Tracer,
     found: Hypothesis,
     other: Hypothesis,
-    /// The judgement of the best hypothesis, whose curves then become tracks.
-    judgement: Judgement,
+    /// The curves of the best hypothesis become tracks.
     tracker: Tracker,
+    /// The most important doubt about the reported curves.
+    doubt: Option<Notice>,
     crosser: Crosser,
     crossings: Vec<Crossing>,
     /// The ropes that the user asked for.
@@ -112,8 +111,8 @@ impl Extractor {
             tracer: Tracer::default(),
             found: Hypothesis::default(),
             other: Hypothesis::default(),
-            judgement: Judgement::default(),
             tracker: Tracker::default(),
+            doubt: None,
             crosser: Crosser::default(),
             crossings: Vec::new(),
             meant: Meant::default(),
@@ -362,14 +361,14 @@ impl Extractor {
 
     /// Updates the tracks with this image's curves, and finds crossings, notices and confidence.
     fn report(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        self.drop_unlikely(image);
+        self.drop_unlikely();
         let (curves, appearances) = (&mut self.found.curves, &mut self.found.appearances[..]);
         let [seen, count] =
             (self.tracker).update(curves, self.found.count, appearances, &self.options);
         self.found.count = count;
         self.crosser
             .find(image, &self.found.curves[..seen], &mut self.crossings);
-        self.doubt(image, seen);
+        self.judge(seen);
         self.anchor(image, seen);
         after(Step::Points);
     }
@@ -442,8 +441,6 @@ impl Extractor {
         let &Options { points, ropes, .. } = &self.options;
         (self.tracer).reserve(&self.masker.mask, &self.options, &self.tracker);
         self.masker.reserve(width, height);
-        self.judgement.doubts.reserve(MOST_PIECES);
-        self.judgement.evidence.reserve(MOST_PIECES);
         self.tracker.reserve(points);
         self.follower.reserve(ropes, points, [width, height]);
         if !self.options.at.is_empty() {
@@ -491,12 +488,6 @@ impl Extractor {
         self.tracker.reset();
         self.meant.forget();
         self.still.forget();
-    }
-
-    /// The evidence behind the confidence of each curve, in the curves' order, for calibration. It
-    /// belongs to the last image with a full extraction, without lost ropes.
-    pub fn evidence(&self) -> &[Evidence] {
-        &self.judgement.evidence
     }
 
     /// The mask of the last image.

@@ -91,12 +91,12 @@
 mod bitmap;
 mod centerline;
 mod clustering;
-mod confidence;
 mod crossings;
 mod extractor;
 mod following;
 mod graph;
 mod image;
+mod judge;
 mod knot;
 mod mask;
 mod notice;
@@ -111,9 +111,9 @@ mod statistics;
 mod tracking;
 mod vec2;
 
-pub use confidence::{Evidence, Maker};
 pub use extractor::{Extractor, Step};
 pub use image::{Image, ImageError, PixelFormat, Region};
+pub use judge::{Class, Evidence, Maker, Verdict};
 pub use knot::{CrossingSequence, Pass};
 pub use lariat_network::{Network, NetworkError};
 pub use mask::{MaskError, MaskLevels, mask_levels, mask_of};

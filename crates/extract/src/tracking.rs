@@ -5,7 +5,6 @@ mod complete;
 mod matching;
 pub(crate) mod noise;
 pub(crate) mod part;
-pub(crate) mod plausible;
 pub(crate) mod refit;
 pub(crate) mod tips;
 pub(crate) mod track;

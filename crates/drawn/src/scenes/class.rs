@@ -107,6 +107,9 @@ pub enum Class {
     /// A bend of the rope, by up to 90°, is outside the picture. It extends 1 to 3.5 widths beyond
     /// the border, over up to 14 widths of rope.
     Returning,
+    /// One to three ropes of 8 to 45 widths, laid straight, in an even arc, or as a ring: like pens
+    /// and rims.
+    Laid,
 }
 
 impl Class {
@@ -168,6 +171,9 @@ impl Class {
         Self::Returning,
     ];
 
+    /// Classes of ropes with the shapes of other objects, on a plain table.
+    pub const PLAIN: [Self; 1] = [Self::Laid];
+
     /// Returns whether the ropes are on a surface as in photographs.
     pub fn is_composed(self) -> bool {
         matches!(
@@ -222,6 +228,7 @@ impl Class {
             Self::Covered => "covered",
             Self::Jpeg => "jpeg",
             Self::Returning => "returning",
+            Self::Laid => "laid",
         }
     }
 }
@@ -239,6 +246,7 @@ impl FromStr for Class {
         let mut classes = Self::ALL.to_vec();
         classes.extend(Self::HARD.iter().filter(|class| !Self::ALL.contains(class)));
         classes.extend(Self::SHAPES);
+        classes.extend(Self::PLAIN);
         let found = classes.iter().find(|class| class.name() == name);
         found.copied().ok_or_else(|| {
             let names: Vec<_> = classes.iter().map(|class| class.name()).collect();

@@ -81,6 +81,7 @@ pub(super) fn lay(class: Class, random: &mut SplitMix64, size_px: Vec2) -> Optio
             Class::Border => leaving(&rules, random, size_px, width_px),
             Class::Returning => returning(&rules, random, size_px, width_px),
             Class::Taut => taut(&rules, random, size_px, width_px),
+            Class::Laid => laid_out(&rules, random, size_px, width_px),
             // The object is in the rest of the picture.
             Class::Things => {
                 let left_px = [thing::FROM * size_px[0], size_px[1]];
@@ -137,6 +138,22 @@ fn free(
     let seen_px: Vec<[f64; 2]> = lines.iter().map(|line| [0.0, line.length_px()]).collect();
     crossings_as_asked(&lines, &seen_px, rules, width_px)?;
     let lines: Vec<Line> = lines.iter().map(refined).collect();
+    finish(lines, width_px, rules, random)
+}
+
+/// Makes ropes that are straight or evenly bent.
+fn laid_out(
+    rules: &Rules,
+    random: &mut SplitMix64,
+    size_px: Vec2,
+    width_px: f64,
+) -> Option<Layout> {
+    let room = room(size_px, width_px);
+    let lines: Vec<Line> = (0..rules.ropes)
+        .map(|_| refined(&shape::even(random, size_px, width_px)))
+        .collect();
+    let fits = |line: &Line| room.holds(line) && bends_enough(line, width_px);
+    lines.iter().all(fits).then_some(())?;
     finish(lines, width_px, rules, random)
 }
 

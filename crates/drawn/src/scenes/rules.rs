@@ -65,6 +65,11 @@ impl Rules {
                 rules.swing = [0.0, 0.3];
             }
             Class::Taut => rules.crossings = 0..=0,
+            Class::Laid => {
+                rules.crossings = 0..=1;
+                rules.sin[0] = 0.5;
+                rules.ropes = 1 + (random.next_u64() % 3) as usize;
+            }
             composed if composed.is_composed() => {
                 rules.crossings = 0..=3;
                 rules.ropes = 1 + (random.next_u64() % 3) as usize;

@@ -106,6 +106,34 @@ pub(super) fn taut(random: &mut SplitMix64, size_px: Vec2) -> Line {
     Line::through(&points, false, TRIAL_SEGMENTS)
 }
 
+/// Makes a line of one curvature: straight, an arc, or a ring.
+pub(super) fn even(random: &mut SplitMix64, size_px: Vec2, width_px: f64) -> Line {
+    let length_px = width_px * random.uniform(8.0, 45.0);
+    let turns = match random.uniform(0.0, 1.0) {
+        kind if kind < 0.4 => random.uniform(0.0, 0.02),
+        kind if kind < 0.85 => random.uniform(0.02, 0.8),
+        _ => 1.0,
+    };
+    let closed = turns == 1.0;
+    let heading = random.uniform(0.0, 1.0);
+    let step_px = length_px / TRIAL_SEGMENTS as f64;
+    let mut at = [0, 1].map(|k| size_px[k] * random.uniform(0.1, 0.9));
+    let mut points = vec![at];
+    for i in 1..TRIAL_SEGMENTS + usize::from(!closed) {
+        let turn = heading + turns * (i as f64 - 0.5) / TRIAL_SEGMENTS as f64;
+        at = [
+            at[0] + step_px * cos_turns(turn),
+            at[1] + step_px * sin_turns(turn),
+        ];
+        points.push(at);
+    }
+    Line {
+        points,
+        closed,
+        step_px,
+    }
+}
+
 /// Makes a closed curve that fills the room.
 pub(super) fn closed(random: &mut SplitMix64, room: Room) -> Line {
     let waves: [[f64; 4]; 4] = std::array::from_fn(|k| {

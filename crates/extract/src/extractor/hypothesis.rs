@@ -1,8 +1,15 @@
 //! A hypothesis of the ropes in an image: the curves traced in one mask.
 
-use crate::confidence::remainder::Remainder;
+use crate::judge::remainder::Remainder;
+use crate::judge::{self, Class, Context};
 use crate::scene::Curve;
 use crate::tracking::track::Appearance;
+
+/// Probability from which a curve is more likely a whole rope than not.
+pub(super) const SURE: f32 = 0.5;
+/// Probability below which a curve is not worth reporting where the network sees more or nothing:
+/// four of five such curves are wrong.
+pub(super) const UNLIKELY: f32 = 0.2;
 
 /// Curves traced in a mask, and what is known of them before they are judged. Hypotheses of the same
 /// image are compared; one of them is reported.
@@ -46,15 +53,28 @@ impl Hypothesis {
         self.seen().iter().map(|curve| curve.length_px).sum()
     }
 
-    /// Mean confidence of the curves, weighted by length; 0 without curves.
-    pub(super) fn mean_confidence(&self) -> f32 {
-        let curves = self.seen().iter();
-        let (sum, length_px) = curves.fold((0.0, 0.0), |(sum, length_px), curve| {
-            (
-                sum + curve.confidence * curve.length_px,
-                length_px + curve.length_px,
-            )
-        });
-        sum / f32::max(length_px, 1.0)
+    /// Judges each curve by itself and by the others.
+    pub(super) fn judge(&mut self, context: &Context) {
+        for i in 0..self.count {
+            let left_out = self.remainder.beside(&self.curves[i]);
+            let color = |k: usize| self.appearances[k].color;
+            let evidence = judge::evidence((self.seen(), color), i, left_out, context);
+            self.curves[i].confidence = evidence.verdict(false).confidence;
+            self.appearances[i].evidence = evidence;
+        }
+    }
+
+    /// Returns whether curve `i` is less likely a rope than something else, other than a part of
+    /// one.
+    pub(super) fn is_thing(&self, i: usize) -> bool {
+        let verdict = self.appearances[i].evidence.verdict(false);
+        verdict.confidence < SURE && verdict.other != Class::Fragment
+    }
+
+    /// Expected length of right rope, in pixels, less what a wrong curve costs. Curves that are
+    /// [`UNLIKELY`] are worth nothing.
+    pub(super) fn score(&self) -> f32 {
+        let worth = |curve: &Curve| (curve.confidence - UNLIKELY).max(0.0) * curve.length_px;
+        self.seen().iter().map(worth).sum()
     }
 }

@@ -7,13 +7,13 @@ use super::hypothesis::Hypothesis;
 use super::tracer::{Observation, Tracer};
 use crate::centerline::line::{Line, MOST_PIECES};
 use crate::centerline::source::Source;
-use crate::confidence::{self, Context};
 use crate::image::ray::LANES;
 use crate::image::{Image, color};
+use crate::judge::Evidence;
 use crate::mask::RopeMask;
 use crate::occlusion::bridge::Gap;
 use crate::options::Method;
-use crate::scene::{Curve, Status};
+use crate::scene::Curve;
 use crate::statistics::median;
 use crate::tracking::part::part;
 use crate::tracking::refit::{self, Refitter};
@@ -199,7 +199,6 @@ impl Tracer {
     pub(super) fn points(
         &mut self,
         of: &Observation,
-        context: Context,
         count: usize,
         mask: &RopeMask,
         found: &mut Hypothesis,
@@ -227,12 +226,31 @@ impl Tracer {
                 is_plain: !self.occluder.any(),
                 is_split: self.bridger.is_split,
                 free: covered == [false; 2] && tips::are_free(curve, &mask.bits),
+                evidence: Evidence::default(),
             });
             // Lines and curves have the same index from here on.
             self.lines.swap(found.count, l);
             found.count += 1;
         }
-        leave_out(of, context, &mut self.lines, found);
+    }
+
+    /// Leaves out the curves with the least confidence × length, if there are more than `most`.
+    pub(super) fn leave_out(&mut self, most: usize, found: &mut Hypothesis) {
+        while found.count > most {
+            let weight = |curve: &Curve| curve.confidence * curve.length_px;
+            let curves = found.seen().iter().enumerate();
+            let weights = curves.map(|(c, curve)| (weight(curve), c));
+            // Among equal weights, takes the last, which is that of the shortest curve.
+            let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+            let c = least.map_or(found.count - 1, |(_, c)| c);
+            let left_out = &found.curves[c];
+            found.is_crowded |= left_out.length_px > LONG * left_out.width_px;
+            // The order stays the same, because lines and curves share their index.
+            found.curves[c..found.count].rotate_left(1);
+            self.lines[c..found.count].rotate_left(1);
+            found.appearances.remove(c);
+            found.count -= 1;
+        }
     }
 
     /// Fills the next curve with the points of line `l`.
@@ -272,35 +290,6 @@ impl Tracer {
                 [within(0), within(1)]
             }
         }));
-    }
-}
-
-/// Leaves out the curves with the least confidence × length, if there are more than requested.
-fn leave_out(of: &Observation, context: Context, lines: &mut [Line], found: &mut Hypothesis) {
-    let (image, ropes) = (of.image, of.options.ropes);
-    if found.count <= ropes {
-        return;
-    }
-    for i in 0..found.count {
-        found.curves[i].status = Status::Ok;
-        let curves = &found.curves[..found.count];
-        let evidence = confidence::evidence(image, (curves, i), context);
-        found.curves[i].confidence = evidence.confidence();
-    }
-    while found.count > ropes {
-        let weight = |curve: &Curve| curve.confidence * curve.length_px;
-        let curves = found.curves[..found.count].iter().enumerate();
-        let weights = curves.map(|(c, curve)| (weight(curve), c));
-        // Among equal weights, takes the last, which is that of the shortest curve.
-        let least = weights.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let c = least.map_or(found.count - 1, |(_, c)| c);
-        let left_out = &found.curves[c];
-        found.is_crowded |= left_out.length_px > LONG * left_out.width_px;
-        // The order stays the same, because lines and curves share their index.
-        found.curves[c..found.count].rotate_left(1);
-        lines[c..found.count].rotate_left(1);
-        found.appearances.remove(c);
-        found.count -= 1;
     }
 }
 

@@ -1,7 +1,8 @@
 //! Decides when to run the network: if the table is not plain, if there is more on it than ropes,
 //! or if the curves found there are uncertain.
 
-use super::doubts::{SURE, THINNEST_PX};
+use super::hypothesis::SURE;
+use super::judgement::THINNEST_PX;
 use super::{Extractor, Step};
 use crate::image::Image;
 use crate::notice::Notice;
@@ -17,6 +18,11 @@ const TAKEN: u32 = 30;
 /// network's mask replace those of a table that seems plain, and ropes in the automatic mask
 /// replace those of picked colors.
 pub(crate) const SURER: f32 = 0.2;
+/// Minimum number of doubtful objects that are clutter. A single doubtful object is reported, with
+/// a notice.
+const MUCH: usize = 2;
+/// Difference from the table at which noise must not hide a rope: a quarter of all 256 levels.
+const HIDDEN: f32 = 64.0;
 
 /// The network's last answer, if it applies to further images.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,40 +30,23 @@ pub(super) enum Answer {
     /// No answer that applies.
     #[default]
     None,
-    /// The network found nothing better, and is skipped for this many images.
-    InVain(u32),
+    /// The network found nothing better, and is skipped for this many images. If it `denies` what
+    /// else is there, unlikely objects are left out.
+    InVain { images: u32, denies: bool },
     /// The network found ropes, on a pattern or with higher confidence. It runs first on this many
     /// images.
     Ropes { images: u32, are_surer: bool },
-    /// The network found no rope at an unlikely object, which is left out for this many images.
-    NoRope(u32),
 }
 
 impl Answer {
-    /// The answer that applies to the next image, as long as the network has not run on it.
-    fn next(self) -> Self {
-        match self {
-            Self::NoRope(images @ 2..) => Self::NoRope(images - 1),
-            Self::NoRope(_) | Self::Ropes { .. } => Self::None,
-            Self::None | Self::InVain(_) => self,
-        }
+    /// Returns whether the network found no rope at unlikely objects.
+    pub(super) fn denies(self) -> bool {
+        matches!(self, Self::InVain { denies, .. } if denies)
     }
 
-    /// Returns whether the answer was better than the result without the network.
-    fn was_better(self) -> bool {
-        matches!(
-            self,
-            Self::NoRope(_)
-                | Self::Ropes {
-                    are_surer: true,
-                    ..
-                }
-        )
-    }
-
-    /// Returns whether unlikely objects are left out.
-    pub(super) fn leaves_out(self) -> bool {
-        matches!(self, Self::NoRope(_))
+    /// Returns whether the network's ropes were surer than those found without it.
+    fn was_surer(self) -> bool {
+        matches!(self, Self::Ropes { are_surer, .. } if are_surer)
     }
 }
 
@@ -69,12 +58,14 @@ impl Extractor {
         }
         self.masker.run(image, &self.options.mask);
         self.trace_best(image, after);
-        let last = self.answer;
-        self.answer = last.next();
-        if self.is_cluttered(image) {
-            self.seek(image, after);
-        } else if !self.answer.leaves_out() && self.is_unsure(image, last) {
-            self.ask_as_well(image, after);
+        let was_surer = self.answer.was_surer();
+        if let Answer::Ropes { .. } = self.answer {
+            self.answer = Answer::None;
+        }
+        let is_cluttered = self.is_cluttered();
+        let is_asked = is_cluttered || self.is_unsure(was_surer);
+        if is_asked && !self.is_passed_over() {
+            self.ask_as_well(image, is_cluttered, after);
         }
         // A pattern is permanent.
         if self.masker.mask.notice == Some(Notice::CheckeredTable) && self.is_found_by_network() {
@@ -104,7 +95,10 @@ impl Extractor {
     /// Returns whether the network is skipped once more because it found nothing better.
     pub(super) fn is_passed_over(&mut self) -> bool {
         match &mut self.answer {
-            Answer::InVain(images @ 1..) => {
+            Answer::InVain {
+                images: images @ 1..,
+                ..
+            } => {
                 *images -= 1;
                 true
             }
@@ -112,84 +106,82 @@ impl Extractor {
         }
     }
 
-    /// Looks for ropes with the network. After a failure, it is skipped for a while.
-    fn seek(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        let is_all_doubted =
-            self.found.has_wide || self.judgement.doubts.iter().all(Option::is_some);
-        if is_all_doubted && self.is_passed_over() {
-            // The network found that they are not ropes.
-            self.found.count = 0;
-            return;
+    /// Returns whether all or much of the difference from a table that seems plain is something
+    /// other than ropes.
+    fn is_cluttered(&mut self) -> bool {
+        if self.options.mask != Mask::Auto || self.masker.mask.source.is_network() {
+            return false;
         }
-        if self.masker.seek_on_table(image) {
-            self.trace(image, None, after);
-        }
-        if self.found.count == 0 {
-            self.answer = Answer::InVain(IN_VAIN);
+        let count = self.found.count;
+        let has_something = !self.masker.mask.strips.used.is_empty();
+        match count {
+            _ if self.found.has_wide => {
+                self.masker.doubts_itself(Notice::TooWide);
+                true
+            }
+            0 if has_something => self.masker.doubts_itself(Notice::UnevenTable),
+            0 => self.masker.doubts_noise(HIDDEN),
+            _ if (0..count).filter(|&i| self.found.is_thing(i)).count() < MUCH => false,
+            _ => {
+                self.masker.doubts_itself(Notice::UnevenTable);
+                true
+            }
         }
     }
 
     /// Returns whether the automatic mask of a table that seems plain has given a rope that is
     /// uncertain or may be something else. This is checked while no rope is known yet, and after
-    /// the network was better. Clusterings are compared on one mask, so they are exempt.
-    fn is_unsure(&mut self, image: &Image, last: Answer) -> bool {
+    /// the network was surer. Clusterings are compared on one mask, so they are exempt.
+    fn is_unsure(&self, was_surer: bool) -> bool {
         let is_asked = self.options.mask == Mask::Auto && self.options.method == Method::Skeleton;
-        if !is_asked || self.masker.mask.source.is_network() || self.found.count == 0 {
+        if !is_asked || self.masker.mask.source.is_network() {
             return false;
         }
-        if !last.was_better() && self.tracker.knows_some(0.0) {
+        if !was_surer && self.tracker.knows_some(0.0) {
             return false;
         }
-        self.weigh(image);
         // A bridged rope is uncertain because of its cover, about which the network knows no more.
-        let is_bridged = |curve: &Curve| curve.hidden.contains(&true);
-        let is_weak = |(curve, doubt): (&Curve, &Option<Notice>)| {
-            let is_unsure = curve.confidence < SURE || doubt.is_some();
-            is_unsure && curve.width_px >= THINNEST_PX && !is_bridged(curve)
+        let is_weak = |curve: &Curve| {
+            let is_bridged = curve.hidden.contains(&true);
+            curve.confidence < SURE && curve.width_px >= THINNEST_PX && !is_bridged
         };
-        let mut weighed = self.found.seen().iter().zip(&self.judgement.doubts);
-        weighed.any(is_weak)
+        self.found.seen().iter().any(is_weak)
     }
 
-    /// Runs the network as well, and keeps the more confident result. If that is not the network's,
-    /// the network is skipped for a while. If the network is confident of as many ropes as were
-    /// found without it, those are kept, because they are more precise. Everything else that may
-    /// not be a rope is then dropped.
-    fn ask_as_well(&mut self, image: &Image, after: &mut dyn FnMut(Step)) {
-        if self.is_passed_over() {
-            return;
-        }
-        self.answer = Answer::InVain(IN_VAIN);
-        let (own, count) = (self.found.mean_confidence(), self.found.count);
-        let is_sure = |curve: &&Curve| curve.confidence >= SURE;
-        let sure = self.found.curves[..count].iter().filter(is_sure).count();
-        let unlikely = (0..count).filter(|&i| self.is_unlikely_thing(i)).count();
-        let is_split = sure > 0 && unlikely > 0 && sure + unlikely == count;
-        let is_covered = self
-            .found
-            .appearances
-            .iter()
+    /// Runs the network as well, and keeps the better hypothesis. On clutter, that is the network's
+    /// if it has any rope. If it is not the network's, the network is skipped for a while. What is
+    /// unlikely to be a rope is then dropped, if it is clutter or if the network is sure of its
+    /// ropes.
+    fn ask_as_well(&mut self, image: &Image, is_cluttered: bool, after: &mut dyn FnMut(Step)) {
+        let looks = self.found.appearances.iter();
+        let is_covered = looks
+            .take(self.found.count)
             .any(|look| look.covered.contains(&true));
         std::mem::swap(&mut self.found, &mut self.other);
+        let mut denies = is_cluttered;
         if self.masker.seek_as_well(image) {
             self.trace(image, None, after);
-            self.drop_unlikely(image);
-            let are_sure = self.found.seen().iter().all(|c| is_sure(&c));
-            let is_told = are_sure && self.masker.mask.source.is_seen_by_network();
-            let is_witness = is_told && is_split && self.found.count == sure;
-            let is_surer = self.found.mean_confidence() > own + SURER;
+            self.drop_unlikely();
+            denies |= self.is_found_by_network()
+                && self
+                    .found
+                    .seen()
+                    .iter()
+                    .all(|curve| curve.confidence >= SURE);
+            let least = self.other.score() + SURER * self.found.length_px();
             // If ropes end at an object on top of them, the network sees the same ropes but not the
             // object.
-            let sees_more = !is_covered || self.found.count != count;
-            if is_witness {
-                self.answer = Answer::NoRope(TAKEN);
-            } else if is_told && is_surer && sees_more {
-                let (images, are_surer) = (TAKEN, true);
+            let sees_more = !is_covered || self.found.count != self.other.count;
+            let is_better = is_cluttered || self.found.score() > least && sees_more;
+            if self.found.count > 0 && is_better {
+                let (images, are_surer) = (TAKEN, !is_cluttered);
                 self.answer = Answer::Ropes { images, are_surer };
                 return;
             }
         }
         self.masker.take_back();
         std::mem::swap(&mut self.found, &mut self.other);
+        let images = IN_VAIN;
+        self.answer = Answer::InVain { images, denies };
     }
 }

@@ -1,7 +1,7 @@
 //! From a mask to a hypothesis: the steps of a trace in their order, and their scratch memory.
 
-use super::doubts::context;
 use super::hypothesis::Hypothesis;
+use super::judgement::context;
 use super::{SOMETHING, Step};
 use crate::bitmap::bits::BitPlane;
 use crate::bitmap::strips::Strips;
@@ -157,7 +157,7 @@ impl Tracer {
         if source.is_network() {
             self.cut_connectors(image, joined);
         }
-        self.points(of, context(masker), joined, &masker.mask, found);
+        self.points(of, joined, &masker.mask, found);
         found.has_occluder = self.occluder.any();
         // Without meeting strands, the lines leave no remainder. Something far wider is not a rope.
         if (cut.is_some() || self.zones.has_meeting()) && !found.has_wide {
@@ -166,6 +166,8 @@ impl Tracer {
         } else {
             found.remainder.clear();
         }
+        found.judge(&context(image, masker));
+        self.leave_out(options.ropes, found);
     }
 
     /// Lists the skeleton of the mask, without objects over the ropes or parts that are too wide.

@@ -11,6 +11,7 @@ use super::matching::{self, Agreement, Shape, nearest_point};
 use super::turn::{align_ring, open_ring, reverse, rotate, signed_area};
 use super::usual::UsualLength;
 use crate::image::color;
+use crate::judge::Evidence;
 use crate::options::Options;
 use crate::past::{Past, State};
 use crate::scene::{Curve, Status};
@@ -109,6 +110,8 @@ pub(crate) struct Appearance {
     pub(crate) is_plain: bool,
     /// True if a rope of the prior was found to be several.
     pub(crate) is_split: bool,
+    /// What speaks for and against the curve.
+    pub(crate) evidence: Evidence,
 }
 
 impl Tracker {

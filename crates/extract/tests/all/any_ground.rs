@@ -107,7 +107,7 @@ fn a_table_that_was_not_plain_is_taken_for_such_for_a_while() {
         let bytes = over(plain, std::slice::from_ref(&rope));
         let scene = seen(&mut extractor, &bytes);
         assert!(is_found(&scene, &rope), "frame {k}");
-        makers.push(extractor.evidence()[0].maker);
+        makers.push(extractor.evidence().next().expect("a curve").maker);
     }
     assert_eq!([makers[0], makers[39]], [Maker::Network, Maker::Own]);
 }

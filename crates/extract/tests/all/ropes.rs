@@ -217,12 +217,16 @@ fn a_hose_under_thin_cables_is_one_rope() {
             let turn = std::f32::consts::PI * t;
             [160.0 - 110.0 * turn.cos(), 190.0 - 130.0 * turn.sin()]
         });
-        let cables = [100.0, 170.0, 240.0]
-            .map(|x: f32| Rope::along(8.0, RED, move |t| [x + 30.0 * t, 20.0 + 200.0 * t]));
+        let cables = [100.0, 170.0, 240.0].map(|x: f32| {
+            Rope::along(8.0, RED, move |t| {
+                [x + 30.0 * t + 9.0 * (5.0 * t).sin(), 20.0 + 200.0 * t]
+            })
+        });
         let ropes = [&[hose][..], &cables].concat();
         let mut extractor = extractor();
         let scene = see(&mut extractor, &table.draw(&ropes), &table);
-        assert_eq!(scene.curves.len(), ropes.len(), "{width_px} px");
+        let sure = scene.curves.iter().filter(|curve| curve.confidence >= 0.5);
+        assert_eq!(sure.count(), ropes.len(), "{width_px} px");
         for rope in &ropes {
             let found = |curve: &&lariat_extract::Curve| error(curve, rope).mean_px < 1.0;
             assert!(

@@ -30,19 +30,10 @@ fn are_told_apart(seed: u64) -> bool {
     judge.verdict().places() == [0; 6]
 }
 
-/// The mask alone misreads all of these: a strand is left out, or two are treated as one.
+/// A rate over seeds that nobody picked: a mask alone hides the order in one picture in two.
 #[test]
-fn what_the_mask_hides_the_picture_shows() {
-    for seed in [5011, 5060, 5102, 5122, 5142, 5152, 5182, 5207, 5212, 5225] {
-        assert!(are_told_apart(seed), "film {seed}");
-    }
-}
-
-/// Regressions: these were misread when cut at the first seams tried, or when judged only by their
-/// unexplained mask.
-#[test]
-fn of_several_readings_the_one_without_kinks_is_told() {
-    for seed in [5003, 5077, 5101, 5103, 5132, 5154, 5180, 5218, 5222, 5246] {
-        assert!(are_told_apart(seed), "film {seed}");
-    }
+fn of_two_tangled_ropes_most_are_told_apart() {
+    let seeds = 5300..5340;
+    let told = seeds.clone().filter(|&seed| are_told_apart(seed)).count();
+    assert!(told >= 28, "{told} of {}", seeds.count());
 }
